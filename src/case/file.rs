@@ -1,0 +1,322 @@
+//! Mirror of a case file: what may be written, in SI units with the unit in the key. What is absent is not simulated.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::cpu::fluid::Operator;
+use crate::geometry::sheet::FabricModel;
+
+/// A case file, version 1.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    /// Format of the file; must be 1.
+    pub version: u32,
+    /// One line for reports and pictures.
+    pub title: Option<String>,
+    /// The air; absent: none.
+    pub air: Option<Air>,
+    /// Lattice of the air.
+    pub resolution: Option<Resolution>,
+    /// What hangs or flies.
+    pub structure: Option<StructureTable>,
+    /// Fabric of the structure.
+    pub fabric: Option<Fabric>,
+    /// Suspension lines.
+    pub lines: Option<Lines>,
+    /// Belts sewn on the seams; absent: none.
+    pub belts: Option<CableMaterial>,
+    /// Gravity; absent: none.
+    pub gravity: Option<Gravity>,
+    /// Coupling of air and fabric.
+    pub coupling: Option<Coupling>,
+    /// Solver of the fabric.
+    pub solver: Option<Solver>,
+    /// Simulated time; absent: no motion, only the equilibrium.
+    pub time: Option<Time>,
+    /// Static equilibrium, sought after the motion if there is one; absent: none.
+    pub equilibrium: Option<Equilibrium>,
+    /// Stop when the drag is known well enough; absent: run to the end.
+    pub steady: Option<Steady>,
+    /// What to write and how often.
+    pub output: Option<Output>,
+    /// Named changes to this case, e.g. a quick version.
+    #[serde(default)]
+    pub variants: BTreeMap<String, toml::Table>,
+}
+
+/// `[air]`; exactly one flow inside.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Air {
+    pub density_kg_m3: f64,
+    pub kinematic_viscosity_m2_s: f64,
+    pub wind_tunnel: Option<WindTunnel>,
+    pub taylor_green: Option<TaylorGreen>,
+}
+
+/// `[air.wind_tunnel]`: wind along +x between frictionless walls.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct WindTunnel {
+    pub speed_m_s: f64,
+    pub size_m: [f64; 3],
+    pub start_time_s: f64,
+    pub sponge_length_m: Option<f64>,
+}
+
+/// `[air.taylor_green]`: a periodic box of decaying vortices.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct TaylorGreen {
+    pub speed_m_s: f64,
+    pub side_m: f64,
+    pub depth_m: f64,
+}
+
+/// `[resolution]`; exactly one of the first two keys.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Resolution {
+    pub cells_per_diameter: Option<f64>,
+    pub cell_size_m: Option<f64>,
+    pub lattice_speed: f64,
+    pub reference_speed_m_s: Option<f64>,
+    pub operator: Operator,
+    pub smagorinsky_constant: Option<f64>,
+}
+
+/// `[structure]`; exactly one shape inside.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct StructureTable {
+    pub flat_circular: Option<FlatCircular>,
+    pub sheet: Option<Sheet>,
+    pub cable: Option<HangingCable>,
+    pub mesh: Option<MeshFile>,
+}
+
+/// `[structure.flat_circular]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct FlatCircular {
+    pub nominal_area_m2: f64,
+    pub gores: usize,
+    pub rings: usize,
+    pub confluence_m: [f64; 3],
+    pub apex_guide_n_m: Option<f64>,
+    pub folding: Folding,
+}
+
+/// `[structure.flat_circular.folding]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Folding {
+    pub folded_diameter_ratio: f64,
+    pub opened_diameter_ratio: f64,
+    pub loading_pressure_pa: f64,
+}
+
+/// `[structure.sheet]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Sheet {
+    pub size_m: [f64; 2],
+    pub divisions: [usize; 2],
+    pub model: FabricModel,
+    pub corner_m: [f64; 3],
+    pub hung_width_m: f64,
+}
+
+/// `[structure.cable]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct HangingCable {
+    pub ends_m: [[f64; 3]; 2],
+    pub length_m: f64,
+    pub segments: usize,
+    pub material: CableMaterial,
+}
+
+/// `[structure.mesh]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct MeshFile {
+    pub file: String,
+    pub scale: f64,
+    pub held_nodes: Vec<u32>,
+}
+
+/// `[fabric]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Fabric {
+    pub thickness_m: f64,
+    pub density_kg_m3: f64,
+    pub youngs_modulus_pa: f64,
+    pub weft_youngs_modulus_pa: Option<f64>,
+    pub poisson_ratio: f64,
+    pub shear_modulus_pa: Option<f64>,
+    pub residual_stiffness: Option<f64>,
+}
+
+/// A cable material.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct CableMaterial {
+    pub area_m2: f64,
+    pub density_kg_m3: f64,
+    pub youngs_modulus_pa: f64,
+}
+
+/// `[lines]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Lines {
+    pub count: usize,
+    pub length_m: f64,
+    pub area_m2: f64,
+    pub density_kg_m3: f64,
+    pub youngs_modulus_pa: f64,
+}
+
+/// `[gravity]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Gravity {
+    pub acceleration_m_s2: [f64; 3],
+}
+
+/// `[coupling]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Coupling {
+    pub over_relaxation: f64,
+    pub structure_every: u32,
+    /// Multiplies the mass of fabric and cables, to study light and heavy sheets.
+    pub mass_factor: Option<f64>,
+}
+
+/// `[solver]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Solver {
+    pub tolerance: Option<f64>,
+    pub evaluation_limit: Option<usize>,
+    pub damping_1_s: Option<f64>,
+}
+
+/// `[time]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Time {
+    pub end_s: f64,
+    /// Only without air, which has its own step.
+    pub step_s: Option<f64>,
+}
+
+/// `[equilibrium]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Equilibrium {
+    pub tolerance: f64,
+    pub evaluation_limit: usize,
+}
+
+/// `[steady]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Steady {
+    pub drag_confidence: f64,
+}
+
+/// `[output]`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct Output {
+    pub sample_interval_s: Option<f64>,
+    pub canopy_interval_s: Option<f64>,
+    pub flow_interval_s: Option<f64>,
+    pub picture_times_s: Option<Vec<f64>>,
+}

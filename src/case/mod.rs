@@ -1,0 +1,297 @@
+//! Case files: TOML text → [`file::File`] (what is written) → [`scene::Scene`] (checked, SI, absent = `None`).
+
+pub mod file;
+pub mod locate;
+pub mod scene;
+mod structure;
+
+use std::path::Path;
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+
+pub use scene::Scene;
+
+/// Shipped cases, embedded so that an installed binary can print them: name, text.
+pub const SHIPPED: [(&str, &str); 4] = [
+    (
+        "flat-circular-tunnel",
+        include_str!("../../cases/flat-circular-tunnel.toml"),
+    ),
+    (
+        "hanging-sheet",
+        include_str!("../../cases/hanging-sheet.toml"),
+    ),
+    (
+        "hanging-chain",
+        include_str!("../../cases/hanging-chain.toml"),
+    ),
+    (
+        "taylor-green",
+        include_str!("../../cases/taylor-green.toml"),
+    ),
+];
+
+/// What is wrong with a case, where, and what to do.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{message}")]
+pub struct CaseError {
+    message: String,
+    #[help]
+    help: Option<String>,
+    #[source_code]
+    source_code: Option<NamedSource<String>>,
+    #[label("{label}")]
+    span: Option<SourceSpan>,
+    label: String,
+}
+
+impl CaseError {
+    /// An error about a whole file.
+    pub(crate) fn about_file(message: String, help: &str) -> Self {
+        Self {
+            message,
+            help: Some(help.to_owned()),
+            source_code: None,
+            span: None,
+            label: String::new(),
+        }
+    }
+
+    fn located(
+        name: &str,
+        source: &str,
+        span: Option<std::ops::Range<usize>>,
+        label: &str,
+        problem: Problem,
+    ) -> Self {
+        Self {
+            message: problem.message,
+            help: Some(problem.help),
+            source_code: Some(NamedSource::new(name, source.to_owned())),
+            span: span.map(Into::into),
+            label: label.to_owned(),
+        }
+    }
+}
+
+/// A finding about one key, before it is located in the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Dotted path of the key.
+    pub key: String,
+    /// What is wrong, with the value.
+    pub message: String,
+    /// What is allowed and what to do.
+    pub help: String,
+}
+
+impl Problem {
+    /// A finding about `key`.
+    pub fn new(
+        key: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self {
+            key: key.into(),
+            message: message.into(),
+            help: help.into(),
+        }
+    }
+}
+
+/// What was asked for on the command line.
+#[derive(Debug, Clone, Default)]
+pub struct Choices {
+    /// Name of a variant in the file.
+    pub variant: Option<String>,
+    /// `key.path=value` overrides.
+    pub overrides: Vec<String>,
+}
+
+/// A checked case with the text it came from.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// File name as given.
+    pub name: String,
+    /// CRC-32 of the text with variant and overrides applied, in hexadecimal.
+    pub hash: String,
+    /// Variant taken, if any.
+    pub variant: Option<String>,
+    /// The checked scene.
+    pub scene: Scene,
+}
+
+/// Reads and checks a case file.
+pub fn load(path: &Path, choices: &Choices) -> Result<Case, CaseError> {
+    let name = path.display().to_string();
+    let source = std::fs::read_to_string(path).map_err(|error| {
+        CaseError::about_file(
+            format!("cannot read the case file {name}: {error}"),
+            "give the path of a TOML case file; `ripstop new flat-circular-tunnel > case.toml` writes one to start from",
+        )
+    })?;
+    parse(
+        &name,
+        &source,
+        path.parent().unwrap_or_else(|| Path::new(".")),
+        choices,
+    )
+}
+
+/// Checks the text of a case; mesh files are looked up relative to `folder`.
+pub fn parse(
+    name: &str,
+    source: &str,
+    folder: &Path,
+    choices: &Choices,
+) -> Result<Case, CaseError> {
+    let mut table: toml::Table = toml::from_str(source).map_err(|error| {
+        let problem = Problem::new(
+            "",
+            format!("{name} is not valid TOML: {}", error.message()),
+            "correct the marked place",
+        );
+        CaseError::located(name, source, error.span(), "here", problem)
+    })?;
+    let mut prefix = None;
+    if let Some(variant) = &choices.variant {
+        let known: Vec<String> = table
+            .get("variants")
+            .and_then(|v| v.as_table())
+            .map(|v| v.keys().cloned().collect())
+            .unwrap_or_default();
+        let changes = table
+            .get("variants")
+            .and_then(|v| v.get(variant))
+            .and_then(|v| v.as_table())
+            .cloned();
+        let Some(changes) = changes else {
+            let names = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            return Err(CaseError::about_file(
+                format!("{name} has no variant `{variant}`"),
+                &format!(
+                    "variants in this file: {names}; leave --variant out to run the case as written"
+                ),
+            ));
+        };
+        merge(&mut table, changes);
+        prefix = Some(format!("variants.{variant}."));
+    }
+    for change in &choices.overrides {
+        apply_override(&mut table, change)?;
+    }
+    let locate = |problem: Problem| {
+        let in_variant = prefix.as_ref().and_then(|prefix| {
+            let path = format!("{prefix}{}", problem.key);
+            let exists = lookup(&toml::from_str(source).ok()?, &path).is_some();
+            exists.then(|| locate::span_of(source, &path)).flatten()
+        });
+        let overridden = choices.overrides.iter().any(|change| {
+            change
+                .split('=')
+                .next()
+                .is_some_and(|key| key.trim() == problem.key)
+        });
+        let span = in_variant.or_else(|| locate::span_of(source, &problem.key));
+        let label = if overridden {
+            format!("{} was set by --set", problem.key)
+        } else {
+            problem.key.clone()
+        };
+        CaseError::located(name, source, span, &label, problem)
+    };
+    let text = toml::to_string(&table).unwrap_or_default();
+    let file: file::File = serde_path_to_error::deserialize(table).map_err(|error| {
+        let path = error.path().to_string();
+        let message = error.inner().message().to_owned();
+        // An unknown key is reported at its table; add the key itself to mark its line.
+        let unknown = message
+            .strip_prefix("unknown field `")
+            .and_then(|rest| rest.split('`').next());
+        let key = match unknown {
+            Some(field) if path == "." => field.to_owned(),
+            Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
+            _ => path,
+        };
+        let help = if unknown.is_some() {
+            "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
+        } else {
+            "see `ripstop new flat-circular-tunnel` for a complete case"
+        };
+        locate(Problem::new(key, format!("in {name}: {message}"), help))
+    })?;
+    let scene = scene::check(&file, folder).map_err(|problem| {
+        let message = format!("in {name}: {}", problem.message);
+        locate(Problem { message, ..problem })
+    })?;
+    Ok(Case {
+        name: name.to_owned(),
+        hash: format!("{:08x}", crc32fast::hash(text.as_bytes())),
+        variant: choices.variant.clone(),
+        scene,
+    })
+}
+
+fn lookup<'a>(table: &'a toml::Table, path: &str) -> Option<&'a toml::Value> {
+    let (first, rest) = path
+        .split_once('.')
+        .map_or((path, None), |(first, rest)| (first, Some(rest)));
+    let value = table.get(first)?;
+    match rest {
+        None => Some(value),
+        Some(rest) => lookup(value.as_table()?, rest),
+    }
+}
+
+/// Overwrites `base` with `changes`, table by table.
+fn merge(base: &mut toml::Table, changes: toml::Table) {
+    for (key, change) in changes {
+        match (base.get_mut(&key), change) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(change)) => merge(inner, change),
+            (_, change) => {
+                base.insert(key, change);
+            }
+        }
+    }
+}
+
+/// Applies one `key.path=value`.
+fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), CaseError> {
+    let refuse = |why: &str| {
+        CaseError::about_file(
+            format!("--set {change}: {why}"),
+            "write --set key.path=value, e.g. --set air.wind_tunnel.speed_m_s=20",
+        )
+    };
+    let (path, text) = change
+        .split_once('=')
+        .ok_or_else(|| refuse("there is no `=`"))?;
+    let value = match toml::from_str::<toml::Table>(&format!("value = {text}")) {
+        Ok(mut parsed) => parsed
+            .remove("value")
+            .ok_or_else(|| refuse("there is no value"))?,
+        // Bare words are strings.
+        Err(_) => toml::Value::String(text.trim().to_owned()),
+    };
+    let mut parts: Vec<&str> = path.trim().split('.').collect();
+    let last = parts
+        .pop()
+        .filter(|part| !part.is_empty())
+        .ok_or_else(|| refuse("there is no key"))?;
+    let mut target = table;
+    for part in parts {
+        let entry = target
+            .entry(part)
+            .or_insert_with(|| toml::Value::Table(toml::Table::new()));
+        target = entry
+            .as_table_mut()
+            .ok_or_else(|| refuse(&format!("`{part}` is not a table")))?;
+    }
+    target.insert(last.to_owned(), value);
+    Ok(())
+}

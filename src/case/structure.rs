@@ -1,0 +1,364 @@
+//! Checks of `[structure]`, `[fabric]`, `[lines]` and `[belts]`, and the building of the structure.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::Problem;
+use super::file::{self, File};
+use super::scene::{Body, BodyKind, Canopy, absent, positive, within};
+use crate::cloth::{Structure, Triangle};
+use crate::fabric::Fabric;
+use crate::fabric::membrane::Membrane;
+use crate::geometry::mesh::{obj, quality};
+use crate::geometry::parachute::gores::FlatCircular;
+use crate::geometry::parachute::{self, Rigging};
+use crate::geometry::{cable, sheet};
+use crate::lines::Cable;
+
+/// Builds the structure of a case, if it has one.
+pub(super) fn check(
+    file: &File,
+    folder: &Path,
+    gravity: Option<DVec3>,
+) -> Result<Option<Body>, Problem> {
+    let Some(table) = &file.structure else {
+        return Ok(None);
+    };
+    let body = match (
+        &table.flat_circular,
+        &table.sheet,
+        &table.cable,
+        &table.mesh,
+    ) {
+        (Some(canopy), None, None, None) => check_canopy(file, canopy)?,
+        (None, Some(sheet), None, None) => check_sheet(file, sheet)?,
+        (None, None, Some(cable), None) => check_cable(cable, gravity)?,
+        (None, None, None, Some(mesh)) => check_mesh(file, mesh, folder)?,
+        _ => {
+            return Err(Problem::new(
+                "structure",
+                "[structure] needs exactly one shape",
+                "add one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh]",
+            ));
+        }
+    };
+    Ok(Some(body))
+}
+
+fn check_fabric(file: &File) -> Result<Fabric, Problem> {
+    let written = file
+        .fabric
+        .as_ref()
+        .ok_or_else(|| absent("fabric", "the structure is made of fabric"))?;
+    let warp_modulus_pa = positive("fabric.youngs_modulus_pa", written.youngs_modulus_pa)?;
+    let weft_modulus_pa = positive(
+        "fabric.weft_youngs_modulus_pa",
+        written.weft_youngs_modulus_pa.unwrap_or(warp_modulus_pa),
+    )?;
+    let poisson_ratio = within("fabric.poisson_ratio", written.poisson_ratio, 0.0, 0.49)?;
+    if poisson_ratio * poisson_ratio * weft_modulus_pa >= warp_modulus_pa {
+        return Err(Problem::new(
+            "fabric.poisson_ratio",
+            "ν² E_weft ≥ E_warp: such a material would create energy",
+            "lower fabric.poisson_ratio",
+        ));
+    }
+    let isotropic = Fabric::isotropic_shear_modulus_pa(warp_modulus_pa, poisson_ratio);
+    Ok(Fabric {
+        thickness_m: positive("fabric.thickness_m", written.thickness_m)?,
+        density_kg_m3: positive("fabric.density_kg_m3", written.density_kg_m3)?,
+        warp_modulus_pa,
+        weft_modulus_pa,
+        poisson_ratio,
+        shear_modulus_pa: positive(
+            "fabric.shear_modulus_pa",
+            written.shear_modulus_pa.unwrap_or(isotropic),
+        )?,
+        residual_stiffness: within(
+            "fabric.residual_stiffness",
+            written.residual_stiffness.unwrap_or(1e-3),
+            0.0,
+            1.0,
+        )?,
+    })
+}
+
+fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Problem> {
+    Ok(Cable {
+        area_m2: positive(&format!("{key}.area_m2"), material.area_m2)?,
+        density_kg_m3: positive(&format!("{key}.density_kg_m3"), material.density_kg_m3)?,
+        youngs_modulus_pa: positive(
+            &format!("{key}.youngs_modulus_pa"),
+            material.youngs_modulus_pa,
+        )?,
+    })
+}
+
+fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {
+    const KEY: &str = "structure.flat_circular";
+    let key = |name: &str| format!("{KEY}.{name}");
+    let fabric = check_fabric(file)?;
+    let nominal_area_m2 = positive(&key("nominal_area_m2"), written.nominal_area_m2)?;
+    if !(3..=200).contains(&written.gores) {
+        return Err(Problem::new(
+            key("gores"),
+            format!("{} = {} is out of range", key("gores"), written.gores),
+            "a flat circular canopy has 3 to 200 gores",
+        ));
+    }
+    if !(2..=500).contains(&written.rings) {
+        return Err(Problem::new(
+            key("rings"),
+            format!("{} = {} is out of range", key("rings"), written.rings),
+            "allowed are 2 to 500 rings of triangles; 12 is the least that folds well",
+        ));
+    }
+    let lines = file
+        .lines
+        .as_ref()
+        .ok_or_else(|| absent("lines", "a canopy hangs on suspension lines"))?;
+    if lines.count != written.gores {
+        let message = if lines.count == 0 {
+            "lines.count = 0: nothing would hold the canopy".to_owned()
+        } else {
+            format!(
+                "lines.count = {} does not match {} gores",
+                lines.count, written.gores
+            )
+        };
+        return Err(Problem::new(
+            "lines.count",
+            message,
+            format!("give one line per seam: lines.count = {}", written.gores),
+        ));
+    }
+    let line_material = file::CableMaterial {
+        area_m2: lines.area_m2,
+        density_kg_m3: lines.density_kg_m3,
+        youngs_modulus_pa: lines.youngs_modulus_pa,
+    };
+    let folded_diameter_ratio = within(
+        &key("folding.folded_diameter_ratio"),
+        written.folding.folded_diameter_ratio,
+        0.02,
+        0.95,
+    )?;
+    let opened_diameter_ratio = within(
+        &key("folding.opened_diameter_ratio"),
+        written.folding.opened_diameter_ratio,
+        folded_diameter_ratio,
+        0.95,
+    )?;
+    let rigging = Rigging {
+        pattern: FlatCircular {
+            nominal_area_m2,
+            gores: written.gores,
+            rings: written.rings,
+        },
+        fabric,
+        belts: file
+            .belts
+            .as_ref()
+            .map(|belts| check_material("belts", belts))
+            .transpose()?,
+        lines: check_material("lines", &line_material)?,
+        line_length_m: positive("lines.length_m", lines.length_m)?,
+        confluence_m: DVec3::from_array(written.confluence_m),
+        folded_diameter_ratio,
+        apex_guide_n_m: written
+            .apex_guide_n_m
+            .map(|k| positive(&key("apex_guide_n_m"), k))
+            .transpose()?,
+    };
+    let mesh = parachute::gores::mesh(&rigging.pattern);
+    let structure = parachute::build(&rigging).ok_or_else(|| {
+        Problem::new(
+            "lines.length_m",
+            format!(
+                "lines of {} m are too short for the folded skirt",
+                lines.length_m
+            ),
+            "lengthen the lines, or fold tighter (folding.folded_diameter_ratio)",
+        )
+    })?;
+    Ok(Body {
+        quality: quality::measure(&mesh.flat_positions_m, &mesh.triangles),
+        kind: BodyKind::Canopy(Canopy {
+            nominal_area_m2,
+            nominal_diameter_m: rigging.pattern.nominal_diameter_m(),
+            canopy_node_count: mesh.flat_positions_m.len(),
+            opened_diameter_ratio,
+            loading_pressure_pa: positive(
+                &key("folding.loading_pressure_pa"),
+                written.folding.loading_pressure_pa,
+            )?,
+        }),
+        structure,
+    })
+}
+
+fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
+    const KEY: &str = "structure.sheet";
+    let key = |name: &str| format!("{KEY}.{name}");
+    let fabric = check_fabric(file)?;
+    for size in written.size_m {
+        positive(&key("size_m"), size)?;
+    }
+    if written.divisions.iter().any(|n| !(1..=5_000).contains(n)) {
+        return Err(Problem::new(
+            key("divisions"),
+            format!(
+                "{} = {:?} is out of range",
+                key("divisions"),
+                written.divisions
+            ),
+            "allowed are 1 to 5000 cells along each side",
+        ));
+    }
+    let hung_width_m = within(
+        &key("hung_width_m"),
+        written.hung_width_m,
+        0.05 * written.size_m[0],
+        written.size_m[0],
+    )?;
+    let shape = sheet::SheetShape {
+        size_m: written.size_m,
+        divisions: written.divisions,
+        corner_m: DVec3::from_array(written.corner_m),
+        across: DVec3::X,
+        down: -DVec3::Z,
+    };
+    let mut structure = sheet::build(&shape, &fabric, written.model).ok_or_else(|| {
+        Problem::new(
+            key("divisions"),
+            "the cells of the spring network are too elongated for this shear modulus: a spring would push on its own",
+            "make the cells squarer, or use model = \"membrane\"",
+        )
+    })?;
+    let positions = structure.positions_m.clone();
+    let [width, height] = written.size_m;
+    // Gather the width in a smooth bulge, so that the start is neither flat nor torn.
+    let ratio = hung_width_m / width;
+    let bulge = width * (0.5 * (1.0 - ratio * ratio)).max(0.0).sqrt() / std::f64::consts::PI;
+    for (place, rest) in structure.positions_m.iter_mut().zip(&positions) {
+        let s = (rest.x - shape.corner_m.x) / width;
+        let t = (shape.corner_m.z - rest.z) / height;
+        *place = DVec3::new(
+            shape.corner_m.x + s * hung_width_m,
+            rest.y + bulge * (std::f64::consts::PI * s).sin() * (1.0 + 0.2 * t),
+            rest.z,
+        );
+    }
+    for corner in [shape.node(0, 0), shape.node(written.divisions[0], 0)] {
+        structure.held[corner as usize] = true;
+    }
+    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
+    Ok(Body {
+        quality: quality::measure(&positions, &triangles),
+        kind: BodyKind::Sheet,
+        structure,
+    })
+}
+
+fn check_cable(written: &file::HangingCable, gravity: Option<DVec3>) -> Result<Body, Problem> {
+    const KEY: &str = "structure.cable";
+    let material = check_material(&format!("{KEY}.material"), &written.material)?;
+    let ends = written.ends_m.map(DVec3::from_array);
+    let span_m = ends[0].distance(ends[1]);
+    let length_m = positive(&format!("{KEY}.length_m"), written.length_m)?;
+    if length_m <= span_m {
+        return Err(Problem::new(
+            format!("{KEY}.length_m"),
+            format!("a cable of {length_m} m does not reach over {span_m} m"),
+            "make the cable longer than the distance of its ends",
+        ));
+    }
+    if !(2..=100_000).contains(&written.segments) {
+        return Err(Problem::new(
+            format!("{KEY}.segments"),
+            format!("{KEY}.segments = {} is out of range", written.segments),
+            "allowed are 2 to 100000 segments",
+        ));
+    }
+    let weight_n_m = material.mass_per_length_kg_m() * gravity.map_or(0.0, DVec3::length);
+    Ok(Body {
+        structure: cable::build(ends, length_m, written.segments, &material),
+        quality: None,
+        kind: BodyKind::Cable {
+            span_m,
+            length_m,
+            weight_n_m,
+        },
+    })
+}
+
+fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Body, Problem> {
+    const KEY: &str = "structure.mesh";
+    let fabric = check_fabric(file)?;
+    let path = folder.join(&written.file);
+    let scale = positive(&format!("{KEY}.scale"), written.scale)?;
+    let mesh = obj::read(&path, scale).map_err(|why| {
+        Problem::new(
+            format!("{KEY}.file"),
+            format!("cannot read the mesh {}: {why}", path.display()),
+            "give an OBJ file with triangles or polygons, relative to the case file",
+        )
+    })?;
+    let node_count = mesh.positions_m.len();
+    let mut structure = Structure {
+        positions_m: mesh.positions_m,
+        masses_kg: vec![0.0; node_count],
+        held: vec![false; node_count],
+        membrane: Some(Membrane::new(
+            fabric.stiffness_n_m(),
+            fabric.residual_stiffness,
+        )),
+        thickness_m: fabric.thickness_m,
+        ..Structure::default()
+    };
+    for (index, nodes) in mesh.triangles.iter().enumerate() {
+        let corners = nodes.map(|n| structure.positions_m[n as usize]);
+        let triangle = Triangle::from_rest_positions(*nodes, corners, DVec3::X).ok_or_else(|| {
+            Problem::new(
+                format!("{KEY}.file"),
+                format!(
+                    "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
+                    index + 1,
+                    path.display(),
+                    nodes[0] + 1,
+                    nodes[1] + 1,
+                    nodes[2] + 1,
+                    corners[0],
+                    corners[1],
+                    corners[2]
+                ),
+                "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
+            )
+        })?;
+        for node in nodes {
+            structure.masses_kg[*node as usize] +=
+                fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
+        }
+        structure.triangles.push(triangle);
+    }
+    for &node in &written.held_nodes {
+        let Some(held) = (node as usize)
+            .checked_sub(1)
+            .and_then(|n| structure.held.get_mut(n))
+        else {
+            return Err(Problem::new(
+                format!("{KEY}.held_nodes"),
+                format!("there is no node {node} in a mesh of {node_count} nodes"),
+                "nodes count from 1, as in the OBJ file",
+            ));
+        };
+        *held = true;
+    }
+    let triangles = mesh.triangles;
+    Ok(Body {
+        quality: quality::measure(&structure.positions_m, &triangles),
+        kind: BodyKind::Mesh,
+        structure,
+    })
+}

@@ -1,0 +1,17 @@
+//! `ripstop check CASE.toml`
+
+use clap::Args;
+
+use super::{CaseArguments, Failure};
+
+#[derive(Debug, Args)]
+pub(super) struct CheckArguments {
+    #[command(flatten)]
+    case: CaseArguments,
+}
+
+pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
+    let (case, plan) = arguments.case.prepare()?;
+    print!("{}", plan.report(&case.scene, rayon::current_num_threads()));
+    Ok(0)
+}

@@ -1,0 +1,160 @@
+//! The command line: one file per command, exit codes in one place.
+
+mod check;
+mod new;
+mod progress;
+mod run;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::case::{self, Case, CaseError, Choices};
+use crate::plan::{Plan, Precision, free_memory};
+
+/// Exit codes.
+pub mod exit {
+    /// Bad case or usage.
+    pub const BAD_CASE: u8 = 2;
+    /// No usable device.
+    pub const NO_DEVICE: u8 = 3;
+    /// The run diverged.
+    pub const DIVERGED: u8 = 20;
+    /// A file could not be written.
+    pub const OUTPUT_FAILED: u8 = 74;
+    /// Interrupted; what was computed is written.
+    pub const INTERRUPTED: u8 = 75;
+}
+
+/// Fluid–structure solver for parachutes and paragliders.
+#[derive(Debug, Parser)]
+#[command(version, about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a case to its end or to steady state.
+    Run(run::RunArguments),
+    /// Validate a case; print the plan, its sizes, and what it skips.
+    Check(check::CheckArguments),
+    /// Print a shipped case to start from.
+    New(new::NewArguments),
+}
+
+/// Where the air is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Engine {
+    /// The best engine this machine has.
+    Auto,
+    /// CPU threads.
+    Cpu,
+    /// GPU through wgpu.
+    Gpu,
+}
+
+/// How a case is read; shared by the commands that take one.
+#[derive(Debug, Args)]
+struct CaseArguments {
+    /// Case file (TOML).
+    case: PathBuf,
+    /// Variant of the case, such as `quick`.
+    #[arg(long)]
+    variant: Option<String>,
+    /// Change a key of the case; may be given several times.
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    overrides: Vec<String>,
+    /// Engine for the air.
+    #[arg(long, value_enum, default_value = "auto")]
+    engine: Engine,
+    /// Floating-point type of the air.
+    #[arg(long, value_enum, default_value = "f32")]
+    precision: Precision,
+    /// CPU threads; 0 takes all cores.
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+}
+
+/// What ends a command early.
+enum Failure {
+    Case(CaseError),
+    NoDevice(String),
+    Other(u8, String),
+}
+
+impl From<CaseError> for Failure {
+    fn from(error: CaseError) -> Self {
+        Self::Case(error)
+    }
+}
+
+impl CaseArguments {
+    /// Reads and checks the case, plans it, and refuses what does not fit.
+    fn prepare(&self) -> Result<(Case, Plan), Failure> {
+        if self.engine == Engine::Gpu {
+            return Err(Failure::NoDevice(
+                "this version has no GPU engine yet; use --engine cpu (or auto, which takes the CPU)".to_owned(),
+            ));
+        }
+        if self.threads > 0 {
+            // Fails only if a pool exists already, which a command-line run never has.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build_global();
+        }
+        let choices = Choices { variant: self.variant.clone(), overrides: self.overrides.clone() };
+        let case = case::load(&self.case, &choices)?;
+        let plan = Plan::new(&case.scene, self.precision);
+        if let Some(free) = free_memory()
+            && let Err(refusal) = plan.sizes.fit_into(free)
+        {
+            let air = case.scene.air.map(|air| air.cells);
+            return Err(Failure::Case(CaseError::about_file(
+                format!(
+                    "in {}: the case is too large for this machine: it needs {:.1} GB{}, and of {:.1} GB free memory at most 80 % may be taken",
+                    case.name,
+                    refusal.needed as f64 / 1e9,
+                    air.map_or_else(String::new, |[x, y, z]| format!(" for {x} x {y} x {z} cells")),
+                    refusal.free as f64 / 1e9
+                ),
+                "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
+            )));
+        }
+        Ok((case, plan))
+    }
+}
+
+/// Runs the program with the process's arguments.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let code = if error.use_stderr() { exit::BAD_CASE } else { 0 };
+            // Printing help to a closed pipe is not worth a failure.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let result = match &cli.command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::Check(arguments) => check::check(arguments),
+        Command::New(arguments) => new::new(arguments),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(Failure::Case(error)) => {
+            eprintln!("{:?}", miette::Report::new(error));
+            ExitCode::from(exit::BAD_CASE)
+        }
+        Err(Failure::NoDevice(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(exit::NO_DEVICE)
+        }
+        Err(Failure::Other(code, message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(code)
+        }
+    }
+}

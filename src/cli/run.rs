@@ -1,0 +1,81 @@
+//! `ripstop run CASE.toml`
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+
+use super::progress::Progress;
+use super::{CaseArguments, Failure, exit};
+use crate::run::{self, Report, RunError};
+
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    case: CaseArguments,
+    /// Folder for all results.
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
+pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    let (case, plan) = arguments.case.prepare()?;
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupt);
+    if let Err(error) = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)) {
+        eprintln!("warning: an interrupt will stop the run without its results: {error}");
+    }
+    let mut progress = Progress::new();
+    let result = run::run(&case, plan, &arguments.out, &interrupt, &mut progress);
+    progress.finish();
+    match result {
+        Ok(report) => {
+            print_report(&report, &arguments.out);
+            Ok(if report.interrupted { exit::INTERRUPTED } else { 0 })
+        }
+        Err(error) => {
+            let code = match &error {
+                RunError::Diverged(_) => exit::DIVERGED,
+                RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
+            };
+            let kept = if code == exit::DIVERGED {
+                format!("\nresults up to then are in {}", arguments.out.display())
+            } else {
+                String::new()
+            };
+            Err(Failure::Other(code, format!("{error}{kept}")))
+        }
+    }
+}
+
+fn print_report(report: &Report, out: &std::path::Path) {
+    let summary = &report.summary;
+    println!("{}", summary.case.title);
+    print!("{}", summary.table());
+    println!("stopped: {} (t = {:.4} s)", summary.stop.reason, summary.stop.when_s);
+    let cost = &summary.milliseconds_per_step;
+    let text: Vec<String> =
+        [("fluid", cost.fluid), ("coupling", cost.coupling), ("cloth", cost.cloth), ("measure", cost.other)]
+            .iter()
+            .filter_map(|(name, value)| value.map(|v| format!("{name} {v:.2}")))
+            .collect();
+    if !text.is_empty() {
+        println!("ms per step: {}", text.join(", "));
+    }
+    if let Some(rate) = summary.million_lattice_updates_per_s {
+        println!(
+            "{} steps in {:.1} s; air: {rate:.0} million lattice updates per second on {} threads ({})",
+            summary.steps, summary.wall_s, summary.threads, summary.precision
+        );
+    } else {
+        println!("{} steps in {:.1} s", summary.steps, summary.wall_s);
+    }
+    for note in &summary.notes {
+        println!("note: {note}");
+    }
+    if let Some(picture) = &report.last_picture {
+        println!("picture: {}", picture.display());
+    }
+    println!("all results: {}", out.display());
+}

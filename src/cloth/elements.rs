@@ -1,0 +1,173 @@
+//! Finite elements of fabric: their rest state and their kinematics.
+//!
+//! A membrane triangle is described by the squared elongations of its edges, s_i = l_i² − L_i² (Delingette 2008): the
+//! Green strain is linear in them, E = B s, so forces act along the edges only and any St Venant–Kirchhoff law, also an
+//! orthotropic one, is represented exactly.
+
+use glam::{DVec2, DVec3};
+
+use crate::frame::CableKind;
+
+/// Rest state of a membrane triangle.
+#[derive(Debug, Clone, Copy)]
+pub struct Triangle {
+    /// Nodes.
+    pub nodes: [u32; 3],
+    /// Rest area [m²].
+    pub rest_area_m2: f64,
+    /// Squared rest lengths of the edges (1→2, 2→0, 0→1) [m²].
+    pub rest_squares_m2: [f64; 3],
+    /// B of E = B s: rows xx, yy, 2·xy in fabric axes (x along the warp) [1/m²].
+    pub strain_from_squares: [[f64; 3]; 3],
+}
+
+/// Edge i runs from `EDGES[i][0]` to `EDGES[i][1]`, opposite node i.
+pub const EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+
+impl Triangle {
+    /// Triangle with the given rest shape in fabric axes [m]; `None` if its area is zero or not finite.
+    #[must_use]
+    pub fn new(nodes: [u32; 3], rest_m: [DVec2; 3]) -> Option<Self> {
+        let edges = EDGES.map(|[from, to]| rest_m[to] - rest_m[from]);
+        let rest_area_m2 = 0.5 * edges[2].perp_dot(-edges[1]).abs();
+        let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+        if !(rest_area_m2.is_finite() && rest_area_m2 > 1e-9 * longest && longest > 0.0) {
+            return None;
+        }
+        // s_i = 2 (dx² Exx + dy² Eyy + dx dy · 2Exy); invert the 3×3 matrix.
+        let d = edges.map(|e| DVec3::new(e.x * e.x, e.y * e.y, e.x * e.y) * 2.0);
+        let matrix = glam::DMat3::from_cols(d[0], d[1], d[2]).transpose();
+        let inverse = matrix.inverse();
+        let strain_from_squares = [0, 1, 2].map(|row| inverse.row(row).to_array());
+        if !strain_from_squares.iter().flatten().all(|b| b.is_finite()) {
+            return None;
+        }
+        Some(Self {
+            nodes,
+            rest_area_m2,
+            rest_squares_m2: edges.map(|e| e.length_squared()),
+            strain_from_squares,
+        })
+    }
+
+    /// Triangle whose rest shape is flat in space, with the warp along the projection of `warp`.
+    #[must_use]
+    pub fn from_rest_positions(nodes: [u32; 3], rest_m: [DVec3; 3], warp: DVec3) -> Option<Self> {
+        let normal = (rest_m[1] - rest_m[0])
+            .cross(rest_m[2] - rest_m[0])
+            .try_normalize()?;
+        let x = (warp - normal * warp.dot(normal))
+            .try_normalize()
+            .or_else(|| (rest_m[1] - rest_m[0]).try_normalize())?;
+        let y = normal.cross(x);
+        Self::new(
+            nodes,
+            rest_m.map(|p| DVec2::new((p - rest_m[0]).dot(x), (p - rest_m[0]).dot(y))),
+        )
+    }
+
+    /// Vectors along the edges at present.
+    #[inline]
+    #[must_use]
+    pub fn edge_vectors(&self, positions: &[DVec3]) -> [DVec3; 3] {
+        let corners = self.nodes.map(|n| positions[n as usize]);
+        EDGES.map(|[from, to]| corners[to] - corners[from])
+    }
+
+    /// Green strain (xx, yy, 2·xy) for the given edge vectors.
+    #[inline]
+    #[must_use]
+    pub fn strain(&self, edges: &[DVec3; 3]) -> [f64; 3] {
+        let s: [f64; 3] =
+            std::array::from_fn(|i| edges[i].length_squared() - self.rest_squares_m2[i]);
+        self.strain_from_squares
+            .map(|row| row[0] * s[0] + row[1] * s[1] + row[2] * s[2])
+    }
+
+    /// Twice the present area times the unit normal [m²].
+    #[inline]
+    #[must_use]
+    pub fn doubled_area_vector(&self, positions: &[DVec3]) -> DVec3 {
+        let [a, b, c] = self.nodes.map(|n| positions[n as usize]);
+        (b - a).cross(c - a)
+    }
+}
+
+/// A spring of a network.
+#[derive(Debug, Clone, Copy)]
+pub struct Spring {
+    /// Ends.
+    pub nodes: [u32; 2],
+    /// Rest length [m].
+    pub rest_length_m: f64,
+    /// Stiffness when stretched [N/m].
+    pub stiffness_n_m: f64,
+    /// Stiffness when shortened [N/m].
+    pub compressive_stiffness_n_m: f64,
+}
+
+/// Quadratic bending ½ k |x₋ − 2x + x₊|².
+#[derive(Debug, Clone, Copy)]
+pub struct Bending {
+    /// x₋, x, x₊.
+    pub nodes: [u32; 3],
+    /// Stiffness [N/m].
+    pub stiffness_n_m: f64,
+}
+
+/// A straight piece of a cable.
+#[derive(Debug, Clone, Copy)]
+pub struct CableSegment {
+    /// Ends.
+    pub nodes: [u32; 2],
+    /// Rest length [m].
+    pub rest_length_m: f64,
+    /// Axial stiffness EA [N].
+    pub axial_stiffness_n: f64,
+    /// What it is for.
+    pub kind: CableKind,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn homogeneous_deformations_give_the_exact_green_strain() {
+        let rest = [
+            DVec2::new(0.1, 0.2),
+            DVec2::new(0.9, 0.05),
+            DVec2::new(0.3, 0.8),
+        ];
+        let triangle = Triangle::new([0, 1, 2], rest).unwrap();
+        // x = F X with a 3×2 deformation gradient; E = ½ (FᵀF − I).
+        let f = [DVec3::new(1.1, 0.2, 0.3), DVec3::new(-0.1, 0.8, 0.5)];
+        let positions: Vec<DVec3> = rest.iter().map(|p| f[0] * p.x + f[1] * p.y).collect();
+        let strain = triangle.strain(&triangle.edge_vectors(&positions));
+        let expected = [
+            0.5 * (f[0].length_squared() - 1.0),
+            0.5 * (f[1].length_squared() - 1.0),
+            f[0].dot(f[1]),
+        ];
+        for k in 0..3 {
+            assert!((strain[k] - expected[k]).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_are_refused() {
+        let line = [
+            DVec2::new(0.0, 0.0),
+            DVec2::new(1.0, 1.0),
+            DVec2::new(2.0, 2.0),
+        ];
+        assert!(Triangle::new([0, 1, 2], line).is_none());
+        assert!(Triangle::new([0, 1, 2], [DVec2::ZERO; 3]).is_none());
+        let bad = [
+            DVec2::new(f64::NAN, 0.0),
+            DVec2::new(1.0, 1.0),
+            DVec2::new(2.0, 0.0),
+        ];
+        assert!(Triangle::new([0, 1, 2], bad).is_none());
+    }
+}

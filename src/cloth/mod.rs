@@ -1,0 +1,94 @@
+//! What a structure is made of, in SI units: nodes, membrane triangles, springs, cables, supports.
+//!
+//! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
+
+pub mod elements;
+
+use glam::DVec3;
+
+pub use elements::{Bending, CableSegment, Spring, Triangle};
+
+use crate::fabric::membrane::Membrane;
+use crate::frame::CableKind;
+
+/// A spring between a node and a fixed place, with its own stiffness along each axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guide {
+    /// Guided node.
+    pub node: u32,
+    /// Where the guide is at rest [m].
+    pub anchor_m: DVec3,
+    /// Stiffness along x, y, z [N/m]; zero leaves an axis free.
+    pub stiffness_n_m: DVec3,
+}
+
+/// Fabric and cables with their masses and supports.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    /// Start positions [m], `[node_count]`.
+    pub positions_m: Vec<DVec3>,
+    /// Lumped masses [kg], `[node_count]`.
+    pub masses_kg: Vec<f64>,
+    /// Nodes that never move, `[node_count]`.
+    pub held: Vec<bool>,
+    /// Membrane triangles; without a law (`membrane` absent) they only carry area, pressure and markers.
+    pub triangles: Vec<Triangle>,
+    /// Law of the membrane triangles; absent where a spring network carries the load.
+    pub membrane: Option<Membrane>,
+    /// Fabric thickness [m], to turn tensions into stresses.
+    pub thickness_m: f64,
+    /// Springs of a network.
+    pub springs: Vec<Spring>,
+    /// Second-difference bending terms of a network.
+    pub bendings: Vec<Bending>,
+    /// Cable segments.
+    pub cables: Vec<CableSegment>,
+    /// Lateral guides.
+    pub guides: Vec<Guide>,
+}
+
+impl Structure {
+    /// Number of nodes.
+    #[must_use]
+    pub const fn node_count(&self) -> usize {
+        self.positions_m.len()
+    }
+
+    /// Adds a cable through `nodes` with the given rest lengths, and its mass to the nodes.
+    pub fn add_cable(
+        &mut self,
+        nodes: &[u32],
+        rest_lengths_m: &[f64],
+        cable: &crate::lines::Cable,
+        kind: CableKind,
+    ) {
+        for (pair, &rest_length_m) in nodes.windows(2).zip(rest_lengths_m) {
+            let half = 0.5 * cable.mass_per_length_kg_m() * rest_length_m;
+            for &node in pair {
+                self.masses_kg[node as usize] += half;
+            }
+            self.cables.push(CableSegment {
+                nodes: [pair[0], pair[1]],
+                rest_length_m,
+                axial_stiffness_n: cable.axial_stiffness_n(),
+                kind,
+            });
+        }
+    }
+
+    /// Rest area of all triangles [m²].
+    #[must_use]
+    pub fn rest_area_m2(&self) -> f64 {
+        self.triangles.iter().map(|t| t.rest_area_m2).sum()
+    }
+
+    /// Bytes held by the engine for this structure, vectors of the minimiser included (`history` pairs).
+    #[must_use]
+    pub fn estimated_bytes(&self, history: usize) -> u64 {
+        let vectors = 3 * history + 12;
+        (self.node_count() * (vectors * 24 + 72)
+            + self.triangles.len() * size_of::<Triangle>()
+            + self.springs.len() * size_of::<Spring>()
+            + self.cables.len() * size_of::<CableSegment>()) as u64
+    }
+}

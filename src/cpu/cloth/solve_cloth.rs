@@ -1,0 +1,279 @@
+//! Stage `solve_cloth`: the implicit step as a minimisation, with the immersed-boundary reaction inside.
+//!
+//! Over the new positions x, with v = (x − xⁿ)/dt,
+//!
+//! Π(x) = ½ (v − v̂)ᵀ M (v − v̂) + E(x) − f·x + ½ dt β vᵀMv + ½ dt Σ_k K_k |v_k − u*_k|²  \[J\],
+//!
+//! v̂ = vⁿ, f gravity and (lagged) pressure, β mass-proportional damping, v_k the velocity of marker k and K_k its
+//! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). The inertia and reaction terms are
+//! absent in the static limit. Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
+//! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
+
+use glam::{DMat3, DVec3};
+
+use super::{Cloth, initial_hessian, nodal_forces};
+use crate::cloth::Structure;
+use crate::solve::VectorSpace;
+use crate::solve::lbfgs::{self, Options, Outcome};
+
+/// How hard the minimiser tries.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverSettings {
+    /// Tolerance of the energy norm √(gᵀH₀g), relative to that of the applied loads (fluid impulse, gravity, pressure).
+    pub tolerance: f64,
+    /// Stop when the largest displacement H₀g is below this, whatever the loads [m].
+    pub displacement_floor_m: f64,
+    /// Evaluations of the objective allowed in one solve.
+    pub evaluation_limit: usize,
+    /// Pairs kept by L-BFGS.
+    pub history: usize,
+    /// Iterations between refreshes of the initial Hessian within one solve.
+    pub refresh_every: Option<usize>,
+}
+
+/// One marker as the cloth feels it.
+#[derive(Debug, Clone, Copy)]
+pub struct MarkerReaction {
+    /// Triangle it sits on.
+    pub triangle: u32,
+    /// Barycentric weights.
+    pub weights: [f64; 3],
+    /// Immersed-boundary stiffness K [kg/s].
+    pub stiffness_kg_s: f64,
+    /// Velocity u* of the air at the marker [m/s].
+    pub air_velocity_m_s: DVec3,
+}
+
+/// What acts during one step.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StepInput<'a> {
+    /// Time step [s]; `None` asks for the static equilibrium.
+    pub time_step_s: Option<f64>,
+    /// Gravity [m/s²].
+    pub gravity_m_s2: DVec3,
+    /// Pressure jump along the triangle normals [Pa].
+    pub pressure_pa: f64,
+    /// Mass-proportional damping β [1/s].
+    pub damping_1_s: f64,
+    /// Markers; empty without air.
+    pub markers: &'a [MarkerReaction],
+}
+
+/// The objective, on host vectors.
+struct Objective<'a> {
+    structure: &'a Structure,
+    start: &'a [DVec3],
+    velocities: &'a [DVec3],
+    input: &'a StepInput<'a>,
+    /// Dead loads [N].
+    loads: Vec<DVec3>,
+    inverse_blocks: Vec<DMat3>,
+}
+
+impl Objective<'_> {
+    fn block_floor(&self) -> f64 {
+        // Stiffness below which a node counts as free [N/m]: a nanonewton per metre.
+        1e-9
+    }
+}
+
+impl VectorSpace for Objective<'_> {
+    type Vector = Vec<DVec3>;
+
+    fn zeros(&self) -> Vec<DVec3> {
+        vec![DVec3::ZERO; self.structure.node_count()]
+    }
+
+    fn evaluate(&mut self, point: &Vec<DVec3>, gradient: &mut Vec<DVec3>) -> f64 {
+        gradient.fill(DVec3::ZERO);
+        let structure = self.structure;
+        let mut value = nodal_forces::add_elastic_gradient(structure, point, gradient);
+        for (i, load) in self.loads.iter().enumerate() {
+            value -= load.dot(point[i] - self.start[i]);
+            gradient[i] -= *load;
+        }
+        if let Some(dt) = self.input.time_step_s {
+            for i in 0..point.len() {
+                let mass = structure.masses_kg[i];
+                let velocity = (point[i] - self.start[i]) / dt;
+                let change = velocity - self.velocities[i];
+                let damping = self.input.damping_1_s;
+                value += 0.5
+                    * mass
+                    * (change.length_squared() + dt * damping * velocity.length_squared());
+                gradient[i] += (change / dt + velocity * damping) * mass;
+            }
+            for marker in self.input.markers {
+                let nodes = structure.triangles[marker.triangle as usize]
+                    .nodes
+                    .map(|n| n as usize);
+                let mut displacement = DVec3::ZERO;
+                for (&node, weight) in nodes.iter().zip(marker.weights) {
+                    displacement += (point[node] - self.start[node]) * weight;
+                }
+                let slip = displacement / dt - marker.air_velocity_m_s;
+                value += 0.5 * dt * marker.stiffness_kg_s * slip.length_squared();
+                let force = slip * marker.stiffness_kg_s;
+                for (&node, weight) in nodes.iter().zip(marker.weights) {
+                    gradient[node] += force * weight;
+                }
+            }
+        }
+        for (g, &held) in gradient.iter_mut().zip(&structure.held) {
+            if held {
+                *g = DVec3::ZERO;
+            }
+        }
+        value
+    }
+
+    fn refresh(&mut self, point: &Vec<DVec3>) {
+        let structure = self.structure;
+        self.inverse_blocks.clear();
+        self.inverse_blocks
+            .resize(structure.node_count(), DMat3::ZERO);
+        initial_hessian::add_elastic_blocks(structure, point, &mut self.inverse_blocks);
+        if let Some(dt) = self.input.time_step_s {
+            for (block, &mass) in self.inverse_blocks.iter_mut().zip(&structure.masses_kg) {
+                let stiffness = mass / dt * (1.0 / dt + self.input.damping_1_s);
+                *block += DMat3::from_diagonal(DVec3::splat(stiffness));
+            }
+            for marker in self.input.markers {
+                let nodes = structure.triangles[marker.triangle as usize].nodes;
+                for (node, weight) in nodes.into_iter().zip(marker.weights) {
+                    let stiffness = marker.stiffness_kg_s / dt * weight * weight;
+                    self.inverse_blocks[node as usize] +=
+                        DMat3::from_diagonal(DVec3::splat(stiffness));
+                }
+            }
+        }
+        let floor = self.block_floor();
+        initial_hessian::invert(&mut self.inverse_blocks, &structure.held, floor);
+    }
+
+    fn precondition(&self, vector: &Vec<DVec3>, result: &mut Vec<DVec3>) {
+        for ((r, v), block) in result.iter_mut().zip(vector).zip(&self.inverse_blocks) {
+            *r = *block * *v;
+        }
+    }
+
+    fn dots(&self, pairs: &[(&Vec<DVec3>, &Vec<DVec3>)]) -> Vec<f64> {
+        pairs
+            .iter()
+            .map(|(a, b)| a.iter().zip(*b).map(|(a, b)| a.dot(*b)).sum())
+            .collect()
+    }
+
+    fn combine(&self, result: &mut Vec<DVec3>, terms: &[(f64, &Vec<DVec3>)]) {
+        result.fill(DVec3::ZERO);
+        for &(coefficient, vector) in terms {
+            for (r, v) in result.iter_mut().zip(vector) {
+                *r += *v * coefficient;
+            }
+        }
+    }
+
+    fn longest(&self, step: &Vec<DVec3>) -> f64 {
+        let mut longest: f64 = 0.0;
+        for v in step {
+            if !v.is_finite() {
+                return f64::NAN;
+            }
+            longest = longest.max(v.length_squared());
+        }
+        longest.sqrt()
+    }
+}
+
+impl Cloth {
+    /// Advances positions and velocities by one implicit step, or to the static equilibrium.
+    pub fn solve_cloth(&mut self, input: &StepInput, settings: &SolverSettings) -> Outcome {
+        let structure = &self.structure;
+        let mut loads: Vec<DVec3> = structure
+            .masses_kg
+            .iter()
+            .map(|&mass| input.gravity_m_s2 * mass)
+            .collect();
+        if input.pressure_pa != 0.0 {
+            nodal_forces::add_pressure(structure, &self.positions_m, input.pressure_pa, &mut loads);
+        }
+        let start = std::mem::take(&mut self.positions_m);
+        let mut point = start.clone();
+        if let Some(dt) = input.time_step_s {
+            for ((x, v), &held) in point
+                .iter_mut()
+                .zip(&self.velocities_m_s)
+                .zip(&structure.held)
+            {
+                if !held {
+                    *x += *v * dt;
+                }
+            }
+        }
+        let mut objective = Objective {
+            structure,
+            start: &start,
+            velocities: &self.velocities_m_s,
+            input,
+            loads,
+            inverse_blocks: Vec::new(),
+        };
+        objective.refresh(&start);
+        let reference = objective.load_norm();
+        let size = structure
+            .triangles
+            .iter()
+            .flat_map(|t| t.rest_squares_m2)
+            .chain(
+                structure
+                    .cables
+                    .iter()
+                    .map(|c| c.rest_length_m * c.rest_length_m),
+            )
+            .fold(0.0, f64::max)
+            .sqrt();
+        let options = Options {
+            history: settings.history,
+            energy_norm: settings.tolerance * reference,
+            displacement_floor_m: settings.displacement_floor_m,
+            evaluation_limit: settings.evaluation_limit,
+            refresh_every: settings.refresh_every,
+            step_limit_m: if size > 0.0 {
+                2.0 * size
+            } else {
+                f64::INFINITY
+            },
+        };
+        let outcome = lbfgs::minimise(&mut objective, &mut point, &options);
+        match input.time_step_s {
+            Some(dt) => {
+                for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {
+                    *v = (*new - *old) / dt;
+                }
+            }
+            None => self.velocities_m_s.fill(DVec3::ZERO),
+        }
+        self.positions_m = point;
+        outcome
+    }
+}
+
+impl Objective<'_> {
+    /// √(bᵀ H₀ b) of the applied loads b: dead loads plus the pull of the air on a sheet at rest.
+    fn load_norm(&self) -> f64 {
+        let mut loads = self.loads.clone();
+        for marker in self.input.markers {
+            let nodes = self.structure.triangles[marker.triangle as usize].nodes;
+            for (node, weight) in nodes.into_iter().zip(marker.weights) {
+                loads[node as usize] += marker.air_velocity_m_s * (marker.stiffness_kg_s * weight);
+            }
+        }
+        loads
+            .iter()
+            .zip(&self.inverse_blocks)
+            .map(|(b, h)| b.dot(*h * *b))
+            .sum::<f64>()
+            .max(0.0)
+            .sqrt()
+    }
+}

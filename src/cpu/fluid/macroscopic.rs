@@ -1,0 +1,86 @@
+//! Density and velocity read back from the populations.
+
+use rayon::prelude::*;
+
+use super::Fluid;
+use crate::lattice::Real;
+use crate::lattice::operators::bare_moments;
+
+/// A cell whose state is no longer finite, or faster than the method allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Breakdown {
+    /// The cell.
+    pub cell: [usize; 3],
+    /// Its density excess δρ.
+    pub density_excess: f64,
+    /// Its velocity [cells per step].
+    pub velocity: [f64; 3],
+}
+
+impl<T: Real> Fluid<T> {
+    /// Density excess δρ and *bare* velocity u* = Σ f c / ρ (no F/2) of one cell, as the next collision will find it.
+    #[must_use]
+    pub fn bare_state(&self, cell: [usize; 3]) -> (f64, [f64; 3]) {
+        let (density_excess, momentum) =
+            bare_moments(&self.gather(self.grid.index(cell.map(|c| c as i64))));
+        let density_excess = density_excess.to_f64();
+        (
+            density_excess,
+            momentum.map(|j| j.to_f64() / (1.0 + density_excess)),
+        )
+    }
+
+    /// Density excess and bare velocity of every cell, x fastest, `[cell_count]`.
+    #[must_use]
+    pub fn macroscopic(&self) -> Vec<(f32, [f32; 3])> {
+        let [nx, ny, nz] = self.setup.cells;
+        (0..ny * nz)
+            .into_par_iter()
+            .flat_map_iter(|row| (0..nx).map(move |x| [x, row % ny, row / ny]))
+            .map(|cell| {
+                let (density_excess, velocity) = self.bare_state(cell);
+                (density_excess as f32, velocity.map(|u| u as f32))
+            })
+            .collect()
+    }
+
+    /// Total mass excess Σ δρ and kinetic energy Σ ½ ρ u² of all cells; the same bits for any number of threads.
+    #[must_use]
+    pub fn mass_and_energy(&self) -> (f64, f64) {
+        let [nx, ny, nz] = self.setup.cells;
+        let rows: Vec<(f64, f64)> = (0..ny * nz)
+            .into_par_iter()
+            .map(|row| {
+                let mut sum = (0.0, 0.0);
+                for x in 0..nx {
+                    let (density_excess, u) = self.bare_state([x, row % ny, row / ny]);
+                    sum.0 += density_excess;
+                    sum.1 +=
+                        0.5 * (1.0 + density_excess) * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+                }
+                sum
+            })
+            .collect();
+        rows.iter()
+            .fold((0.0, 0.0), |total, row| (total.0 + row.0, total.1 + row.1))
+    }
+
+    /// The first cell that is not finite or moves faster than `speed_limit` [cells per step], if any.
+    #[must_use]
+    pub fn breakdown(&self, speed_limit: f64) -> Option<Breakdown> {
+        let [nx, ny, nz] = self.setup.cells;
+        (0..ny * nz).into_par_iter().find_map_first(|row| {
+            (0..nx).find_map(|x| {
+                let cell = [x, row % ny, row / ny];
+                let (density_excess, velocity) = self.bare_state(cell);
+                let square = velocity.iter().map(|u| u * u).sum::<f64>();
+                let sound = density_excess.abs() < 0.5 && square < speed_limit * speed_limit;
+                (!sound).then_some(Breakdown {
+                    cell,
+                    density_excess,
+                    velocity,
+                })
+            })
+        })
+    }
+}

@@ -1,0 +1,59 @@
+//! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), gathered per touched cell.
+
+use rayon::prelude::*;
+
+use super::Immersed;
+
+/// Cells per parallel task.
+const CHUNK: usize = 512;
+
+impl Immersed {
+    /// Gives the air exactly the opposite of the reaction that the markers, moving with `velocities` [cells per step], felt;
+    /// returns the total force on the air [lattice units].
+    pub fn spread(&mut self, velocities: &[[f64; 3]]) -> [f64; 3] {
+        let mut total = [0.0; 3];
+        for k in 0..self.areas.len() {
+            let stiffness = self.stiffness(k);
+            let force: [f64; 3] =
+                std::array::from_fn(|a| stiffness * (velocities[k][a] - self.air_velocities[k][a]));
+            for a in 0..3 {
+                total[a] += force[a];
+            }
+            self.marker_forces[k] = force;
+        }
+        let touched = &self.touched;
+        self.cell_forces.resize(touched.cells.len(), [0.0; 3]);
+        self.cell_forces
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(CHUNK)
+            .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
+        self.active = true;
+        total
+    }
+
+    /// Forces of the markers on the air in the last `spread` [lattice units], `[marker_count]`.
+    #[must_use]
+    pub fn marker_forces(&self) -> &[[f64; 3]] {
+        &self.marker_forces
+    }
+
+    /// Root mean square over markers, weighted by area, of the slip left after the half force: |u* + F/2 − v| [cells per step].
+    #[must_use]
+    pub fn slip(&self, velocities: &[[f64; 3]]) -> f64 {
+        let forced: Vec<[f64; 3]> = self
+            .cell_velocities
+            .iter()
+            .zip(&self.cell_forces)
+            .map(|(u, f)| std::array::from_fn(|a| u[a] + 0.5 * f[a]))
+            .collect();
+        let (mut sum, mut area) = (0.0, 0.0);
+        for k in 0..self.areas.len() {
+            let u = self.touched.interpolate(k, &forced);
+            let square: f64 = (0..3).map(|a| (u[a] - velocities[k][a]).powi(2)).sum();
+            sum += self.areas[k][0] * square;
+            area += self.areas[k][0];
+        }
+        (sum / area).sqrt()
+    }
+}

@@ -1,0 +1,346 @@
+//! Membrane that carries tension only (tension field).
+//!
+//! W_relaxed(E) = min over P ⪰ 0 of W(E + P), with W = ½ E:C:E of St Venant–Kirchhoff (Pipkin 1986; Reissner 1938).
+//! * taut if the stress C:E has no negative principal value;
+//! * slack, W = 0, if the strain has no positive principal value;
+//! * otherwise wrinkled: P = β n⊗n with β = −(n·σn)/(nn:C:nn), where n maximises the energy given up,
+//!   ½ (n·σn)²/(nn:C:nn) over n·σn < 0. For isotropic sheets n is the smaller principal direction of the strain;
+//!   for orthotropic ones it is searched in one variable, because the isotropic test is wrong for G ≪ E.
+//!
+//! A share `residual` of W itself is kept: W_total = (1 − r) W_relaxed + r W.
+//! Strains are Green's, in Voigt form (xx, yy, 2·xy); tensions are second Piola–Kirchhoff times thickness [N/m].
+
+/// How a piece of fabric carries its load.
+pub use crate::frame::FabricState;
+
+/// Symmetric 3×3 matrix in Voigt space.
+pub type Matrix3 = [[f64; 3]; 3];
+
+/// Ready-to-use law of one fabric.
+#[derive(Debug, Clone, Copy)]
+pub struct Membrane {
+    stiffness: Matrix3,
+    residual: f64,
+    isotropic: bool,
+}
+
+/// Response to a strain.
+#[derive(Debug, Clone, Copy)]
+pub struct Response {
+    /// Energy per rest area [J/m²].
+    pub energy: f64,
+    /// Tension (xx, yy, xy) [N/m].
+    pub tension: [f64; 3],
+    /// Taut, wrinkled or slack.
+    pub state: FabricState,
+    /// Wrinkling direction n (unit vector across the wrinkles' crests); zero unless wrinkled.
+    pub across: [f64; 2],
+}
+
+fn times(matrix: &Matrix3, v: &[f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// n⊗n as a strain (xx, yy, 2·xy).
+fn dyad(n: [f64; 2]) -> [f64; 3] {
+    [n[0] * n[0], n[1] * n[1], 2.0 * n[0] * n[1]]
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Principal values of a symmetric tensor, larger first, and the unit direction of the larger.
+#[must_use]
+pub fn principal(xx: f64, yy: f64, xy: f64) -> ([f64; 2], [f64; 2]) {
+    let mean = 0.5 * (xx + yy);
+    let half = 0.5 * (xx - yy);
+    let radius = half.hypot(xy);
+    let angle = 0.5 * xy.atan2(half);
+    ([mean + radius, mean - radius], [angle.cos(), angle.sin()])
+}
+
+impl Membrane {
+    /// Law for a stiffness [N/m] (see [`super::Fabric::stiffness_n_m`]) and a residual share of compressive stiffness.
+    #[must_use]
+    pub fn new(stiffness: Matrix3, residual: f64) -> Self {
+        let scale = stiffness[0][0].abs();
+        let isotropic = (stiffness[0][0] - stiffness[1][1]).abs() < 1e-9 * scale
+            && (stiffness[2][2] - 0.5 * (stiffness[0][0] - stiffness[0][1])).abs() < 1e-9 * scale;
+        Self {
+            stiffness,
+            residual,
+            isotropic,
+        }
+    }
+
+    /// Stiffness of the taut sheet [N/m].
+    #[must_use]
+    pub const fn stiffness(&self) -> &Matrix3 {
+        &self.stiffness
+    }
+
+    /// Energy, tension and state at a strain (xx, yy, 2·xy).
+    #[must_use]
+    pub fn respond(&self, strain: &[f64; 3]) -> Response {
+        let tension = times(&self.stiffness, strain);
+        let energy = 0.5 * dot(strain, &tension);
+        let ([_, smaller_tension], _) = principal(tension[0], tension[1], tension[2]);
+        if smaller_tension >= 0.0 {
+            return Response {
+                energy,
+                tension,
+                state: FabricState::Taut,
+                across: [0.0; 2],
+            };
+        }
+        let residual = self.residual;
+        let ([larger_strain, _], along) = principal(strain[0], strain[1], 0.5 * strain[2]);
+        if larger_strain <= 0.0 {
+            return Response {
+                energy: residual * energy,
+                tension: tension.map(|t| residual * t),
+                state: FabricState::Slack,
+                across: [0.0; 2],
+            };
+        }
+        let across = if self.isotropic {
+            [-along[1], along[0]]
+        } else {
+            self.wrinkle_direction(&tension, [-along[1], along[0]])
+        };
+        let n = dyad(across);
+        let stiffness_across = dot(&n, &times(&self.stiffness, &n));
+        let excess = (-dot(&n, &tension) / stiffness_across).max(0.0);
+        let relaxed_strain = [
+            strain[0] + excess * n[0],
+            strain[1] + excess * n[1],
+            strain[2] + excess * n[2],
+        ];
+        let relaxed = times(&self.stiffness, &relaxed_strain);
+        let relaxed_energy = 0.5 * dot(&relaxed_strain, &relaxed);
+        Response {
+            energy: (1.0 - residual) * relaxed_energy + residual * energy,
+            tension: std::array::from_fn(|k| (1.0 - residual) * relaxed[k] + residual * tension[k]),
+            state: FabricState::Wrinkled,
+            across,
+        }
+    }
+
+    /// Direction n that maximises the energy given up by wrinkling; `guess` is tried first.
+    fn wrinkle_direction(&self, tension: &[f64; 3], guess: [f64; 2]) -> [f64; 2] {
+        let gain = |angle: f64| {
+            let n = dyad([angle.cos(), angle.sin()]);
+            let across = dot(&n, tension).min(0.0);
+            across * across / dot(&n, &times(&self.stiffness, &n))
+        };
+        const SAMPLES: usize = 36;
+        let spacing = std::f64::consts::PI / SAMPLES as f64;
+        let start = guess[1].atan2(guess[0]);
+        let (mut best, mut best_gain) = (start, gain(start));
+        for k in 1..SAMPLES {
+            let angle = start + k as f64 * spacing;
+            let value = gain(angle);
+            if value > best_gain {
+                (best, best_gain) = (angle, value);
+            }
+        }
+        // Golden-section search in the bracket around the best sample.
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut low, mut high) = (best - spacing, best + spacing);
+        let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+        let (mut gain_a, mut gain_b) = (gain(a), gain(b));
+        for _ in 0..40 {
+            if gain_a > gain_b {
+                (high, b, gain_b) = (b, a, gain_a);
+                a = high - ratio * (high - low);
+                gain_a = gain(a);
+            } else {
+                (low, a, gain_a) = (a, b, gain_b);
+                b = low + ratio * (high - low);
+                gain_b = gain(b);
+            }
+        }
+        let angle = 0.5 * (low + high);
+        [angle.cos(), angle.sin()]
+    }
+
+    /// Positive semidefinite tangent stiffness [N/m] for preconditioning: the full stiffness where taut, the stiffness
+    /// along the crests and against turning them where wrinkled, plus the residual.
+    #[must_use]
+    pub fn tangent(&self, strain: &[f64; 3], response: &Response) -> Matrix3 {
+        // At least a thousandth, so that the preconditioner stays regular for fabric without residual stiffness.
+        let residual = self.residual.max(1e-3);
+        let mut tangent = self.stiffness;
+        match response.state {
+            FabricState::Taut => {}
+            FabricState::Slack => tangent.iter_mut().flatten().for_each(|k| *k *= residual),
+            FabricState::Wrinkled => {
+                tangent.iter_mut().flatten().for_each(|k| *k *= residual);
+                let [c, s] = response.across;
+                let along = dyad([-s, c]);
+                // Shear strain between crest direction and across, as a functional on Voigt strains.
+                let turn = [-2.0 * s * c, 2.0 * s * c, c * c - s * s];
+                let tension_along = response.tension[0] * s * s + response.tension[1] * c * c
+                    - 2.0 * response.tension[2] * s * c;
+                let strain_along = strain[0] * s * s + strain[1] * c * c - strain[2] * s * c;
+                let strain_across = strain[0] * c * c + strain[1] * s * s + strain[2] * s * c;
+                let stiffness_along = if strain_along > 0.0 {
+                    tension_along.max(0.0) / strain_along
+                } else {
+                    0.0
+                };
+                let turning =
+                    0.5 * tension_along.max(0.0) / (strain_along - strain_across).max(1e-12);
+                let row = [along[0], along[1], 0.5 * along[2]];
+                // A functional picks ε_along from Voigt strain: (s², c², −sc).
+                for i in 0..3 {
+                    for j in 0..3 {
+                        tangent[i][j] +=
+                            stiffness_along * row[i] * row[j] + turning * turn[i] * turn[j];
+                    }
+                }
+            }
+        }
+        tangent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fabric::Fabric;
+
+    fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Membrane {
+        let fabric = Fabric {
+            thickness_m: 1e-4,
+            density_kg_m3: 533.77,
+            warp_modulus_pa: 4.31e8,
+            weft_modulus_pa: 4.31e8,
+            poisson_ratio: 0.14,
+            shear_modulus_pa,
+            residual_stiffness,
+        };
+        Membrane::new(fabric.stiffness_n_m(), residual_stiffness)
+    }
+
+    fn isotropic_shear() -> f64 {
+        Fabric::isotropic_shear_modulus_pa(4.31e8, 0.14)
+    }
+
+    /// Brute force over all positive semidefinite P = R(θ) diag(a, b) Rᵀ in a wide grid.
+    fn brute_force(law: &Membrane, strain: &[f64; 3]) -> f64 {
+        let mut best = f64::INFINITY;
+        for k in 0..180 {
+            let angle = std::f64::consts::PI * f64::from(k) / 180.0;
+            let n = dyad([angle.cos(), angle.sin()]);
+            let m = dyad([-angle.sin(), angle.cos()]);
+            for i in 0..=60 {
+                for j in 0..=20 {
+                    let (a, b) = (f64::from(i) * 1e-3, f64::from(j) * 1e-3);
+                    let e: [f64; 3] = std::array::from_fn(|q| strain[q] + a * n[q] + b * m[q]);
+                    best = best.min(0.5 * dot(&e, &times(&law.stiffness, &e)));
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn relaxed_energy_is_the_minimum_over_wrinkles() {
+        let strains = [
+            [0.01, 0.004, 0.003],
+            [0.01, -0.02, 0.0],
+            [0.01, -0.02, 0.02],
+            [-0.01, -0.02, 0.002],
+            [0.002, -0.001, 0.03],
+        ];
+        for shear in [isotropic_shear(), 3e6, 5e7] {
+            let law = fabric(shear, 0.0);
+            for strain in strains {
+                let response = law.respond(&strain);
+                let expected = brute_force(&law, &strain);
+                // The grid of the search is 1e-3 of strain wide, so it can only be above, by little.
+                assert!(
+                    response.energy <= expected + 1e-9,
+                    "{strain:?} {} {expected}",
+                    response.energy
+                );
+                assert!(
+                    expected - response.energy < 0.02,
+                    "{strain:?} {} {expected}",
+                    response.energy
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn tension_is_the_gradient_of_the_energy_and_never_pushes() {
+        for shear in [isotropic_shear(), 1e7] {
+            let law = fabric(shear, 1e-3);
+            for strain in [
+                [0.01, -0.02, 0.01],
+                [0.01, 0.001, 0.002],
+                [-0.01, -0.002, 0.001],
+                [0.0, -0.003, 0.03],
+            ] {
+                let response = law.respond(&strain);
+                for k in 0..3 {
+                    let step = 1e-7;
+                    let mut up = strain;
+                    let mut down = strain;
+                    up[k] += step;
+                    down[k] -= step;
+                    let slope =
+                        (law.respond(&up).energy - law.respond(&down).energy) / (2.0 * step);
+                    assert!(
+                        (slope - response.tension[k]).abs() < 1.0,
+                        "{strain:?} {k} {slope} {:?}",
+                        response.tension
+                    );
+                }
+                let ([_, smaller], _) = principal(
+                    response.tension[0],
+                    response.tension[1],
+                    response.tension[2],
+                );
+                assert!(smaller > -4.31e4 * 0.03 * 2e-3, "{smaller}");
+            }
+        }
+    }
+
+    /// Wagner's shear panel (C6 of the design): pure shear γ leaves σ₁ = E γ/2 at 45°, so τ = σ₁/2.
+    #[test]
+    fn sheared_panel_carries_half_the_diagonal_tension() {
+        let law = fabric(isotropic_shear(), 0.0);
+        let shear = 0.01;
+        let response = law.respond(&[0.0, 0.0, shear]);
+        let diagonal = 4.31e4 * 0.5 * shear;
+        assert!((response.tension[2] - 0.5 * diagonal).abs() < 1e-9 * diagonal);
+    }
+
+    /// Bias test (eq. 1 of paper P1): 1/E45 = 1/4 (1/E1 + 1/E2 − 2 ν/E1 + 1/G).
+    #[test]
+    fn bias_modulus_follows_the_shear_modulus() {
+        let law = fabric(1e7, 0.0);
+        let (e, nu, g) = (4.31e8, 0.14, 1e7);
+        let expected = 4.0 / (2.0 / e - 2.0 * nu / e + 1.0 / g);
+        // Uniaxial tension at 45°: find the strain by inverting the stiffness for tension T (1, 1, 1)/2.
+        let t = 100.0;
+        let k = law.stiffness;
+        let normal = 0.5 * t / (k[0][0] + k[0][1]);
+        let shear = 0.5 * t / k[2][2];
+        let along = 0.5 * (normal + normal) + 0.5 * shear;
+        let modulus = t / along / 1e-4;
+        assert!(
+            (modulus / expected - 1.0).abs() < 1e-3,
+            "{modulus} {expected}"
+        );
+        assert!((modulus - 38.5e6).abs() < 0.1e6);
+        assert_eq!(
+            law.respond(&[normal, normal, shear]).state,
+            FabricState::Taut
+        );
+    }
+}

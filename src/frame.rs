@@ -1,0 +1,76 @@
+//! Host snapshot of one instant, in SI units: all that `measure`, `output` and `render` ever see.
+
+use glam::DVec3;
+
+/// What a simulation shows of itself at one instant.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Simulated time since release [s].
+    pub time_s: f64,
+    /// Fluid (or, without air, cloth) steps done.
+    pub step: u64,
+    /// The air; `None` in a scene without air.
+    pub fluid: Option<FluidFrame>,
+    /// Fabric and cables; `None` in a scene without a structure.
+    pub structure: Option<StructureFrame>,
+}
+
+/// The air on its regular grid, x fastest, then y, then z.
+#[derive(Debug, Clone)]
+pub struct FluidFrame {
+    /// Centre of the first cell [m].
+    pub origin_m: DVec3,
+    /// Edge length of a cell [m].
+    pub cell_size_m: f64,
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// Velocity [m/s], `[cell_count]`.
+    pub velocity_m_s: Vec<[f32; 3]>,
+    /// Pressure above the outlet's [Pa], `[cell_count]`.
+    pub pressure_pa: Vec<f32>,
+}
+
+/// How a piece of fabric carries its load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FabricState {
+    /// Tension in every direction.
+    Taut,
+    /// Tension in one direction, wrinkled across it.
+    Wrinkled,
+    /// No tension.
+    Slack,
+}
+
+/// What a cable is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CableKind {
+    /// Suspension line from the skirt to the confluence.
+    SuspensionLine,
+    /// Reinforcing belt sewn on the fabric, sharing its nodes.
+    Belt,
+    /// A free-standing cable, such as a hanging chain.
+    Cable,
+}
+
+/// Fabric and cables.
+#[derive(Debug, Clone)]
+pub struct StructureFrame {
+    /// Node positions [m], `[node_count]`.
+    pub positions_m: Vec<DVec3>,
+    /// Node velocities [m/s], `[node_count]`.
+    pub velocities_m_s: Vec<DVec3>,
+    /// Node indices of every fabric triangle, `[triangle_count]`.
+    pub triangles: Vec<[u32; 3]>,
+    /// Principal membrane tensions, larger first [N/m], `[triangle_count]`.
+    pub principal_tensions_n_m: Vec<[f64; 2]>,
+    /// Largest principal stress [Pa], `[triangle_count]`.
+    pub stress_pa: Vec<f64>,
+    /// Taut, wrinkled or slack, `[triangle_count]`.
+    pub states: Vec<FabricState>,
+    /// Node indices of every cable segment, `[cable_count]`.
+    pub cables: Vec<[u32; 2]>,
+    /// Kind of every cable segment, `[cable_count]`.
+    pub cable_kinds: Vec<CableKind>,
+    /// Tension [N], `[cable_count]`.
+    pub cable_tensions_n: Vec<f64>,
+}

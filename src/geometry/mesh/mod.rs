@@ -1,0 +1,4 @@
+//! Triangle meshes: files and quality.
+
+pub mod obj;
+pub mod quality;

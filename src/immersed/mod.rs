@@ -1,0 +1,5 @@
+//! The immersed boundary: kernel, markers and the cells they touch. Pure formulas and lists, in lattice units.
+
+pub mod kernel;
+pub mod markers;
+pub mod touched;

@@ -1,0 +1,20 @@
+//! Ripstop
+pub mod case;
+pub mod cli;
+pub mod cloth;
+pub mod cpu;
+pub mod fabric;
+pub mod frame;
+pub mod geometry;
+pub mod immersed;
+pub mod lattice;
+pub mod lines;
+pub mod measure;
+pub mod output;
+pub mod plan;
+pub mod render;
+pub mod run;
+pub mod simulation;
+pub mod solve;
+pub mod steady;
+pub mod units;

@@ -1,0 +1,10 @@
+//! Read-outs: time series, statistics and named results.
+
+pub mod catenary;
+mod record;
+mod results;
+pub mod shape;
+pub mod statistics;
+
+pub use record::Record;
+pub use results::results;

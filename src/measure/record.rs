@@ -1,0 +1,188 @@
+//! Time series of a run: one row per sample, the columns of `history.csv`.
+
+use glam::DVec3;
+
+use super::shape;
+use crate::case::scene::{BodyKind, Canopy};
+use crate::frame::CableKind;
+use crate::simulation::Simulation;
+
+/// Samples of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Record {
+    columns: Vec<&'static str>,
+    rows: Vec<Vec<f64>>,
+    last: Option<LastImpulses>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct LastImpulses {
+    time_s: f64,
+    markers: DVec3,
+    momentum_box: DVec3,
+    supports: DVec3,
+}
+
+const CANOPY: [&str; 19] = [
+    "time_s",
+    "wind_speed_m_s",
+    "drag_coefficient",
+    "drag_coefficient_momentum_box",
+    "drag_coefficient_lines",
+    "force_y_n",
+    "force_z_n",
+    "impulse_markers_n_s",
+    "impulse_momentum_box_n_s",
+    "impulse_lines_n_s",
+    "projected_diameter_ratio",
+    "height_m",
+    "line_tension_mean_n",
+    "line_tension_max_n",
+    "stress_max_pa",
+    "slip_ratio",
+    "apex_offset_m",
+    "fabric_kinetic_energy_j",
+    "mass_defect",
+];
+
+const FABRIC: [&str; 5] =
+    ["time_s", "lowest_point_m", "tension_max_n_m", "kinetic_energy_j", "fastest_node_m_s"];
+
+const AIR: [&str; 4] = ["time_s", "kinetic_energy_j", "velocity_amplitude_m_s", "mass_excess_kg"];
+
+impl Record {
+    /// Record for a scene: its columns follow from what the scene holds.
+    #[must_use]
+    pub fn new(simulation: &Simulation) -> Self {
+        let scene = simulation.scene();
+        let columns: &[&str] = match (&scene.body, &scene.air) {
+            (Some(body), Some(_)) if matches!(body.kind, BodyKind::Canopy(_)) => &CANOPY,
+            (Some(_), _) => &FABRIC,
+            (None, _) => &AIR,
+        };
+        Self { columns: columns.to_vec(), rows: Vec::new(), last: None }
+    }
+
+    /// Names of the columns, units included.
+    #[must_use]
+    pub fn columns(&self) -> &[&'static str] {
+        &self.columns
+    }
+
+    /// One column.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let Some(index) = self.columns.iter().position(|c| *c == name) else { return Vec::new() };
+        self.rows.iter().map(|row| row[index]).collect()
+    }
+
+    /// Last value of a column.
+    #[must_use]
+    pub fn latest(&self, name: &str) -> Option<f64> {
+        let index = self.columns.iter().position(|c| *c == name)?;
+        self.rows.last().map(|row| row[index])
+    }
+
+    /// Adds a sample of the running scene and returns its row.
+    pub fn add(&mut self, simulation: &Simulation) -> &[f64] {
+        let scene = simulation.scene();
+        let row = match (&scene.body, &scene.air) {
+            (Some(body), Some(_)) => match &body.kind {
+                BodyKind::Canopy(canopy) => self.canopy_row(simulation, canopy),
+                _ => fabric_row(simulation),
+            },
+            (Some(_), None) => fabric_row(simulation),
+            (None, _) => air_row(simulation),
+        };
+        self.rows.push(row);
+        self.rows.last().map_or(&[], Vec::as_slice)
+    }
+
+    fn canopy_row(&mut self, simulation: &Simulation, canopy: &Canopy) -> Vec<f64> {
+        let time_s = simulation.time_s();
+        let wind = simulation.wind_speed_m_s();
+        let reference = simulation.scene().air.map_or(f64::NAN, |air| air.reference_speed_m_s);
+        let density = simulation.scene().air.map_or(f64::NAN, |air| air.units.density_kg_m3);
+        let dynamic_force = 0.5 * density * reference * reference * canopy.nominal_area_m2;
+        let frame = simulation.frame(false);
+        let (Some(structure), Some(coupled)) = (frame.structure, simulation.coupled()) else {
+            return vec![f64::NAN; CANOPY.len()];
+        };
+        let sample = match (simulation.impulses(), simulation.air(), simulation.cloth()) {
+            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => Some(impulses.sample(air, cloth)),
+            _ => None,
+        };
+        let unknown = DVec3::NAN;
+        let now = LastImpulses {
+            time_s,
+            markers: sample.map_or(unknown, |s| s.markers),
+            momentum_box: sample.and_then(|s| s.momentum_box).unwrap_or(unknown),
+            supports: sample.and_then(|s| s.supports).unwrap_or(unknown),
+        };
+        let force = |pick: fn(&LastImpulses) -> DVec3| {
+            self.last.map_or(unknown, |last| (pick(&now) - pick(&last)) / (now.time_s - last.time_s))
+        };
+        let (markers, momentum_box, supports) =
+            (force(|i| i.markers), force(|i| i.momentum_box), force(|i| i.supports));
+        let lines: Vec<f64> = structure
+            .cable_tensions_n
+            .iter()
+            .zip(&structure.cable_kinds)
+            .filter(|(_, kind)| **kind == CableKind::SuspensionLine)
+            .map(|(tension, _)| *tension)
+            .collect();
+        let diameter = shape::projected_diameter_m(&structure.positions_m, structure.triangles.iter().copied());
+        let fabric = &structure.positions_m[..canopy.canopy_node_count];
+        let confluence = structure.positions_m[canopy.canopy_node_count];
+        let apex = fabric[0] - confluence;
+        self.last = sample.map(|_| now);
+        vec![
+            time_s,
+            wind,
+            markers.x / dynamic_force,
+            momentum_box.x / dynamic_force,
+            supports.x / dynamic_force,
+            markers.y,
+            markers.z,
+            now.markers.x,
+            now.momentum_box.x,
+            now.supports.x,
+            diameter / canopy.nominal_diameter_m,
+            shape::height_m(fabric),
+            lines.iter().sum::<f64>() / lines.len() as f64,
+            lines.iter().copied().fold(0.0, f64::max),
+            structure.stress_pa.iter().copied().fold(0.0, f64::max),
+            coupled.slip_m_s() / reference,
+            apex.y.hypot(apex.z),
+            simulation.cloth().map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
+            sample.map_or(f64::NAN, |s| s.mass_defect),
+        ]
+    }
+}
+
+fn fabric_row(simulation: &Simulation) -> Vec<f64> {
+    let frame = simulation.frame(false);
+    let (Some(structure), Some(cloth)) = (frame.structure, simulation.cloth()) else {
+        return vec![f64::NAN; FABRIC.len()];
+    };
+    let fastest = structure.velocities_m_s.iter().map(|v| v.length()).fold(0.0, f64::max);
+    vec![
+        simulation.time_s(),
+        structure.positions_m.iter().map(|p| p.z).fold(f64::INFINITY, f64::min),
+        structure.principal_tensions_n_m.iter().map(|t| t[0]).fold(0.0, f64::max),
+        cloth.kinetic_energy_j(),
+        fastest,
+    ]
+}
+
+fn air_row(simulation: &Simulation) -> Vec<f64> {
+    let (Some(engine), Some(air)) = (simulation.air(), simulation.scene().air) else {
+        return vec![f64::NAN; AIR.len()];
+    };
+    let (mass, energy) = engine.mass_and_energy();
+    let cell_mass = air.units.density_kg_m3 * air.units.cell_size_m.powi(3);
+    let energy_j = energy * cell_mass * air.units.speed_m_s().powi(2);
+    let total_mass = cell_mass * engine.grid().cell_count() as f64;
+    // Mean of ½ u² is a quarter of the squared amplitude for sin·cos in two components.
+    vec![simulation.time_s(), energy_j, (4.0 * energy_j / total_mass).sqrt(), mass * cell_mass]
+}

@@ -1,0 +1,23 @@
+//! Files a run leaves behind: VTK frames, the CSV history and `summary.json`.
+//!
+//! Everything here works on host data in SI units and knows nothing of the solvers. Whole files are
+//! written under a temporary name and renamed when complete (see [`write_atomically`]), so a reader
+//! never meets a half-written one; the history, which grows, has its own rule (see
+//! [`HistoryWriter`]).
+
+mod atomic;
+mod history;
+mod pvd;
+mod summary;
+mod summary_table;
+mod vtk;
+mod vtk_data;
+
+pub use atomic::{OutputError, prepare_directory, write_atomically};
+pub use history::HistoryWriter;
+pub use pvd::{Pvd, PvdEntry};
+pub use summary::{
+    CaseInfo, MillisecondsPerStep, Quantity, Results, SCHEMA_VERSION, StopInfo, Summary,
+    write_summary,
+};
+pub use vtk::{write_canopy_vtp, write_flow_vti};

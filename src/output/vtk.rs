@@ -1,0 +1,348 @@
+//! Frames as ParaView XML files: the canopy as `.vtp`, the air as `.vti`.
+//!
+//! Arrays are stored raw, little-endian, behind the XML head (`AppendedData encoding="raw"`), and
+//! the simulated time as the field `TimeValue`. Array names end in their SI unit.
+
+use std::fmt::Write as _;
+use std::io;
+use std::iter::repeat_n;
+use std::path::Path;
+
+use super::atomic::{OutputError, invalid_data};
+use super::vtk_data::{Appended, write_file};
+use crate::frame::{CableKind, FabricState, FluidFrame, StructureFrame};
+
+/// Code of a cell to which a code array does not apply.
+const NO_CODE: i8 = -1;
+
+/// Writes fabric and cables at the time `time_s` (seconds) as VTK `PolyData`.
+///
+/// Points are the nodes (m); cells are first the cable segments (`Lines`), then the fabric
+/// triangles (`Polys`).
+///
+/// | array | on | type | meaning |
+/// |---|---|---|---|
+/// | `velocity_m_s` | points | 3 x f64 | node velocity (m/s) |
+/// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
+/// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
+/// | `fabric_state` | cells | i8 | 0 taut, 1 wrinkled, 2 slack; -1 on cables |
+/// | `cable_tension_n` | cells | f64 | tension (N); NaN on fabric |
+/// | `cable_kind` | cells | i8 | 0 suspension line, 1 belt, 2 free cable; -1 on fabric |
+///
+/// # Errors
+///
+/// When the arrays of `structure` do not fit together or the file cannot be written; `path` is then
+/// unchanged.
+pub fn write_canopy_vtp(
+    path: &Path,
+    structure: &StructureFrame,
+    time_s: f64,
+) -> Result<(), OutputError> {
+    check_structure(structure).map_err(|cause| OutputError::new("write", path, cause))?;
+    let nodes = structure.positions_m.len();
+    let (lines, polys) = (structure.cables.len(), structure.triangles.len());
+    let mut data = Appended::default();
+    let mut xml = String::from("<PolyData>\n");
+    xml += &data.time(time_s);
+    xml += &format!(
+        "<Piece NumberOfPoints=\"{nodes}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"{polys}\">\n"
+    );
+
+    xml += "<PointData Vectors=\"velocity_m_s\">\n";
+    let velocities = structure.velocities_m_s.iter().map(|v| v.to_array());
+    xml += &data.array("velocity_m_s", nodes, velocities);
+    xml += "</PointData>\n<CellData Scalars=\"tension_1_n_m\">\n";
+    xml += &cell_data(&mut data, structure);
+    xml += "</CellData>\n<Points>\n";
+    let positions = structure.positions_m.iter().map(|p| p.to_array());
+    xml += &data.array("points_m", nodes, positions);
+    xml += "</Points>\n";
+    xml += &topology(&mut data, "Lines", &structure.cables);
+    xml += &topology(&mut data, "Polys", &structure.triangles);
+    xml += "</Piece>\n</PolyData>\n";
+    write_file(path, "PolyData", &xml, data)
+}
+
+/// The arrays on cells; VTK counts lines before polygons.
+fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> String {
+    let (lines, polys) = (structure.cables.len(), structure.triangles.len());
+    let cells = lines + polys;
+    let not_on_cables = || repeat_n([f64::NAN], lines);
+    let tension = |rank: usize| {
+        let tensions = structure.principal_tensions_n_m.iter();
+        not_on_cables().chain(tensions.map(move |pair| [pair[rank]]))
+    };
+    let stress = not_on_cables().chain(structure.stress_pa.iter().map(|&stress| [stress]));
+    let states = structure.states.iter().map(|&state| [state_code(state)]);
+    let states = repeat_n([NO_CODE], lines).chain(states);
+    let cable_tensions = structure.cable_tensions_n.iter().map(|&tension| [tension]);
+    let cable_tensions = cable_tensions.chain(repeat_n([f64::NAN], polys));
+    let kinds = structure.cable_kinds.iter().map(|&kind| [kind_code(kind)]);
+    let kinds = kinds.chain(repeat_n([NO_CODE], polys));
+
+    let mut xml = data.array("tension_1_n_m", cells, tension(0));
+    xml += &data.array("tension_2_n_m", cells, tension(1));
+    xml += &data.array("stress_pa", cells, stress);
+    xml += &data.array("fabric_state", cells, states);
+    xml += &data.array("cable_tension_n", cells, cable_tensions);
+    xml += &data.array("cable_kind", cells, kinds);
+    xml
+}
+
+/// The cells of one sort, each joining `N` points.
+fn topology<'a, const N: usize>(
+    data: &mut Appended<'a>,
+    element: &str,
+    cells: &'a [[u32; N]],
+) -> String {
+    let points = cells.iter().flatten().map(|&node| [i64::from(node)]);
+    let ends = (1..=cells.len()).map(|cell| [(cell * N) as i64]);
+    let connectivity = data.array("connectivity", cells.len() * N, points);
+    let offsets = data.array("offsets", cells.len(), ends);
+    format!("<{element}>\n{connectivity}{offsets}</{element}>\n")
+}
+
+fn state_code(state: FabricState) -> i8 {
+    match state {
+        FabricState::Taut => 0,
+        FabricState::Wrinkled => 1,
+        FabricState::Slack => 2,
+    }
+}
+
+fn kind_code(kind: CableKind) -> i8 {
+    match kind {
+        CableKind::SuspensionLine => 0,
+        CableKind::Belt => 1,
+        CableKind::Cable => 2,
+    }
+}
+
+/// VTK would crash on a node index out of range, so it must not get into a file.
+fn check_structure(structure: &StructureFrame) -> io::Result<()> {
+    let nodes = structure.positions_m.len();
+    let (cables, triangles) = (structure.cables.len(), structure.triangles.len());
+    check_length("node velocities", structure.velocities_m_s.len(), nodes)?;
+    let tensions = structure.principal_tensions_n_m.len();
+    check_length("principal tensions", tensions, triangles)?;
+    check_length("stresses", structure.stress_pa.len(), triangles)?;
+    check_length("fabric states", structure.states.len(), triangles)?;
+    check_length("cable kinds", structure.cable_kinds.len(), cables)?;
+    check_length("cable tensions", structure.cable_tensions_n.len(), cables)?;
+    let mut used = structure.cables.as_flattened().iter();
+    let mut used_by_fabric = structure.triangles.as_flattened().iter();
+    let outside = |node: &&u32| usize::try_from(**node).is_ok_and(|node| node >= nodes);
+    match used.find(outside).or_else(|| used_by_fabric.find(outside)) {
+        Some(node) => Err(invalid_data(format!(
+            "a cell joins node {node}, but there are only {nodes} nodes"
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(invalid_data(format!(
+        "the frame has {found} {what} instead of {expected}"
+    )))
+}
+
+/// Writes the air at the time `time_s` (seconds) as VTK `ImageData` whose points are the cell
+/// centres.
+///
+/// Point arrays: `velocity_m_s` (3 x f32, in m/s) and `pressure_pa` (f32, in Pa), the pressure above
+/// the outlet's. Coordinates are in metres.
+///
+/// # Errors
+///
+/// When the arrays of `fluid` do not fit its grid, the grid is empty, or the file cannot be
+/// written; `path` is then unchanged.
+pub fn write_flow_vti(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), OutputError> {
+    check_fluid(fluid).map_err(|cause| OutputError::new("write", path, cause))?;
+    let count = fluid.velocity_m_s.len();
+    let extent = fluid
+        .cells
+        .map(|cells| format!("0 {}", cells - 1))
+        .join(" ");
+    let [x, y, z] = fluid.origin_m.to_array();
+    let edge = fluid.cell_size_m;
+    let mut data = Appended::default();
+    let mut xml = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        xml,
+        "<ImageData WholeExtent=\"{extent}\" Origin=\"{x:?} {y:?} {z:?}\" \
+         Spacing=\"{edge:?} {edge:?} {edge:?}\">"
+    );
+    xml += &data.time(time_s);
+    let _ = writeln!(xml, "<Piece Extent=\"{extent}\">");
+    xml += "<PointData Scalars=\"pressure_pa\" Vectors=\"velocity_m_s\">\n";
+    xml += &data.array("velocity_m_s", count, fluid.velocity_m_s.iter().copied());
+    xml += &data.array("pressure_pa", count, fluid.pressure_pa.iter().map(|&p| [p]));
+    xml += "</PointData>\n<CellData>\n</CellData>\n</Piece>\n</ImageData>\n";
+    write_file(path, "ImageData", &xml, data)
+}
+
+fn check_fluid(fluid: &FluidFrame) -> io::Result<()> {
+    let [nx, ny, nz] = fluid.cells;
+    let count = nx.checked_mul(ny).and_then(|area| area.checked_mul(nz));
+    let count = count
+        .filter(|&count| count > 0)
+        .ok_or_else(|| invalid_data(format!("a grid of {nx} x {ny} x {nz} cells has no volume")))?;
+    let edge_is_valid = fluid.cell_size_m.is_finite() && fluid.cell_size_m > 0.0;
+    if !fluid.origin_m.is_finite() || !edge_is_valid {
+        return Err(invalid_data("the grid has no valid origin or cell size"));
+    }
+    check_length("air velocities", fluid.velocity_m_s.len(), count)?;
+    check_length("pressures", fluid.pressure_pa.len(), count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use std::fs;
+
+    /// A written file taken apart again.
+    struct Parsed {
+        head: String,
+        binary: Vec<u8>,
+    }
+
+    impl Parsed {
+        fn read(path: &Path) -> Self {
+            let bytes = fs::read(path).unwrap();
+            let mark = b"<AppendedData encoding=\"raw\">\n_";
+            let start = bytes.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
+            let tail = b"\n</AppendedData>\n</VTKFile>\n";
+            assert!(bytes.ends_with(tail));
+            Self {
+                head: String::from_utf8(bytes[..start].to_vec()).unwrap(),
+                binary: bytes[start..bytes.len() - tail.len()].to_vec(),
+            }
+        }
+
+        /// (name, offset, block) of every array, in the order of the head.
+        fn arrays(&self) -> Vec<(String, usize, &[u8])> {
+            let value = |line: &str, key: &str| {
+                let from = line.find(&format!(" {key}=\"")).unwrap() + key.len() + 3;
+                line[from..].split('"').next().unwrap().to_owned()
+            };
+            let elements = self.head.lines().filter(|l| l.starts_with("<DataArray"));
+            elements
+                .map(|line| {
+                    let offset: usize = value(line, "offset").parse().unwrap();
+                    let length = self.binary[offset..offset + 8].try_into().unwrap();
+                    let length = u64::from_le_bytes(length) as usize;
+                    let block = &self.binary[offset + 8..offset + 8 + length];
+                    (value(line, "Name"), offset, block)
+                })
+                .collect()
+        }
+
+        fn check_blocks_follow_each_other(&self) {
+            let mut expected = 0;
+            for (name, offset, block) in self.arrays() {
+                assert_eq!(offset, expected, "{name}");
+                expected += 8 + block.len();
+            }
+            assert_eq!(expected, self.binary.len());
+        }
+
+        fn array(&self, name: &str) -> &[u8] {
+            let found = self.arrays().into_iter().find(|a| a.0 == name);
+            found.unwrap().2
+        }
+    }
+
+    fn canopy() -> StructureFrame {
+        StructureFrame {
+            positions_m: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_Z],
+            velocities_m_s: vec![DVec3::new(1.0, 2.0, 3.0); 4],
+            triangles: vec![[0, 1, 2]],
+            principal_tensions_n_m: vec![[30.0, -0.5]],
+            stress_pa: vec![4e5],
+            states: vec![FabricState::Wrinkled],
+            cables: vec![[0, 3], [1, 3]],
+            cable_kinds: vec![CableKind::SuspensionLine, CableKind::Belt],
+            cable_tensions_n: vec![7.0, 8.0],
+        }
+    }
+
+    fn doubles(bytes: &[u8]) -> Vec<f64> {
+        let chunks = bytes.chunks_exact(8);
+        chunks
+            .map(|c| f64::from_le_bytes(c.try_into().unwrap()))
+            .collect()
+    }
+
+    #[test]
+    fn canopy_arrays_lie_where_the_head_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("canopy.vtp");
+        write_canopy_vtp(&path, &canopy(), 1.25).unwrap();
+        let file = Parsed::read(&path);
+        file.check_blocks_follow_each_other();
+        assert!(file.head.contains("NumberOfLines=\"2\""));
+        assert!(file.head.contains("NumberOfPolys=\"1\""));
+        assert_eq!(doubles(file.array("TimeValue")), [1.25]);
+        assert_eq!(doubles(file.array("points_m"))[3..6], [1.0, 0.0, 0.0]);
+        let tension = doubles(file.array("tension_2_n_m"));
+        assert!(tension[0].is_nan() && tension[1].is_nan());
+        assert_eq!(tension[2], -0.5);
+        let tension = doubles(file.array("cable_tension_n"));
+        assert_eq!(tension[..2], [7.0, 8.0]);
+        assert!(tension[2].is_nan());
+        assert_eq!(file.array("fabric_state"), [255, 255, 1]);
+        assert_eq!(file.array("cable_kind"), [0, 1, 255]);
+    }
+
+    #[test]
+    fn flow_arrays_lie_where_the_head_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flow.vti");
+        // More than one conversion chunk.
+        let cells = [40, 30, 20];
+        let fluid = FluidFrame {
+            origin_m: DVec3::new(-1.0, 0.5, 1e-7),
+            cell_size_m: 0.25,
+            cells,
+            velocity_m_s: (0..24_000).map(|i| [i as f32, 0.0, -1.0]).collect(),
+            pressure_pa: (0..24_000).map(|i| 0.5 * i as f32).collect(),
+        };
+        write_flow_vti(&path, &fluid, 2.0).unwrap();
+        let file = Parsed::read(&path);
+        file.check_blocks_follow_each_other();
+        assert!(file.head.contains("Extent=\"0 39 0 29 0 19\""));
+        assert!(file.head.contains("Origin=\"-1.0 0.5 1e-7\""));
+        assert_eq!(file.array("velocity_m_s").len(), 24_000 * 12);
+        let pressure = file.array("pressure_pa");
+        assert_eq!(pressure[pressure.len() - 4..], 11_999.5f32.to_le_bytes());
+    }
+
+    #[test]
+    fn a_frame_that_does_not_fit_together_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("canopy.vtp");
+        let mut broken = canopy();
+        broken.triangles[0][1] = 4;
+        let error = write_canopy_vtp(&path, &broken, 0.0).unwrap_err();
+        assert!(error.to_string().contains("node 4, but there are only 4"));
+        let mut broken = canopy();
+        broken.stress_pa.clear();
+        let error = write_canopy_vtp(&path, &broken, 0.0).unwrap_err();
+        assert!(error.to_string().contains("0 stresses instead of 1"));
+        let fluid = FluidFrame {
+            origin_m: DVec3::ZERO,
+            cell_size_m: 1.0,
+            cells: [2, 0, 2],
+            velocity_m_s: Vec::new(),
+            pressure_pa: Vec::new(),
+        };
+        assert!(write_flow_vti(&path, &fluid, 0.0).is_err());
+        assert!(!path.exists());
+    }
+}

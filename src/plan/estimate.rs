@@ -1,0 +1,118 @@
+//! Sizes, bytes and a rough duration.
+
+use super::{Plan, Precision, place_markers};
+use crate::case::Scene;
+use crate::cpu::fluid::Fluid;
+
+/// Cell updates per second and thread assumed for estimates: a cautious figure for two threads of a server CPU without
+/// vector extensions beyond SSE2 (see `benches/results/`).
+const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
+
+/// Seconds per marker and step assumed for interpolation and spreading on one thread.
+const SECONDS_PER_MARKER: f64 = 0.5e-6;
+
+/// Seconds per node, element and objective evaluation assumed for the fabric on one thread.
+const SECONDS_PER_ELEMENT_EVALUATION: f64 = 0.05e-6;
+
+/// Evaluations per warm step assumed.
+const EVALUATIONS_PER_STEP: f64 = 8.0;
+
+/// Share of the free memory that a run may take.
+const MEMORY_SHARE: f64 = 0.8;
+
+/// Sizes and bytes of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Cells of the air.
+    pub cells: u64,
+    /// Markers.
+    pub markers: u64,
+    /// Nodes of the structure.
+    pub nodes: u64,
+    /// Triangles of the structure.
+    pub triangles: u64,
+    /// Cable segments.
+    pub cables: u64,
+    /// Bytes of the air.
+    pub air_bytes: u64,
+    /// Bytes of markers and their lists.
+    pub marker_bytes: u64,
+    /// Bytes of the structure and its solver.
+    pub structure_bytes: u64,
+}
+
+/// A run that does not fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryRefusal {
+    /// Bytes needed.
+    pub needed: u64,
+    /// Bytes free now.
+    pub free: u64,
+}
+
+impl Sizes {
+    /// Sizes of a scene.
+    #[must_use]
+    pub fn new(scene: &Scene, precision: Precision) -> Self {
+        let mut sizes = Self::default();
+        if let Some(air) = &scene.air {
+            sizes.cells = air.cells.iter().map(|&n| n as u64).fold(1, u64::saturating_mul);
+            let padded = air.cells.iter().map(|&n| n as u64 + 2).fold(1, u64::saturating_mul);
+            sizes.air_bytes = padded.saturating_mul(19 * precision.bytes());
+            debug_assert!(
+                padded > u64::from(u32::MAX)
+                    || sizes.air_bytes == Fluid::<f32>::population_bytes(air.cells) * precision.bytes() / 4
+            );
+        }
+        if let Some(body) = &scene.body {
+            sizes.nodes = body.structure.node_count() as u64;
+            sizes.triangles = body.structure.triangles.len() as u64;
+            sizes.cables = body.structure.cables.len() as u64;
+            sizes.structure_bytes = body.structure.estimated_bytes(crate::simulation::LBFGS_HISTORY);
+        }
+        if scene.coupling.is_some() {
+            sizes.markers = place_markers(scene).len() as u64;
+            // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.
+            sizes.marker_bytes = sizes.markers * (64 * 24 + 160);
+        }
+        sizes
+    }
+
+    /// All bytes.
+    #[must_use]
+    pub const fn total_bytes(&self) -> u64 {
+        self.air_bytes.saturating_add(self.marker_bytes).saturating_add(self.structure_bytes)
+    }
+
+    /// Refuses a run beyond 80 % of the memory that is free, or with a grid too large for 32-bit addresses.
+    pub fn fit_into(&self, free: u64) -> Result<(), MemoryRefusal> {
+        let fits = self.total_bytes() as f64 <= MEMORY_SHARE * free as f64 && self.cells < u64::from(u32::MAX) / 2;
+        if fits { Ok(()) } else { Err(MemoryRefusal { needed: self.total_bytes(), free }) }
+    }
+}
+
+/// Memory free on this machine now [bytes]; `None` where the system does not tell.
+#[must_use]
+pub fn free_memory() -> Option<u64> {
+    let mut system = sysinfo::System::new().ok()?;
+    system.refresh_memory();
+    Some(system.available_memory()).filter(|&bytes| bytes > 0)
+}
+
+impl Plan {
+    /// Rough duration on `threads` threads [s]; `None` for a static equilibrium, whose iterations are not known.
+    #[must_use]
+    pub fn estimated_seconds(&self, threads: usize) -> Option<f64> {
+        let steps = (self.start_steps + self.steps) as f64;
+        if steps == 0.0 {
+            return None;
+        }
+        let sizes = &self.sizes;
+        let per_step = sizes.cells as f64 / (UPDATES_PER_SECOND_AND_THREAD * threads as f64)
+            + sizes.markers as f64 * SECONDS_PER_MARKER
+            + (sizes.nodes + sizes.triangles + sizes.cables) as f64
+                * SECONDS_PER_ELEMENT_EVALUATION
+                * EVALUATIONS_PER_STEP;
+        Some(steps * per_step)
+    }
+}

@@ -1,0 +1,156 @@
+//! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
+
+mod estimate;
+mod report;
+pub mod stages;
+
+pub use estimate::{MemoryRefusal, Sizes, free_memory};
+pub use stages::{PlannedStage, Stage};
+
+use crate::case::Scene;
+use crate::case::scene::{Air, BodyKind, Flow};
+use crate::immersed::markers;
+
+/// Floating-point type of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// Double precision: the reference.
+    F64,
+    /// Single precision: fast, the default.
+    F32,
+}
+
+impl Precision {
+    /// Name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
+
+    /// Bytes of one number.
+    #[must_use]
+    pub const fn bytes(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::F32 => 4,
+        }
+    }
+}
+
+/// Something that the scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Skip {
+    /// What is left out.
+    pub what: &'static str,
+    /// Why.
+    pub why: String,
+}
+
+/// A run, worked out before it starts.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The stages of one step, in order.
+    pub stages: Vec<PlannedStage>,
+    /// Steps before release (the wind rises, the sheet is held).
+    pub start_steps: u64,
+    /// Steps from release to the end.
+    pub steps: u64,
+    /// Floating-point type of the air.
+    pub precision: Precision,
+    /// Sizes and bytes.
+    pub sizes: Sizes,
+    /// What is left out.
+    pub skips: Vec<Skip>,
+}
+
+impl Plan {
+    /// Works out the plan of a scene.
+    #[must_use]
+    pub fn new(scene: &Scene, precision: Precision) -> Self {
+        let (start_steps, steps) = match (scene.time, scene.air.map(|air| air.flow)) {
+            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => {
+                ((start_time_s / time.step_s).ceil() as u64, (time.end_s / time.step_s).ceil() as u64)
+            }
+            (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
+            (None, _) => (0, 0),
+        };
+        let sizes = Sizes::new(scene, precision);
+        Self { stages: stages::stages(scene), start_steps, steps, precision, sizes, skips: skips(scene) }
+    }
+}
+
+/// Markers of the scene; empty unless air and fabric are coupled.
+#[must_use]
+pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
+    match (&scene.air, &scene.body, &scene.coupling) {
+        (Some(air), Some(body), Some(_)) => {
+            let areas: Vec<f64> = body.structure.triangles.iter().map(|t| t.rest_area_m2).collect();
+            markers::place(&areas, air.units.cell_size_m)
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn skips(scene: &Scene) -> Vec<Skip> {
+    let mut skips = Vec::new();
+    let mut skip = |what: &'static str, why: String| skips.push(Skip { what, why });
+    match &scene.air {
+        None => {
+            skip("air (populations, boundaries, body force)", "the case has no [air]".into());
+            skip("markers, interpolation, spreading", "there is no air to couple with".into());
+        }
+        Some(air) => skip_air(air, scene.body.is_some(), &mut skip),
+    }
+    match &scene.body {
+        None => skip("structure (nodes, elements, solver)", "the case has no [structure]".into()),
+        Some(body) => {
+            let structure = &body.structure;
+            if structure.membrane.is_none() || structure.triangles.is_empty() {
+                skip("membrane elements", "no fabric modelled by membranes".into());
+            }
+            if structure.springs.is_empty() {
+                skip("spring network and bending", "fabric.model is not \"network\"".into());
+            }
+            if structure.cables.is_empty() {
+                skip("cables", "the structure has no lines and no belts".into());
+            }
+            if structure.guides.is_empty() {
+                skip("guides", "no apex_guide_n_m".into());
+            }
+            if scene.gravity_m_s2.is_none() {
+                skip("gravity", "the case has no [gravity]".into());
+            }
+            if let BodyKind::Canopy(_) = body.kind
+                && scene.steady_drag_confidence.is_none()
+            {
+                skip("steady-state detection", "the case has no [steady]: the run goes to time.end_s".into());
+            }
+            if scene.time.is_none() {
+                skip("motion (inertia, time steps)", "the case has no [time]: only the equilibrium is sought".into());
+            }
+        }
+    }
+    skips
+}
+
+fn skip_air(air: &Air, has_structure: bool, skip: &mut impl FnMut(&'static str, String)) {
+    if !has_structure {
+        skip("markers, interpolation, spreading, body force", "the case has no [structure]".into());
+    }
+    match air.flow {
+        Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),
+        Flow::WindTunnel { sponge_length_m: None, .. } => {
+            skip("outlet sponge", "no air.wind_tunnel.sponge_length_m".into());
+        }
+        Flow::WindTunnel { .. } => {}
+    }
+    if air.smagorinsky_constant.is_none() {
+        skip("eddy viscosity", "no resolution.smagorinsky_constant".into());
+    }
+    if has_structure {
+        skip("body force away from the sheet", "only rows of cells under a marker's kernel take the forced collision".into());
+    }
+}

@@ -1,0 +1,210 @@
+//! Drawable pieces of a frame: fabric, lines and slices of air.
+
+use glam::DVec3;
+
+use super::colour::{ColourScale, Rgb};
+use super::picture::{LineStyle, Polyline, Slice, SliceDepth, Surface};
+use crate::frame::{CableKind, FluidFrame, StructureFrame};
+
+/// Colours of tension.
+pub(super) const TENSION_SCALE: ColourScale = ColourScale::Plasma;
+
+/// Colours of air speed.
+pub(super) const SPEED_SCALE: ColourScale = ColourScale::Mist;
+
+/// Colour of lines and outlines.
+const INK: Rgb = [28, 32, 40];
+
+/// Values above this share of all do not widen a range.
+const RANGE_SHARE: f64 = 0.98;
+
+/// A coordinate direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    /// Downstream.
+    X = 0,
+    /// Across.
+    Y = 1,
+    /// Upwards.
+    Z = 2,
+}
+
+impl Axis {
+    /// The axes that run to the right and upwards in a slice normal to this one.
+    fn in_plane(self) -> [usize; 2] {
+        match self {
+            Self::X => [1, 2],
+            Self::Y => [0, 2],
+            Self::Z => [0, 1],
+        }
+    }
+
+    /// Line of sight and upward direction under which a slice normal to this axis is seen squarely,
+    /// its first index running to the right and its second upwards.
+    pub fn square_view(self) -> (DVec3, DVec3) {
+        match self {
+            Self::X => (DVec3::NEG_X, DVec3::Z),
+            Self::Y => (DVec3::Y, DVec3::Z),
+            Self::Z => (DVec3::NEG_Z, DVec3::Y),
+        }
+    }
+}
+
+/// From 0 to the value that 98 % of the finite values do not exceed; from 0 to 1 if that is not
+/// above 0.
+#[must_use]
+pub fn range_from_zero(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let index = (values.len() as f64 * RANGE_SHARE).ceil() as usize;
+    let top = values.get(index.saturating_sub(1)).copied().unwrap_or(0.0);
+    [0.0, if top > 0.0 { top } else { 1.0 }]
+}
+
+/// Larger principal tension of every triangle [N/m], NaN where the frame has none.
+pub(super) fn tensions(structure: &StructureFrame) -> impl Iterator<Item = f64> {
+    let known = structure
+        .principal_tensions_n_m
+        .iter()
+        .map(|tension| tension[0]);
+    known
+        .chain(std::iter::repeat(f64::NAN))
+        .take(structure.triangles.len())
+}
+
+/// The fabric, coloured by its larger principal tension over `range` [N/m]; `None` without fabric.
+pub(super) fn fabric(
+    structure: &StructureFrame,
+    range: [f64; 2],
+    mesh_edges: bool,
+    zoom: f64,
+) -> Option<Surface> {
+    let style = |width: f64, opacity| LineStyle {
+        width_px: width * zoom,
+        colour: INK,
+        opacity,
+    };
+    (!structure.triangles.is_empty()).then(|| Surface {
+        vertices_m: structure.positions_m.clone(),
+        triangles: structure.triangles.clone(),
+        values: tensions(structure).collect(),
+        range,
+        scale: TENSION_SCALE,
+        mesh_edges: mesh_edges.then(|| style(0.6, 0.22)),
+        boundary: Some(style(1.4, 0.9)),
+    })
+}
+
+/// The cables, joined into lines where one segment starts at the end of the one before.
+pub(super) fn cables(structure: &StructureFrame, zoom: f64) -> Vec<Polyline> {
+    let mut lines: Vec<Polyline> = Vec::new();
+    let mut last: Option<(u32, CableKind)> = None;
+    for (&[start, end], &kind) in structure.cables.iter().zip(&structure.cable_kinds) {
+        let point = |i: u32| structure.positions_m.get(i as usize).copied();
+        let (Some(start_m), Some(end_m)) = (point(start), point(end)) else {
+            last = None;
+            continue;
+        };
+        match lines.last_mut() {
+            Some(line) if last == Some((start, kind)) => line.points_m.push(end_m),
+            _ => lines.push(Polyline {
+                points_m: vec![start_m, end_m],
+                style: style(kind, zoom),
+            }),
+        }
+        last = Some((end, kind));
+    }
+    lines
+}
+
+fn style(kind: CableKind, zoom: f64) -> LineStyle {
+    let (width_px, opacity) = match kind {
+        CableKind::SuspensionLine => (2.0, 1.0),
+        CableKind::Belt => (1.2, 0.85),
+        CableKind::Cable => (3.0, 1.0),
+    };
+    LineStyle {
+        width_px: width_px * zoom,
+        colour: INK,
+        opacity,
+    }
+}
+
+/// Lowest and highest corner of the air's grid [m].
+pub(super) fn air_box(fluid: &FluidFrame) -> [DVec3; 2] {
+    let low = fluid.origin_m - DVec3::splat(0.5 * fluid.cell_size_m);
+    let cells = DVec3::from_array(fluid.cells.map(|count| count as f64));
+    [low, low + fluid.cell_size_m * cells]
+}
+
+/// The axis along which the air has the fewest cells; across the flow if in doubt.
+pub(super) fn thinnest_axis(fluid: &FluidFrame) -> Axis {
+    let [x, y, z] = fluid.cells;
+    if y <= x && y <= z {
+        Axis::Y
+    } else if z <= x {
+        Axis::Z
+    } else {
+        Axis::X
+    }
+}
+
+/// Air speed [m/s] on the plane normal to `normal` at the coordinate `place_m` [m], which is moved
+/// into the grid; the range is left at [0, 1]. `None` without cells.
+pub(super) fn speed_slice(
+    fluid: &FluidFrame,
+    normal: Axis,
+    place_m: f64,
+    depth: SliceDepth,
+) -> Option<Slice> {
+    let axis = normal as usize;
+    let [i_axis, j_axis] = normal.in_plane();
+    let layers = fluid.cells[axis];
+    let counts = [fluid.cells[i_axis], fluid.cells[j_axis]];
+    let size = fluid.cell_size_m;
+    if layers == 0 || counts.contains(&0) || !(size > 0.0 && place_m.is_finite()) {
+        return None;
+    }
+    let place = (place_m - fluid.origin_m[axis]) / size;
+    let place = place.clamp(0.0, (layers - 1) as f64);
+    let layer = place as usize;
+    let share = (place - layer as f64) as f32;
+    let next = (layer + 1).min(layers - 1);
+
+    let velocity = |i: usize, j: usize, layer: usize| {
+        let mut cell = [0; 3];
+        cell[axis] = layer;
+        cell[i_axis] = i;
+        cell[j_axis] = j;
+        let index = (cell[2] * fluid.cells[1] + cell[1]) * fluid.cells[0] + cell[0];
+        fluid
+            .velocity_m_s
+            .get(index)
+            .copied()
+            .unwrap_or([f32::NAN; 3])
+    };
+    let speed = |i: usize, j: usize| {
+        let (low, high) = (velocity(i, j, layer), velocity(i, j, next));
+        let squares = low
+            .iter()
+            .zip(&high)
+            .map(|(a, b)| (a * (1.0 - share) + b * share).powi(2));
+        squares.sum::<f32>().sqrt()
+    };
+    let values = (0..counts[1]).flat_map(|j| (0..counts[0]).map(move |i| (i, j)));
+
+    let [low, _] = air_box(fluid);
+    let mut origin_m = low;
+    origin_m[axis] = place_m.clamp(low[axis], low[axis] + size * layers as f64);
+    let edge = |axis: usize, count: usize| DVec3::AXES[axis] * (size * count as f64);
+    Some(Slice {
+        origin_m,
+        edges_m: [edge(i_axis, counts[0]), edge(j_axis, counts[1])],
+        counts,
+        values: values.map(|(i, j)| speed(i, j)).collect(),
+        range: [0.0, 1.0],
+        scale: SPEED_SCALE,
+        opacity: 1.0,
+        depth,
+    })
+}

@@ -1,0 +1,360 @@
+//! From a frame to a picture.
+//!
+//! Air moves to the right and up is up: the camera looks along +y, turned a little so that the
+//! canopy's depth shows. Around the view lie a header with title and time, a strip with the colour
+//! bars at the right and a caption below.
+
+use glam::DVec3;
+
+use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
+use super::colour::{ColourScale, Rgb};
+use super::content::{
+    Axis, SPEED_SCALE, TENSION_SCALE, air_box, cables, fabric, range_from_zero, speed_slice,
+    tensions, thinnest_axis,
+};
+use super::picture::{
+    Camera, ColourBar, Label, Picture, PixelRect, Slice, SliceDepth, TextAlign, TextSize,
+    nice_ticks,
+};
+use super::text::{line_height, text_width};
+use crate::frame::{FluidFrame, Frame, StructureFrame};
+
+/// Colour of the page.
+const PAGE: Rgb = [255, 255, 255];
+
+/// Gradient behind a scene.
+const BACKGROUND: [Rgb; 2] = [[249, 250, 252], [236, 240, 245]];
+
+/// Colour of text.
+const TEXT: Rgb = [32, 36, 44];
+
+/// Width of the view in structure lengths, with air.
+const VIEW_LENGTHS: f64 = 2.8;
+
+/// Free space upstream of the structure in structure lengths, with air.
+const UPSTREAM_LENGTHS: f64 = 0.35;
+
+/// What a picture should look like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureOptions {
+    /// Width of the picture [px].
+    pub width_px: u32,
+    /// Height of the picture [px].
+    pub height_px: u32,
+    /// Text at the top left.
+    pub title: Option<String>,
+    /// Text below the view.
+    pub caption: Option<String>,
+    /// Ends of the tension scale [N/m]; by default 0 and the 98th percentile of this frame.
+    pub tension_range_n_m: Option<[f64; 2]>,
+    /// Ends of the speed scale [m/s]; by default 0 and the 98th percentile of this frame.
+    pub speed_range_m_s: Option<[f64; 2]>,
+    /// How far the eye is turned towards upstream from looking along +y [°].
+    pub azimuth_deg: f64,
+    /// How far the eye is raised [°].
+    pub elevation_deg: f64,
+    /// Show all of the air rather than the structure and some wake.
+    pub whole_domain: bool,
+    /// Box that takes the structure's place in choosing the view: lowest and highest corner [m].
+    /// Give the same one for all pictures of a run to hold the camera still.
+    pub framing_box_m: Option<[DVec3; 2]>,
+    /// Whether the slice of air cuts the structure or lies behind it.
+    pub slice_depth: SliceDepth,
+    /// Draw the edges of the fabric's triangles.
+    pub mesh_edges: bool,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            width_px: 1280,
+            height_px: 720,
+            title: None,
+            caption: None,
+            tension_range_n_m: None,
+            speed_range_m_s: None,
+            azimuth_deg: 28.0,
+            elevation_deg: 14.0,
+            whole_domain: false,
+            framing_box_m: None,
+            slice_depth: SliceDepth::Behind,
+            mesh_edges: true,
+        }
+    }
+}
+
+/// A picture of a frame: fabric coloured by its larger principal tension, lines, and air speed on
+/// the plane y = const through the structure's centre.
+///
+/// Without air the structure fills the view; without a structure the air does, seen squarely on the
+/// middle plane across its thinnest direction. Values that are not finite are left out.
+#[must_use]
+pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
+    let structure = frame.structure.as_ref();
+    let zoom = zoom(options);
+    let normal = match (structure, &frame.fluid) {
+        (None, Some(fluid)) => thinnest_axis(fluid),
+        _ => Axis::Y,
+    };
+    let slice = frame.fluid.as_ref().and_then(|fluid| {
+        let place = structure.and_then(centre_y).filter(|_| normal == Axis::Y);
+        let [low, high] = air_box(fluid);
+        let middle = 0.5 * (low + high)[normal as usize];
+        let depth = options.slice_depth;
+        let mut slice = speed_slice(fluid, normal, place.unwrap_or(middle), depth)?;
+        let automatic = || range_from_zero(slice.values.iter().map(|v| f64::from(*v)));
+        slice.range = options.speed_range_m_s.unwrap_or_else(automatic);
+        Some(slice)
+    });
+    let surface = structure.and_then(|structure| {
+        let automatic = || range_from_zero(tensions(structure));
+        let range = options.tension_range_n_m.unwrap_or_else(automatic);
+        fabric(structure, range, options.mesh_edges, zoom)
+    });
+
+    let mut bars = Vec::new();
+    if let Some(surface) = &surface {
+        bars.push(("Tension [N/m]", surface.range, TENSION_SCALE));
+    }
+    if let Some(slice) = &slice {
+        bars.push(("Air speed [m/s]", slice.range, SPEED_SCALE));
+    }
+    let titles: Vec<&str> = bars.iter().map(|bar| bar.0).collect();
+    let mut layout = Layout::new(options, zoom, &titles);
+    let camera = match (structure, &slice) {
+        (None, Some(slice)) => square_camera(slice, normal, &mut layout.viewport),
+        _ => camera(
+            structure,
+            frame.fluid.as_ref(),
+            &slice,
+            options,
+            layout.viewport.aspect(),
+        ),
+    };
+    Picture {
+        width_px: options.width_px,
+        height_px: options.height_px,
+        page: PAGE,
+        viewport: layout.viewport,
+        background: BACKGROUND,
+        camera,
+        surfaces: surface.into_iter().collect(),
+        polylines: structure.map_or_else(Vec::new, |structure| cables(structure, zoom)),
+        slices: slice.into_iter().collect(),
+        labels: layout.labels(frame.time_s, options),
+        colour_bars: layout.colour_bars(&bars),
+    }
+}
+
+/// Size of text and lines relative to a picture of 1280×720 px.
+fn zoom(options: &PictureOptions) -> f64 {
+    let zoom = (f64::from(options.width_px) / 1280.0).min(f64::from(options.height_px) / 720.0);
+    zoom.clamp(0.3, 4.0)
+}
+
+/// Mean y of the structure's nodes [m].
+fn centre_y(structure: &StructureFrame) -> Option<f64> {
+    let (sum, count) = (structure.positions_m.iter())
+        .filter(|p| p.is_finite())
+        .fold((0.0, 0usize), |(sum, count), p| (sum + p.y, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// A camera that sees a slice squarely, in a viewport cut to the slice's shape.
+fn square_camera(slice: &Slice, normal: Axis, viewport: &mut PixelRect) -> Camera {
+    let (sight, up) = normal.square_view();
+    let extents = slice.edges_m.map(|edge| edge.length());
+    let aspect = extents[0] / extents[1];
+    let PixelRect {
+        x,
+        y,
+        width,
+        height,
+    } = *viewport;
+    let shrunk = |size: f64, limit: u32| (size.round() as u32).clamp(limit.min(1), limit);
+    if aspect.is_finite() && aspect > 0.0 {
+        viewport.width = shrunk(f64::from(height) * aspect, width);
+        viewport.height = shrunk(f64::from(width) / aspect, height);
+        viewport.x = x + (width - viewport.width) / 2;
+        viewport.y = y + (height - viewport.height) / 2;
+    }
+    let distance = 2.0 * (extents[0] + extents[1]);
+    fit_orthographic(
+        &slice.corners_m(),
+        sight,
+        up,
+        viewport.aspect(),
+        0.0,
+        distance,
+    )
+}
+
+/// A camera that shows the structure, with air also some wake, or all of the air if so asked.
+fn camera(
+    structure: Option<&StructureFrame>,
+    fluid: Option<&FluidFrame>,
+    slice: &Option<Slice>,
+    options: &PictureOptions,
+    aspect: f64,
+) -> Camera {
+    let air = fluid.map(air_box);
+    let bodies = structure.and_then(|s| bounds(s.positions_m.iter().copied()));
+    let body = options
+        .framing_box_m
+        .or(bodies.map(|(low, high)| [low, high]));
+    let (points, margin) = match (body, air) {
+        (None, None) => (Vec::new(), 0.0),
+        (Some(body), None) => (box_corners(body).to_vec(), 0.09),
+        (Some(body), Some(air)) if !options.whole_domain => (with_wake(body, air), 0.0),
+        (body, Some(_)) => {
+            let sheet = slice.iter().flat_map(Slice::corners_m);
+            (
+                sheet
+                    .chain(body.into_iter().flat_map(box_corners))
+                    .collect(),
+                0.02,
+            )
+        }
+    };
+    let all = points.iter().chain(air.iter().flatten()).copied();
+    let size = bounds(all).map_or(1.0, |(low, high)| (high - low).length());
+    let distance = 2.0 * if size > 0.0 { size } else { 1.0 };
+    let sight = sight_direction(options.azimuth_deg, options.elevation_deg);
+    fit_orthographic(&points, sight, DVec3::Z, aspect, margin, distance)
+}
+
+/// Points around the structure and a stretch of its wake, within the air.
+fn with_wake([low, high]: [DVec3; 2], air: [DVec3; 2]) -> Vec<DVec3> {
+    let length = (high - low).max_element();
+    let middle = 0.5 * (low + high);
+    let end = |x: f64| DVec3::new(x.clamp(air[0].x, air[1].x), middle.y, middle.z);
+    let start = low.x - UPSTREAM_LENGTHS * length;
+    let room = DVec3::splat(0.12 * length);
+    let mut points = box_corners([low - room, high + room]).to_vec();
+    points.extend([end(start), end(start + VIEW_LENGTHS * length)]);
+    points
+}
+
+/// Where things go on the page.
+struct Layout {
+    page: [u32; 2],
+    viewport: PixelRect,
+    margin: u32,
+    strip: u32,
+    text: TextSize,
+    heading: TextSize,
+}
+
+impl Layout {
+    fn new(options: &PictureOptions, zoom: f64, titles: &[&str]) -> Self {
+        let px = |size: f64| (size * zoom).round() as u32;
+        let (width, height) = (options.width_px, options.height_px);
+        let margin = px(16.0);
+        let text = TextSize::fitting(20.0 * zoom);
+        let heading = TextSize::fitting(26.0 * zoom);
+        let widest = titles
+            .iter()
+            .map(|title| text_width(title, text, true))
+            .max();
+        let strip = widest.map_or(margin, |widest| 2 * margin + widest);
+        let (top, bottom) = (
+            px(46.0).max(line_height(heading) + 2),
+            if options.caption.is_some() {
+                px(44.0).max(line_height(text) + 4)
+            } else {
+                margin
+            },
+        );
+        let framed = PixelRect {
+            x: margin,
+            y: top,
+            width: width.saturating_sub(margin + strip),
+            height: height.saturating_sub(top + bottom),
+        };
+        let whole = PixelRect {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        };
+        let viewport = if framed.width > 0 && framed.height > 0 {
+            framed
+        } else {
+            whole
+        };
+        Self {
+            page: [width, height],
+            viewport,
+            margin,
+            strip,
+            text,
+            heading,
+        }
+    }
+
+    fn labels(&self, time_s: f64, options: &PictureOptions) -> Vec<Label> {
+        let [width, height] = self.page.map(i64::from);
+        let margin = i64::from(self.margin);
+        let header = (options.height_px.min(self.viewport.y) / 2).max(1);
+        let label = |text: &str, position_px, align, size, bold| Label {
+            text: text.to_owned(),
+            position_px,
+            size,
+            bold,
+            colour: TEXT,
+            align,
+        };
+        let y = i64::from(header);
+        let right = width - i64::from(self.strip);
+        let time = format!("t = {time_s:.4} s");
+        let mut labels = vec![label(&time, [right, y], TextAlign::Right, self.text, false)];
+        if let Some(title) = &options.title {
+            labels.push(label(
+                title,
+                [margin, y],
+                TextAlign::Left,
+                self.heading,
+                true,
+            ));
+        }
+        if let Some(caption) = &options.caption {
+            let below = i64::from(self.viewport.y + self.viewport.height);
+            let y = (below + height) / 2;
+            labels.push(label(
+                caption,
+                [margin, y],
+                TextAlign::Left,
+                self.text,
+                false,
+            ));
+        }
+        labels
+    }
+
+    fn colour_bars(&self, bars: &[(&str, [f64; 2], ColourScale)]) -> Vec<ColourBar> {
+        let title = line_height(self.text) + 2 * self.margin / 3;
+        let count = (bars.len() as u32).max(2);
+        let port = self.viewport;
+        let share = port.height / count;
+        let x = (self.page[0] - self.strip.min(self.page[0])) + self.margin;
+        let bar = |(k, (text, range, scale)): (usize, &(&str, [f64; 2], ColourScale))| ColourBar {
+            title: (*text).to_owned(),
+            range: *range,
+            scale: *scale,
+            rect: PixelRect {
+                x,
+                y: port.y + share * k as u32 + title,
+                width: self.margin * 3 / 2,
+                height: share.saturating_sub(title + self.margin),
+            },
+            ticks: nice_ticks(*range, 6),
+            text_size: self.text,
+            text_colour: TEXT,
+        };
+        bars.iter().enumerate().map(bar).collect()
+    }
+}
+
+#[cfg(test)]
+#[path = "scene_tests.rs"]
+mod tests;

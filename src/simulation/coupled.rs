@@ -1,0 +1,137 @@
+//! Markers between air and fabric: SI on the fabric's side, lattice units on the air's.
+
+use glam::DVec3;
+
+use super::air::{AirEngine, each_engine};
+use crate::case::Scene;
+use crate::case::scene::{Air, Coupling};
+use crate::cpu::cloth::{Cloth, MarkerReaction};
+use crate::cpu::fluid::ForcedCells;
+use crate::cpu::immersed::Immersed;
+use crate::immersed::markers::Marker;
+use crate::immersed::touched::OutOfDomain;
+use crate::plan::place_markers;
+use crate::units::Units;
+
+/// Markers on a structure in the air.
+#[derive(Debug)]
+pub struct Coupled {
+    units: Units,
+    markers: Vec<Marker>,
+    immersed: Immersed,
+    /// [cells]
+    positions: Vec<[f64; 3]>,
+    /// [cells per step]
+    velocities: Vec<[f64; 3]>,
+    /// Sum of u* since the last solve, for the mean ū.
+    air_velocity_sums: Vec<[f64; 3]>,
+    sums: u32,
+    reactions: Vec<MarkerReaction>,
+    force_on_air: [f64; 3],
+}
+
+impl Coupled {
+    pub(super) fn new(scene: &Scene, air: &Air, coupling: &Coupling) -> Self {
+        let markers = place_markers(scene);
+        let cell_area = air.units.cell_size_m * air.units.cell_size_m;
+        let areas = markers.iter().map(|m| m.area_m2 / cell_area).collect();
+        let count = markers.len();
+        Self {
+            units: air.units,
+            markers,
+            immersed: Immersed::new(areas, coupling.over_relaxation, air.cells),
+            positions: vec![[0.0; 3]; count],
+            velocities: vec![[0.0; 3]; count],
+            air_velocity_sums: vec![[0.0; 3]; count],
+            sums: 0,
+            reactions: Vec::with_capacity(count),
+            force_on_air: [0.0; 3],
+        }
+    }
+
+    /// The scales.
+    #[must_use]
+    pub const fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// The immersed boundary.
+    #[must_use]
+    pub const fn immersed(&self) -> &Immersed {
+        &self.immersed
+    }
+
+    /// Total force on the air of the last `spread` [lattice units].
+    #[must_use]
+    pub const fn force_on_air(&self) -> [f64; 3] {
+        self.force_on_air
+    }
+
+    pub(super) fn forced_cells(&self) -> ForcedCells<'_> {
+        self.immersed.forced_cells()
+    }
+
+    pub(super) fn interpolate(&mut self, air: &AirEngine, cloth: &Cloth) -> Result<(), OutOfDomain> {
+        for (position, marker) in self.positions.iter_mut().zip(&self.markers) {
+            *position = self.units.position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
+        }
+        each_engine!(air, fluid => self.immersed.interpolate(fluid, &self.positions))?;
+        for (sum, u) in self.air_velocity_sums.iter_mut().zip(self.immersed.air_velocities()) {
+            for a in 0..3 {
+                sum[a] += u[a];
+            }
+        }
+        self.sums += 1;
+        Ok(())
+    }
+
+    /// The markers as the fabric feels them: the mean ū since the last solve and the present strengths.
+    pub(super) fn reactions(&mut self) -> &[MarkerReaction] {
+        let mean = 1.0 / f64::from(self.sums.max(1));
+        self.reactions.clear();
+        for (k, marker) in self.markers.iter().enumerate() {
+            self.reactions.push(MarkerReaction {
+                triangle: marker.triangle,
+                weights: marker.weights,
+                stiffness_kg_s: self.immersed.stiffness(k) * self.units.stiffness_kg_s(),
+                air_velocity_m_s: self.units.velocity_m_s(self.air_velocity_sums[k].map(|u| u * mean)),
+            });
+        }
+        self.air_velocity_sums.fill([0.0; 3]);
+        self.sums = 0;
+        &self.reactions
+    }
+
+    pub(super) fn spread(&mut self, cloth: &Cloth, released: bool) {
+        for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
+            *velocity = if released {
+                self.units.velocity_to_lattice(at_marker(cloth, marker, &cloth.velocities_m_s))
+            } else {
+                [0.0; 3]
+            };
+        }
+        if !released {
+            self.air_velocity_sums.fill([0.0; 3]);
+            self.sums = 0;
+        }
+        self.force_on_air = self.immersed.spread(&self.velocities);
+    }
+
+    /// Root mean square slip of the air at the markers [m/s].
+    #[must_use]
+    pub fn slip_m_s(&self) -> f64 {
+        self.immersed.slip(&self.velocities) * self.units.speed_m_s()
+    }
+
+    /// Fastest marker [cells per step].
+    #[must_use]
+    pub fn fastest_marker(&self) -> f64 {
+        self.velocities.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// Value of a nodal field at a marker.
+fn at_marker(cloth: &Cloth, marker: &Marker, field: &[DVec3]) -> DVec3 {
+    let nodes = cloth.structure.triangles[marker.triangle as usize].nodes;
+    nodes.iter().zip(marker.weights).map(|(&node, weight)| field[node as usize] * weight).sum()
+}

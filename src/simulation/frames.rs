@@ -1,0 +1,54 @@
+//! Host snapshots of the running scene, in SI units.
+
+use glam::DVec3;
+
+use super::Simulation;
+use crate::cpu::cloth::{Cloth, nodal_forces};
+use crate::frame::{FluidFrame, Frame, StructureFrame};
+
+impl Simulation {
+    /// The scene now; the air only where asked for, since it is large.
+    #[must_use]
+    pub fn frame(&self, with_air: bool) -> Frame {
+        Frame {
+            time_s: self.time_s(),
+            step: self.step,
+            fluid: if with_air { self.fluid_frame() } else { None },
+            structure: self.cloth.as_ref().map(structure_frame),
+        }
+    }
+
+    fn fluid_frame(&self) -> Option<FluidFrame> {
+        let (air, settings) = (self.air.as_ref()?, self.scene.air.as_ref()?);
+        let units = settings.units;
+        let states = air.macroscopic();
+        let (speed, pressure) = (units.speed_m_s() as f32, units.pressure_pa() as f32);
+        Some(FluidFrame {
+            origin_m: DVec3::splat(0.5 * units.cell_size_m),
+            cell_size_m: units.cell_size_m,
+            cells: settings.cells,
+            velocity_m_s: states.iter().map(|(_, u)| u.map(|c| c * speed)).collect(),
+            pressure_pa: states.iter().map(|(excess, _)| excess * pressure).collect(),
+        })
+    }
+}
+
+fn structure_frame(cloth: &Cloth) -> StructureFrame {
+    let structure = &cloth.structure;
+    let loads = nodal_forces::triangle_loads(structure, &cloth.positions_m);
+    StructureFrame {
+        positions_m: cloth.positions_m.clone(),
+        velocities_m_s: cloth.velocities_m_s.clone(),
+        triangles: structure.triangles.iter().map(|t| t.nodes).collect(),
+        principal_tensions_n_m: loads.iter().map(|l| l.principal_tensions_n_m).collect(),
+        stress_pa: loads.iter().map(|l| l.principal_tensions_n_m[0] / structure.thickness_m).collect(),
+        states: loads.iter().map(|l| l.state).collect(),
+        cables: structure.cables.iter().map(|c| c.nodes).collect(),
+        cable_kinds: structure.cables.iter().map(|c| c.kind).collect(),
+        cable_tensions_n: structure
+            .cables
+            .iter()
+            .map(|c| nodal_forces::cable_tension_n(c, &cloth.positions_m))
+            .collect(),
+    }
+}

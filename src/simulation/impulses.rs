@@ -1,0 +1,170 @@
+//! The force of the air on the structure, by three routes that share no data, as impulses since release.
+//!
+//! * markers: the sum of what `spread` delivered to the air, reversed;
+//! * momentum box: storage and fluxes of populations through a box around the structure, reversed;
+//! * supports: pull of the lines on their supports, plus the change of the structure's own momentum, minus gravity and guides.
+//!
+//! The mean force over any window is a difference of impulses over its length: exact, and free of sampling noise.
+
+use glam::DVec3;
+
+use super::air::AirEngine;
+use super::coupled::Coupled;
+use crate::case::scene::{Air, BodyKind};
+use crate::cloth::CableSegment;
+use crate::cpu::cloth::{Cloth, nodal_forces};
+use crate::cpu::fluid::control_volume::{ControlVolume, MassMomentum};
+use crate::units::Units;
+
+/// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
+const LATERAL_REACH: f64 = 0.7;
+
+/// Impulses of the air on the structure since release.
+#[derive(Debug, Clone)]
+pub struct Impulses {
+    units: Units,
+    volume: ControlVolume,
+    /// Cells touched by markers stayed inside the box so far.
+    contained: bool,
+    markers: [f64; 3],
+    outflow: MassMomentum,
+    initial: MassMomentum,
+    supports: DVec3,
+    initial_momentum: DVec3,
+    support_cables: Vec<CableSegment>,
+    /// True if cables alone touch held nodes, so that their tensions are all support forces.
+    supported_by_cables: bool,
+}
+
+/// Impulses at one instant [N·s], and the mass balance of the box.
+#[derive(Debug, Clone, Copy)]
+pub struct ImpulseSample {
+    /// Route 1.
+    pub markers: DVec3,
+    /// Route 2; `None` if the fabric left the box.
+    pub momentum_box: Option<DVec3>,
+    /// Route 3; `None` where fabric itself is held.
+    pub supports: Option<DVec3>,
+    /// (mass in the box now − mass then + net outflow) / mass.
+    pub mass_defect: f64,
+}
+
+impl Impulses {
+    pub(super) fn new(air: &Air, kind: Option<&BodyKind>, engine: &AirEngine, cloth: &Cloth) -> Self {
+        let structure = &cloth.structure;
+        let (low, high) = reach(kind, cloth);
+        let cell = air.units.cell_size_m;
+        let first = std::array::from_fn(|a| ((low[a] / cell).floor() as i64).clamp(3, air.cells[a] as i64 / 2 - 1) as usize);
+        let end = std::array::from_fn(|a| {
+            ((high[a] / cell).ceil() as i64).clamp(air.cells[a] as i64 / 2 + 1, air.cells[a] as i64 - 3) as usize
+        });
+        let support_cables =
+            structure.cables.iter().copied().filter(|c| c.nodes.iter().any(|&n| structure.held[n as usize])).collect();
+        let supported_by_cables = !structure
+            .triangles
+            .iter()
+            .flat_map(|t| t.nodes)
+            .chain(structure.springs.iter().flat_map(|s| s.nodes))
+            .any(|n| structure.held[n as usize]);
+        Self {
+            units: air.units,
+            volume: ControlVolume::new(&engine.grid(), first, end),
+            contained: true,
+            markers: [0.0; 3],
+            outflow: MassMomentum::default(),
+            initial: MassMomentum::default(),
+            supports: DVec3::ZERO,
+            initial_momentum: DVec3::ZERO,
+            support_cables,
+            supported_by_cables,
+        }
+    }
+
+    /// Begins at release.
+    pub(super) fn start(&mut self, air: &AirEngine, cloth: &Cloth) {
+        self.initial = air.storage(&self.volume);
+        self.initial_momentum = cloth.momentum_kg_m_s();
+        self.markers = [0.0; 3];
+        self.outflow = MassMomentum::default();
+        self.supports = DVec3::ZERO;
+    }
+
+    /// The air has just been collided under `force` [lattice units].
+    pub(super) fn add_delivered(&mut self, force: [f64; 3]) {
+        for a in 0..3 {
+            self.markers[a] -= force[a];
+        }
+    }
+
+    pub(super) fn add_step(&mut self, air: &AirEngine, cloth: &Cloth, gravity: Option<DVec3>, coupled: &Coupled) {
+        let out = air.outflow(&self.volume);
+        self.outflow.mass_excess += out.mass_excess;
+        for a in 0..3 {
+            self.outflow.momentum[a] += out.momentum[a];
+        }
+        self.contained &= coupled.immersed().touches_only(self.volume.first, self.volume.end);
+        let mut pull = DVec3::ZERO;
+        let structure = &cloth.structure;
+        for cable in &self.support_cables {
+            let [a, b] = cable.nodes.map(|n| n as usize);
+            // Direction from the supported end to the support.
+            let (free, held) = if structure.held[a] { (b, a) } else { (a, b) };
+            let direction = (cloth.positions_m[held] - cloth.positions_m[free]).normalize_or_zero();
+            pull += direction * nodal_forces::cable_tension_n(cable, &cloth.positions_m);
+        }
+        for guide in &structure.guides {
+            pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);
+        }
+        if let Some(gravity) = gravity {
+            let mass: f64 =
+                structure.masses_kg.iter().zip(&structure.held).filter(|(_, held)| !**held).map(|(m, _)| m).sum();
+            pull += gravity * mass;
+        }
+        self.supports -= pull * self.units.time_step_s;
+    }
+
+    /// Impulses now.
+    #[must_use]
+    pub fn sample(&self, air: &AirEngine, cloth: &Cloth) -> ImpulseSample {
+        let stored = air.storage(&self.volume);
+        let scale = self.units.impulse_n_s();
+        let momentum_box = self.contained.then(|| {
+            DVec3::from_array(std::array::from_fn(|a| {
+                -scale * (stored.momentum[a] - self.initial.momentum[a] + self.outflow.momentum[a])
+            }))
+        });
+        let mass = self.volume.cell_count() as f64 + self.initial.mass_excess;
+        ImpulseSample {
+            markers: DVec3::from_array(self.markers) * scale,
+            momentum_box,
+            supports: self
+                .supported_by_cables
+                .then(|| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
+            mass_defect: (stored.mass_excess - self.initial.mass_excess + self.outflow.mass_excess) / mass,
+        }
+    }
+}
+
+/// Corners of the box that the structure is expected to stay in [m].
+fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
+    let positions = &cloth.positions_m;
+    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    match kind {
+        Some(BodyKind::Canopy(canopy)) => {
+            let diameter = canopy.nominal_diameter_m;
+            let confluence = positions[canopy.canopy_node_count];
+            let skirt = positions[..canopy.canopy_node_count].iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+            let lateral = DVec3::new(0.0, LATERAL_REACH * diameter, LATERAL_REACH * diameter);
+            let line = skirt - confluence.x;
+            (
+                confluence - lateral + DVec3::X * (0.3 * line),
+                confluence + lateral + DVec3::X * (1.1 * line + 0.65 * diameter),
+            )
+        }
+        _ => {
+            let margin = DVec3::splat(0.5 * (high - low).max_element());
+            (low - margin, high + margin)
+        }
+    }
+}

@@ -1,0 +1,377 @@
+//! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
+
+mod air;
+mod coupled;
+mod frames;
+mod impulses;
+mod opening;
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+
+pub use air::AirEngine;
+pub use coupled::Coupled;
+pub use impulses::Impulses;
+pub use opening::Opening;
+
+use crate::case::Scene;
+use crate::case::scene::{BodyKind, Flow};
+use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
+use crate::cpu::fluid::BodyForce;
+use crate::plan::{Plan, Stage};
+use crate::solve::lbfgs::{Outcome, Stop};
+
+/// Pairs that L-BFGS keeps.
+pub const LBFGS_HISTORY: usize = 8;
+
+/// Steps between searches for cells that are not finite or too fast.
+const WATCH_INTERVAL: u64 = 100;
+
+/// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
+const DIVERGED_SPEED: f64 = 0.4;
+
+/// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
+const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
+
+/// A run that broke down.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("the run diverged at t = {time_s:.6} s (step {step}): {what}")]
+pub struct Diverged {
+    /// Time since release [s].
+    pub time_s: f64,
+    /// Step since the start.
+    pub step: u64,
+    /// What broke, and where.
+    pub what: String,
+}
+
+/// Wall time per stage and work done.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cost {
+    /// Collide and stream.
+    pub fluid: Duration,
+    /// Interpolate and spread.
+    pub coupling: Duration,
+    /// Solve the cloth.
+    pub cloth: Duration,
+    /// Measure.
+    pub measure: Duration,
+    /// Iterations of the minimiser.
+    pub iterations: u64,
+    /// Evaluations of the objective.
+    pub evaluations: u64,
+    /// Solves that ended without reaching their tolerance.
+    pub unconverged: u64,
+    /// Solves.
+    pub solves: u64,
+}
+
+/// A scene in motion.
+#[derive(Debug)]
+pub struct Simulation {
+    scene: Scene,
+    plan: Plan,
+    air: Option<AirEngine>,
+    cloth: Option<Cloth>,
+    coupled: Option<Coupled>,
+    impulses: Option<Impulses>,
+    opening: Option<Opening>,
+    step: u64,
+    cost: Cost,
+}
+
+impl Simulation {
+    /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
+    pub fn new(scene: Scene, plan: Plan) -> Result<Self, Diverged> {
+        let air = scene.air.as_ref().map(|air| AirEngine::new(air, plan.precision));
+        let mut cloth = scene.body.as_ref().map(|body| Cloth::new(body.structure.clone()));
+        let mut opening = None;
+        if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
+            && let BodyKind::Canopy(canopy) = &body.kind
+        {
+            opening = Some(opening::open(cloth, canopy, &step_settings(&scene))?);
+        }
+        let coupled = match (&scene.air, &scene.coupling) {
+            (Some(air), Some(coupling)) => Some(Coupled::new(&scene, air, coupling)),
+            _ => None,
+        };
+        let impulses = match (&scene.air, &air, &cloth, &coupled) {
+            (Some(settings), Some(engine), Some(cloth), Some(_)) => {
+                Some(Impulses::new(settings, scene.body.as_ref().map(|b| &b.kind), engine, cloth))
+            }
+            _ => None,
+        };
+        Ok(Self { scene, plan, air, cloth, coupled, impulses, opening, step: 0, cost: Cost::default() })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The plan.
+    #[must_use]
+    pub const fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Steps done, those before release included.
+    #[must_use]
+    pub const fn step_count(&self) -> u64 {
+        self.step
+    }
+
+    /// Time since release; negative while the wind rises [s].
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        let step_s = self.scene.time.map_or(0.0, |t| t.step_s);
+        (self.step as f64 - self.plan.start_steps as f64) * step_s
+    }
+
+    /// True once the sheet moves freely.
+    #[must_use]
+    pub const fn released(&self) -> bool {
+        self.step >= self.plan.start_steps
+    }
+
+    /// Fabric and cables.
+    #[must_use]
+    pub const fn cloth(&self) -> Option<&Cloth> {
+        self.cloth.as_ref()
+    }
+
+    /// The air.
+    #[must_use]
+    pub const fn air(&self) -> Option<&AirEngine> {
+        self.air.as_ref()
+    }
+
+    /// The markers.
+    #[must_use]
+    pub const fn coupled(&self) -> Option<&Coupled> {
+        self.coupled.as_ref()
+    }
+
+    /// Impulses of the three force routes since release.
+    #[must_use]
+    pub const fn impulses(&self) -> Option<&Impulses> {
+        self.impulses.as_ref()
+    }
+
+    /// How the folded canopy was opened.
+    #[must_use]
+    pub const fn opening(&self) -> Option<&Opening> {
+        self.opening.as_ref()
+    }
+
+    /// Wall time and work so far.
+    #[must_use]
+    pub const fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    /// Speed of the wind at the inlet now [m/s].
+    #[must_use]
+    pub fn wind_speed_m_s(&self) -> f64 {
+        match self.scene.air.map(|air| air.flow) {
+            Some(Flow::WindTunnel { speed_m_s, .. }) if self.plan.start_steps > 0 => {
+                speed_m_s * (self.step as f64 / self.plan.start_steps as f64).min(1.0)
+            }
+            Some(Flow::WindTunnel { speed_m_s, .. }) => speed_m_s,
+            _ => 0.0,
+        }
+    }
+
+    /// One step: the plan's stages in the plan's order.
+    pub fn advance(&mut self) -> Result<(), Diverged> {
+        for i in 0..self.plan.stages.len() {
+            let planned = self.plan.stages[i];
+            let start = Instant::now();
+            match planned.stage {
+                Stage::CollideStream => self.collide_stream(),
+                Stage::Interpolate => self.interpolate()?,
+                Stage::SolveCloth => self.solve_cloth(planned.every)?,
+                Stage::Spread => self.spread(),
+                Stage::Measure => self.accumulate(),
+                // Files belong to the caller, which sees frames.
+                Stage::Output => {}
+            }
+            let elapsed = start.elapsed();
+            match planned.stage {
+                Stage::CollideStream => self.cost.fluid += elapsed,
+                Stage::Interpolate | Stage::Spread => self.cost.coupling += elapsed,
+                Stage::SolveCloth => self.cost.cloth += elapsed,
+                Stage::Measure | Stage::Output => self.cost.measure += elapsed,
+            }
+        }
+        self.step += 1;
+        if self.step.is_multiple_of(WATCH_INTERVAL) {
+            self.watch()?;
+        }
+        Ok(())
+    }
+
+    fn collide_stream(&mut self) {
+        let wind = DVec3::X * self.wind_speed_m_s();
+        let start_steps = self.plan.start_steps;
+        let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else { return };
+        let mut acceleration = None;
+        if let Flow::WindTunnel { speed_m_s, .. } = settings.flow {
+            air.set_inlet_velocity(settings.units.velocity_to_lattice(wind));
+            if self.step < start_steps && speed_m_s > 0.0 {
+                // All air is accelerated alike, so that the wind rises everywhere at once.
+                let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0] / start_steps as f64;
+                acceleration = Some([rate, 0.0, 0.0]);
+            }
+        }
+        let cells = self.coupled.as_ref().map(Coupled::forced_cells).unwrap_or_default();
+        air.collide_stream(&BodyForce { acceleration, cells });
+        if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
+            && self.step >= start_steps
+        {
+            impulses.add_delivered(coupled.force_on_air());
+        }
+    }
+
+    fn interpolate(&mut self) -> Result<(), Diverged> {
+        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled) else {
+            return Ok(());
+        };
+        if let Err(left) = coupled.interpolate(air, cloth) {
+            let place = coupled.units().position_m(left.position);
+            let what = format!(
+                "a marker of the fabric left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
+                place.x, place.y, place.z
+            );
+            return Err(self.diverged(what));
+        }
+        Ok(())
+    }
+
+    fn solve_cloth(&mut self, every: u32) -> Result<(), Diverged> {
+        if self.step < self.plan.start_steps {
+            return Ok(());
+        }
+        let since_release = self.step - self.plan.start_steps;
+        let Some(time) = self.scene.time else { return Ok(()) };
+        let Some(cloth) = &mut self.cloth else { return Ok(()) };
+        if !since_release.is_multiple_of(u64::from(every)) {
+            // Between solves the sheet keeps its velocity.
+            for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
+                *x += *v * time.step_s;
+            }
+            return Ok(());
+        }
+        let reactions = self.coupled.as_mut().map(Coupled::reactions).unwrap_or_default();
+        // With k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
+        let span_s = time.step_s * f64::from(every);
+        let input = StepInput {
+            time_step_s: Some(span_s),
+            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+            pressure_pa: 0.0,
+            damping_1_s: self.scene.solver.damping_1_s,
+            markers: reactions,
+        };
+        let before = if every > 1 { Some(cloth.positions_m.clone()) } else { None };
+        let outcome = cloth.solve_cloth(&input, &step_settings(&self.scene));
+        if let Some(before) = before {
+            for ((x, old), v) in cloth.positions_m.iter_mut().zip(&before).zip(&cloth.velocities_m_s) {
+                *x = *old + *v * time.step_s;
+            }
+        }
+        count(&mut self.cost, &outcome);
+        if outcome.stop == Stop::NotFinite {
+            let node = self.cloth.as_ref().and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
+            let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
+            return Err(self.diverged(format!("the fabric's energy is no longer finite{place}")));
+        }
+        Ok(())
+    }
+
+    fn spread(&mut self) {
+        if let (Some(cloth), Some(coupled)) = (&self.cloth, &mut self.coupled) {
+            coupled.spread(cloth, self.step >= self.plan.start_steps);
+        }
+    }
+
+    fn accumulate(&mut self) {
+        if self.step < self.plan.start_steps {
+            return;
+        }
+        let (Some(air), Some(cloth), Some(coupled), Some(impulses)) =
+            (&self.air, &self.cloth, &self.coupled, &mut self.impulses)
+        else {
+            return;
+        };
+        if self.step == self.plan.start_steps {
+            impulses.start(air, cloth);
+            return;
+        }
+        impulses.add_step(air, cloth, self.scene.gravity_m_s2, coupled);
+    }
+
+    /// Looks for cells that are not finite or too fast.
+    fn watch(&self) -> Result<(), Diverged> {
+        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else { return Ok(()) };
+        let Some(found) = air.breakdown(DIVERGED_SPEED) else { return Ok(()) };
+        let place = settings.units.position_m(found.cell.map(|c| c as f64));
+        let speed = settings.units.velocity_m_s(found.velocity).length();
+        Err(self.diverged(format!(
+            "the air at cell {:?}, ({:.3}, {:.3}, {:.3}) m, moves at {speed:.3e} m/s with a density of {:.3} times that of the \
+             undisturbed air; lower resolution.lattice_speed, refine, or switch the eddy viscosity on",
+            found.cell,
+            place.x,
+            place.y,
+            place.z,
+            1.0 + found.density_excess
+        )))
+    }
+
+    /// Seeks the static equilibrium asked for by the case; `None` if it asks for none.
+    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Diverged>> {
+        let equilibrium = self.scene.equilibrium?;
+        let gravity_m_s2 = self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
+        let cloth = self.cloth.as_mut()?;
+        let start = Instant::now();
+        let input = StepInput { gravity_m_s2, ..StepInput::default() };
+        let settings = SolverSettings {
+            tolerance: equilibrium.tolerance,
+            displacement_floor_m: 0.0,
+            evaluation_limit: equilibrium.evaluation_limit,
+            history: LBFGS_HISTORY,
+            refresh_every: Some(1),
+        };
+        let outcome = cloth.solve_cloth(&input, &settings);
+        self.cost.cloth += start.elapsed();
+        count(&mut self.cost, &outcome);
+        if outcome.stop == Stop::NotFinite {
+            return Some(Err(self.diverged("the fabric's energy is no longer finite".to_owned())));
+        }
+        Some(Ok(outcome))
+    }
+
+    fn diverged(&self, what: String) -> Diverged {
+        Diverged { time_s: self.time_s(), step: self.step, what }
+    }
+}
+
+fn step_settings(scene: &Scene) -> SolverSettings {
+    SolverSettings {
+        tolerance: scene.solver.tolerance,
+        displacement_floor_m: DISPLACEMENT_FLOOR_M,
+        evaluation_limit: scene.solver.evaluation_limit,
+        history: LBFGS_HISTORY,
+        refresh_every: None,
+    }
+}
+
+fn count(cost: &mut Cost, outcome: &Outcome) {
+    cost.solves += 1;
+    cost.iterations += outcome.iterations as u64;
+    cost.evaluations += outcome.evaluations as u64;
+    if outcome.stop != Stop::Converged {
+        cost.unconverged += 1;
+    }
+}

@@ -1,0 +1,62 @@
+//! Opening of a folded canopy by the *loading-pressure method* (paper P4): with the confluence fixed, a small pressure inside pushes the
+//! pleats apart until there is room for the flow; the canopy is then held until release. No air takes part.
+
+use super::Diverged;
+use crate::case::scene::Canopy;
+use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
+use crate::measure::shape;
+use crate::solve::lbfgs::Stop;
+
+/// Time step of the opening [s].
+const STEP_S: f64 = 5e-4;
+
+/// Mass-proportional damping during the opening [1/s]; strong, since only the shape matters.
+const DAMPING_1_S: f64 = 100.0;
+
+/// Steps after which the opening counts as failed.
+const STEP_LIMIT: usize = 2_000;
+
+/// How the canopy was opened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// Projected-diameter ratio of the folded canopy.
+    pub folded_ratio: f64,
+    /// Projected-diameter ratio reached.
+    pub opened_ratio: f64,
+    /// Pressure-loaded steps taken.
+    pub steps: usize,
+}
+
+pub(super) fn open(cloth: &mut Cloth, canopy: &Canopy, settings: &SolverSettings) -> Result<Opening, Diverged> {
+    let ratio = |cloth: &Cloth| {
+        let triangles = cloth.structure.triangles.iter().map(|t| t.nodes);
+        shape::projected_diameter_m(&cloth.positions_m, triangles) / canopy.nominal_diameter_m
+    };
+    let folded_ratio = ratio(cloth);
+    let input = StepInput {
+        time_step_s: Some(STEP_S),
+        pressure_pa: canopy.loading_pressure_pa,
+        damping_1_s: DAMPING_1_S,
+        ..StepInput::default()
+    };
+    let mut steps = 0;
+    let mut opened_ratio = folded_ratio;
+    while opened_ratio < canopy.opened_diameter_ratio {
+        let outcome = cloth.solve_cloth(&input, settings);
+        steps += 1;
+        opened_ratio = ratio(cloth);
+        if outcome.stop == Stop::NotFinite || steps >= STEP_LIMIT {
+            return Err(Diverged {
+                time_s: 0.0,
+                step: 0,
+                what: format!(
+                    "the loading pressure of {} Pa opened the folded canopy only to D_p/D_0 = {opened_ratio:.3} of {} in {steps} \
+                     steps; raise folding.loading_pressure_pa",
+                    canopy.loading_pressure_pa, canopy.opened_diameter_ratio
+                ),
+            });
+        }
+    }
+    cloth.velocities_m_s.fill(glam::DVec3::ZERO);
+    Ok(Opening { folded_ratio, opened_ratio, steps })
+}
