@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::case::scene::BodyKind;
 use crate::case::Case;
+use crate::case::scene::BodyKind;
 use crate::frame::Frame;
 use crate::measure::{Record, results};
 use crate::output::{
-    CaseInfo, HistoryWriter, MillisecondsPerStep, OutputError, Pvd, SCHEMA_VERSION, StopInfo, Summary,
-    prepare_directory, write_atomically, write_canopy_vtp, write_flow_vti, write_summary,
+    CaseInfo, HistoryWriter, MillisecondsPerStep, OutputError, Pvd, SCHEMA_VERSION, StopInfo,
+    Summary, prepare_directory, write_atomically, write_canopy_vtp, write_flow_vti, write_summary,
 };
 use crate::plan::Plan;
 use crate::render::{self, PictureOptions};
@@ -85,13 +85,30 @@ pub fn run(
     let mut history = HistoryWriter::create(&folder.join("history.csv"), record.columns())?;
     let mut files = Files {
         folder,
-        canopies: scene.body.is_some().then(|| Pvd::create(&folder.join("canopy.pvd"))).transpose()?,
-        flows: scene.air.is_some().then(|| Pvd::create(&folder.join("flow.pvd"))).transpose()?,
+        canopies: scene
+            .body
+            .is_some()
+            .then(|| Pvd::create(&folder.join("canopy.pvd")))
+            .transpose()?,
+        flows: scene
+            .air
+            .is_some()
+            .then(|| Pvd::create(&folder.join("flow.pvd")))
+            .transpose()?,
         pictures: 0,
         last_picture: None,
     };
     let mut good = simulation.frame(false);
-    let outcome = drive(&mut simulation, &mut record, &mut history, &mut files, &mut good, interrupt, observer, planned);
+    let outcome = drive(
+        &mut simulation,
+        &mut record,
+        &mut history,
+        &mut files,
+        &mut good,
+        interrupt,
+        observer,
+        planned,
+    );
     let mut notes = Vec::new();
     let (reason, diverged) = match outcome {
         Ok(reason) => (reason, None),
@@ -104,7 +121,10 @@ pub fn run(
         if let Some(structure) = &good.structure {
             write_canopy_vtp(&folder.join("canopy_last_good.vtp"), structure, good.time_s)?;
         }
-        notes.push(format!("last good state, at t = {:.6} s, in canopy_last_good.vtp", good.time_s));
+        notes.push(format!(
+            "last good state, at t = {:.6} s, in canopy_last_good.vtp",
+            good.time_s
+        ));
     } else {
         files.canopy(&simulation)?;
         files.flow(&simulation)?;
@@ -117,15 +137,29 @@ pub fn run(
             simulation.cost().solves
         ));
     }
-    let summary = summarise(case, &simulation, &record, reason, notes, began.elapsed().as_secs_f64());
+    let summary = summarise(
+        case,
+        &simulation,
+        &record,
+        reason,
+        notes,
+        began.elapsed().as_secs_f64(),
+    );
     write_summary(&folder.join("summary.json"), &summary)?;
     match diverged {
         Some(diverged) => Err(RunError::Diverged(diverged)),
-        None => Ok(Report { summary, interrupted, last_picture: files.last_picture }),
+        None => Ok(Report {
+            summary,
+            interrupted,
+            last_picture: files.last_picture,
+        }),
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "the parts of a run, borrowed together only here")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "the parts of a run, borrowed together only here"
+)]
 fn drive(
     simulation: &mut Simulation,
     record: &mut Record,
@@ -168,7 +202,9 @@ fn drive(
             if flow_every.is_some_and(|n| since.is_multiple_of(n)) {
                 files.flow(simulation)?;
             }
-            while next_picture < picture_times.len() && picture_times[next_picture] <= simulation.time_s() + 0.5 * step_s {
+            while next_picture < picture_times.len()
+                && picture_times[next_picture] <= simulation.time_s() + 0.5 * step_s
+            {
                 files.picture(simulation, record)?;
                 next_picture += 1;
             }
@@ -185,7 +221,11 @@ fn drive(
         }
         simulation.advance().map_err(RunError::Diverged)?;
         if simulation.step_count().is_multiple_of(20) || simulation.step_count() == planned {
-            observer.progress(simulation.step_count(), planned, &status(simulation, record, began));
+            observer.progress(
+                simulation.step_count(),
+                planned,
+                &status(simulation, record, began),
+            );
         }
     }
     if simulation.scene().time.is_some() {
@@ -214,7 +254,10 @@ fn drive(
 fn status(simulation: &Simulation, record: &Record, began: Instant) -> String {
     let rate = simulation.step_count() as f64 / began.elapsed().as_secs_f64();
     let mut text = format!("t = {:.4} s, {rate:.0} steps/s", simulation.time_s());
-    for (column, label) in [("projected_diameter_ratio", "D_p/D_0"), ("drag_coefficient", "C_D")] {
+    for (column, label) in [
+        ("projected_diameter_ratio", "D_p/D_0"),
+        ("drag_coefficient", "C_D"),
+    ] {
         if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
             text.push_str(&format!(", {label} {value:.3}"));
         }
@@ -224,7 +267,9 @@ fn status(simulation: &Simulation, record: &Record, began: Instant) -> String {
 
 impl Files<'_> {
     fn canopy(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        let Some(collection) = &mut self.canopies else { return Ok(()) };
+        let Some(collection) = &mut self.canopies else {
+            return Ok(());
+        };
         let frame = simulation.frame(false);
         if let Some(structure) = &frame.structure {
             let name = format!("canopy_{:05}.vtp", collection.entries().len());
@@ -235,7 +280,9 @@ impl Files<'_> {
     }
 
     fn flow(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        let Some(collection) = &mut self.flows else { return Ok(()) };
+        let Some(collection) = &mut self.flows else {
+            return Ok(());
+        };
         let frame = simulation.frame(true);
         if let Some(fluid) = &frame.fluid {
             let name = format!("flow_{:05}.vti", collection.entries().len());
@@ -249,7 +296,10 @@ impl Files<'_> {
         let scene = simulation.scene();
         let frame = simulation.frame(true);
         let mut caption = String::new();
-        for (column, label) in [("drag_coefficient", "C_D"), ("projected_diameter_ratio", "D_p/D_0")] {
+        for (column, label) in [
+            ("drag_coefficient", "C_D"),
+            ("projected_diameter_ratio", "D_p/D_0"),
+        ] {
             if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
                 caption.push_str(&format!("{label} {value:.2}  "));
             }
@@ -272,7 +322,9 @@ impl Files<'_> {
             ]);
         }
         let bytes = render::snapshot_png_bytes(&frame, &options)?;
-        let path = self.folder.join(format!("snapshot_{:03}.png", self.pictures));
+        let path = self
+            .folder
+            .join(format!("snapshot_{:03}.png", self.pictures));
         write_atomically(&path, |out| out.write_all(&bytes))?;
         self.pictures += 1;
         self.last_picture = Some(path);
@@ -330,7 +382,9 @@ fn summarise(
         precision: plan.precision.name().to_owned(),
         threads: rayon::current_num_threads(),
         cells,
-        markers: simulation.coupled().map_or(0, |c| c.immersed().marker_count()),
+        markers: simulation
+            .coupled()
+            .map_or(0, |c| c.immersed().marker_count()),
         nodes: plan.sizes.nodes as usize,
         triangles: plan.sizes.triangles as usize,
         steps,
@@ -344,8 +398,15 @@ fn summarise(
             cloth: per_step(cost.cloth, scene.body.is_some()),
             other: per_step(cost.measure, true),
         },
-        stop: StopInfo { reason, when_s: simulation.time_s() },
-        skipped: plan.skips.iter().map(|s| format!("{}: {}", s.what, s.why)).collect(),
+        stop: StopInfo {
+            reason,
+            when_s: simulation.time_s(),
+        },
+        skipped: plan
+            .skips
+            .iter()
+            .map(|s| format!("{}: {}", s.what, s.why))
+            .collect(),
         notes,
         results: results(simulation, record),
     }

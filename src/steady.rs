@@ -56,7 +56,10 @@ pub fn window(record: &Record, unit_s: f64) -> Option<Window> {
 #[must_use]
 pub fn mean(record: &Record, name: &str, window: &Window) -> Mean {
     let column = record.column(name);
-    batch_mean(&column[window.first..window.end.min(column.len())], window.batch)
+    batch_mean(
+        &column[window.first..window.end.min(column.len())],
+        window.batch,
+    )
 }
 
 /// A sentence saying why the run may stop now, or `None` to go on.

@@ -101,9 +101,14 @@ impl CaseArguments {
         }
         if self.threads > 0 {
             // Fails only if a pool exists already, which a command-line run never has.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build_global();
+            let _ = rayon::ThreadPoolBuilder::new()
+                .num_threads(self.threads)
+                .build_global();
         }
-        let choices = Choices { variant: self.variant.clone(), overrides: self.overrides.clone() };
+        let choices = Choices {
+            variant: self.variant.clone(),
+            overrides: self.overrides.clone(),
+        };
         let case = case::load(&self.case, &choices)?;
         let plan = Plan::new(&case.scene, self.precision);
         if let Some(free) = free_memory()
@@ -115,7 +120,9 @@ impl CaseArguments {
                     "in {}: the case is too large for this machine: it needs {:.1} GB{}, and of {:.1} GB free memory at most 80 % may be taken",
                     case.name,
                     refusal.needed as f64 / 1e9,
-                    air.map_or_else(String::new, |[x, y, z]| format!(" for {x} x {y} x {z} cells")),
+                    air.map_or_else(String::new, |[x, y, z]| format!(
+                        " for {x} x {y} x {z} cells"
+                    )),
                     refusal.free as f64 / 1e9
                 ),
                 "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
@@ -131,7 +138,11 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let code = if error.use_stderr() { exit::BAD_CASE } else { 0 };
+            let code = if error.use_stderr() {
+                exit::BAD_CASE
+            } else {
+                0
+            };
             // Printing help to a closed pipe is not worth a failure.
             let _ = error.print();
             return ExitCode::from(code);

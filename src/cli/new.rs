@@ -21,7 +21,11 @@ pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
             let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
             Err(Failure::Other(
                 exit::BAD_CASE,
-                format!("there is no shipped case `{}`; there are: {}", arguments.name, names.join(", ")),
+                format!(
+                    "there is no shipped case `{}`; there are: {}",
+                    arguments.name,
+                    names.join(", ")
+                ),
             ))
         }
     }

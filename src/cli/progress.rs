@@ -22,12 +22,18 @@ impl Progress {
         let bar = if bar.is_hidden() {
             None
         } else {
-            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {eta} left  {msg}") {
+            if let Ok(style) =
+                ProgressStyle::with_template("{wide_bar} {percent:>3} %  {eta} left  {msg}")
+            {
                 bar.set_style(style);
             }
             Some(bar)
         };
-        Self { bar, began: Instant::now(), last_line: Instant::now() }
+        Self {
+            bar,
+            began: Instant::now(),
+            last_line: Instant::now(),
+        }
     }
 
     pub(super) fn finish(&self) {
@@ -46,7 +52,10 @@ impl Observer for Progress {
         } else if self.last_line.elapsed() >= LINE_INTERVAL {
             self.last_line = Instant::now();
             let left = self.began.elapsed().as_secs_f64() * (planned - done) as f64 / done as f64;
-            eprintln!("{:3.0} %  {left:.0} s left  {status}", 100.0 * done as f64 / planned as f64);
+            eprintln!(
+                "{:3.0} %  {left:.0} s left  {status}",
+                100.0 * done as f64 / planned as f64
+            );
         }
     }
 

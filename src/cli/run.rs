@@ -32,7 +32,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     match result {
         Ok(report) => {
             print_report(&report, &arguments.out);
-            Ok(if report.interrupted { exit::INTERRUPTED } else { 0 })
+            Ok(if report.interrupted {
+                exit::INTERRUPTED
+            } else {
+                0
+            })
         }
         Err(error) => {
             let code = match &error {
@@ -53,13 +57,20 @@ fn print_report(report: &Report, out: &std::path::Path) {
     let summary = &report.summary;
     println!("{}", summary.case.title);
     print!("{}", summary.table());
-    println!("stopped: {} (t = {:.4} s)", summary.stop.reason, summary.stop.when_s);
+    println!(
+        "stopped: {} (t = {:.4} s)",
+        summary.stop.reason, summary.stop.when_s
+    );
     let cost = &summary.milliseconds_per_step;
-    let text: Vec<String> =
-        [("fluid", cost.fluid), ("coupling", cost.coupling), ("cloth", cost.cloth), ("measure", cost.other)]
-            .iter()
-            .filter_map(|(name, value)| value.map(|v| format!("{name} {v:.2}")))
-            .collect();
+    let text: Vec<String> = [
+        ("fluid", cost.fluid),
+        ("coupling", cost.coupling),
+        ("cloth", cost.cloth),
+        ("measure", cost.other),
+    ]
+    .iter()
+    .filter_map(|(name, value)| value.map(|v| format!("{name} {v:.2}")))
+    .collect();
     if !text.is_empty() {
         println!("ms per step: {}", text.join(", "));
     }

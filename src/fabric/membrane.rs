@@ -33,31 +33,43 @@ pub struct Response {
     pub tension: [f64; 3],
     /// Taut, wrinkled or slack.
     pub state: FabricState,
-    /// Wrinkling direction n (unit vector across the wrinkles' crests); zero unless wrinkled.
-    pub across: [f64; 2],
+    /// n⊗n as a strain (xx, yy, 2·xy), n the unit vector across the wrinkles' crests; zero unless wrinkled.
+    pub across: [f64; 3],
 }
 
 fn times(matrix: &Matrix3, v: &[f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// n⊗n as a strain (xx, yy, 2·xy).
-fn dyad(n: [f64; 2]) -> [f64; 3] {
-    [n[0] * n[0], n[1] * n[1], 2.0 * n[0] * n[1]]
+/// n⊗n as a strain (xx, yy, 2·xy), for n at an angle from the warp.
+fn dyad(angle: f64) -> [f64; 3] {
+    let (sine, cosine) = angle.sin_cos();
+    [cosine * cosine, sine * sine, 2.0 * sine * cosine]
 }
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Principal values of a symmetric tensor, larger first, and the unit direction of the larger.
+/// Principal values of a symmetric tensor, larger first.
 #[must_use]
-pub fn principal(xx: f64, yy: f64, xy: f64) -> ([f64; 2], [f64; 2]) {
+pub fn principal(xx: f64, yy: f64, xy: f64) -> [f64; 2] {
     let mean = 0.5 * (xx + yy);
     let half = 0.5 * (xx - yy);
-    let radius = half.hypot(xy);
-    let angle = 0.5 * xy.atan2(half);
-    ([mean + radius, mean - radius], [angle.cos(), angle.sin()])
+    let radius = (half * half + xy * xy).sqrt();
+    [mean + radius, mean - radius]
+}
+
+/// n⊗n, as a strain, of the direction n of the smaller principal value.
+fn smaller_direction(xx: f64, yy: f64, xy: f64) -> [f64; 3] {
+    let half = 0.5 * (xx - yy);
+    let radius = (half * half + xy * xy).sqrt();
+    if radius == 0.0 {
+        return [0.0, 1.0, 0.0];
+    }
+    // With 2θ the doubled angle of the larger direction, n⊗n = ½ (1 − cos 2θ, 1 + cos 2θ) and 2 n_x n_y = −sin 2θ.
+    let (cosine, sine) = (half / radius, xy / radius);
+    [0.5 * (1.0 - cosine), 0.5 * (1.0 + cosine), -sine]
 }
 
 impl Membrane {
@@ -85,31 +97,31 @@ impl Membrane {
     pub fn respond(&self, strain: &[f64; 3]) -> Response {
         let tension = times(&self.stiffness, strain);
         let energy = 0.5 * dot(strain, &tension);
-        let ([_, smaller_tension], _) = principal(tension[0], tension[1], tension[2]);
+        let [_, smaller_tension] = principal(tension[0], tension[1], tension[2]);
         if smaller_tension >= 0.0 {
             return Response {
                 energy,
                 tension,
                 state: FabricState::Taut,
-                across: [0.0; 2],
+                across: [0.0; 3],
             };
         }
         let residual = self.residual;
-        let ([larger_strain, _], along) = principal(strain[0], strain[1], 0.5 * strain[2]);
+        let [larger_strain, _] = principal(strain[0], strain[1], 0.5 * strain[2]);
         if larger_strain <= 0.0 {
             return Response {
                 energy: residual * energy,
                 tension: tension.map(|t| residual * t),
                 state: FabricState::Slack,
-                across: [0.0; 2],
+                across: [0.0; 3],
             };
         }
-        let across = if self.isotropic {
-            [-along[1], along[0]]
+        let guess = smaller_direction(strain[0], strain[1], 0.5 * strain[2]);
+        let n = if self.isotropic {
+            guess
         } else {
-            self.wrinkle_direction(&tension, [-along[1], along[0]])
+            self.wrinkle_direction(&tension, &guess)
         };
-        let n = dyad(across);
         let stiffness_across = dot(&n, &times(&self.stiffness, &n));
         let excess = (-dot(&n, &tension) / stiffness_across).max(0.0);
         let relaxed_strain = [
@@ -123,20 +135,20 @@ impl Membrane {
             energy: (1.0 - residual) * relaxed_energy + residual * energy,
             tension: std::array::from_fn(|k| (1.0 - residual) * relaxed[k] + residual * tension[k]),
             state: FabricState::Wrinkled,
-            across,
+            across: n,
         }
     }
 
     /// Direction n that maximises the energy given up by wrinkling; `guess` is tried first.
-    fn wrinkle_direction(&self, tension: &[f64; 3], guess: [f64; 2]) -> [f64; 2] {
+    fn wrinkle_direction(&self, tension: &[f64; 3], guess: &[f64; 3]) -> [f64; 3] {
         let gain = |angle: f64| {
-            let n = dyad([angle.cos(), angle.sin()]);
+            let n = dyad(angle);
             let across = dot(&n, tension).min(0.0);
             across * across / dot(&n, &times(&self.stiffness, &n))
         };
         const SAMPLES: usize = 36;
         let spacing = std::f64::consts::PI / SAMPLES as f64;
-        let start = guess[1].atan2(guess[0]);
+        let start = 0.5 * guess[2].atan2(guess[0] - guess[1]);
         let (mut best, mut best_gain) = (start, gain(start));
         for k in 1..SAMPLES {
             let angle = start + k as f64 * spacing;
@@ -161,8 +173,7 @@ impl Membrane {
                 gain_b = gain(b);
             }
         }
-        let angle = 0.5 * (low + high);
-        [angle.cos(), angle.sin()]
+        dyad(0.5 * (low + high))
     }
 
     /// Positive semidefinite tangent stiffness [N/m] for preconditioning: the full stiffness where taut, the stiffness
@@ -177,27 +188,25 @@ impl Membrane {
             FabricState::Slack => tangent.iter_mut().flatten().for_each(|k| *k *= residual),
             FabricState::Wrinkled => {
                 tangent.iter_mut().flatten().for_each(|k| *k *= residual);
-                let [c, s] = response.across;
-                let along = dyad([-s, c]);
-                // Shear strain between crest direction and across, as a functional on Voigt strains.
-                let turn = [-2.0 * s * c, 2.0 * s * c, c * c - s * s];
-                let tension_along = response.tension[0] * s * s + response.tension[1] * c * c
-                    - 2.0 * response.tension[2] * s * c;
-                let strain_along = strain[0] * s * s + strain[1] * c * c - strain[2] * s * c;
-                let strain_across = strain[0] * c * c + strain[1] * s * s + strain[2] * s * c;
+                // (n_x², n_y², 2 n_x n_y) of the direction across the crests; the crests m are perpendicular.
+                let [nn_x, nn_y, two_n] = response.across;
+                // Functionals on Voigt strains: m·E·m, n·E·n, and twice the shear strain between m and n.
+                let along = [nn_y, nn_x, -0.5 * two_n];
+                let across = [nn_x, nn_y, 0.5 * two_n];
+                let turn = [-two_n, two_n, nn_x - nn_y];
+                let t = response.tension;
+                let tension_along = (t[0] * nn_y + t[1] * nn_x - t[2] * two_n).max(0.0);
+                let (strain_along, strain_across) = (dot(&along, strain), dot(&across, strain));
                 let stiffness_along = if strain_along > 0.0 {
-                    tension_along.max(0.0) / strain_along
+                    tension_along / strain_along
                 } else {
                     0.0
                 };
-                let turning =
-                    0.5 * tension_along.max(0.0) / (strain_along - strain_across).max(1e-12);
-                let row = [along[0], along[1], 0.5 * along[2]];
-                // A functional picks ε_along from Voigt strain: (s², c², −sc).
+                let turning = 0.5 * tension_along / (strain_along - strain_across).max(1e-12);
                 for i in 0..3 {
                     for j in 0..3 {
                         tangent[i][j] +=
-                            stiffness_along * row[i] * row[j] + turning * turn[i] * turn[j];
+                            stiffness_along * along[i] * along[j] + turning * turn[i] * turn[j];
                     }
                 }
             }
@@ -233,8 +242,8 @@ mod tests {
         let mut best = f64::INFINITY;
         for k in 0..180 {
             let angle = std::f64::consts::PI * f64::from(k) / 180.0;
-            let n = dyad([angle.cos(), angle.sin()]);
-            let m = dyad([-angle.sin(), angle.cos()]);
+            let n = dyad(angle);
+            let m = dyad(angle + 0.5 * std::f64::consts::PI);
             for i in 0..=60 {
                 for j in 0..=20 {
                     let (a, b) = (f64::from(i) * 1e-3, f64::from(j) * 1e-3);
@@ -300,7 +309,7 @@ mod tests {
                         response.tension
                     );
                 }
-                let ([_, smaller], _) = principal(
+                let [_, smaller] = principal(
                     response.tension[0],
                     response.tension[1],
                     response.tension[2],

@@ -25,7 +25,11 @@ pub fn solve(span_m: f64, length_m: f64, weight_n_m: f64) -> Option<Catenary> {
     }
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if f64::sinh(middle) / middle < ratio { low = middle } else { high = middle }
+        if f64::sinh(middle) / middle < ratio {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     let q = 0.5 * (low + high);
     let horizontal_tension_n = 0.5 * weight_n_m * span_m / q;

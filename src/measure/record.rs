@@ -45,10 +45,20 @@ const CANOPY: [&str; 19] = [
     "mass_defect",
 ];
 
-const FABRIC: [&str; 5] =
-    ["time_s", "lowest_point_m", "tension_max_n_m", "kinetic_energy_j", "fastest_node_m_s"];
+const FABRIC: [&str; 5] = [
+    "time_s",
+    "lowest_point_m",
+    "tension_max_n_m",
+    "kinetic_energy_j",
+    "fastest_node_m_s",
+];
 
-const AIR: [&str; 4] = ["time_s", "kinetic_energy_j", "velocity_amplitude_m_s", "mass_excess_kg"];
+const AIR: [&str; 4] = [
+    "time_s",
+    "kinetic_energy_j",
+    "velocity_amplitude_m_s",
+    "mass_excess_kg",
+];
 
 impl Record {
     /// Record for a scene: its columns follow from what the scene holds.
@@ -60,7 +70,11 @@ impl Record {
             (Some(_), _) => &FABRIC,
             (None, _) => &AIR,
         };
-        Self { columns: columns.to_vec(), rows: Vec::new(), last: None }
+        Self {
+            columns: columns.to_vec(),
+            rows: Vec::new(),
+            last: None,
+        }
     }
 
     /// Names of the columns, units included.
@@ -72,7 +86,9 @@ impl Record {
     /// One column.
     #[must_use]
     pub fn column(&self, name: &str) -> Vec<f64> {
-        let Some(index) = self.columns.iter().position(|c| *c == name) else { return Vec::new() };
+        let Some(index) = self.columns.iter().position(|c| *c == name) else {
+            return Vec::new();
+        };
         self.rows.iter().map(|row| row[index]).collect()
     }
 
@@ -101,15 +117,23 @@ impl Record {
     fn canopy_row(&mut self, simulation: &Simulation, canopy: &Canopy) -> Vec<f64> {
         let time_s = simulation.time_s();
         let wind = simulation.wind_speed_m_s();
-        let reference = simulation.scene().air.map_or(f64::NAN, |air| air.reference_speed_m_s);
-        let density = simulation.scene().air.map_or(f64::NAN, |air| air.units.density_kg_m3);
+        let reference = simulation
+            .scene()
+            .air
+            .map_or(f64::NAN, |air| air.reference_speed_m_s);
+        let density = simulation
+            .scene()
+            .air
+            .map_or(f64::NAN, |air| air.units.density_kg_m3);
         let dynamic_force = 0.5 * density * reference * reference * canopy.nominal_area_m2;
         let frame = simulation.frame(false);
         let (Some(structure), Some(coupled)) = (frame.structure, simulation.coupled()) else {
             return vec![f64::NAN; CANOPY.len()];
         };
         let sample = match (simulation.impulses(), simulation.air(), simulation.cloth()) {
-            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => Some(impulses.sample(air, cloth)),
+            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => {
+                Some(impulses.sample(air, cloth))
+            }
             _ => None,
         };
         let unknown = DVec3::NAN;
@@ -120,10 +144,15 @@ impl Record {
             supports: sample.and_then(|s| s.supports).unwrap_or(unknown),
         };
         let force = |pick: fn(&LastImpulses) -> DVec3| {
-            self.last.map_or(unknown, |last| (pick(&now) - pick(&last)) / (now.time_s - last.time_s))
+            self.last.map_or(unknown, |last| {
+                (pick(&now) - pick(&last)) / (now.time_s - last.time_s)
+            })
         };
-        let (markers, momentum_box, supports) =
-            (force(|i| i.markers), force(|i| i.momentum_box), force(|i| i.supports));
+        let (markers, momentum_box, supports) = (
+            force(|i| i.markers),
+            force(|i| i.momentum_box),
+            force(|i| i.supports),
+        );
         let lines: Vec<f64> = structure
             .cable_tensions_n
             .iter()
@@ -131,7 +160,10 @@ impl Record {
             .filter(|(_, kind)| **kind == CableKind::SuspensionLine)
             .map(|(tension, _)| *tension)
             .collect();
-        let diameter = shape::projected_diameter_m(&structure.positions_m, structure.triangles.iter().copied());
+        let diameter = shape::projected_diameter_m(
+            &structure.positions_m,
+            structure.triangles.iter().copied(),
+        );
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
         let apex = fabric[0] - confluence;
@@ -154,7 +186,9 @@ impl Record {
             structure.stress_pa.iter().copied().fold(0.0, f64::max),
             coupled.slip_m_s() / reference,
             apex.y.hypot(apex.z),
-            simulation.cloth().map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
+            simulation
+                .cloth()
+                .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
             sample.map_or(f64::NAN, |s| s.mass_defect),
         ]
     }
@@ -165,11 +199,23 @@ fn fabric_row(simulation: &Simulation) -> Vec<f64> {
     let (Some(structure), Some(cloth)) = (frame.structure, simulation.cloth()) else {
         return vec![f64::NAN; FABRIC.len()];
     };
-    let fastest = structure.velocities_m_s.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let fastest = structure
+        .velocities_m_s
+        .iter()
+        .map(|v| v.length())
+        .fold(0.0, f64::max);
     vec![
         simulation.time_s(),
-        structure.positions_m.iter().map(|p| p.z).fold(f64::INFINITY, f64::min),
-        structure.principal_tensions_n_m.iter().map(|t| t[0]).fold(0.0, f64::max),
+        structure
+            .positions_m
+            .iter()
+            .map(|p| p.z)
+            .fold(f64::INFINITY, f64::min),
+        structure
+            .principal_tensions_n_m
+            .iter()
+            .map(|t| t[0])
+            .fold(0.0, f64::max),
         cloth.kinetic_energy_j(),
         fastest,
     ]
@@ -184,5 +230,10 @@ fn air_row(simulation: &Simulation) -> Vec<f64> {
     let energy_j = energy * cell_mass * air.units.speed_m_s().powi(2);
     let total_mass = cell_mass * engine.grid().cell_count() as f64;
     // Mean of ½ u² is a quarter of the squared amplitude for sin·cos in two components.
-    vec![simulation.time_s(), energy_j, (4.0 * energy_j / total_mass).sqrt(), mass * cell_mass]
+    vec![
+        simulation.time_s(),
+        energy_j,
+        (4.0 * energy_j / total_mass).sqrt(),
+        mass * cell_mass,
+    ]
 }

@@ -49,7 +49,10 @@ fn quantity(mean: Mean, unit: &str) -> Quantity {
 fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: &Air) {
     let unit_s = canopy.nominal_diameter_m / air.reference_speed_m_s;
     let Some(window) = steady::window(record, unit_s) else {
-        results.insert("drag_coefficient", Quantity::missing("1", "the run ended before release"));
+        results.insert(
+            "drag_coefficient",
+            Quantity::missing("1", "the run ended before release"),
+        );
         return;
     };
     let indicative = (!window.settled || window.length < SHORTEST_WINDOW).then(|| {
@@ -69,11 +72,14 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
     let corrected = 1.0 + BLOCKAGE_FACTOR * drag.value * blockage;
-    let corrected_drag =
-        Mean { value: drag.value / corrected, confidence: drag.confidence.map(|c| c / (corrected * corrected)) };
+    let corrected_drag = Mean {
+        value: drag.value / corrected,
+        confidence: drag.confidence.map(|c| c / (corrected * corrected)),
+    };
     results.insert(
         "drag_coefficient_blockage_corrected",
-        quantity(corrected_drag, "1").with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section"),
+        quantity(corrected_drag, "1")
+            .with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section"),
     );
     results.insert("blockage_ratio", Quantity::new(blockage, "1"));
     let ratio = mean("projected_diameter_ratio");
@@ -81,14 +87,28 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     let ratios = record.column("projected_diameter_ratio");
     let times = record.column("time_s");
     let released = times.iter().position(|&t| t >= 0.0).unwrap_or(0);
-    results.insert("projected_diameter_ratio_at_release", Quantity::new(ratios[released], "1"));
-    let samples_per_unit = (unit_s / (times[window.end - 1] - times[window.end - 2])).round().max(2.0) as usize;
+    results.insert(
+        "projected_diameter_ratio_at_release",
+        Quantity::new(ratios[released], "1"),
+    );
+    let samples_per_unit = (unit_s / (times[window.end - 1] - times[window.end - 2]))
+        .round()
+        .max(2.0) as usize;
     match super::statistics::first_peak(&ratios[released..], 0.8, samples_per_unit / 2) {
         Some(peak) => {
-            results.insert("first_peak_time_s", Quantity::new(times[released + peak], "s"));
-            results.insert("first_peak_projected_diameter_ratio", Quantity::new(ratios[released + peak], "1"));
+            results.insert(
+                "first_peak_time_s",
+                Quantity::new(times[released + peak], "s"),
+            );
+            results.insert(
+                "first_peak_projected_diameter_ratio",
+                Quantity::new(ratios[released + peak], "1"),
+            );
         }
-        None => results.insert("first_peak_time_s", Quantity::missing("s", "no peak of the projected diameter yet")),
+        None => results.insert(
+            "first_peak_time_s",
+            Quantity::missing("s", "no peak of the projected diameter yet"),
+        ),
     }
     let filled = (released..times.len()).find(|&i| ratios[i] >= ratio.value);
     results.insert(
@@ -99,13 +119,20 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
         },
     );
     results.insert("height_m", noted(quantity(mean("height_m"), "m")));
-    results.insert("line_tension_mean_n", noted(quantity(mean("line_tension_mean_n"), "N")));
+    results.insert(
+        "line_tension_mean_n",
+        noted(quantity(mean("line_tension_mean_n"), "N")),
+    );
     largest(results, record, released, "line_tension_max_n", "N");
     largest(results, record, released, "stress_max_pa", "Pa");
-    let force = 0.5 * air.units.density_kg_m3 * air.reference_speed_m_s.powi(2) * canopy.nominal_area_m2;
+    let force =
+        0.5 * air.units.density_kg_m3 * air.reference_speed_m_s.powi(2) * canopy.nominal_area_m2;
     results.insert("drag_n", noted(Quantity::new(drag.value * force, "N")));
     let peak = column_max(record, "drag_coefficient", released);
-    results.insert("opening_force_factor", noted(Quantity::new(peak.1 / drag.value, "1")));
+    results.insert(
+        "opening_force_factor",
+        noted(Quantity::new(peak.1 / drag.value, "1")),
+    );
     insert_balances(results, record, &window, released);
 }
 
@@ -113,52 +140,102 @@ fn insert_balances(results: &mut Results, record: &Record, window: &Window, rele
     let times = record.column("time_s");
     let (first, last) = (window.first, window.end - 1);
     let span = times[last] - times[first];
-    let routes = ["impulse_markers_n_s", "impulse_momentum_box_n_s", "impulse_lines_n_s"].map(|name| {
+    let routes = [
+        "impulse_markers_n_s",
+        "impulse_momentum_box_n_s",
+        "impulse_lines_n_s",
+    ]
+    .map(|name| {
         let impulse = record.column(name);
         (impulse[last] - impulse[first]) / span
     });
     let [markers, momentum_box, lines] = routes;
     for (name, force, what) in [
         ("drag_markers_n", markers, "sum over markers"),
-        ("drag_momentum_box_n", momentum_box, "populations through a box, with storage"),
-        ("drag_lines_n", lines, "line tensions plus the sheet's own momentum"),
+        (
+            "drag_momentum_box_n",
+            momentum_box,
+            "populations through a box, with storage",
+        ),
+        (
+            "drag_lines_n",
+            lines,
+            "line tensions plus the sheet's own momentum",
+        ),
     ] {
         results.insert(name, Quantity::new(force, "N").with_note(what));
     }
-    let spread = [markers - momentum_box, markers - lines, momentum_box - lines]
-        .into_iter()
-        .fold(0.0, |worst: f64, difference| if difference.is_nan() { f64::NAN } else { worst.max(difference.abs()) });
+    let spread = [
+        markers - momentum_box,
+        markers - lines,
+        momentum_box - lines,
+    ]
+    .into_iter()
+    .fold(0.0, |worst: f64, difference| {
+        if difference.is_nan() {
+            f64::NAN
+        } else {
+            worst.max(difference.abs())
+        }
+    });
     let imbalance = if spread.is_nan() {
         Quantity::missing("1", "the fabric left the momentum box, or is held directly")
     } else {
-        Quantity::new(spread / markers.abs(), "1").with_note("largest difference of the three routes over the drag")
+        Quantity::new(spread / markers.abs(), "1")
+            .with_note("largest difference of the three routes over the drag")
     };
     results.insert("force_imbalance", imbalance);
-    results.insert("slip_mean", quantity(steady::mean(record, "slip_ratio", window), "1"));
-    let defect = record.column("mass_defect")[released..].iter().copied().fold(0.0, |w: f64, d| w.max(d.abs()));
+    results.insert(
+        "slip_mean",
+        quantity(steady::mean(record, "slip_ratio", window), "1"),
+    );
+    let defect = record.column("mass_defect")[released..]
+        .iter()
+        .copied()
+        .fold(0.0, |w: f64, d| w.max(d.abs()));
     results.insert(
         "mass_drift",
-        Quantity::new(defect, "1").with_note("largest defect of the mass balance of the momentum box, over its mass"),
+        Quantity::new(defect, "1")
+            .with_note("largest defect of the mass balance of the momentum box, over its mass"),
     );
 }
 
 /// (time, value) of the largest entry from `first` on.
 fn column_max(record: &Record, name: &str, first: usize) -> (f64, f64) {
     let times = record.column("time_s");
-    record.column(name).into_iter().zip(times).skip(first).fold((0.0, f64::NEG_INFINITY), |best, (value, time)| {
-        if value > best.1 { (time, value) } else { best }
-    })
+    record.column(name).into_iter().zip(times).skip(first).fold(
+        (0.0, f64::NEG_INFINITY),
+        |best, (value, time)| {
+            if value > best.1 { (time, value) } else { best }
+        },
+    )
 }
 
 fn largest(results: &mut Results, record: &Record, first: usize, name: &str, unit: &str) {
     let (time, value) = column_max(record, name, first);
-    results.insert(name, Quantity::new(value, unit).with_note(&format!("largest of the run, at {time:.4} s")));
+    results.insert(
+        name,
+        Quantity::new(value, unit).with_note(&format!("largest of the run, at {time:.4} s")),
+    );
 }
 
 fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFrame, weight_n: f64) {
-    let lowest = structure.positions_m.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let highest = structure.positions_m.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-    if let BodyKind::Cable { span_m, length_m, weight_n_m } = *kind {
+    let lowest = structure
+        .positions_m
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::INFINITY, f64::min);
+    let highest = structure
+        .positions_m
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if let BodyKind::Cable {
+        span_m,
+        length_m,
+        weight_n_m,
+    } = *kind
+    {
         let exact = catenary::solve(span_m, length_m, weight_n_m);
         let source = "exact catenary of an inextensible cable";
         let tensions = &structure.cable_tensions_n;
@@ -174,29 +251,47 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
         };
         insert("sag_m", highest - lowest, "m", exact.map(|c| c.sag_m));
         let middle = tensions.iter().copied().fold(f64::INFINITY, f64::min);
-        insert("horizontal_tension_n", middle, "N", exact.map(|c| c.horizontal_tension_n));
+        insert(
+            "horizontal_tension_n",
+            middle,
+            "N",
+            exact.map(|c| c.horizontal_tension_n),
+        );
         let end = tensions.iter().copied().fold(0.0, f64::max);
         insert("end_tension_n", end, "N", exact.map(|c| c.end_tension_n));
         return;
     }
     results.insert("lowest_point_m", Quantity::new(lowest, "m"));
-    let tension = structure.principal_tensions_n_m.iter().map(|t| t[0]).fold(0.0, f64::max);
+    let tension = structure
+        .principal_tensions_n_m
+        .iter()
+        .map(|t| t[0])
+        .fold(0.0, f64::max);
     results.insert("tension_max_n_m", Quantity::new(tension, "N/m"));
     let stress = structure.stress_pa.iter().copied().fold(0.0, f64::max);
     results.insert("stress_max_pa", Quantity::new(stress, "Pa"));
     results.insert("weight_n", Quantity::new(weight_n, "N"));
     if structure.cable_kinds.contains(&CableKind::SuspensionLine) {
-        let tension = structure.cable_tensions_n.iter().copied().fold(0.0, f64::max);
+        let tension = structure
+            .cable_tensions_n
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
         results.insert("line_tension_max_n", Quantity::new(tension, "N"));
     }
 }
 
 fn air_results(results: &mut Results, record: &Record, air: &Air) {
-    let Flow::TaylorGreen { side_m, .. } = air.flow else { return };
+    let Flow::TaylorGreen { side_m, .. } = air.flow else {
+        return;
+    };
     let times = record.column("time_s");
     let amplitude = record.column("velocity_amplitude_m_s");
     if times.len() < 3 {
-        results.insert("velocity_decay_rate_1_s", Quantity::missing("1/s", "too few samples"));
+        results.insert(
+            "velocity_decay_rate_1_s",
+            Quantity::missing("1/s", "too few samples"),
+        );
         return;
     }
     let logarithms: Vec<f64> = amplitude.iter().map(|a| a.ln()).collect();
@@ -207,7 +302,9 @@ fn air_results(results: &mut Results, record: &Record, air: &Air) {
         Quantity::new(-slope(&times, &logarithms), "1/s").with_reference(exact, "exact, 2 nu k^2"),
     );
     let mass = record.column("mass_excess_kg");
-    let total = air.units.density_kg_m3 * air.units.cell_size_m.powi(3) * air.cells.iter().product::<usize>() as f64;
+    let total = air.units.density_kg_m3
+        * air.units.cell_size_m.powi(3)
+        * air.cells.iter().product::<usize>() as f64;
     let drift = mass.iter().map(|m| (m - mass[0]).abs()).fold(0.0, f64::max) / total;
     results.insert("mass_drift", Quantity::new(drift, "1"));
 }

@@ -9,7 +9,10 @@ const RESOLUTION: usize = 256;
 
 /// Area of the shadow that triangles throw along x [m²], counted on a fine grid (error about 0.2 % for a canopy).
 #[must_use]
-pub fn projected_area_m2(positions_m: &[DVec3], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> f64 {
+pub fn projected_area_m2(
+    positions_m: &[DVec3],
+    triangles: impl Iterator<Item = [u32; 3]> + Clone,
+) -> f64 {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     for node in triangles.clone().flatten() {
@@ -41,7 +44,10 @@ pub fn projected_area_m2(positions_m: &[DVec3], triangles: impl Iterator<Item = 
 /// Marks the sample points, at half-integer places, inside a triangle.
 fn cover(corners: &[[f64; 2]; 3], counts: &[usize; 2], covered: &mut [bool]) {
     let bottom = corners.iter().map(|c| c[1]).fold(f64::INFINITY, f64::min);
-    let top = corners.iter().map(|c| c[1]).fold(f64::NEG_INFINITY, f64::max);
+    let top = corners
+        .iter()
+        .map(|c| c[1])
+        .fold(f64::NEG_INFINITY, f64::max);
     let first = (bottom - 0.5).ceil().max(0.0) as usize;
     let last = ((top - 0.5).floor()).min(counts[1] as f64 - 1.0);
     if last < 0.0 {
@@ -74,7 +80,10 @@ fn cover(corners: &[[f64; 2]; 3], counts: &[usize; 2], covered: &mut [bool]) {
 
 /// Diameter of the disk with the projected area [m].
 #[must_use]
-pub fn projected_diameter_m(positions_m: &[DVec3], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> f64 {
+pub fn projected_diameter_m(
+    positions_m: &[DVec3],
+    triangles: impl Iterator<Item = [u32; 3]> + Clone,
+) -> f64 {
     (4.0 * projected_area_m2(positions_m, triangles) / PI).sqrt()
 }
 
@@ -83,7 +92,9 @@ pub fn projected_diameter_m(positions_m: &[DVec3], triangles: impl Iterator<Item
 pub fn height_m(positions_m: &[DVec3]) -> f64 {
     let (low, high) = positions_m
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.x), high.max(p.x)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+            (low.min(p.x), high.max(p.x))
+        });
     high - low
 }
 
@@ -94,7 +105,11 @@ mod tests {
 
     #[test]
     fn the_flat_and_the_folded_pattern_have_their_known_areas() {
-        let pattern = gores::FlatCircular { nominal_area_m2: 0.78, gores: 8, rings: 12 };
+        let pattern = gores::FlatCircular {
+            nominal_area_m2: 0.78,
+            gores: 8,
+            rings: 12,
+        };
         let mesh = gores::mesh(&pattern);
         let triangles = mesh.triangles.iter().copied();
         let flat = projected_area_m2(&mesh.flat_positions_m, triangles.clone());
@@ -107,7 +122,9 @@ mod tests {
     /// Two layers over each other count once.
     #[test]
     fn overlapping_layers_count_once() {
-        let square = |x: f64| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[y, z]| DVec3::new(x, y, z));
+        let square = |x: f64| {
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[y, z]| DVec3::new(x, y, z))
+        };
         let positions: Vec<DVec3> = square(0.0).into_iter().chain(square(1.0)).collect();
         let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
         let area = projected_area_m2(&positions, triangles.into_iter());

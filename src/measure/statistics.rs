@@ -10,8 +10,10 @@ pub struct Mean {
 }
 
 /// Quantiles of Student's t at 97.5 % for 1, 2, … degrees of freedom.
-const STUDENT: [f64; 15] =
-    [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131];
+const STUDENT: [f64; 15] = [
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
+    2.145, 2.131,
+];
 
 /// Mean of an evenly sampled series by *batch means*: the series is cut into batches of `batch` samples, long against its
 /// correlation time, whose means count as independent. At least four batches are needed for an interval.
@@ -20,18 +22,27 @@ pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
     let value = series.iter().sum::<f64>() / series.len() as f64;
     let count = series.len() / batch.max(1);
     if count < 4 {
-        return Mean { value, confidence: None };
+        return Mean {
+            value,
+            confidence: None,
+        };
     }
     // Use at most 16 batches, the longest possible, so that the table of quantiles suffices.
     let count = count.min(16);
     let length = series.len() / count;
     // Drop the oldest remainder.
     let used = &series[series.len() - count * length..];
-    let means: Vec<f64> = used.chunks_exact(length).map(|b| b.iter().sum::<f64>() / length as f64).collect();
+    let means: Vec<f64> = used
+        .chunks_exact(length)
+        .map(|b| b.iter().sum::<f64>() / length as f64)
+        .collect();
     let centre = means.iter().sum::<f64>() / count as f64;
     let variance = means.iter().map(|m| (m - centre).powi(2)).sum::<f64>() / (count - 1) as f64;
     let confidence = STUDENT[count - 2] * (variance / count as f64).sqrt();
-    Mean { value, confidence: Some(confidence) }
+    Mean {
+        value,
+        confidence: Some(confidence),
+    }
 }
 
 /// Index of the first peak: the first value that is at least `share` of the overall maximum and is not exceeded within the
@@ -40,7 +51,10 @@ pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
 pub fn first_peak(series: &[f64], share: f64, window: usize) -> Option<usize> {
     let top = series.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (0..series.len().saturating_sub(window)).find(|&i| {
-        series[i] >= share * top && series[i + 1..=i + window].iter().all(|&later| later <= series[i])
+        series[i] >= share * top
+            && series[i + 1..=i + window]
+                .iter()
+                .all(|&later| later <= series[i])
     })
 }
 
@@ -49,7 +63,11 @@ pub fn first_peak(series: &[f64], share: f64, window: usize) -> Option<usize> {
 pub fn slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mean_x, mean_y) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-    let covariance: f64 = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    let covariance: f64 = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| (x - mean_x) * (y - mean_y))
+        .sum();
     let variance: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
     covariance / variance
 }
@@ -63,7 +81,9 @@ mod tests {
     fn the_interval_covers_the_mean_of_a_correlated_series() {
         let mut state = 1_u64;
         let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
         let mut covered = 0;
@@ -88,7 +108,9 @@ mod tests {
 
     #[test]
     fn the_first_peak_is_found_before_a_higher_later_one() {
-        let series: Vec<f64> = (0..200).map(|i| (f64::from(i) * 0.1).sin() + 0.001 * f64::from(i)).collect();
+        let series: Vec<f64> = (0..200)
+            .map(|i| (f64::from(i) * 0.1).sin() + 0.001 * f64::from(i))
+            .collect();
         let peak = first_peak(&series, 0.5, 20).unwrap();
         assert!((14..=18).contains(&peak), "{peak}");
     }

@@ -56,19 +56,30 @@ impl Sizes {
     pub fn new(scene: &Scene, precision: Precision) -> Self {
         let mut sizes = Self::default();
         if let Some(air) = &scene.air {
-            sizes.cells = air.cells.iter().map(|&n| n as u64).fold(1, u64::saturating_mul);
-            let padded = air.cells.iter().map(|&n| n as u64 + 2).fold(1, u64::saturating_mul);
+            sizes.cells = air
+                .cells
+                .iter()
+                .map(|&n| n as u64)
+                .fold(1, u64::saturating_mul);
+            let padded = air
+                .cells
+                .iter()
+                .map(|&n| n as u64 + 2)
+                .fold(1, u64::saturating_mul);
             sizes.air_bytes = padded.saturating_mul(19 * precision.bytes());
             debug_assert!(
                 padded > u64::from(u32::MAX)
-                    || sizes.air_bytes == Fluid::<f32>::population_bytes(air.cells) * precision.bytes() / 4
+                    || sizes.air_bytes
+                        == Fluid::<f32>::population_bytes(air.cells) * precision.bytes() / 4
             );
         }
         if let Some(body) = &scene.body {
             sizes.nodes = body.structure.node_count() as u64;
             sizes.triangles = body.structure.triangles.len() as u64;
             sizes.cables = body.structure.cables.len() as u64;
-            sizes.structure_bytes = body.structure.estimated_bytes(crate::simulation::LBFGS_HISTORY);
+            sizes.structure_bytes = body
+                .structure
+                .estimated_bytes(crate::simulation::LBFGS_HISTORY);
         }
         if scene.coupling.is_some() {
             sizes.markers = place_markers(scene).len() as u64;
@@ -81,13 +92,23 @@ impl Sizes {
     /// All bytes.
     #[must_use]
     pub const fn total_bytes(&self) -> u64 {
-        self.air_bytes.saturating_add(self.marker_bytes).saturating_add(self.structure_bytes)
+        self.air_bytes
+            .saturating_add(self.marker_bytes)
+            .saturating_add(self.structure_bytes)
     }
 
     /// Refuses a run beyond 80 % of the memory that is free, or with a grid too large for 32-bit addresses.
     pub fn fit_into(&self, free: u64) -> Result<(), MemoryRefusal> {
-        let fits = self.total_bytes() as f64 <= MEMORY_SHARE * free as f64 && self.cells < u64::from(u32::MAX) / 2;
-        if fits { Ok(()) } else { Err(MemoryRefusal { needed: self.total_bytes(), free }) }
+        let fits = self.total_bytes() as f64 <= MEMORY_SHARE * free as f64
+            && self.cells < u64::from(u32::MAX) / 2;
+        if fits {
+            Ok(())
+        } else {
+            Err(MemoryRefusal {
+                needed: self.total_bytes(),
+                free,
+            })
+        }
     }
 }
 

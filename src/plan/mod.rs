@@ -71,14 +71,22 @@ impl Plan {
     #[must_use]
     pub fn new(scene: &Scene, precision: Precision) -> Self {
         let (start_steps, steps) = match (scene.time, scene.air.map(|air| air.flow)) {
-            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => {
-                ((start_time_s / time.step_s).ceil() as u64, (time.end_s / time.step_s).ceil() as u64)
-            }
+            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
+                (start_time_s / time.step_s).ceil() as u64,
+                (time.end_s / time.step_s).ceil() as u64,
+            ),
             (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
             (None, _) => (0, 0),
         };
         let sizes = Sizes::new(scene, precision);
-        Self { stages: stages::stages(scene), start_steps, steps, precision, sizes, skips: skips(scene) }
+        Self {
+            stages: stages::stages(scene),
+            start_steps,
+            steps,
+            precision,
+            sizes,
+            skips: skips(scene),
+        }
     }
 }
 
@@ -87,7 +95,12 @@ impl Plan {
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     match (&scene.air, &scene.body, &scene.coupling) {
         (Some(air), Some(body), Some(_)) => {
-            let areas: Vec<f64> = body.structure.triangles.iter().map(|t| t.rest_area_m2).collect();
+            let areas: Vec<f64> = body
+                .structure
+                .triangles
+                .iter()
+                .map(|t| t.rest_area_m2)
+                .collect();
             markers::place(&areas, air.units.cell_size_m)
         }
         _ => Vec::new(),
@@ -99,20 +112,35 @@ fn skips(scene: &Scene) -> Vec<Skip> {
     let mut skip = |what: &'static str, why: String| skips.push(Skip { what, why });
     match &scene.air {
         None => {
-            skip("air (populations, boundaries, body force)", "the case has no [air]".into());
-            skip("markers, interpolation, spreading", "there is no air to couple with".into());
+            skip(
+                "air (populations, boundaries, body force)",
+                "the case has no [air]".into(),
+            );
+            skip(
+                "markers, interpolation, spreading",
+                "there is no air to couple with".into(),
+            );
         }
         Some(air) => skip_air(air, scene.body.is_some(), &mut skip),
     }
     match &scene.body {
-        None => skip("structure (nodes, elements, solver)", "the case has no [structure]".into()),
+        None => skip(
+            "structure (nodes, elements, solver)",
+            "the case has no [structure]".into(),
+        ),
         Some(body) => {
             let structure = &body.structure;
             if structure.membrane.is_none() || structure.triangles.is_empty() {
-                skip("membrane elements", "no fabric modelled by membranes".into());
+                skip(
+                    "membrane elements",
+                    "no fabric modelled by membranes".into(),
+                );
             }
             if structure.springs.is_empty() {
-                skip("spring network and bending", "fabric.model is not \"network\"".into());
+                skip(
+                    "spring network and bending",
+                    "fabric.model is not \"network\"".into(),
+                );
             }
             if structure.cables.is_empty() {
                 skip("cables", "the structure has no lines and no belts".into());
@@ -126,10 +154,16 @@ fn skips(scene: &Scene) -> Vec<Skip> {
             if let BodyKind::Canopy(_) = body.kind
                 && scene.steady_drag_confidence.is_none()
             {
-                skip("steady-state detection", "the case has no [steady]: the run goes to time.end_s".into());
+                skip(
+                    "steady-state detection",
+                    "the case has no [steady]: the run goes to time.end_s".into(),
+                );
             }
             if scene.time.is_none() {
-                skip("motion (inertia, time steps)", "the case has no [time]: only the equilibrium is sought".into());
+                skip(
+                    "motion (inertia, time steps)",
+                    "the case has no [time]: only the equilibrium is sought".into(),
+                );
             }
         }
     }
@@ -138,19 +172,31 @@ fn skips(scene: &Scene) -> Vec<Skip> {
 
 fn skip_air(air: &Air, has_structure: bool, skip: &mut impl FnMut(&'static str, String)) {
     if !has_structure {
-        skip("markers, interpolation, spreading, body force", "the case has no [structure]".into());
+        skip(
+            "markers, interpolation, spreading, body force",
+            "the case has no [structure]".into(),
+        );
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),
-        Flow::WindTunnel { sponge_length_m: None, .. } => {
+        Flow::WindTunnel {
+            sponge_length_m: None,
+            ..
+        } => {
             skip("outlet sponge", "no air.wind_tunnel.sponge_length_m".into());
         }
         Flow::WindTunnel { .. } => {}
     }
     if air.smagorinsky_constant.is_none() {
-        skip("eddy viscosity", "no resolution.smagorinsky_constant".into());
+        skip(
+            "eddy viscosity",
+            "no resolution.smagorinsky_constant".into(),
+        );
     }
     if has_structure {
-        skip("body force away from the sheet", "only rows of cells under a marker's kernel take the forced collision".into());
+        skip(
+            "body force away from the sheet",
+            "only rows of cells under a marker's kernel take the forced collision".into(),
+        );
     }
 }

@@ -24,8 +24,17 @@ impl Plan {
         writeln!(out, "{}", scene.title)?;
         writeln!(out, "\nstages of a step")?;
         for planned in &self.stages {
-            let cadence = if planned.every == 1 { String::new() } else { format!(" (every {} steps)", planned.every) };
-            writeln!(out, "  {:<15} {}{cadence}", planned.stage.name(), planned.stage.flow())?;
+            let cadence = if planned.every == 1 {
+                String::new()
+            } else {
+                format!(" (every {} steps)", planned.every)
+            };
+            writeln!(
+                out,
+                "  {:<15} {}{cadence}",
+                planned.stage.name(),
+                planned.stage.flow()
+            )?;
         }
         let sizes = &self.sizes;
         if let Some(air) = &scene.air {
@@ -33,8 +42,17 @@ impl Plan {
             let [nx, ny, nz] = air.cells;
             let tau = units.relaxation_time(air.kinematic_viscosity_m2_s);
             writeln!(out, "\nair")?;
-            writeln!(out, "  cells               {nx} x {ny} x {nz} = {} of {:.4} m", sizes.cells, units.cell_size_m)?;
-            writeln!(out, "  memory              {} ({})", megabytes(sizes.air_bytes), self.precision.name())?;
+            writeln!(
+                out,
+                "  cells               {nx} x {ny} x {nz} = {} of {:.4} m",
+                sizes.cells, units.cell_size_m
+            )?;
+            writeln!(
+                out,
+                "  memory              {} ({})",
+                megabytes(sizes.air_bytes),
+                self.precision.name()
+            )?;
             writeln!(out, "  time step           {:.4e} s", units.time_step_s)?;
             writeln!(
                 out,
@@ -49,7 +67,11 @@ impl Plan {
                 writeln!(out, "  eddy viscosity      Smagorinsky, C_s = {constant}")?;
             }
             match air.flow {
-                Flow::WindTunnel { speed_m_s, start_time_s, sponge_length_m } => {
+                Flow::WindTunnel {
+                    speed_m_s,
+                    start_time_s,
+                    sponge_length_m,
+                } => {
                     writeln!(
                         out,
                         "  wind                {speed_m_s} m/s, rising for {start_time_s} s before t = 0"
@@ -59,7 +81,10 @@ impl Plan {
                     }
                 }
                 Flow::TaylorGreen { speed_m_s, side_m } => {
-                    writeln!(out, "  vortices            {speed_m_s} m/s in a box of side {side_m} m")?;
+                    writeln!(
+                        out,
+                        "  vortices            {speed_m_s} m/s in a box of side {side_m} m"
+                    )?;
                 }
             }
         }
@@ -70,12 +95,19 @@ impl Plan {
                 "  nodes, triangles, cable segments  {}, {}, {}",
                 sizes.nodes, sizes.triangles, sizes.cables
             )?;
-            writeln!(out, "  memory              {} (f64)", megabytes(sizes.structure_bytes))?;
+            writeln!(
+                out,
+                "  memory              {} (f64)",
+                megabytes(sizes.structure_bytes)
+            )?;
             if let Some(quality) = body.quality {
                 writeln!(
                     out,
                     "  triangle quality    smallest {:.3}, mean {:.3} (1 = equilateral); edges {:.4} to {:.4} m",
-                    quality.smallest_shape, quality.mean_shape, quality.shortest_edge_m, quality.longest_edge_m
+                    quality.smallest_shape,
+                    quality.mean_shape,
+                    quality.shortest_edge_m,
+                    quality.longest_edge_m
                 )?;
             }
             self.write_canopy(out, scene)?;
@@ -88,9 +120,16 @@ impl Plan {
             )?;
         }
         if let Some(seconds) = self.estimated_seconds(threads) {
-            writeln!(out, "  estimated duration  about {seconds:.0} s on {threads} threads (a rough guess, not a promise)")?;
+            writeln!(
+                out,
+                "  estimated duration  about {seconds:.0} s on {threads} threads (a rough guess, not a promise)"
+            )?;
         }
-        writeln!(out, "  total memory        {}", megabytes(sizes.total_bytes()))?;
+        writeln!(
+            out,
+            "  total memory        {}",
+            megabytes(sizes.total_bytes())
+        )?;
         writeln!(out, "\nskipped")?;
         for skip in &self.skips {
             writeln!(out, "  {:<45} {}", skip.what, skip.why)?;
@@ -99,7 +138,8 @@ impl Plan {
     }
 
     fn write_canopy(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
-        let (Some(air), Some(body), Some(coupling)) = (&scene.air, &scene.body, &scene.coupling) else {
+        let (Some(air), Some(body), Some(coupling)) = (&scene.air, &scene.body, &scene.coupling)
+        else {
             return Ok(());
         };
         let cell = air.units.cell_size_m;
@@ -107,16 +147,28 @@ impl Plan {
         let mass: f64 = structure.masses_kg.iter().sum();
         let ratio = mass / structure.rest_area_m2() / (air.units.density_kg_m3 * cell);
         writeln!(out, "\ncoupling")?;
-        writeln!(out, "  markers             {} ({})", self.sizes.markers, megabytes(self.sizes.marker_bytes))?;
+        writeln!(
+            out,
+            "  markers             {} ({})",
+            self.sizes.markers,
+            megabytes(self.sizes.marker_bytes)
+        )?;
         writeln!(
             out,
             "  over-relaxation     a = {}, structure every {} step(s)",
             coupling.over_relaxation, coupling.structure_every
         )?;
-        writeln!(out, "  mass ratio          m_s/(rho cell) = {ratio:.3} (sheet mass per area over air in one cell)")?;
+        writeln!(
+            out,
+            "  mass ratio          m_s/(rho cell) = {ratio:.3} (sheet mass per area over air in one cell)"
+        )?;
         if let BodyKind::Canopy(canopy) = body.kind {
             let diameter = canopy.nominal_diameter_m;
-            writeln!(out, "  cells per D_0       {:.1} (D_0 = {diameter:.4} m)", diameter / cell)?;
+            writeln!(
+                out,
+                "  cells per D_0       {:.1} (D_0 = {diameter:.4} m)",
+                diameter / cell
+            )?;
             writeln!(
                 out,
                 "  cells across mouth  {:.1} at release (D_p/D_0 = {}), about {:.1} inflated (0.7)",
@@ -131,7 +183,11 @@ impl Plan {
                 100.0 * canopy.nominal_area_m2 / section
             )?;
             if let Flow::WindTunnel { speed_m_s, .. } = air.flow {
-                writeln!(out, "  Reynolds number     {:.2e}", speed_m_s * diameter / air.kinematic_viscosity_m2_s)?;
+                writeln!(
+                    out,
+                    "  Reynolds number     {:.2e}",
+                    speed_m_s * diameter / air.kinematic_viscosity_m2_s
+                )?;
             }
         }
         Ok(())

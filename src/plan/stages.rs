@@ -69,7 +69,10 @@ pub fn stages(scene: &Scene) -> Vec<PlannedStage> {
             add(Stage::Interpolate, 1);
         }
         if scene.body.is_some() {
-            add(Stage::SolveCloth, scene.coupling.map_or(1, |c| c.structure_every));
+            add(
+                Stage::SolveCloth,
+                scene.coupling.map_or(1, |c| c.structure_every),
+            );
         }
         if scene.coupling.is_some() {
             add(Stage::Spread, 1);

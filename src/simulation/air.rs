@@ -29,7 +29,9 @@ impl AirEngine {
     #[must_use]
     pub fn new(air: &Air, precision: Precision) -> Self {
         let (ends, sides, sponge_cells) = match air.flow {
-            Flow::WindTunnel { sponge_length_m, .. } => (
+            Flow::WindTunnel {
+                sponge_length_m, ..
+            } => (
                 StreamwiseEnds::InletOutlet,
                 Sides::FreeSlip,
                 sponge_length_m.map(|length| length / air.units.cell_size_m),
@@ -113,7 +115,10 @@ fn initial_state(air: &Air) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
             let [x, y] = [k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5)];
             // p = −(ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.
             let excess = -0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
-            (excess, [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0])
+            (
+                excess,
+                [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
+            )
         }
     }
 }

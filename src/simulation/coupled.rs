@@ -71,12 +71,22 @@ impl Coupled {
         self.immersed.forced_cells()
     }
 
-    pub(super) fn interpolate(&mut self, air: &AirEngine, cloth: &Cloth) -> Result<(), OutOfDomain> {
+    pub(super) fn interpolate(
+        &mut self,
+        air: &AirEngine,
+        cloth: &Cloth,
+    ) -> Result<(), OutOfDomain> {
         for (position, marker) in self.positions.iter_mut().zip(&self.markers) {
-            *position = self.units.position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
+            *position =
+                self.units
+                    .position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
         }
         each_engine!(air, fluid => self.immersed.interpolate(fluid, &self.positions))?;
-        for (sum, u) in self.air_velocity_sums.iter_mut().zip(self.immersed.air_velocities()) {
+        for (sum, u) in self
+            .air_velocity_sums
+            .iter_mut()
+            .zip(self.immersed.air_velocities())
+        {
             for a in 0..3 {
                 sum[a] += u[a];
             }
@@ -94,7 +104,9 @@ impl Coupled {
                 triangle: marker.triangle,
                 weights: marker.weights,
                 stiffness_kg_s: self.immersed.stiffness(k) * self.units.stiffness_kg_s(),
-                air_velocity_m_s: self.units.velocity_m_s(self.air_velocity_sums[k].map(|u| u * mean)),
+                air_velocity_m_s: self
+                    .units
+                    .velocity_m_s(self.air_velocity_sums[k].map(|u| u * mean)),
             });
         }
         self.air_velocity_sums.fill([0.0; 3]);
@@ -105,7 +117,8 @@ impl Coupled {
     pub(super) fn spread(&mut self, cloth: &Cloth, released: bool) {
         for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
             *velocity = if released {
-                self.units.velocity_to_lattice(at_marker(cloth, marker, &cloth.velocities_m_s))
+                self.units
+                    .velocity_to_lattice(at_marker(cloth, marker, &cloth.velocities_m_s))
             } else {
                 [0.0; 3]
             };
@@ -126,12 +139,20 @@ impl Coupled {
     /// Fastest marker [cells per step].
     #[must_use]
     pub fn fastest_marker(&self) -> f64 {
-        self.velocities.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max).sqrt()
+        self.velocities
+            .iter()
+            .map(|v| v.iter().map(|c| c * c).sum::<f64>())
+            .fold(0.0, f64::max)
+            .sqrt()
     }
 }
 
 /// Value of a nodal field at a marker.
 fn at_marker(cloth: &Cloth, marker: &Marker, field: &[DVec3]) -> DVec3 {
     let nodes = cloth.structure.triangles[marker.triangle as usize].nodes;
-    nodes.iter().zip(marker.weights).map(|(&node, weight)| field[node as usize] * weight).sum()
+    nodes
+        .iter()
+        .zip(marker.weights)
+        .map(|(&node, weight)| field[node as usize] * weight)
+        .sum()
 }

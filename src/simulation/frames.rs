@@ -41,7 +41,10 @@ fn structure_frame(cloth: &Cloth) -> StructureFrame {
         velocities_m_s: cloth.velocities_m_s.clone(),
         triangles: structure.triangles.iter().map(|t| t.nodes).collect(),
         principal_tensions_n_m: loads.iter().map(|l| l.principal_tensions_n_m).collect(),
-        stress_pa: loads.iter().map(|l| l.principal_tensions_n_m[0] / structure.thickness_m).collect(),
+        stress_pa: loads
+            .iter()
+            .map(|l| l.principal_tensions_n_m[0] / structure.thickness_m)
+            .collect(),
         states: loads.iter().map(|l| l.state).collect(),
         cables: structure.cables.iter().map(|c| c.nodes).collect(),
         cable_kinds: structure.cables.iter().map(|c| c.kind).collect(),

@@ -50,16 +50,28 @@ pub struct ImpulseSample {
 }
 
 impl Impulses {
-    pub(super) fn new(air: &Air, kind: Option<&BodyKind>, engine: &AirEngine, cloth: &Cloth) -> Self {
+    pub(super) fn new(
+        air: &Air,
+        kind: Option<&BodyKind>,
+        engine: &AirEngine,
+        cloth: &Cloth,
+    ) -> Self {
         let structure = &cloth.structure;
         let (low, high) = reach(kind, cloth);
         let cell = air.units.cell_size_m;
-        let first = std::array::from_fn(|a| ((low[a] / cell).floor() as i64).clamp(3, air.cells[a] as i64 / 2 - 1) as usize);
-        let end = std::array::from_fn(|a| {
-            ((high[a] / cell).ceil() as i64).clamp(air.cells[a] as i64 / 2 + 1, air.cells[a] as i64 - 3) as usize
+        let first = std::array::from_fn(|a| {
+            ((low[a] / cell).floor() as i64).clamp(3, air.cells[a] as i64 / 2 - 1) as usize
         });
-        let support_cables =
-            structure.cables.iter().copied().filter(|c| c.nodes.iter().any(|&n| structure.held[n as usize])).collect();
+        let end = std::array::from_fn(|a| {
+            ((high[a] / cell).ceil() as i64)
+                .clamp(air.cells[a] as i64 / 2 + 1, air.cells[a] as i64 - 3) as usize
+        });
+        let support_cables = structure
+            .cables
+            .iter()
+            .copied()
+            .filter(|c| c.nodes.iter().any(|&n| structure.held[n as usize]))
+            .collect();
         let supported_by_cables = !structure
             .triangles
             .iter()
@@ -96,13 +108,21 @@ impl Impulses {
         }
     }
 
-    pub(super) fn add_step(&mut self, air: &AirEngine, cloth: &Cloth, gravity: Option<DVec3>, coupled: &Coupled) {
+    pub(super) fn add_step(
+        &mut self,
+        air: &AirEngine,
+        cloth: &Cloth,
+        gravity: Option<DVec3>,
+        coupled: &Coupled,
+    ) {
         let out = air.outflow(&self.volume);
         self.outflow.mass_excess += out.mass_excess;
         for a in 0..3 {
             self.outflow.momentum[a] += out.momentum[a];
         }
-        self.contained &= coupled.immersed().touches_only(self.volume.first, self.volume.end);
+        self.contained &= coupled
+            .immersed()
+            .touches_only(self.volume.first, self.volume.end);
         let mut pull = DVec3::ZERO;
         let structure = &cloth.structure;
         for cable in &self.support_cables {
@@ -116,8 +136,13 @@ impl Impulses {
             pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);
         }
         if let Some(gravity) = gravity {
-            let mass: f64 =
-                structure.masses_kg.iter().zip(&structure.held).filter(|(_, held)| !**held).map(|(m, _)| m).sum();
+            let mass: f64 = structure
+                .masses_kg
+                .iter()
+                .zip(&structure.held)
+                .filter(|(_, held)| !**held)
+                .map(|(m, _)| m)
+                .sum();
             pull += gravity * mass;
         }
         self.supports -= pull * self.units.time_step_s;
@@ -140,7 +165,8 @@ impl Impulses {
             supports: self
                 .supported_by_cables
                 .then(|| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
-            mass_defect: (stored.mass_excess - self.initial.mass_excess + self.outflow.mass_excess) / mass,
+            mass_defect: (stored.mass_excess - self.initial.mass_excess + self.outflow.mass_excess)
+                / mass,
         }
     }
 }
@@ -149,12 +175,18 @@ impl Impulses {
 fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
     let positions = &cloth.positions_m;
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let high = positions
+        .iter()
+        .copied()
+        .fold(DVec3::NEG_INFINITY, DVec3::max);
     match kind {
         Some(BodyKind::Canopy(canopy)) => {
             let diameter = canopy.nominal_diameter_m;
             let confluence = positions[canopy.canopy_node_count];
-            let skirt = positions[..canopy.canopy_node_count].iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+            let skirt = positions[..canopy.canopy_node_count]
+                .iter()
+                .map(|p| p.x)
+                .fold(f64::INFINITY, f64::min);
             let lateral = DVec3::new(0.0, LATERAL_REACH * diameter, LATERAL_REACH * diameter);
             let line = skirt - confluence.x;
             (

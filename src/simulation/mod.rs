@@ -84,8 +84,14 @@ pub struct Simulation {
 impl Simulation {
     /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
     pub fn new(scene: Scene, plan: Plan) -> Result<Self, Diverged> {
-        let air = scene.air.as_ref().map(|air| AirEngine::new(air, plan.precision));
-        let mut cloth = scene.body.as_ref().map(|body| Cloth::new(body.structure.clone()));
+        let air = scene
+            .air
+            .as_ref()
+            .map(|air| AirEngine::new(air, plan.precision));
+        let mut cloth = scene
+            .body
+            .as_ref()
+            .map(|body| Cloth::new(body.structure.clone()));
         let mut opening = None;
         if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
             && let BodyKind::Canopy(canopy) = &body.kind
@@ -97,12 +103,38 @@ impl Simulation {
             _ => None,
         };
         let impulses = match (&scene.air, &air, &cloth, &coupled) {
-            (Some(settings), Some(engine), Some(cloth), Some(_)) => {
-                Some(Impulses::new(settings, scene.body.as_ref().map(|b| &b.kind), engine, cloth))
-            }
+            (Some(settings), Some(engine), Some(cloth), Some(_)) => Some(Impulses::new(
+                settings,
+                scene.body.as_ref().map(|b| &b.kind),
+                engine,
+                cloth,
+            )),
             _ => None,
         };
-        Ok(Self { scene, plan, air, cloth, coupled, impulses, opening, step: 0, cost: Cost::default() })
+        let mut simulation = Self {
+            scene,
+            plan,
+            air,
+            cloth,
+            coupled,
+            impulses,
+            opening,
+            step: 0,
+            cost: Cost::default(),
+        };
+        if simulation.plan.start_steps == 0 {
+            simulation.start_impulses();
+        }
+        Ok(simulation)
+    }
+
+    /// Impulses and balances count from release.
+    fn start_impulses(&mut self) {
+        if let (Some(air), Some(cloth), Some(impulses)) =
+            (&self.air, &self.cloth, &mut self.impulses)
+        {
+            impulses.start(air, cloth);
+        }
     }
 
     /// The scene.
@@ -207,6 +239,9 @@ impl Simulation {
             }
         }
         self.step += 1;
+        if self.step == self.plan.start_steps {
+            self.start_impulses();
+        }
         if self.step.is_multiple_of(WATCH_INTERVAL) {
             self.watch()?;
         }
@@ -216,18 +251,28 @@ impl Simulation {
     fn collide_stream(&mut self) {
         let wind = DVec3::X * self.wind_speed_m_s();
         let start_steps = self.plan.start_steps;
-        let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else { return };
+        let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else {
+            return;
+        };
         let mut acceleration = None;
         if let Flow::WindTunnel { speed_m_s, .. } = settings.flow {
             air.set_inlet_velocity(settings.units.velocity_to_lattice(wind));
             if self.step < start_steps && speed_m_s > 0.0 {
                 // All air is accelerated alike, so that the wind rises everywhere at once.
-                let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0] / start_steps as f64;
+                let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0]
+                    / start_steps as f64;
                 acceleration = Some([rate, 0.0, 0.0]);
             }
         }
-        let cells = self.coupled.as_ref().map(Coupled::forced_cells).unwrap_or_default();
-        air.collide_stream(&BodyForce { acceleration, cells });
+        let cells = self
+            .coupled
+            .as_ref()
+            .map(Coupled::forced_cells)
+            .unwrap_or_default();
+        air.collide_stream(&BodyForce {
+            acceleration,
+            cells,
+        });
         if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
             && self.step >= start_steps
         {
@@ -236,7 +281,8 @@ impl Simulation {
     }
 
     fn interpolate(&mut self) -> Result<(), Diverged> {
-        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled) else {
+        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled)
+        else {
             return Ok(());
         };
         if let Err(left) = coupled.interpolate(air, cloth) {
@@ -255,8 +301,12 @@ impl Simulation {
             return Ok(());
         }
         let since_release = self.step - self.plan.start_steps;
-        let Some(time) = self.scene.time else { return Ok(()) };
-        let Some(cloth) = &mut self.cloth else { return Ok(()) };
+        let Some(time) = self.scene.time else {
+            return Ok(());
+        };
+        let Some(cloth) = &mut self.cloth else {
+            return Ok(());
+        };
         if !since_release.is_multiple_of(u64::from(every)) {
             // Between solves the sheet keeps its velocity.
             for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
@@ -264,7 +314,11 @@ impl Simulation {
             }
             return Ok(());
         }
-        let reactions = self.coupled.as_mut().map(Coupled::reactions).unwrap_or_default();
+        let reactions = self
+            .coupled
+            .as_mut()
+            .map(Coupled::reactions)
+            .unwrap_or_default();
         // With k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
         let span_s = time.step_s * f64::from(every);
         let input = StepInput {
@@ -274,16 +328,28 @@ impl Simulation {
             damping_1_s: self.scene.solver.damping_1_s,
             markers: reactions,
         };
-        let before = if every > 1 { Some(cloth.positions_m.clone()) } else { None };
+        let before = if every > 1 {
+            Some(cloth.positions_m.clone())
+        } else {
+            None
+        };
         let outcome = cloth.solve_cloth(&input, &step_settings(&self.scene));
         if let Some(before) = before {
-            for ((x, old), v) in cloth.positions_m.iter_mut().zip(&before).zip(&cloth.velocities_m_s) {
+            for ((x, old), v) in cloth
+                .positions_m
+                .iter_mut()
+                .zip(&before)
+                .zip(&cloth.velocities_m_s)
+            {
                 *x = *old + *v * time.step_s;
             }
         }
         count(&mut self.cost, &outcome);
         if outcome.stop == Stop::NotFinite {
-            let node = self.cloth.as_ref().and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
+            let node = self
+                .cloth
+                .as_ref()
+                .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
             let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
             return Err(self.diverged(format!("the fabric's energy is no longer finite{place}")));
         }
@@ -305,17 +371,17 @@ impl Simulation {
         else {
             return;
         };
-        if self.step == self.plan.start_steps {
-            impulses.start(air, cloth);
-            return;
-        }
         impulses.add_step(air, cloth, self.scene.gravity_m_s2, coupled);
     }
 
     /// Looks for cells that are not finite or too fast.
     fn watch(&self) -> Result<(), Diverged> {
-        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else { return Ok(()) };
-        let Some(found) = air.breakdown(DIVERGED_SPEED) else { return Ok(()) };
+        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
+            return Ok(());
+        };
+        let Some(found) = air.breakdown(DIVERGED_SPEED) else {
+            return Ok(());
+        };
         let place = settings.units.position_m(found.cell.map(|c| c as f64));
         let speed = settings.units.velocity_m_s(found.velocity).length();
         Err(self.diverged(format!(
@@ -335,7 +401,10 @@ impl Simulation {
         let gravity_m_s2 = self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
         let cloth = self.cloth.as_mut()?;
         let start = Instant::now();
-        let input = StepInput { gravity_m_s2, ..StepInput::default() };
+        let input = StepInput {
+            gravity_m_s2,
+            ..StepInput::default()
+        };
         let settings = SolverSettings {
             tolerance: equilibrium.tolerance,
             displacement_floor_m: 0.0,
@@ -347,13 +416,19 @@ impl Simulation {
         self.cost.cloth += start.elapsed();
         count(&mut self.cost, &outcome);
         if outcome.stop == Stop::NotFinite {
-            return Some(Err(self.diverged("the fabric's energy is no longer finite".to_owned())));
+            return Some(Err(
+                self.diverged("the fabric's energy is no longer finite".to_owned())
+            ));
         }
         Some(Ok(outcome))
     }
 
     fn diverged(&self, what: String) -> Diverged {
-        Diverged { time_s: self.time_s(), step: self.step, what }
+        Diverged {
+            time_s: self.time_s(),
+            step: self.step,
+            what,
+        }
     }
 }
 

@@ -27,7 +27,11 @@ pub struct Opening {
     pub steps: usize,
 }
 
-pub(super) fn open(cloth: &mut Cloth, canopy: &Canopy, settings: &SolverSettings) -> Result<Opening, Diverged> {
+pub(super) fn open(
+    cloth: &mut Cloth,
+    canopy: &Canopy,
+    settings: &SolverSettings,
+) -> Result<Opening, Diverged> {
     let ratio = |cloth: &Cloth| {
         let triangles = cloth.structure.triangles.iter().map(|t| t.nodes);
         shape::projected_diameter_m(&cloth.positions_m, triangles) / canopy.nominal_diameter_m
@@ -58,5 +62,9 @@ pub(super) fn open(cloth: &mut Cloth, canopy: &Canopy, settings: &SolverSettings
         }
     }
     cloth.velocities_m_s.fill(glam::DVec3::ZERO);
-    Ok(Opening { folded_ratio, opened_ratio, steps })
+    Ok(Opening {
+        folded_ratio,
+        opened_ratio,
+        steps,
+    })
 }

@@ -76,7 +76,7 @@ const ARMIJO: f64 = 1e-4;
 const ROUND_OFF: f64 = 1e-10;
 const LINE_SEARCH_LIMIT: usize = 30;
 
-/// Minimises the objective of `space` from `point`, in place.
+/// Minimises the objective of `space` from `point`, in place. H₀ is used as it stands: call [`VectorSpace::refresh`] before.
 pub fn minimise<S: VectorSpace>(
     space: &mut S,
     point: &mut S::Vector,
@@ -84,7 +84,6 @@ pub fn minimise<S: VectorSpace>(
 ) -> Outcome {
     let mut gradient = space.zeros();
     let mut objective = space.evaluate(point, &mut gradient);
-    space.refresh(point);
     let mut preconditioned = space.zeros();
     space.precondition(&gradient, &mut preconditioned);
     let mut norm = space.dots(&[(&gradient, &preconditioned)])[0]

@@ -105,7 +105,9 @@ pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &m
             blocks[b] += block;
         } else {
             // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-            let soft = DMat3::from_diagonal(DVec3::splat(1e-3 * cable.axial_stiffness_n / cable.rest_length_m));
+            let soft = DMat3::from_diagonal(DVec3::splat(
+                1e-3 * cable.axial_stiffness_n / cable.rest_length_m,
+            ));
             blocks[a] += soft;
             blocks[b] += soft;
         }

@@ -122,7 +122,7 @@ pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<Triangl
             };
             let response = membrane.respond(&triangle.strain(&triangle.edge_vectors(positions)));
             let t = response.tension;
-            let (values, _) = principal(t[0], t[1], t[2]);
+            let values = principal(t[0], t[1], t[2]);
             TriangleLoad {
                 principal_tensions_n_m: values,
                 state: response.state,

@@ -3,17 +3,15 @@
 //! For cell n and direction d with n − c_d outside:
 //! * periodic: what left through the opposite face;
 //! * free slip (half-way specular reflection): what left mirrored at the wall midway between cell and ghost;
-//! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell (zero pressure gradient);
-//! * pressure outlet: equilibrium with ρ = 1 and the velocity of the last cell but one; a viscous sponge before it
+//! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell one step ago (zero pressure gradient);
+//! * pressure outlet: equilibrium with ρ = 1 and the velocity of the last cell but one, one step ago; a viscous sponge before it
 //!   (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
-//! Inlet and outlet own the edges they share with the sides.
-
-use rayon::prelude::*;
+//! Ghost cells at inlet and outlet are streamed with their row by the sweep itself; beyond the sides they are mirrored (or repeated).
 
 use super::{Fluid, Grid};
 use crate::lattice::operators::bare_moments;
-use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, direction_of};
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, WEIGHTS, direction_of, opposite};
 
 /// What lies upstream (−x) and downstream (+x).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,26 +46,23 @@ struct Run {
 pub(super) struct Boundaries {
     /// Copies for even and odd steps.
     copies: [Vec<Run>; 2],
-    has_ends: bool,
 }
 
 /// Directions that enter through −x; the entering ones at +x are their opposites.
 const DOWNSTREAM: [usize; 5] = [1, 7, 9, 13, 15];
 
-enum Source {
-    Cell { cell: [i64; 3], direction: usize },
-    End,
-}
-
+/// Where the population that enters `cell` along `direction` from outside left, and in which direction; `None` if nothing has
+/// to be copied because a ghost at inlet or outlet sends it.
 fn source(
     grid: &Grid,
     ends: StreamwiseEnds,
     sides: Sides,
     cell: [i64; 3],
     direction: usize,
-) -> Source {
+) -> Option<([i64; 3], usize)> {
     let mut from: [i64; 3] = std::array::from_fn(|a| cell[a] - i64::from(DIRECTIONS[direction][a]));
     let mut velocity = DIRECTIONS[direction];
+    let mut crosses_copied_face = false;
     for a in 0..3 {
         let n = grid.cells[a] as i64;
         if (0..n).contains(&from[a]) {
@@ -75,12 +70,14 @@ fn source(
         }
         let reflects = if a == 0 {
             if ends == StreamwiseEnds::InletOutlet {
-                return Source::End;
+                // Inlet and outlet ghosts stream for themselves; only their mirror images beyond the sides are copied.
+                continue;
             }
             false
         } else {
             sides == Sides::FreeSlip
         };
+        crosses_copied_face = true;
         if reflects {
             from[a] = if from[a] < 0 { 0 } else { n - 1 };
             velocity[a] = -velocity[a];
@@ -88,11 +85,7 @@ fn source(
             from[a] = from[a].rem_euclid(n);
         }
     }
-    let direction = direction_of(velocity).unwrap_or(direction);
-    Source::Cell {
-        cell: from,
-        direction,
-    }
+    crosses_copied_face.then(|| (from, direction_of(velocity).unwrap_or(direction)))
 }
 
 impl Boundaries {
@@ -121,10 +114,7 @@ impl Boundaries {
                             if !outside {
                                 continue;
                             }
-                            let Source::Cell {
-                                cell,
-                                direction: leaving,
-                            } = source(grid, ends, sides, link, direction)
+                            let Some((cell, leaving)) = source(grid, ends, sides, link, direction)
                             else {
                                 continue;
                             };
@@ -139,10 +129,7 @@ impl Boundaries {
                 }
             }
         }
-        Self {
-            copies,
-            has_ends: ends == StreamwiseEnds::InletOutlet,
-        }
+        Self { copies }
     }
 }
 
@@ -177,56 +164,61 @@ impl<T: Real> Fluid<T> {
                 Err(_) => self.populations[to_array].copy_within(from..from + length, to),
             }
         }
-        if self.boundaries.has_ends {
-            self.apply_ends();
-        }
     }
+}
 
-    /// Velocity inlet at −x and pressure outlet at +x.
-    fn apply_ends(&mut self) {
-        let [nx, ny, nz] = self.setup.cells.map(|n| n as i64);
-        let probe = |x: i64| -> Vec<(T, [T; 3])> {
-            (0..(nz * ny) as usize)
-                .into_par_iter()
-                .with_min_len(256)
-                .map(|row| row as i64)
-                .map(|row| bare_moments(&self.gather(self.grid.index([x, row % ny, row / ny]))))
-                .collect()
-        };
-        let inlet_state = probe(1.min(nx - 1));
-        let outlet_state = probe((nx - 2).max(0));
-        let inlet_velocity = self.inlet_velocity.map(T::of);
-        for row in 0..nz * ny {
-            let (y, z) = (row % ny, row / ny);
-            let (density_excess, _) = inlet_state[row as usize];
-            let index = self.grid.index([0, y, z]);
-            for direction in DOWNSTREAM {
-                self.set_equilibrium(index, direction, density_excess, &inlet_velocity);
-            }
-            let (excess, momentum) = outlet_state[row as usize];
-            let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
-            let velocity = momentum.map(|j| j * inverse_density);
-            let index = self.grid.index([nx - 1, y, z]);
-            for direction in DOWNSTREAM {
-                self.set_equilibrium(index, direction + 1, T::default(), &velocity);
-            }
-        }
-    }
+/// The ghost cells at both ends of a row: they are at equilibrium and stream like any cell.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowEnds<T> {
+    inlet_density_excess: T,
+    inlet_velocity: [T; 3],
+    outlet_velocity: [T; 3],
+}
 
+impl<T: Real> RowEnds<T> {
+    /// Reads what they take from their neighbours off a row just collided, while it is in the cache; the collision keeps mass and
+    /// momentum.
     #[inline(always)]
-    fn set_equilibrium(&mut self, index: usize, direction: usize, density_excess: T, u: &[T; 3]) {
-        let c = DIRECTIONS[direction];
-        let weight = T::of(crate::lattice::WEIGHTS[direction]);
-        let density = T::of(1.0) + density_excess;
-        let along = T::of(f64::from(c[0])) * u[0]
-            + T::of(f64::from(c[1])) * u[1]
-            + T::of(f64::from(c[2])) * u[2];
-        let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        let value = weight
-            * (density_excess
-                + density
-                    * (T::of(3.0) * along + T::of(4.5) * along * along - T::of(1.5) * square));
-        let (array, element) = self.grid.slot(index, direction, self.odd);
-        self.populations[array][element] = value;
+    pub(super) fn read(rows: &[&mut [T]; DIRECTION_COUNT], inlet_velocity: [T; 3]) -> Self {
+        let nx = rows[0].len();
+        let (inlet, outlet) = (1.min(nx - 1), nx.saturating_sub(2));
+        let mut states = [[T::default(); DIRECTION_COUNT]; 2];
+        for direction in 0..DIRECTION_COUNT {
+            states[0][direction] = rows[opposite(direction)][inlet];
+            states[1][direction] = rows[opposite(direction)][outlet];
+        }
+        let (inlet_density_excess, _) = bare_moments(&states[0]);
+        let (excess, momentum) = bare_moments(&states[1]);
+        let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
+        Self {
+            inlet_density_excess,
+            inlet_velocity,
+            outlet_velocity: momentum.map(|j| j * inverse_density),
+        }
     }
+
+    /// Streams their populations into the domain: `arrays` are the slab's, by direction read in this step, and the row's cells
+    /// are the elements `start..start + nx`.
+    #[inline(always)]
+    pub(super) fn write(&self, arrays: &mut [&mut [T]; DIRECTION_COUNT], start: usize, nx: usize) {
+        for direction in DOWNSTREAM {
+            // As for any cell, f_i goes to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
+            arrays[direction + 1][start - 1] =
+                shifted_equilibrium(direction, self.inlet_density_excess, &self.inlet_velocity);
+            arrays[direction][start + nx] =
+                shifted_equilibrium(direction + 1, T::default(), &self.outlet_velocity);
+        }
+    }
+}
+
+#[inline(always)]
+fn shifted_equilibrium<T: Real>(direction: usize, density_excess: T, u: &[T; 3]) -> T {
+    let c = DIRECTIONS[direction].map(|c| T::of(f64::from(c)));
+    let weight = T::of(WEIGHTS[direction]);
+    let density = T::of(1.0) + density_excess;
+    let along = c[0] * u[0] + c[1] * u[1] + c[2] * u[2];
+    let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    weight
+        * (density_excess
+            + density * (T::of(3.0) * along + T::of(4.5) * along * along - T::of(1.5) * square))
 }

@@ -5,12 +5,13 @@
 
 use rayon::prelude::*;
 
-use super::{Fluid, Operator};
+use super::boundaries::RowEnds;
+use super::{Fluid, Grid, Operator, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
 use crate::lattice::{DIRECTION_COUNT, Real, opposite};
 
 /// Cells handled at once; the compiler turns loops of this width into vector instructions.
-const LANES: usize = 16;
+const LANES: usize = 8;
 
 /// Slabs of planes per thread, to balance the load of rows with and without force.
 const SLABS_PER_THREAD: usize = 4;
@@ -62,6 +63,8 @@ struct Common<'a, T> {
     relaxation_time: T,
     relaxation_profile: Option<&'a [T]>,
     eddy_factor: T,
+    /// Velocity at the inlet; `None` in periodic scenes.
+    inlet_velocity: Option<[T; 3]>,
 }
 
 impl<T: Real> Fluid<T> {
@@ -88,7 +91,7 @@ impl<T: Real> Fluid<T> {
     }
 
     fn sweep<C: Collision<T>>(&mut self, body_force: &BodyForce) {
-        let [nx, ny, nz] = self.setup.cells;
+        let nz = self.setup.cells[2];
         let grid = self.grid;
         let odd = self.odd;
         let smagorinsky = self.setup.smagorinsky_constant.unwrap_or(0.0);
@@ -96,6 +99,8 @@ impl<T: Real> Fluid<T> {
             relaxation_time: T::of(self.setup.relaxation_time),
             relaxation_profile: self.relaxation_profile.as_deref(),
             eddy_factor: T::of(18.0 * std::f64::consts::SQRT_2 * smagorinsky * smagorinsky),
+            inlet_velocity: (self.setup.ends == StreamwiseEnds::InletOutlet)
+                .then(|| self.inlet_velocity.map(T::of)),
         };
         let planes = nz
             .div_ceil(SLABS_PER_THREAD * rayon::current_num_threads())
@@ -116,11 +121,12 @@ impl<T: Real> Fluid<T> {
                 opposite(array)
             };
             let shift = if direction % 2 == 0 && direction > 0 {
-                grid.offset(direction - 1)
+                grid.pair_shifts[direction / 2 - 1]
             } else {
                 0
             };
-            let first = (grid.index([0, 0, 0])).wrapping_add_signed(shift);
+            // One element earlier, so that the ghost cells at both ends of a row lie in its slab.
+            let first = (grid.index([0, 0, 0]) - 1).wrapping_add_signed(shift);
             let mut rest = data.split_at_mut(first).1;
             for slab in &mut slabs {
                 let length = (slab.planes * grid.stride_z).min(rest.len());
@@ -130,41 +136,73 @@ impl<T: Real> Fluid<T> {
             }
         }
         slabs.into_par_iter().for_each(|mut slab| {
-            let first_row = (slab.first_plane * ny) as u32;
-            let forced = body_force.cells;
-            let mut next = forced.rows.partition_point(|row| row.0 < first_row);
-            let acceleration = body_force.acceleration.map(|a| a.map(T::of));
-            let mut force = [const { Vec::new() }; 3];
-            for plane in 0..slab.planes {
-                for y in 0..ny {
-                    let row = ((slab.first_plane + plane) * ny + y) as u32;
-                    let here = forced.rows.get(next).filter(|entry| entry.0 == row);
-                    let start = plane * grid.stride_z + y * grid.stride_y;
-                    let mut rows = slab
-                        .arrays
-                        .each_mut()
-                        .map(|array| &mut array[start..start + nx]);
-                    if here.is_none() && acceleration.is_none() {
-                        collide_row::<T, C, false>(&mut rows, &common, None);
-                        continue;
-                    }
+            vectorised(
+                #[inline(always)]
+                || sweep_slab::<T, C>(&grid, &mut slab, body_force, &common),
+            );
+        });
+    }
+}
+
+/// Calls `work` compiled for AVX2 where the CPU has it: twice the lanes of the baseline, the same bits (no fused operations).
+/// AVX-512 is left alone: the same loops compiled for it were measured three times slower.
+#[inline(always)]
+fn vectorised(work: impl FnOnce()) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        avx2.vectorize(work);
+        return;
+    }
+    work();
+}
+
+#[inline(always)]
+fn sweep_slab<T: Real, C: Collision<T>>(
+    grid: &Grid,
+    slab: &mut Slab<T>,
+    body_force: &BodyForce,
+    common: &Common<T>,
+) {
+    let [nx, ny, _] = grid.cells;
+    let first_row = (slab.first_plane * ny) as u32;
+    let forced = body_force.cells;
+    let mut next = forced.rows.partition_point(|row| row.0 < first_row);
+    let acceleration = body_force.acceleration.map(|a| a.map(T::of));
+    let mut force = [const { Vec::new() }; 3];
+    for plane in 0..slab.planes {
+        for y in 0..ny {
+            let row = ((slab.first_plane + plane) * ny + y) as u32;
+            let here = forced.rows.get(next).filter(|entry| entry.0 == row);
+            let start = plane * grid.stride_z + y * grid.stride_y + 1;
+            let mut rows = slab
+                .arrays
+                .each_mut()
+                .map(|array| &mut array[start..start + nx]);
+            if here.is_none() && acceleration.is_none() {
+                collide_row::<T, C, false>(&mut rows, common, None);
+                if let Some(inlet) = common.inlet_velocity {
+                    RowEnds::read(&rows, inlet).write(&mut slab.arrays, start, nx);
+                }
+                continue;
+            }
+            for (a, component) in force.iter_mut().enumerate() {
+                component.clear();
+                component.resize(nx, acceleration.map_or(T::default(), |g| g[a]));
+            }
+            if let Some(&(_, first, end)) = here {
+                next += 1;
+                for entry in first as usize..end as usize {
+                    let x = forced.x[entry] as usize;
                     for (a, component) in force.iter_mut().enumerate() {
-                        component.clear();
-                        component.resize(nx, acceleration.map_or(T::default(), |g| g[a]));
+                        component[x] += T::of(forced.force[entry][a]);
                     }
-                    if let Some(&(_, first, end)) = here {
-                        next += 1;
-                        for entry in first as usize..end as usize {
-                            let x = forced.x[entry] as usize;
-                            for (a, component) in force.iter_mut().enumerate() {
-                                component[x] += T::of(forced.force[entry][a]);
-                            }
-                        }
-                    }
-                    collide_row::<T, C, true>(&mut rows, &common, Some(&force));
                 }
             }
-        });
+            collide_row::<T, C, true>(&mut rows, common, Some(&force));
+            if let Some(inlet) = common.inlet_velocity {
+                RowEnds::read(&rows, inlet).write(&mut slab.arrays, start, nx);
+            }
+        }
     }
 }
 
@@ -188,34 +226,35 @@ fn collide_row<T: Real, C: Collision<T>, const FORCED: bool>(
         let mut block = [[T::default(); LANES]; DIRECTION_COUNT];
         let mut tau = [common.relaxation_time; LANES];
         let mut body = [[T::default(); LANES]; 3];
-        if count == LANES {
-            for direction in 0..DIRECTION_COUNT {
-                block[direction].copy_from_slice(&rows[direction][x..x + LANES]);
-            }
-        } else {
-            for direction in 0..DIRECTION_COUNT {
-                block[direction][..count].copy_from_slice(&rows[direction][x..x + count]);
-            }
+        for direction in 0..DIRECTION_COUNT {
+            load(&mut block[direction], &rows[direction][x..]);
         }
         if let Some(profile) = common.relaxation_profile {
-            tau[..count].copy_from_slice(&profile[x..x + count]);
+            load(&mut tau, &profile[x..]);
         }
         if FORCED && let Some(force) = force {
             for a in 0..3 {
-                body[a][..count].copy_from_slice(&force[a][x..x + count]);
+                load(&mut body[a], &force[a][x..]);
             }
         }
         collide_block::<T, C, FORCED>(&mut block, &tau, &body, common.eddy_factor);
-        if count == LANES {
-            for direction in 0..DIRECTION_COUNT {
-                rows[opposite(direction)][x..x + LANES].copy_from_slice(&block[direction]);
-            }
-        } else {
-            for direction in 0..DIRECTION_COUNT {
-                rows[opposite(direction)][x..x + count].copy_from_slice(&block[direction][..count]);
+        for direction in 0..DIRECTION_COUNT {
+            let target = &mut rows[opposite(direction)][x..x + count];
+            match target.first_chunk_mut::<LANES>() {
+                Some(chunk) => *chunk = block[direction],
+                None => target.copy_from_slice(&block[direction][..count]),
             }
         }
         x += count;
+    }
+}
+
+/// Fills the lanes from the start of `source`, as far as it reaches.
+#[inline(always)]
+fn load<T: Copy>(lanes: &mut [T; LANES], source: &[T]) {
+    match source.first_chunk::<LANES>() {
+        Some(chunk) => *lanes = *chunk,
+        None => lanes[..source.len()].copy_from_slice(source),
     }
 }
 

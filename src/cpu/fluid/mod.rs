@@ -21,9 +21,9 @@ mod macroscopic;
 
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, equilibrium, operators};
 use boundaries::Boundaries;
-pub use macroscopic::Breakdown;
 pub use boundaries::{Sides, StreamwiseEnds};
 pub use collide_stream::{BodyForce, ForcedCells};
+pub use macroscopic::Breakdown;
 
 /// Collision operator of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -80,6 +80,8 @@ pub struct Grid {
     stride_y: usize,
     stride_z: usize,
     total: usize,
+    /// Index shifts of the first directions of the nine pairs.
+    pair_shifts: [isize; 9],
 }
 
 impl Grid {
@@ -88,11 +90,20 @@ impl Grid {
     pub const fn new(cells: [usize; 3]) -> Self {
         let stride_y = cells[0] + 2;
         let stride_z = stride_y * (cells[1] + 2);
+        let mut pair_shifts = [0; 9];
+        let mut pair = 0;
+        while pair < 9 {
+            let [x, y, z] = DIRECTIONS[2 * pair + 1];
+            pair_shifts[pair] =
+                x as isize + y as isize * stride_y as isize + z as isize * stride_z as isize;
+            pair += 1;
+        }
         Self {
             cells,
             stride_y,
             stride_z,
             total: stride_z * (cells[2] + 2),
+            pair_shifts,
         }
     }
 
@@ -115,12 +126,6 @@ impl Grid {
         x + y * self.stride_y + z * self.stride_z
     }
 
-    #[inline(always)]
-    fn offset(&self, direction: usize) -> isize {
-        let [x, y, z] = DIRECTIONS[direction];
-        x as isize + y as isize * self.stride_y as isize + z as isize * self.stride_z as isize
-    }
-
     /// Array and element that hold the population of `direction` about to be read by the cell at array index
     /// `index` in a step of the given parity.
     #[inline(always)]
@@ -138,7 +143,7 @@ impl Grid {
         } else {
             (
                 if odd { first + 1 } else { first },
-                index.wrapping_add_signed(self.offset(first)),
+                index.wrapping_add_signed(self.pair_shifts[first / 2]),
             )
         }
     }
@@ -204,7 +209,7 @@ impl<T: Real> Fluid<T> {
         self.steps
     }
 
-    /// Velocity at the inlet from the end of the next step on [cells per step].
+    /// Velocity at the inlet in the steps to come [cells per step].
     pub const fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
         self.inlet_velocity = velocity;
     }
@@ -223,9 +228,14 @@ impl<T: Real> Fluid<T> {
     /// Streamed populations of one cell, about to be collided.
     #[inline(always)]
     fn gather(&self, index: usize) -> operators::Populations<T> {
-        std::array::from_fn(|direction| {
-            let (array, element) = self.grid.slot(index, direction, self.odd);
-            self.populations[array][element]
-        })
+        let mut f = [T::default(); DIRECTION_COUNT];
+        f[0] = self.populations[0][index];
+        let odd = usize::from(self.odd);
+        for (pair, shift) in self.grid.pair_shifts.into_iter().enumerate() {
+            let first = 2 * pair + 1;
+            f[first] = self.populations[first + 1 - odd][index];
+            f[first + 1] = self.populations[first + odd][index.wrapping_add_signed(shift)];
+        }
+        f
     }
 }

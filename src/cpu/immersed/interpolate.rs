@@ -22,15 +22,18 @@ impl Immersed {
         self.touched.rebuild(positions, self.cells)?;
         let touched = &self.touched;
         self.cell_velocities.resize(touched.cells.len(), [0.0; 3]);
-        self.cell_velocities
+        let areas = &self.areas;
+        let states: Vec<[f64; 4]> = self
+            .cell_velocities
             .par_iter_mut()
             .zip(&touched.cells)
+            .enumerate()
             .with_min_len(CHUNK)
-            .for_each(|(velocity, cell)| *velocity = fluid.bare_state(cell.map(|c| c as usize)).1);
-        let cell_areas: Vec<[f64; 1]> = (0..touched.cells.len())
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map(|cell| touched.spread(cell, &self.areas))
+            .map(|(index, (velocity, cell))| {
+                *velocity = fluid.bare_state(cell.map(|c| c as usize)).1;
+                let [area] = touched.spread(index, areas);
+                [velocity[0], velocity[1], velocity[2], area]
+            })
             .collect();
         let largest = LARGEST_OVER_RELAXATION_RATIO * self.over_relaxation;
         self.strengths
@@ -39,9 +42,9 @@ impl Immersed {
             .enumerate()
             .with_min_len(CHUNK)
             .for_each(|(marker, (strength, velocity))| {
-                let [density] = touched.interpolate(marker, &cell_areas);
+                let [x, y, z, density] = touched.interpolate(marker, &states);
                 *strength = (self.over_relaxation * SUM_OF_SQUARES / density).min(largest);
-                *velocity = touched.interpolate(marker, &self.cell_velocities);
+                *velocity = [x, y, z];
             });
         Ok(())
     }

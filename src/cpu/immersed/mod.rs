@@ -112,6 +112,9 @@ impl Immersed {
     /// True if all touched cells lie in the box of cells `first..end`.
     #[must_use]
     pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
-        self.touched.cells.iter().all(|cell| (0..3).all(|a| (first[a]..end[a]).contains(&(cell[a] as usize))))
+        self.touched
+            .cells
+            .iter()
+            .all(|cell| (0..3).all(|a| (first[a]..end[a]).contains(&(cell[a] as usize))))
     }
 }
