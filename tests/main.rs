@@ -1,1 +1,40 @@
-fn main() {}
+//! All tests that run the program or whole engines, as trials made at run time: one per engine, so that a device that is
+//! missing shows as a skip, and as a failure where `RIPSTOP_REQUIRE_GPU=1`.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "tests fail by panicking"
+)]
+
+mod air;
+mod architecture;
+mod bad_cases;
+mod canopy;
+mod cases;
+mod cloth;
+mod command_line;
+mod coupling;
+mod engines;
+mod tolerances;
+
+use libtest_mimic::{Arguments, Trial};
+
+fn main() -> std::process::ExitCode {
+    let arguments = Arguments::from_args();
+    let trials: Vec<Trial> = [
+        architecture::trials(),
+        air::trials(),
+        cloth::trials(),
+        coupling::trials(),
+        canopy::trials(),
+        cases::trials(),
+        bad_cases::trials(),
+        command_line::trials(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
+}

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::cpu::fluid::Operator;
 use crate::geometry::sheet::FabricModel;
+use crate::lattice::Operator;
 
 /// A case file, version 1.
 #[derive(Debug, Clone, Deserialize)]

@@ -1,5 +1,6 @@
 //! Case files: TOML text → [`file::File`] (what is written) → [`scene::Scene`] (checked, SI, absent = `None`).
 
+mod air;
 pub mod file;
 pub mod locate;
 pub mod scene;
@@ -120,6 +121,17 @@ pub struct Case {
     pub variant: Option<String>,
     /// The checked scene.
     pub scene: Scene,
+    source: String,
+}
+
+impl Case {
+    /// An error about one key of this case, marked in its text.
+    #[must_use]
+    pub fn error(&self, problem: Problem) -> CaseError {
+        let span = locate::span_of(&self.source, &problem.key);
+        let label = problem.key.clone();
+        CaseError::located(&self.name, &self.source, span, &label, problem)
+    }
 }
 
 /// Reads and checks a case file.
@@ -208,7 +220,7 @@ pub fn parse(
     let text = toml::to_string(&table).unwrap_or_default();
     let file: file::File = serde_path_to_error::deserialize(table).map_err(|error| {
         let path = error.path().to_string();
-        let message = error.inner().message().to_owned();
+        let message = plain_words(error.inner().message());
         // An unknown key is reported at its table; add the key itself to mark its line.
         let unknown = message
             .strip_prefix("unknown field `")
@@ -234,7 +246,16 @@ pub fn parse(
         hash: format!("{:08x}", crc32fast::hash(text.as_bytes())),
         variant: choices.variant.clone(),
         scene,
+        source: source.to_owned(),
     })
+}
+
+/// Names of Rust types mean nothing to the author of a case.
+fn plain_words(message: &str) -> String {
+    message
+        .replace("expected f64", "expected a number")
+        .replace("expected u32", "expected a whole number")
+        .replace("expected usize", "expected a whole number")
 }
 
 fn lookup<'a>(table: &'a toml::Table, path: &str) -> Option<&'a toml::Value> {

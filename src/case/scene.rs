@@ -4,19 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::file::{self, File};
-use super::{Problem, structure};
+use super::file::File;
+use super::{Problem, air, structure};
 use crate::cloth::Structure;
-use crate::cpu::fluid::Operator;
 use crate::geometry::mesh::quality::Quality;
-use crate::immersed::markers;
+use crate::lattice::Operator;
 use crate::units::Units;
-
-/// Largest lattice speed allowed: Mach 0.26, where the error of weak compressibility, of order Ma², reaches 7 %.
-pub const LATTICE_SPEED_LIMIT: f64 = 0.15;
-
-/// Smallest number of cells along any axis of the air.
-const SMALLEST_AXIS_CELLS: usize = 4;
 
 /// Everything that a run needs to know.
 #[derive(Debug, Clone)]
@@ -242,7 +235,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let air = file
         .air
         .as_ref()
-        .map(|air| check_air(file, air, body.as_ref()))
+        .map(|air| air::check_air(file, air, body.as_ref()))
         .transpose()?;
     if air.is_none() && body.is_none() {
         return Err(Problem::new(
@@ -251,7 +244,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             "add an [air] table, a [structure] table, or both",
         ));
     }
-    let coupling = check_coupling(file, air.as_ref(), body.as_mut())?;
+    let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
     let solver = check_solver(file)?;
     let time = check_time(file, air.as_ref())?;
     let equilibrium = file
@@ -305,258 +298,6 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         steady_drag_confidence,
         output,
     })
-}
-
-fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Result<Air, Problem> {
-    let density_kg_m3 = positive("air.density_kg_m3", air.density_kg_m3)?;
-    let kinematic_viscosity_m2_s =
-        positive("air.kinematic_viscosity_m2_s", air.kinematic_viscosity_m2_s)?;
-    let resolution = file
-        .resolution
-        .as_ref()
-        .ok_or_else(|| absent("resolution", "air needs a lattice"))?;
-    let diameter = body.and_then(|b| match b.kind {
-        BodyKind::Canopy(canopy) => Some(canopy.nominal_diameter_m),
-        _ => None,
-    });
-    let cell_size_m = match (
-        resolution.cells_per_diameter,
-        resolution.cell_size_m,
-        diameter,
-    ) {
-        (Some(_), Some(_), _) => {
-            return Err(Problem::new(
-                "resolution.cell_size_m",
-                "cell_size_m and cells_per_diameter are both given",
-                "keep one of the two",
-            ));
-        }
-        (Some(cells), None, Some(diameter)) => {
-            diameter / positive("resolution.cells_per_diameter", cells)?
-        }
-        (Some(_), None, None) => {
-            return Err(Problem::new(
-                "resolution.cells_per_diameter",
-                "cells_per_diameter needs a canopy with a nominal diameter",
-                "give resolution.cell_size_m instead",
-            ));
-        }
-        (None, Some(size), _) => positive("resolution.cell_size_m", size)?,
-        (None, None, _) => {
-            return Err(absent(
-                "resolution.cell_size_m",
-                "give it or cells_per_diameter",
-            ));
-        }
-    };
-    let lattice_speed = positive("resolution.lattice_speed", resolution.lattice_speed)?;
-    if lattice_speed > LATTICE_SPEED_LIMIT {
-        return Err(Problem::new(
-            "resolution.lattice_speed",
-            format!(
-                "resolution.lattice_speed = {lattice_speed} is Mach {:.2}: too high for a weakly compressible method",
-                lattice_speed * 3f64.sqrt()
-            ),
-            format!("choose at most {LATTICE_SPEED_LIMIT} (Mach 0.26); 0.08 is usual"),
-        ));
-    }
-    let (size_m, speed_m_s, flow) = match (&air.wind_tunnel, &air.taylor_green) {
-        (Some(tunnel), None) => {
-            if !(tunnel.speed_m_s >= 0.0 && tunnel.speed_m_s.is_finite()) {
-                return Err(Problem::new(
-                    "air.wind_tunnel.speed_m_s",
-                    format!(
-                        "air.wind_tunnel.speed_m_s = {} must not be negative",
-                        tunnel.speed_m_s
-                    ),
-                    "the wind blows along +x; give zero or a positive speed",
-                ));
-            }
-            for size in tunnel.size_m {
-                positive("air.wind_tunnel.size_m", size)?;
-            }
-            let sponge_length_m = tunnel
-                .sponge_length_m
-                .map(|length| {
-                    within(
-                        "air.wind_tunnel.sponge_length_m",
-                        length,
-                        cell_size_m,
-                        0.5 * tunnel.size_m[0],
-                    )
-                })
-                .transpose()?;
-            positive("air.wind_tunnel.start_time_s", tunnel.start_time_s)?;
-            let flow = Flow::WindTunnel {
-                speed_m_s: tunnel.speed_m_s,
-                start_time_s: tunnel.start_time_s,
-                sponge_length_m,
-            };
-            (tunnel.size_m, tunnel.speed_m_s, flow)
-        }
-        (None, Some(vortices)) => {
-            let side_m = positive("air.taylor_green.side_m", vortices.side_m)?;
-            let depth_m = positive("air.taylor_green.depth_m", vortices.depth_m)?;
-            let speed_m_s = positive("air.taylor_green.speed_m_s", vortices.speed_m_s)?;
-            if body.is_some() {
-                return Err(Problem::new(
-                    "air.taylor_green",
-                    "Taylor–Green vortices are a test of the air alone, but the case has a structure",
-                    "remove [structure], or use [air.wind_tunnel]",
-                ));
-            }
-            (
-                [side_m, side_m, depth_m],
-                speed_m_s,
-                Flow::TaylorGreen { speed_m_s, side_m },
-            )
-        }
-        _ => {
-            return Err(Problem::new(
-                "air",
-                "[air] needs exactly one flow",
-                "add either [air.wind_tunnel] or [air.taylor_green]",
-            ));
-        }
-    };
-    let reference_speed_m_s = match resolution.reference_speed_m_s {
-        Some(speed) => positive("resolution.reference_speed_m_s", speed)?,
-        None if speed_m_s > 0.0 => speed_m_s,
-        None => {
-            return Err(absent(
-                "resolution.reference_speed_m_s",
-                "without wind the lattice needs a speed to scale with",
-            ));
-        }
-    };
-    if speed_m_s / reference_speed_m_s * lattice_speed > LATTICE_SPEED_LIMIT {
-        return Err(Problem::new(
-            "resolution.reference_speed_m_s",
-            format!(
-                "the wind of {speed_m_s} m/s is too fast on a lattice scaled for {reference_speed_m_s} m/s"
-            ),
-            "raise reference_speed_m_s to the wind speed, or leave it out",
-        ));
-    }
-    let cells = size_m.map(|size| (size / cell_size_m).round().max(0.0) as usize);
-    if cells.iter().any(|&n| n < SMALLEST_AXIS_CELLS) {
-        return Err(Problem::new(
-            "resolution",
-            format!(
-                "the air would have only {} × {} × {} cells",
-                cells[0], cells[1], cells[2]
-            ),
-            format!(
-                "at least {SMALLEST_AXIS_CELLS} cells are needed along every axis: choose smaller cells"
-            ),
-        ));
-    }
-    Ok(Air {
-        units: Units::from_speed(
-            cell_size_m,
-            reference_speed_m_s,
-            lattice_speed,
-            density_kg_m3,
-        ),
-        kinematic_viscosity_m2_s,
-        cells,
-        reference_speed_m_s,
-        lattice_speed,
-        operator: resolution.operator,
-        smagorinsky_constant: resolution
-            .smagorinsky_constant
-            .map(|c| within("resolution.smagorinsky_constant", c, 0.01, 0.5))
-            .transpose()?,
-        flow,
-    })
-}
-
-fn check_coupling(
-    file: &File,
-    air: Option<&Air>,
-    body: Option<&mut Body>,
-) -> Result<Option<Coupling>, Problem> {
-    let (Some(air), Some(body)) = (air, body) else {
-        if file.coupling.is_some() {
-            return Err(Problem::new(
-                "coupling",
-                "[coupling] needs both air and a structure",
-                "remove [coupling], or add what is missing",
-            ));
-        }
-        return Ok(None);
-    };
-    let written = file
-        .coupling
-        .as_ref()
-        .ok_or_else(|| absent("coupling", "air and structure must be coupled somehow"))?;
-    if body.structure.triangles.is_empty() {
-        return Err(Problem::new(
-            "structure",
-            "cables alone do not feel the air",
-            "remove [air], or choose a structure with fabric",
-        ));
-    }
-    if let Some(factor) = written.mass_factor {
-        positive("coupling.mass_factor", factor)?;
-        for mass in &mut body.structure.masses_kg {
-            *mass *= factor;
-        }
-    }
-    if !(1..=10).contains(&written.structure_every) {
-        return Err(Problem::new(
-            "coupling.structure_every",
-            format!(
-                "coupling.structure_every = {} is out of range",
-                written.structure_every
-            ),
-            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest",
-        ));
-    }
-    let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
-    let margin = 2.0 * air.units.cell_size_m;
-    for (node, position) in body.structure.positions_m.iter().enumerate() {
-        if body.structure.held[node] {
-            continue;
-        }
-        if position.min_element() < margin || (size - *position).min_element() < margin {
-            return Err(Problem::new(
-                "air.wind_tunnel.size_m",
-                format!(
-                    "the structure does not fit: node {node} at ({:.3}, {:.3}, {:.3}) m lies outside or within two cells \
-                     of the walls of the tunnel of {:.3} × {:.3} × {:.3} m",
-                    position.x, position.y, position.z, size.x, size.y, size.z
-                ),
-                "enlarge the tunnel or move the structure (structure.*.confluence_m)",
-            ));
-        }
-    }
-    let spacing = body
-        .structure
-        .triangles
-        .iter()
-        .map(|t| {
-            t.rest_area_m2.sqrt()
-                / markers::subdivisions(t.rest_area_m2, air.units.cell_size_m) as f64
-        })
-        .fold(0.0, f64::max)
-        / air.units.cell_size_m;
-    if spacing > markers::SPACING_LIMIT_CELLS {
-        return Err(Problem::new(
-            "resolution",
-            format!("markers would be {spacing:.2} cells apart"),
-            format!("at most {} is tight", markers::SPACING_LIMIT_CELLS),
-        ));
-    }
-    Ok(Some(Coupling {
-        over_relaxation: within(
-            "coupling.over_relaxation",
-            written.over_relaxation,
-            0.1,
-            8.0 / 3.0 + 1e-9,
-        )?,
-        structure_every: written.structure_every,
-    }))
 }
 
 fn check_solver(file: &File) -> Result<Solver, Problem> {

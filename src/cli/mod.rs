@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::case::{self, Case, CaseError, Choices};
+use crate::case::{self, Case, CaseError, Choices, Problem};
 use crate::plan::{Plan, Precision, free_memory};
 
 /// Exit codes.
@@ -115,18 +115,18 @@ impl CaseArguments {
             && let Err(refusal) = plan.sizes.fit_into(free)
         {
             let air = case.scene.air.map(|air| air.cells);
-            return Err(Failure::Case(CaseError::about_file(
+            return Err(Failure::Case(case.error(Problem::new(
+                if air.is_some() { "resolution" } else { "structure" },
                 format!(
-                    "in {}: the case is too large for this machine: it needs {:.1} GB{}, and of {:.1} GB free memory at most 80 % may be taken",
+                    "in {}: the case is too large for this machine: it needs {:.1} GB{}, and of {:.1} GB free memory at \
+                     most 80 % may be taken",
                     case.name,
                     refusal.needed as f64 / 1e9,
-                    air.map_or_else(String::new, |[x, y, z]| format!(
-                        " for {x} x {y} x {z} cells"
-                    )),
+                    air.map_or_else(String::new, |[x, y, z]| format!(" for {x} x {y} x {z} cells")),
                     refusal.free as f64 / 1e9
                 ),
                 "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
-            )));
+            ))));
         }
         Ok((case, plan))
     }

@@ -10,6 +10,16 @@ mod real;
 
 pub use real::Real;
 
+/// Collision operator of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Operator {
+    /// [`operators::two_relaxation_times`]: verification and low Reynolds numbers.
+    TwoRelaxationTimes,
+    /// [`operators::recursive_regularised`]: high Reynolds numbers.
+    RecursiveRegularised,
+}
+
 /// Number of discrete velocities.
 pub const DIRECTION_COUNT: usize = 19;
 

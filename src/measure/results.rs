@@ -13,6 +13,9 @@ use crate::steady::{self, SHORTEST_WINDOW, Window};
 /// Blockage factor K of Macha & Buffington 1990, q_corrected/q = 1 + K C_D S/C.
 const BLOCKAGE_FACTOR: f64 = 1.85;
 
+/// Drag coefficient below which relative differences of forces mean nothing.
+const NO_DRAG: f64 = 1e-3;
+
 /// All results that the scene defines.
 #[must_use]
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
@@ -57,18 +60,18 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     };
     let indicative = (!window.settled || window.length < SHORTEST_WINDOW).then(|| {
         format!(
-            "window of {:.1} D_0/U{}; {SHORTEST_WINDOW} after settling are needed: indicative only",
+            "window of {:.1} D_0/U{}; {SHORTEST_WINDOW} after settling are needed: means of this run are indicative only",
             window.length,
             if window.settled { "" } else { ", not settled" }
         )
     });
-    let noted = |quantity: Quantity| match &indicative {
-        Some(note) => quantity.with_note(note),
-        None => quantity,
-    };
     let mean = |name: &str| steady::mean(record, name, &window);
     let drag = mean("drag_coefficient");
-    results.insert("drag_coefficient", noted(quantity(drag, "1")));
+    let mut drag_quantity = quantity(drag, "1");
+    if let Some(note) = &indicative {
+        drag_quantity = drag_quantity.with_note(note);
+    }
+    results.insert("drag_coefficient", drag_quantity);
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
     let corrected = 1.0 + BLOCKAGE_FACTOR * drag.value * blockage;
@@ -83,7 +86,7 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     );
     results.insert("blockage_ratio", Quantity::new(blockage, "1"));
     let ratio = mean("projected_diameter_ratio");
-    results.insert("projected_diameter_ratio", noted(quantity(ratio, "1")));
+    results.insert("projected_diameter_ratio", quantity(ratio, "1"));
     let ratios = record.column("projected_diameter_ratio");
     let times = record.column("time_s");
     let released = times.iter().position(|&t| t >= 0.0).unwrap_or(0);
@@ -114,29 +117,35 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     results.insert(
         "fill_time_s",
         match filled {
-            Some(i) => noted(Quantity::new(times[i], "s")),
+            Some(i) => Quantity::new(times[i], "s"),
             None => Quantity::missing("s", "the projected diameter never reached its mean"),
         },
     );
-    results.insert("height_m", noted(quantity(mean("height_m"), "m")));
+    results.insert("height_m", quantity(mean("height_m"), "m"));
     results.insert(
         "line_tension_mean_n",
-        noted(quantity(mean("line_tension_mean_n"), "N")),
+        quantity(mean("line_tension_mean_n"), "N"),
     );
     largest(results, record, released, "line_tension_max_n", "N");
     largest(results, record, released, "stress_max_pa", "Pa");
     let force =
         0.5 * air.units.density_kg_m3 * air.reference_speed_m_s.powi(2) * canopy.nominal_area_m2;
-    results.insert("drag_n", noted(Quantity::new(drag.value * force, "N")));
+    results.insert("drag_n", Quantity::new(drag.value * force, "N"));
     let peak = column_max(record, "drag_coefficient", released);
     results.insert(
         "opening_force_factor",
-        noted(Quantity::new(peak.1 / drag.value, "1")),
+        Quantity::new(peak.1 / drag.value, "1"),
     );
-    insert_balances(results, record, &window, released);
+    insert_balances(results, record, &window, released, drag.value);
 }
 
-fn insert_balances(results: &mut Results, record: &Record, window: &Window, released: usize) {
+fn insert_balances(
+    results: &mut Results,
+    record: &Record,
+    window: &Window,
+    released: usize,
+    drag_coefficient: f64,
+) {
     let times = record.column("time_s");
     let (first, last) = (window.first, window.end - 1);
     let span = times[last] - times[first];
@@ -180,6 +189,8 @@ fn insert_balances(results: &mut Results, record: &Record, window: &Window, rele
     });
     let imbalance = if spread.is_nan() {
         Quantity::missing("1", "the fabric left the momentum box, or is held directly")
+    } else if drag_coefficient.abs() < NO_DRAG {
+        Quantity::missing("1", "there is no drag to compare with")
     } else {
         Quantity::new(spread / markers.abs(), "1")
             .with_note("largest difference of the three routes over the drag")
@@ -257,7 +268,12 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
             "N",
             exact.map(|c| c.horizontal_tension_n),
         );
-        let end = tensions.iter().copied().fold(0.0, f64::max);
+        // A segment's tension belongs to its middle; the support also carries the half segment next to it.
+        let (first, tension) = (structure.cables[0], tensions[0]);
+        let [a, b] = first.map(|n| structure.positions_m[n as usize]);
+        let pull = (b - a).normalize_or_zero() * tension;
+        let half_weight = 0.5 * weight_n_m * length_m / tensions.len() as f64;
+        let end = (pull - DVec3::Z * half_weight).length();
         insert("end_tension_n", end, "N", exact.map(|c| c.end_tension_n));
         return;
     }

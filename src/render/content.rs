@@ -87,12 +87,37 @@ pub(super) fn fabric(
     (!structure.triangles.is_empty()).then(|| Surface {
         vertices_m: structure.positions_m.clone(),
         triangles: structure.triangles.clone(),
-        values: tensions(structure).collect(),
+        values: smoothed(&tensions(structure).collect::<Vec<_>>(), structure),
         range,
         scale: TENSION_SCALE,
         mesh_edges: mesh_edges.then(|| style(0.6, 0.22)),
         boundary: Some(style(1.4, 0.9)),
     })
+}
+
+/// Values of triangles as means over their nodes' means: linear triangles alternate around the true tension, which hides its
+/// course in a picture (the files keep the triangles' own values). Values that are not finite stay out.
+fn smoothed(values: &[f64], structure: &StructureFrame) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); structure.positions_m.len()];
+    for (nodes, value) in structure.triangles.iter().zip(values) {
+        for &node in nodes {
+            if let Some(sum) = sums.get_mut(node as usize)
+                && value.is_finite()
+            {
+                sum.0 += value;
+                sum.1 += 1.0;
+            }
+        }
+    }
+    let mean = |node: &u32| {
+        sums.get(*node as usize)
+            .map_or(f64::NAN, |(sum, count)| sum / count)
+    };
+    structure
+        .triangles
+        .iter()
+        .map(|nodes| nodes.iter().map(mean).sum::<f64>() / 3.0)
+        .collect()
 }
 
 /// The cables, joined into lines where one segment starts at the end of the one before.

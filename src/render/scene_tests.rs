@@ -70,7 +70,8 @@ fn everything_is_shown() {
         ..PictureOptions::default()
     };
     let picture = picture_of(&frame(Some(fluid()), Some(structure())), &options);
-    assert_eq!(picture.surfaces[0].values, [4.0, 8.0]);
+    // Nodes 0 and 2 belong to both triangles and carry the mean 6; 1 and 3 carry 4 and 8.
+    assert_eq!(picture.surfaces[0].values, [16.0 / 3.0, 20.0 / 3.0]);
     assert_eq!(picture.surfaces[0].range, [0.0, 8.0]);
     assert_eq!(
         picture.polylines.len(),

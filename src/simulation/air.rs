@@ -113,8 +113,8 @@ fn initial_state(air: &Air) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
             let speed = speed_m_s / units.speed_m_s();
             let k = std::f64::consts::TAU / side_cells;
             let [x, y] = [k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5)];
-            // p = −(ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.
-            let excess = -0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
+            // p = (ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.
+            let excess = 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
             (
                 excess,
                 [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],

@@ -286,6 +286,10 @@ impl Simulation {
             return Ok(());
         };
         if let Err(left) = coupled.interpolate(air, cloth) {
+            self.watch()?;
+            let Some(coupled) = &self.coupled else {
+                return Ok(());
+            };
             let place = coupled.units().position_m(left.position);
             let what = format!(
                 "a marker of the fabric left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
@@ -346,6 +350,8 @@ impl Simulation {
         }
         count(&mut self.cost, &outcome);
         if outcome.stop == Stop::NotFinite {
+            // The fabric often only feels what the air has become.
+            self.watch()?;
             let node = self
                 .cloth
                 .as_ref()

@@ -19,21 +19,12 @@ pub mod collide_stream;
 pub mod control_volume;
 mod macroscopic;
 
+pub use crate::lattice::Operator;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, equilibrium, operators};
 use boundaries::Boundaries;
 pub use boundaries::{Sides, StreamwiseEnds};
 pub use collide_stream::{BodyForce, ForcedCells};
 pub use macroscopic::Breakdown;
-
-/// Collision operator of the air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Operator {
-    /// [`operators::two_relaxation_times`]: verification and low Reynolds numbers.
-    TwoRelaxationTimes,
-    /// [`operators::recursive_regularised`]: high Reynolds numbers.
-    RecursiveRegularised,
-}
 
 /// All that defines the air, in lattice units.
 #[derive(Debug, Clone)]

@@ -38,22 +38,38 @@ impl Immersed {
         &self.marker_forces
     }
 
-    /// Root mean square over markers, weighted by area, of the slip left after the half force: |u* + F/2 − v| [cells per step].
+    /// Slip left after the half force at every marker, |u* + F/2 − v| [cells per step], `[marker_count]`.
     #[must_use]
-    pub fn slip(&self, velocities: &[[f64; 3]]) -> f64 {
+    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Vec<f64> {
         let forced: Vec<[f64; 3]> = self
             .cell_velocities
             .iter()
             .zip(&self.cell_forces)
             .map(|(u, f)| std::array::from_fn(|a| u[a] + 0.5 * f[a]))
             .collect();
-        let (mut sum, mut area) = (0.0, 0.0);
-        for k in 0..self.areas.len() {
-            let u = self.touched.interpolate(k, &forced);
-            let square: f64 = (0..3).map(|a| (u[a] - velocities[k][a]).powi(2)).sum();
-            sum += self.areas[k][0] * square;
-            area += self.areas[k][0];
-        }
-        (sum / area).sqrt()
+        velocities
+            .iter()
+            .enumerate()
+            .map(|(k, velocity)| {
+                let u = self.touched.interpolate(k, &forced);
+                (0..3)
+                    .map(|a| (u[a] - velocity[a]).powi(2))
+                    .sum::<f64>()
+                    .sqrt()
+            })
+            .collect()
+    }
+
+    /// Root mean square of [`Immersed::marker_slips`], weighted by area [cells per step].
+    #[must_use]
+    pub fn slip(&self, velocities: &[[f64; 3]]) -> f64 {
+        let slips = self.marker_slips(velocities);
+        let square: f64 = slips
+            .iter()
+            .zip(&self.areas)
+            .map(|(slip, [area])| area * slip * slip)
+            .sum();
+        let area: f64 = self.areas.iter().map(|[area]| area).sum();
+        (square / area).sqrt()
     }
 }

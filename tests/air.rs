@@ -1,0 +1,357 @@
+//! The air alone: exact solutions, convergence, conservation, symmetry, stability.
+
+use libtest_mimic::Trial;
+use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells, Operator, Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::Real;
+
+use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        on_every_engine("air::taylor_green_decay", Decay),
+        on_every_engine("air::conservation", Conservation),
+        on_every_engine("air::forced_cells_add_their_force", Forced),
+        on_every_engine("air::free_slip_is_a_mirror", Mirror),
+        on_every_engine("air::uniform_wind_passes_unchanged", Wind),
+        on_every_engine("air::shear_layer_at_reynolds_2e6", ShearLayer),
+        plain("air::taylor_green_order", order),
+        plain("air::same_bits_on_any_number_of_threads", threads),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setup {
+    Setup {
+        cells,
+        ends: StreamwiseEnds::Periodic,
+        sides: Sides::Periodic,
+        relaxation_time,
+        sponge_cells: None,
+        operator,
+        smagorinsky_constant: None,
+    }
+}
+
+/// Taylor–Green vortices of amplitude `speed` at time zero.
+fn taylor_green(n: usize, speed: f64) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
+    let k = std::f64::consts::TAU / n as f64;
+    move |[x, y, _]| {
+        let (x, y) = (k * (x as f64 + 0.5), k * (y as f64 + 0.5));
+        let excess = 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
+        (
+            excess,
+            [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
+        )
+    }
+}
+
+fn advance<T: Real>(fluid: &mut Fluid<T>, steps: usize) {
+    for _ in 0..steps {
+        fluid.collide_stream(&BodyForce::default());
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Decay;
+
+impl Body for Decay {
+    /// Both operators must decay vortices at 2 ν k²; the energy at twice that.
+    fn run<T: Real>(self, _: Engine) {
+        let n = 32;
+        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+            let tau = 0.6;
+            let mut fluid =
+                Fluid::<T>::new(periodic([n, n, 4], tau, operator), taylor_green(n, 0.02));
+            advance(&mut fluid, 50);
+            let (_, before) = fluid.mass_and_energy();
+            let steps = 200;
+            advance(&mut fluid, steps);
+            let (_, after) = fluid.mass_and_energy();
+            let rate = (before / after).ln() / steps as f64;
+            let k = std::f64::consts::TAU / n as f64;
+            let exact = 4.0 * (tau - 0.5) / 3.0 * k * k;
+            assert!(
+                (rate / exact - 1.0).abs() < tolerances::DECAY_RATE,
+                "{operator:?}: {rate} against {exact}"
+            );
+        }
+    }
+}
+
+/// Order of convergence of the velocity under diffusive scaling (Mach number falls with the cell size).
+fn order() {
+    for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+        let error = |n: usize| {
+            let speed = 0.64 / n as f64;
+            let tau = 0.65;
+            let mut fluid =
+                Fluid::<f64>::new(periodic([n, n, 4], tau, operator), taylor_green(n, speed));
+            let steps = n * n / 8;
+            advance(&mut fluid, steps);
+            let k = std::f64::consts::TAU / n as f64;
+            let decay = (-2.0 * (tau - 0.5) / 3.0 * k * k * steps as f64).exp();
+            let exact = taylor_green(n, speed * decay);
+            let mut square = 0.0;
+            for y in 0..n {
+                for x in 0..n {
+                    let (_, u) = fluid.bare_state([x, y, 0]);
+                    let (_, e) = exact([x, y, 0]);
+                    square += (u[0] - e[0]).powi(2) + (u[1] - e[1]).powi(2);
+                }
+            }
+            (square / (n * n) as f64).sqrt() / speed
+        };
+        let errors = [16, 32, 64].map(error);
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!(
+                order >= tolerances::CONVERGENCE_ORDER,
+                "{operator:?}: order {order:.2}, errors {errors:?}"
+            );
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Conservation;
+
+impl Body for Conservation {
+    fn run<T: Real>(self, engine: Engine) {
+        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+            let mut setup = periodic([12, 10, 7], 0.51, operator);
+            setup.smagorinsky_constant = Some(0.15);
+            let initial = |[x, y, z]: [usize; 3]| {
+                let phase = (3 * x + 5 * y + 7 * z) as f64;
+                (
+                    0.01 * phase.sin(),
+                    [
+                        0.05 * phase.cos(),
+                        0.03 * (2.0 * phase).sin(),
+                        -0.04 * (0.5 * phase).cos(),
+                    ],
+                )
+            };
+            let mut fluid = Fluid::<T>::new(setup, initial);
+            let total = |fluid: &Fluid<T>| {
+                let mut sum = [0.0; 4];
+                for z in 0..7 {
+                    for y in 0..10 {
+                        for x in 0..12 {
+                            let (excess, u) = fluid.bare_state([x, y, z]);
+                            sum[0] += excess;
+                            for a in 0..3 {
+                                sum[a + 1] += (1.0 + excess) * u[a];
+                            }
+                        }
+                    }
+                }
+                sum
+            };
+            let before = total(&fluid);
+            advance(&mut fluid, 300);
+            let after = total(&fluid);
+            for a in 0..4 {
+                let drift = (after[a] - before[a]).abs() / 840.0;
+                assert!(
+                    drift < tolerances::conservation(engine),
+                    "{operator:?}, moment {a}: {drift:e}"
+                );
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Forced;
+
+impl Body for Forced {
+    /// A force on two cells, one in a middle row, must add exactly its momentum per step and nothing else.
+    fn run<T: Real>(self, engine: Engine) {
+        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+            let mut fluid = Fluid::<T>::new(periodic([11, 6, 9], 0.55, operator), |_| {
+                (0.0, [0.03, 0.0, 0.01])
+            });
+            let force = [[1e-3, -2e-3, 3e-3], [0.0, 1e-3, 0.0], [-2e-3, 0.0, 0.0]];
+            let rows = [(3 + 2 * 6, 0, 2), (5 + 7 * 6, 2, 3)];
+            let x = [4, 10, 0];
+            let cells = ForcedCells {
+                rows: &rows,
+                x: &x,
+                force: &force,
+            };
+            let steps = 40;
+            for _ in 0..steps {
+                fluid.collide_stream(&BodyForce {
+                    acceleration: None,
+                    cells,
+                });
+            }
+            let mut momentum = [0.0; 3];
+            for z in 0..9 {
+                for y in 0..6 {
+                    for x in 0..11 {
+                        let (excess, u) = fluid.bare_state([x, y, z]);
+                        for a in 0..3 {
+                            momentum[a] += (1.0 + excess) * u[a];
+                        }
+                    }
+                }
+            }
+            let volume = (11 * 6 * 9) as f64;
+            for a in 0..3 {
+                let added: f64 = force.iter().map(|f| f[a]).sum::<f64>() * f64::from(steps);
+                let expected = [0.03, 0.0, 0.01][a] * volume + added;
+                let error = (momentum[a] - expected).abs() / volume;
+                assert!(
+                    error < tolerances::conservation(engine),
+                    "{operator:?}: {error:e}"
+                );
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Mirror;
+
+impl Body for Mirror {
+    /// y = 0 and y = π are symmetry planes of Taylor–Green vortices: half the box between frictionless walls must compute the
+    /// same flow as the whole periodic box.
+    fn run<T: Real>(self, engine: Engine) {
+        let n = 16;
+        let setup = periodic([n, n, 4], 0.52, Operator::RecursiveRegularised);
+        let mut whole = Fluid::<T>::new(setup.clone(), taylor_green(n, 0.05));
+        let mut half = Fluid::<T>::new(
+            Setup {
+                cells: [n, n / 2, 4],
+                sides: Sides::FreeSlip,
+                ..setup
+            },
+            taylor_green(n, 0.05),
+        );
+        advance(&mut whole, 200);
+        advance(&mut half, 200);
+        for y in 0..n / 2 {
+            for x in 0..n {
+                let (a, u) = whole.bare_state([x, y, 1]);
+                let (b, v) = half.bare_state([x, y, 2]);
+                let difference = (0..3)
+                    .map(|k| (u[k] - v[k]).abs())
+                    .fold((a - b).abs(), f64::max);
+                assert!(
+                    difference < tolerances::same_flow(engine),
+                    "{x} {y}: {difference:e}"
+                );
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Wind;
+
+impl Body for Wind {
+    /// Uniform wind is an exact solution between inlet, outlet, sponge and frictionless walls.
+    fn run<T: Real>(self, engine: Engine) {
+        let setup = Setup {
+            cells: [20, 8, 6],
+            ends: StreamwiseEnds::InletOutlet,
+            sides: Sides::FreeSlip,
+            relaxation_time: 0.500_003,
+            sponge_cells: Some(6.0),
+            operator: Operator::RecursiveRegularised,
+            smagorinsky_constant: Some(0.15),
+        };
+        let wind = [0.08, 0.0, 0.0];
+        let mut fluid = Fluid::<T>::new(setup, |_| (0.0, wind));
+        fluid.set_inlet_velocity(wind);
+        advance(&mut fluid, 500);
+        for z in 0..6 {
+            for y in 0..8 {
+                for x in 0..20 {
+                    let (excess, u) = fluid.bare_state([x, y, z]);
+                    let worst = (0..3)
+                        .map(|a| (u[a] - wind[a]).abs())
+                        .fold(excess.abs(), f64::max);
+                    assert!(
+                        worst < tolerances::same_flow(engine),
+                        "{x} {y} {z}: {worst:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct ShearLayer;
+
+impl Body for ShearLayer {
+    /// A thin double shear layer at τ − ½ = 1e-6 (Reynolds 1e7 on the box): finite, and the energy never rises (F2).
+    fn run<T: Real>(self, _: Engine) {
+        let n = 64;
+        let speed = 0.05;
+        let mut setup = periodic([n, n, 4], 0.5 + 1e-6, Operator::RecursiveRegularised);
+        setup.smagorinsky_constant = Some(0.15);
+        let initial = move |[x, y, _]: [usize; 3]| {
+            let (x, y) = ((x as f64 + 0.5) / n as f64, (y as f64 + 0.5) / n as f64);
+            let along = if y <= 0.5 {
+                (80.0 * (y - 0.25)).tanh()
+            } else {
+                (80.0 * (0.75 - y)).tanh()
+            };
+            let across = 0.05 * (std::f64::consts::TAU * (x + 0.25)).sin();
+            (0.0, [speed * along, speed * across, 0.0])
+        };
+        let mut fluid = Fluid::<T>::new(setup, initial);
+        let (_, mut energy) = fluid.mass_and_energy();
+        let first = energy;
+        for _ in 0..20 {
+            advance(&mut fluid, 200);
+            assert_eq!(fluid.breakdown(0.3), None);
+            let (_, now) = fluid.mass_and_energy();
+            // Sound from the unbalanced start moves up to a thousandth between kinetic and pressure energy.
+            assert!(
+                now < energy + 1e-3 * first,
+                "energy rises from {energy} to {now}"
+            );
+            energy = now;
+        }
+        assert!(
+            energy > 0.3 * first,
+            "the layer must roll up, not vanish: {energy} of {first}"
+        );
+    }
+}
+
+fn threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut fluid = Fluid::<f32>::new(
+                periodic([20, 12, 13], 0.5001, Operator::RecursiveRegularised),
+                |[x, y, z]| (0.0, [0.05 * ((x + 2 * y + 3 * z) as f64).sin(), 0.02, 0.0]),
+            );
+            advance(&mut fluid, 30);
+            let mut bits = Vec::new();
+            for (excess, u) in fluid.macroscopic() {
+                bits.extend([
+                    excess.to_bits(),
+                    u[0].to_bits(),
+                    u[1].to_bits(),
+                    u[2].to_bits(),
+                ]);
+            }
+            bits
+        })
+    };
+    let one = run(1);
+    assert!(one == run(2));
+    assert!(one == run(3));
+}

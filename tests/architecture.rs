@@ -1,0 +1,118 @@
+//! Rules between the rooms of the house, checked on the source text (see the crate's documentation).
+
+use std::path::{Path, PathBuf};
+
+use libtest_mimic::Trial;
+
+use crate::command_line::root;
+use crate::engines::plain;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("architecture::imports_follow_the_arrows", imports),
+        plain("architecture::files_fit_a_room", file_sizes),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Rooms of the library that `room` may use.
+const ALLOWED: [(&str, &[&str]); 14] = [
+    ("lattice", &["lattice"]),
+    ("solve", &["solve"]),
+    ("lines", &["lines"]),
+    ("immersed", &["immersed"]),
+    ("fabric", &["fabric", "frame"]),
+    ("frame.rs", &[]),
+    ("units.rs", &[]),
+    ("output", &["output", "frame"]),
+    ("render", &["render", "frame"]),
+    ("cloth", &["cloth", "fabric", "frame", "lines"]),
+    (
+        "geometry",
+        &["geometry", "cloth", "fabric", "frame", "lines"],
+    ),
+    (
+        "cpu",
+        &[
+            "cpu", "cloth", "fabric", "frame", "immersed", "lattice", "lines", "solve",
+        ],
+    ),
+    (
+        "case",
+        &[
+            "case", "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "units",
+        ],
+    ),
+    ("plan", &["plan", "case", "cpu", "immersed", "simulation"]),
+];
+
+fn imports() {
+    let source = root().join("src");
+    let mut files = Vec::new();
+    sources(&source, &mut files);
+    assert!(files.len() > 50);
+    for file in files {
+        let relative = file
+            .strip_prefix(&source)
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
+        let room = relative.split('/').next().unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        // Tests inside a file may look anywhere.
+        let code = text.split("#[cfg(test)]").next().unwrap();
+        assert!(
+            !code.contains("wgpu::") || room == "gpu",
+            "{relative} sees wgpu"
+        );
+        let Some((_, allowed)) = ALLOWED.iter().find(|(name, _)| *name == room) else {
+            continue;
+        };
+        for line in code
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"))
+        {
+            for used in line
+                .match_indices("crate::")
+                .map(|(at, found)| &line[at + found.len()..])
+            {
+                let target: String = used
+                    .chars()
+                    .take_while(|c| c.is_alphanumeric() || *c == '_')
+                    .collect();
+                // `use crate::{a, b}` is not written in this crate.
+                assert!(!target.is_empty(), "{relative}: name the room in `{line}`");
+                assert!(
+                    allowed.contains(&target.as_str()),
+                    "{relative} must not use crate::{target}"
+                );
+            }
+        }
+    }
+}
+
+fn file_sizes() {
+    let mut files = Vec::new();
+    sources(&root().join("src"), &mut files);
+    for file in files {
+        let lines = std::fs::read_to_string(&file).unwrap().lines().count();
+        assert!(
+            lines <= 600,
+            "{} has {lines} lines: split it",
+            file.display()
+        );
+    }
+}

@@ -1,0 +1,96 @@
+//! Every shipped case runs, shortened where it has a quick variant, and delivers all its files.
+
+use libtest_mimic::Trial;
+use ripstop::case::SHIPPED;
+
+use crate::command_line::{ripstop, root};
+use crate::engines::plain;
+
+/// Largest relative error of a result that has a reference, in the shipped cases.
+const REFERENCE_ERROR: f64 = 0.01;
+
+pub fn trials() -> Vec<Trial> {
+    let mut files: Vec<String> = std::fs::read_dir(root().join("cases"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    let mut shipped: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
+    shipped.sort_unstable();
+    assert_eq!(
+        files, shipped,
+        "cases/ and the embedded cases must be the same"
+    );
+    files
+        .into_iter()
+        .flat_map(|name| plain(&format!("case::{name}"), move || case(&name)))
+        .collect()
+}
+
+fn case(name: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let file = format!("cases/{name}.toml");
+    let text = std::fs::read_to_string(root().join(&file)).unwrap();
+    let mut arguments = vec!["run", file.as_str(), "--out", out.to_str().unwrap()];
+    if text.contains("[variants.quick") {
+        arguments.extend(["--variant", "quick"]);
+    }
+    let output = ripstop(&arguments);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    let read = |file: &str| std::fs::read(out.join(file)).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&read("summary.json")).unwrap();
+    assert_eq!(summary["schema_version"], 1);
+    let results = summary["results"].as_object().unwrap();
+    assert!(!results.is_empty());
+    for (key, result) in results {
+        assert!(result["unit"].is_string(), "{key}");
+        assert!(
+            result["value"].is_number() || result["note"].is_string(),
+            "{key} has neither value nor reason: {result}"
+        );
+        if let Some(error) = result.get("error").and_then(serde_json::Value::as_f64) {
+            assert!(error.abs() < REFERENCE_ERROR, "{key}: {result}");
+        }
+    }
+    assert!(read("snapshot_000.png").starts_with(b"\x89PNG\r\n\x1a\n"));
+    let history = String::from_utf8(read("history.csv")).unwrap();
+    assert!(history.starts_with("time_s,"), "{history}");
+    if text.contains("[structure") {
+        assert!(
+            read("canopy_00000.vtp")
+                .trim_ascii_end()
+                .ends_with(b"</VTKFile>")
+        );
+        assert!(
+            String::from_utf8(read("canopy.pvd"))
+                .unwrap()
+                .contains("canopy_00000.vtp")
+        );
+    }
+    if text.contains("[air]") {
+        assert!(
+            read("flow_00000.vti")
+                .trim_ascii_end()
+                .ends_with(b"</VTKFile>")
+        );
+    }
+    if name == "flat-circular-tunnel" {
+        for key in [
+            "drag_coefficient",
+            "projected_diameter_ratio",
+            "height_m",
+            "line_tension_mean_n",
+            "line_tension_max_n",
+            "stress_max_pa",
+            "force_imbalance",
+            "slip_mean",
+            "mass_drift",
+            "fill_time_s",
+        ] {
+            assert!(results[key]["value"].is_number(), "{key}: {}", results[key]);
+        }
+    }
+}

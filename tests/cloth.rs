@@ -1,0 +1,449 @@
+//! Fabric and cables alone: exact equilibria, gradients, patch tests, implicit Euler's own dissipation, hostile starts.
+
+use glam::{DVec2, DVec3};
+use libtest_mimic::Trial;
+use ripstop::cloth::{Guide, Structure, Triangle};
+use ripstop::cpu::cloth::nodal_forces::{add_elastic_gradient, cable_tension_n};
+use ripstop::cpu::cloth::{Cloth, SolverSettings, StepInput};
+use ripstop::fabric::Fabric;
+use ripstop::fabric::membrane::Membrane;
+use ripstop::geometry::cable;
+use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
+use ripstop::lines::Cable;
+use ripstop::measure::catenary;
+use ripstop::solve::lbfgs::Stop;
+
+use crate::engines::plain;
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("cloth::gradient_is_that_of_the_energy", gradient),
+        plain("cloth::rigid_motion_costs_nothing", rigid_motion),
+        plain("cloth::patch_test", patch_test),
+        plain("cloth::catenary", hanging_cable),
+        plain("cloth::free_fall", free_fall),
+        plain("cloth::backward_euler_damping", backward_euler_damping),
+        plain("cloth::hanging_sheet_carries_its_weight", hanging_sheet),
+        plain(
+            "cloth::network_and_membrane_agree_in_small_stretch",
+            network_and_membrane,
+        ),
+        plain("cloth::hostile_starts", hostile_starts),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+const SETTINGS: SolverSettings = SolverSettings {
+    tolerance: 1e-10,
+    displacement_floor_m: 0.0,
+    evaluation_limit: 200_000,
+    history: 8,
+    refresh_every: Some(1),
+};
+
+fn fabric(residual_stiffness: f64) -> Fabric {
+    Fabric {
+        thickness_m: 1e-4,
+        density_kg_m3: 500.0,
+        warp_modulus_pa: 4e7,
+        weft_modulus_pa: 2e7,
+        poisson_ratio: 0.2,
+        shear_modulus_pa: 3e6,
+        residual_stiffness,
+    }
+}
+
+fn square(divisions: usize, model: FabricModel, fabric: &Fabric) -> Structure {
+    let shape = SheetShape {
+        size_m: [1.0, 1.0],
+        divisions: [divisions, divisions],
+        corner_m: DVec3::ZERO,
+        across: DVec3::X,
+        down: -DVec3::Z,
+    };
+    sheet::build(&shape, fabric, model).unwrap()
+}
+
+/// Deterministic numbers in −1 … 1.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+fn gradient() {
+    for (model, g) in [
+        (FabricModel::Membrane, 3e6),
+        (FabricModel::Membrane, 1.2e7),
+        (FabricModel::Network, 3e6),
+    ] {
+        let fabric = Fabric {
+            shear_modulus_pa: g,
+            ..fabric(1e-2)
+        };
+        let mut structure = square(4, model, &fabric);
+        let rope = Cable {
+            area_m2: 1e-6,
+            density_kg_m3: 1000.0,
+            youngs_modulus_pa: 1e9,
+        };
+        structure.add_cable(
+            &[0, 6, 12],
+            &[0.3, 0.35],
+            &rope,
+            ripstop::frame::CableKind::Belt,
+        );
+        structure.guides.push(Guide {
+            node: 3,
+            anchor_m: DVec3::ZERO,
+            stiffness_n_m: DVec3::new(1.0, 20.0, 3.0),
+        });
+        let mut random = noise(7);
+        let positions: Vec<DVec3> = structure
+            .positions_m
+            .iter()
+            .map(|p| *p + DVec3::new(random(), random(), random()) * 0.05)
+            .collect();
+        let energy = |positions: &[DVec3]| {
+            let mut unused = vec![DVec3::ZERO; positions.len()];
+            add_elastic_gradient(&structure, positions, &mut unused)
+        };
+        let mut gradient = vec![DVec3::ZERO; positions.len()];
+        add_elastic_gradient(&structure, &positions, &mut gradient);
+        let scale = gradient.iter().map(|g| g.length()).fold(0.0, f64::max);
+        for node in 0..positions.len() {
+            for axis in 0..3 {
+                let step = 1e-6;
+                let mut moved = positions.clone();
+                moved[node][axis] += step;
+                let up = energy(&moved);
+                moved[node][axis] -= 2.0 * step;
+                let difference = (up - energy(&moved)) / (2.0 * step);
+                let error = (difference - gradient[node][axis]).abs() / scale;
+                assert!(
+                    error < tolerances::GRADIENT * 100.0,
+                    "{model:?} node {node}: {error:e}"
+                );
+            }
+        }
+    }
+}
+
+fn rigid_motion() {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let structure = square(6, model, &fabric(1e-3));
+        let rotation = glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.1);
+        let moved: Vec<DVec3> = structure
+            .positions_m
+            .iter()
+            .map(|p| rotation * *p + DVec3::new(3.0, -2.0, 5.0))
+            .collect();
+        let mut gradient = vec![DVec3::ZERO; moved.len()];
+        let energy = add_elastic_gradient(&structure, &moved, &mut gradient);
+        // Stiffness of 4e3 N/m on round-off of 1e-15 m of a metre.
+        assert!(energy < 1e-20, "{energy:e}");
+        assert!(gradient.iter().all(|g| g.length() < 1e-9));
+    }
+}
+
+/// Jittered triangles under an affine boundary displacement: the interior must settle on the affine field and all
+/// triangles carry the same tension (C1), for an orthotropic fabric with an independent shear modulus.
+fn patch_test() {
+    let n = 6;
+    let mut random = noise(3);
+    let law = Membrane::new(fabric(0.0).stiffness_n_m(), 0.0);
+    let flat: Vec<DVec2> = (0..=n)
+        .flat_map(|j| (0..=n).map(move |i| (i, j)))
+        .map(|(i, j)| {
+            let inside = i > 0 && j > 0 && i < n && j < n;
+            let jitter = if inside {
+                DVec2::new(random(), random()) * 0.05
+            } else {
+                DVec2::ZERO
+            };
+            DVec2::new(i as f64, j as f64) / n as f64 + jitter
+        })
+        .collect();
+    let affine = |p: DVec2| {
+        DVec3::new(
+            1.04 * p.x + 0.01 * p.y,
+            0.02 * p.x + 1.03 * p.y,
+            0.3 * p.x - 0.1 * p.y,
+        )
+    };
+    let mut structure = Structure {
+        masses_kg: vec![1.0; flat.len()],
+        membrane: Some(law),
+        thickness_m: 1e-4,
+        ..Structure::default()
+    };
+    for j in 0..=n {
+        for i in 0..=n {
+            let border = i == 0 || j == 0 || i == n || j == n;
+            let p = affine(flat[j * (n + 1) + i]);
+            structure.held.push(border);
+            structure.positions_m.push(if border {
+                p
+            } else {
+                p + DVec3::new(random(), random(), random()) * 0.01
+            });
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let id = |i: usize, j: usize| (j * (n + 1) + i) as u32;
+            for nodes in [
+                [id(i, j), id(i + 1, j), id(i + 1, j + 1)],
+                [id(i, j), id(i + 1, j + 1), id(i, j + 1)],
+            ] {
+                structure
+                    .triangles
+                    .push(Triangle::new(nodes, nodes.map(|k| flat[k as usize])).unwrap());
+            }
+        }
+    }
+    let mut cloth = Cloth::new(structure);
+    // No load: the reference norm is zero, so the displacement floor decides.
+    let settings = SolverSettings {
+        displacement_floor_m: 1e-12,
+        ..SETTINGS
+    };
+    let outcome = cloth.solve_cloth(&StepInput::default(), &settings);
+    assert_eq!(outcome.stop, Stop::Converged);
+    for (p, x) in flat.iter().zip(&cloth.positions_m) {
+        let error = x.distance(affine(*p));
+        assert!(error < tolerances::PATCH, "{error:e}");
+    }
+}
+
+fn hanging_cable() {
+    let rope = Cable {
+        area_m2: 1e-4,
+        density_kg_m3: 1000.0,
+        youngs_modulus_pa: 1e8,
+    };
+    let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
+    let mut cloth = Cloth::new(cable::build(ends, 1.2, 100, &rope));
+    let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
+    let settings = SolverSettings {
+        tolerance: 1e-7,
+        ..SETTINGS
+    };
+    let outcome = cloth.solve_cloth(
+        &StepInput {
+            gravity_m_s2,
+            ..StepInput::default()
+        },
+        &settings,
+    );
+    assert_eq!(outcome.stop, Stop::Converged);
+    let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
+    let lowest = cloth
+        .positions_m
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::INFINITY, f64::min);
+    assert!(((1.0 - lowest) / exact.sag_m - 1.0).abs() < tolerances::CATENARY);
+    let tension = |k: usize| cable_tension_n(&cloth.structure.cables[k], &cloth.positions_m);
+    // The two middle segments are nearly level.
+    let [a, b] = cloth.structure.cables[50]
+        .nodes
+        .map(|n| cloth.positions_m[n as usize]);
+    let horizontal = tension(50) * (b - a).normalize().x;
+    assert!((horizontal / exact.horizontal_tension_n - 1.0).abs() < tolerances::CATENARY);
+    let [a, b] = cloth.structure.cables[0]
+        .nodes
+        .map(|n| cloth.positions_m[n as usize]);
+    let pull = (b - a).normalize() * tension(0) - DVec3::Z * (0.5 * 0.1 * 9.81 * 0.012);
+    assert!((pull.length() / exact.end_tension_n - 1.0).abs() < tolerances::CATENARY);
+}
+
+/// Implicit Euler falls exactly g t (t + dt)/2, whatever the elements do.
+fn free_fall() {
+    let mut cloth = Cloth::new(square(3, FabricModel::Membrane, &fabric(1e-3)));
+    let start = cloth.positions_m.clone();
+    let dt = 0.01;
+    let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
+    let input = StepInput {
+        time_step_s: Some(dt),
+        gravity_m_s2,
+        ..StepInput::default()
+    };
+    for _ in 0..20 {
+        cloth.solve_cloth(&input, &SETTINGS);
+    }
+    let t = 20.0 * dt;
+    for (x, x0) in cloth.positions_m.iter().zip(&start) {
+        let expected = *x0 + gravity_m_s2 * (0.5 * t * (t + dt));
+        assert!(x.distance(expected) < 1e-9, "{}", x.distance(expected));
+    }
+}
+
+/// A mass on a spring loses the factor 1/√(1 + ω² dt²) of its amplitude per step of backward Euler (C8).
+fn backward_euler_damping() {
+    let structure = Structure {
+        positions_m: vec![DVec3::X * 0.1],
+        masses_kg: vec![2.0],
+        held: vec![false],
+        guides: vec![Guide {
+            node: 0,
+            anchor_m: DVec3::ZERO,
+            stiffness_n_m: DVec3::splat(50.0),
+        }],
+        ..Structure::default()
+    };
+    let mut cloth = Cloth::new(structure);
+    let dt: f64 = 0.02;
+    let omega = (50.0_f64 / 2.0).sqrt();
+    let amplitude = |cloth: &Cloth| {
+        cloth.positions_m[0]
+            .x
+            .hypot(cloth.velocities_m_s[0].x / omega)
+    };
+    let input = StepInput {
+        time_step_s: Some(dt),
+        ..StepInput::default()
+    };
+    let settings = SolverSettings {
+        displacement_floor_m: 1e-15,
+        ..SETTINGS
+    };
+    let before = amplitude(&cloth);
+    for _ in 0..100 {
+        cloth.solve_cloth(&input, &settings);
+    }
+    let expected = (1.0 + (omega * dt).powi(2)).powf(-50.0);
+    assert!((amplitude(&cloth) / before / expected - 1.0).abs() < 1e-6);
+}
+
+fn hanging_sheet() {
+    let soft = Fabric {
+        warp_modulus_pa: 5e6,
+        weft_modulus_pa: 5e6,
+        ..fabric(1e-3)
+    };
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let soft = Fabric {
+            shear_modulus_pa: 2e6,
+            ..soft
+        };
+        let mut structure = square(8, model, &soft);
+        structure.held[0] = true;
+        structure.held[8] = true;
+        for (i, p) in structure.positions_m.iter_mut().enumerate() {
+            p.y += 0.01 * (i as f64 * 0.7).sin();
+        }
+        let weight: f64 = structure.masses_kg.iter().sum::<f64>() * 9.81;
+        let mut cloth = Cloth::new(structure);
+        let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
+        let settings = SolverSettings {
+            tolerance: 1e-6,
+            ..SETTINGS
+        };
+        let outcome = cloth.solve_cloth(
+            &StepInput {
+                gravity_m_s2,
+                ..StepInput::default()
+            },
+            &settings,
+        );
+        assert_eq!(outcome.stop, Stop::Converged, "{model:?} {outcome:?}");
+        let mut gradient = vec![DVec3::ZERO; cloth.positions_m.len()];
+        add_elastic_gradient(&cloth.structure, &cloth.positions_m, &mut gradient);
+        let held_weight = (cloth.structure.masses_kg[0] + cloth.structure.masses_kg[8]) * 9.81;
+        let carried = gradient[0] + gradient[8];
+        assert!(
+            (carried.z - (weight - held_weight)).abs() < 1e-3 * weight,
+            "{model:?}: {carried} of {weight}"
+        );
+        // The two supports pull against each other: no net side force.
+        assert!(
+            carried.x.abs() < 1e-3 * weight && carried.y.abs() < 1e-3 * weight,
+            "{model:?}: {carried}"
+        );
+    }
+}
+
+/// With C12 = G the network is the continuum: stretched alike, both store the same energy.
+fn network_and_membrane() {
+    let stiffness = |nu: f64, e: f64| nu * e / (1.0 - nu * nu);
+    let fabric = Fabric {
+        warp_modulus_pa: 4e7,
+        weft_modulus_pa: 4e7,
+        poisson_ratio: 0.2,
+        shear_modulus_pa: stiffness(0.2, 4e7),
+        ..fabric(1.0)
+    };
+    let energy = |model| {
+        let structure = square(5, model, &fabric);
+        let stretched: Vec<DVec3> = structure
+            .positions_m
+            .iter()
+            .map(|p| DVec3::new(1.0002 * p.x + 1e-4 * p.z, 0.0, 1.0001 * p.z))
+            .collect();
+        let mut unused = vec![DVec3::ZERO; stretched.len()];
+        add_elastic_gradient(&structure, &stretched, &mut unused)
+    };
+    let (network, membrane) = (energy(FabricModel::Network), energy(FabricModel::Membrane));
+    assert!(
+        (network / membrane - 1.0).abs() < 2e-3,
+        "{network} {membrane}"
+    );
+}
+
+/// Random, collapsed and inverted starts, soft to stiff: finite, or refused; and the step never raises the objective.
+fn hostile_starts() {
+    for modulus in [1e1, 1e5, 1e8] {
+        for dt in [1e-5, 1e-3, 1e-1] {
+            for kind in 0..4 {
+                let fabric = Fabric {
+                    warp_modulus_pa: modulus,
+                    weft_modulus_pa: modulus,
+                    shear_modulus_pa: 0.4 * modulus,
+                    ..fabric(1e-3)
+                };
+                let mut structure = square(4, FabricModel::Membrane, &fabric);
+                let mut random = noise(kind);
+                for p in &mut structure.positions_m {
+                    *p = match kind {
+                        0 => DVec3::new(random(), random(), random()) * 3.0,
+                        1 => DVec3::ZERO,
+                        2 => -*p,
+                        _ => DVec3::new(p.x * 1e-9, 0.0, p.z),
+                    };
+                }
+                structure.held[0] = true;
+                let mut cloth = Cloth::new(structure);
+                let input = StepInput {
+                    time_step_s: Some(dt),
+                    gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+                    ..StepInput::default()
+                };
+                let settings = SolverSettings {
+                    tolerance: 1e-2,
+                    evaluation_limit: 500,
+                    ..SETTINGS
+                };
+                for _ in 0..3 {
+                    let outcome = cloth.solve_cloth(&input, &settings);
+                    assert!(outcome.objective.is_finite());
+                    assert!(
+                        cloth.positions_m.iter().all(|p| p.is_finite()),
+                        "E {modulus} dt {dt} start {kind}"
+                    );
+                }
+            }
+        }
+    }
+    let mut structure = square(2, FabricModel::Membrane, &fabric(1e-3));
+    structure.positions_m[4].y = f64::NAN;
+    let outcome = Cloth::new(structure).solve_cloth(&StepInput::default(), &SETTINGS);
+    assert_eq!(outcome.stop, Stop::NotFinite);
+}

@@ -1,0 +1,317 @@
+//! The program as a user meets it: commands, exit codes, faults of the outside world.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices, SHIPPED};
+use ripstop::plan::{Plan, Precision, Stage};
+
+use crate::engines::plain;
+
+pub fn trials() -> Vec<Trial> {
+    let mut trials = [
+        plain("command_line::new_prints_shipped_cases", new_prints),
+        plain(
+            "command_line::check_lists_what_a_scene_has_and_skips",
+            check_three_scenes,
+        ),
+        plain("command_line::usage_errors", usage_errors),
+        plain("command_line::no_gpu_engine", no_gpu),
+        plain("command_line::unwritable_folder", unwritable),
+        plain("command_line::divergence", divergence),
+    ]
+    .into_iter()
+    .flatten()
+    .collect::<Vec<_>>();
+    // A shell that can limit file sizes and send signals.
+    if cfg!(unix) {
+        trials.extend(plain("command_line::full_disk", full_disk));
+        trials.extend(plain("command_line::interrupt", interrupt));
+    }
+    trials
+}
+
+/// Root of the repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What a finished process left.
+pub struct Finished {
+    pub code: i32,
+    pub printed: String,
+    pub errors: String,
+}
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ripstop"));
+    command
+        .args(arguments)
+        .current_dir(root())
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null());
+    command
+}
+
+/// Runs the program in the repository's root.
+pub fn ripstop(arguments: &[&str]) -> Finished {
+    finished(command(arguments).output().unwrap())
+}
+
+fn finished(output: std::process::Output) -> Finished {
+    Finished {
+        code: output.status.code().unwrap_or(-1),
+        printed: String::from_utf8(output.stdout).unwrap(),
+        errors: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+const CANOPY: &str = "cases/flat-circular-tunnel.toml";
+
+fn new_prints() {
+    for (name, text) in SHIPPED {
+        let output = ripstop(&["new", name]);
+        assert_eq!(output.code, 0);
+        assert_eq!(output.printed, text);
+        assert_eq!(
+            text,
+            std::fs::read_to_string(root().join(format!("cases/{name}.toml"))).unwrap()
+        );
+    }
+    let output = ripstop(&["new", "zeppelin"]);
+    assert_eq!(output.code, 2);
+    assert!(
+        output.errors.contains("flat-circular-tunnel"),
+        "{}",
+        output.errors
+    );
+}
+
+fn check_three_scenes() {
+    let plan = |file: &str| {
+        let case = case::load(&root().join(file), &Choices::default()).unwrap();
+        Plan::new(&case.scene, Precision::F32)
+    };
+    let has = |plan: &Plan, stage: Stage| plan.stages.iter().any(|p| p.stage == stage);
+
+    let canopy = plan(CANOPY);
+    let order: Vec<Stage> = canopy.stages.iter().map(|p| p.stage).collect();
+    assert_eq!(
+        order,
+        [
+            Stage::CollideStream,
+            Stage::Interpolate,
+            Stage::SolveCloth,
+            Stage::Spread,
+            Stage::Measure,
+            Stage::Output
+        ]
+    );
+    let text = ripstop(&["check", CANOPY]).printed;
+    for needed in [
+        "collide_stream",
+        "memory",
+        "steps",
+        "Mach",
+        "tau",
+        "mass ratio",
+        "cells across mouth",
+        "duration",
+        "blockage",
+    ] {
+        assert!(text.contains(needed), "{needed} is missing in\n{text}");
+    }
+
+    let air = plan("cases/taylor-green.toml");
+    assert!(
+        has(&air, Stage::CollideStream)
+            && !has(&air, Stage::Interpolate)
+            && !has(&air, Stage::SolveCloth)
+    );
+    assert_eq!(
+        (
+            air.sizes.markers,
+            air.sizes.marker_bytes,
+            air.sizes.structure_bytes
+        ),
+        (0, 0, 0)
+    );
+    let text = ripstop(&["check", "cases/taylor-green.toml"]).printed;
+    assert!(
+        text.contains("the case has no [structure]") && !text.contains("mass ratio"),
+        "{text}"
+    );
+
+    let cloth = plan("cases/hanging-sheet.toml");
+    assert!(
+        has(&cloth, Stage::SolveCloth)
+            && !has(&cloth, Stage::CollideStream)
+            && !has(&cloth, Stage::Spread)
+    );
+    assert_eq!(
+        (
+            cloth.sizes.cells,
+            cloth.sizes.air_bytes,
+            cloth.sizes.marker_bytes
+        ),
+        (0, 0, 0)
+    );
+    let text = ripstop(&["check", "cases/hanging-sheet.toml"]).printed;
+    assert!(
+        text.contains("the case has no [air]") && !text.contains("Mach"),
+        "{text}"
+    );
+}
+
+fn usage_errors() {
+    assert_eq!(ripstop(&["fly"]).code, 2);
+    assert_eq!(ripstop(&["--help"]).code, 0);
+    let output = ripstop(&["check", "cases/absent.toml"]);
+    assert_eq!(output.code, 2);
+    assert!(
+        output.errors.contains("cases/absent.toml"),
+        "{}",
+        output.errors
+    );
+    let output = ripstop(&["check", CANOPY, "--variant", "huge"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("quick"), "{}", output.errors);
+    let output = ripstop(&["check", CANOPY, "--set", "lines.count=0"]);
+    assert_eq!(output.code, 2);
+    assert!(
+        output.errors.contains("lines.count was set by --set"),
+        "{}",
+        output.errors
+    );
+    let output = ripstop(&["check", CANOPY, "--set", "lines.count"]);
+    assert_eq!(output.code, 2);
+    assert!(
+        output.errors.contains("key.path=value"),
+        "{}",
+        output.errors
+    );
+}
+
+fn no_gpu() {
+    let output = ripstop(&["run", CANOPY, "--engine", "gpu"]);
+    assert_eq!(output.code, 3);
+    assert!(output.errors.contains("--engine cpu"), "{}", output.errors);
+}
+
+const QUICK_SHEET: [&str; 4] = ["run", "cases/hanging-sheet.toml", "--variant", "quick"];
+
+fn unwritable() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("taken");
+    std::fs::write(&file, "a file").unwrap();
+    let output = ripstop(&[&QUICK_SHEET[..], &["--out", file.to_str().unwrap()]].concat());
+    assert_eq!(output.code, 74, "{}", output.errors);
+    assert!(output.errors.contains("taken"), "{}", output.errors);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "a file");
+}
+
+/// A limit on file sizes stands in for a full disk: writing fails in the middle of a file.
+fn full_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 8; exec '{}' {} --out '{}'",
+        env!("CARGO_BIN_EXE_ripstop"),
+        QUICK_SHEET.join(" "),
+        out.display()
+    );
+    let output = finished(
+        Command::new("sh")
+            .args(["-c", &script])
+            .current_dir(root())
+            .output()
+            .unwrap(),
+    );
+    assert_eq!(output.code, 74, "{}{}", output.printed, output.errors);
+    assert!(output.errors.contains("cannot write"), "{}", output.errors);
+    // Whatever is there is whole: no temporary files, and every VTK file ends with its closing tag.
+    for path in files(&out) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(
+            ["csv", "pvd", "vtp", "png", "json"]
+                .iter()
+                .any(|e| name.ends_with(e)),
+            "left over: {name}"
+        );
+        if name.ends_with("vtp") || name.ends_with("pvd") {
+            assert!(
+                std::fs::read(&path)
+                    .unwrap()
+                    .trim_ascii_end()
+                    .ends_with(b"</VTKFile>"),
+                "{name}"
+            );
+        }
+    }
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect()
+}
+
+/// A lattice run at the edge of stability without enough eddy viscosity breaks down: it must say where, and keep files.
+fn divergence() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = ripstop(&[
+        "run",
+        CANOPY,
+        "--variant",
+        "quick",
+        "--set",
+        "resolution.operator=two_relaxation_times",
+        "--set",
+        "resolution.smagorinsky_constant=0.01",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 20, "{}{}", output.printed, output.errors);
+    assert!(
+        output.errors.contains("diverged at t ="),
+        "{}",
+        output.errors
+    );
+    assert!(output.errors.contains(" m"), "{}", output.errors);
+    assert!(out.join("canopy_last_good.vtp").exists());
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains("diverged at t ="), "{summary}");
+}
+
+#[cfg(unix)]
+fn interrupt() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut child = command(&["run", CANOPY, "--out", out.to_str().unwrap()])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // The first picture is drawn at release.
+    while !out.join("snapshot_000.png").exists() {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "ended before it was interrupted"
+        );
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains("interrupted"), "{summary}");
+}
+
+#[cfg(not(unix))]
+fn interrupt() {}
