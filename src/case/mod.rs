@@ -48,14 +48,14 @@ pub struct CaseError {
 
 impl CaseError {
     /// An error about a whole file.
-    pub(crate) fn about_file(message: String, help: &str) -> Self {
-        Self {
+    pub(crate) fn about_file(message: String, help: &str) -> Box<Self> {
+        Box::new(Self {
             message,
             help: Some(help.to_owned()),
             source_code: None,
             span: None,
             label: String::new(),
-        }
+        })
     }
 
     fn located(
@@ -64,14 +64,14 @@ impl CaseError {
         span: Option<std::ops::Range<usize>>,
         label: &str,
         problem: Problem,
-    ) -> Self {
-        Self {
+    ) -> Box<Self> {
+        Box::new(Self {
             message: problem.message,
             help: Some(problem.help),
             source_code: Some(NamedSource::new(name, source.to_owned())),
             span: span.map(Into::into),
             label: label.to_owned(),
-        }
+        })
     }
 }
 
@@ -127,7 +127,7 @@ pub struct Case {
 impl Case {
     /// An error about one key of this case, marked in its text.
     #[must_use]
-    pub fn error(&self, problem: Problem) -> CaseError {
+    pub fn error(&self, problem: Problem) -> Box<CaseError> {
         let span = locate::span_of(&self.source, &problem.key);
         let label = problem.key.clone();
         CaseError::located(&self.name, &self.source, span, &label, problem)
@@ -135,7 +135,7 @@ impl Case {
 }
 
 /// Reads and checks a case file.
-pub fn load(path: &Path, choices: &Choices) -> Result<Case, CaseError> {
+pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
     let name = path.display().to_string();
     let source = std::fs::read_to_string(path).map_err(|error| {
         CaseError::about_file(
@@ -157,7 +157,7 @@ pub fn parse(
     source: &str,
     folder: &Path,
     choices: &Choices,
-) -> Result<Case, CaseError> {
+) -> Result<Case, Box<CaseError>> {
     let mut table: toml::Table = toml::from_str(source).map_err(|error| {
         let problem = Problem::new(
             "",
@@ -282,7 +282,7 @@ fn merge(base: &mut toml::Table, changes: toml::Table) {
 }
 
 /// Applies one `key.path=value`.
-fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), CaseError> {
+fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseError>> {
     let refuse = |why: &str| {
         CaseError::about_file(
             format!("--set {change}: {why}"),

@@ -80,13 +80,13 @@ struct CaseArguments {
 
 /// What ends a command early.
 enum Failure {
-    Case(CaseError),
+    Case(Box<CaseError>),
     NoDevice(String),
     Other(u8, String),
 }
 
-impl From<CaseError> for Failure {
-    fn from(error: CaseError) -> Self {
+impl From<Box<CaseError>> for Failure {
+    fn from(error: Box<CaseError>) -> Self {
         Self::Case(error)
     }
 }
@@ -156,7 +156,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(code) => ExitCode::from(code),
         Err(Failure::Case(error)) => {
-            eprintln!("{:?}", miette::Report::new(error));
+            eprintln!("{:?}", miette::Report::new(*error));
             ExitCode::from(exit::BAD_CASE)
         }
         Err(Failure::NoDevice(message)) => {
