@@ -20,6 +20,7 @@ pub fn trials() -> Vec<Trial> {
         plain("command_line::no_gpu_engine", no_gpu),
         plain("command_line::unwritable_folder", unwritable),
         plain("command_line::divergence", divergence),
+        plain("command_line::steady_state_stops_a_run", steady_state),
     ]
     .into_iter()
     .flatten()
@@ -284,6 +285,41 @@ fn divergence() {
     assert!(out.join("canopy_last_good.vtp").exists());
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("diverged at t ="), "{summary}");
+}
+
+/// A coarse canopy in a small tunnel, asked for no more than 40 % of confidence, must stop by itself and say when and why.
+fn steady_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = ripstop(&[
+        "run",
+        CANOPY,
+        "--set",
+        "resolution.cells_per_diameter=12.0",
+        "--set",
+        "air.wind_tunnel.size_m=[2.9915, 1.994, 1.994]",
+        "--set",
+        "air.wind_tunnel.sponge_length_m=0.4",
+        "--set",
+        "structure.flat_circular.confluence_m=[0.4, 0.997, 0.997]",
+        "--set",
+        "structure.flat_circular.rings=8",
+        "--set",
+        "steady.drag_confidence=0.4",
+        "--set",
+        "time.end_s=2.0",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(output.printed.contains("stopped: steady: the mean drag coefficient"), "{}", output.printed);
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
+    let when = summary["stop"]["when_s"].as_f64().unwrap();
+    // Not before 12 D_0/U of averaging (0.4 s) after the opening, and well before the end.
+    assert!((0.4..1.5).contains(&when), "{when}");
+    let drag = &summary["results"]["drag_coefficient"];
+    assert!(drag["confidence"].as_f64().unwrap() <= 0.4 * drag["value"].as_f64().unwrap());
 }
 
 #[cfg(unix)]
