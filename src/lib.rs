@@ -1,4 +1,61 @@
-//! Ripstop
+//! # Ripstop: fluid–structure simulation of parachutes and paragliders
+//!
+//! This page is the map of the house. A user needs only the program (`ripstop run CASE.toml`); everything the program does
+//! is open to library users through the modules below.
+//!
+//! ## Flow of data
+//!
+//! ```text
+//! TOML → case::file (mirror) → case::Scene (checked, SI, absent = None) → plan::Plan (stages, sizes, skips)
+//!      → simulation::Simulation → frame::Frame (host snapshot, SI) → measure, output, render
+//! ```
+//!
+//! [`plan::stages::stages`] is the only place that orders a step; [`simulation::Simulation::advance`] executes it:
+//!
+//! | stage | turns | into | file |
+//! |---|---|---|---|
+//! | `collide_stream` | populations, body force | populations | `cpu/fluid/collide_stream.rs` |
+//! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `cpu/immersed/interpolate.rs` |
+//! | `solve_cloth` | u*, loads | node positions and velocities | `cpu/cloth/solve_cloth.rs` |
+//! | `spread` | marker velocities, u* | body force near the sheet | `cpu/immersed/spread.rs` |
+//! | `measure`, `output` | impulses, frames | history, results, files | `measure/`, `run.rs` |
+//!
+//! ## Rooms
+//!
+//! | module | holds | may use |
+//! |---|---|---|
+//! | [`lattice`] | D3Q19, collision operators | – |
+//! | [`immersed`] | kernel, markers, touched cells | – |
+//! | [`fabric`], [`lines`] | material laws | – |
+//! | [`cloth`] | what a structure is made of | laws |
+//! | [`geometry`] | canopies, sheets, cables, mesh files | cloth |
+//! | [`solve`] | L-BFGS; knows no cloth | – |
+//! | [`cpu`] | the native engine, one file per stage | all of the above |
+//! | [`units`] | SI ↔ lattice, only here | – |
+//! | [`case`] | case files and their errors | geometry, laws |
+//! | [`plan`] | what a run will do, as data | case |
+//! | [`simulation`] | runs the plan | plan, cpu |
+//! | [`frame`] | host snapshot in SI units | – |
+//! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
+//! | [`output`], [`render`] | files, pictures | frame |
+//! | [`run`] | a whole run into one folder | all |
+//! | [`cli`] | the commands and exit codes | all |
+//!
+//! A test (`tests/architecture.rs`) holds these arrows.
+//!
+//! ## The coupling in one paragraph
+//!
+//! Over the new node positions the fabric minimises inertia + elastic energy − loads + ½ dt Σ_k K_k |v_k − u*_k|², where v_k
+//! is a marker's velocity, u*_k the bare air velocity there and K_k = 2 a_k ρ A_k·cell/dt. The air then receives exactly
+//! K_k (v_k − u*_k). The step is convex in the reaction and conserves momentum to round-off, so the ratio of sheet mass to
+//! air mass does not matter for stability; a_k is lowered where folds put several layers under one kernel
+//! ([`cpu::immersed`]).
+//!
+//! ## Departures from the published schemes
+//!
+//! Each file names its sources and departures in its header; `docs/papers.md` collects those from the five papers.
+//! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
+
 pub mod case;
 pub mod cli;
 pub mod cloth;
