@@ -6,7 +6,10 @@
 //! * The shipped canopy case, 24 cells per D₀: milliseconds per step of fluid, coupling and cloth over its first 0.1 s, with the
 //!   imbalance of its force routes beside them.
 
-#![allow(clippy::unwrap_used, reason = "a benchmark that cannot run should stop")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a benchmark that cannot run should stop"
+)]
 
 use std::time::Instant;
 
@@ -18,14 +21,23 @@ use serde_json::{Value, json};
 
 fn load(name: &str, overrides: &[String]) -> case::Case {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("cases/{name}.toml"));
-    case::load(&path, &Choices { variant: None, overrides: overrides.to_vec() }).unwrap()
+    case::load(
+        &path,
+        &Choices {
+            variant: None,
+            overrides: overrides.to_vec(),
+        },
+    )
+    .unwrap()
 }
 
 /// Runs a case without writing files; returns simulation, record and wall seconds.
 fn run(case: &case::Case, precision: Precision) -> (Simulation, Record, f64) {
     let plan = Plan::new(&case.scene, precision);
     let steps = plan.start_steps + plan.steps;
-    let every = (case.scene.output.sample_interval_s / case.scene.time.unwrap().step_s).round().max(1.0) as u64;
+    let every = (case.scene.output.sample_interval_s / case.scene.time.unwrap().step_s)
+        .round()
+        .max(1.0) as u64;
     let mut simulation = Simulation::new(case.scene.clone(), plan).unwrap();
     let mut record = Record::new(&simulation);
     let began = Instant::now();
@@ -41,7 +53,10 @@ fn run(case: &case::Case, precision: Precision) -> (Simulation, Record, f64) {
 
 fn taylor_green() -> Vec<Value> {
     println!("Taylor–Green vortices to 0.2 s: error of the decay rate against time");
-    println!("{:>6} {:>9} {:>22} {:>10} {:>9} {:>7}", "cells", "precision", "operator", "error", "seconds", "MLUPS");
+    println!(
+        "{:>6} {:>9} {:>22} {:>10} {:>9} {:>7}",
+        "cells", "precision", "operator", "error", "seconds", "MLUPS"
+    );
     let mut rows = Vec::new();
     for operator in ["two_relaxation_times", "recursive_regularised"] {
         for precision in [Precision::F32, Precision::F64] {
@@ -57,7 +72,11 @@ fn taylor_green() -> Vec<Value> {
                 );
                 let (simulation, record, seconds) = run(&case, precision);
                 let results = results(&simulation, &record);
-                let error = results.get("velocity_decay_rate_1_s").unwrap().error.unwrap();
+                let error = results
+                    .get("velocity_decay_rate_1_s")
+                    .unwrap()
+                    .error
+                    .unwrap();
                 let updates = simulation.plan().sizes.cells as f64 * simulation.step_count() as f64;
                 let rate = updates / simulation.cost().fluid.as_secs_f64() / 1e6;
                 println!(
@@ -82,7 +101,11 @@ fn canopy() -> Value {
     let cost = simulation.cost();
     let per_step = |d: std::time::Duration| 1e3 * d.as_secs_f64() / steps;
     let imbalance = results.get("force_imbalance").unwrap().value;
-    println!("\ncanopy, 24 cells per D_0, {} cells, {} markers", simulation.plan().sizes.cells, simulation.plan().sizes.markers);
+    println!(
+        "\ncanopy, 24 cells per D_0, {} cells, {} markers",
+        simulation.plan().sizes.cells,
+        simulation.plan().sizes.markers
+    );
     println!(
         "ms per step: fluid {:.2}, coupling {:.2}, cloth {:.2}, measure {:.2}; {steps} steps in {seconds:.1} s; force imbalance {:.2e}",
         per_step(cost.fluid),
@@ -103,7 +126,11 @@ fn canopy() -> Value {
 
 fn main() {
     let threads = rayon::current_num_threads();
-    println!("{} {}, {threads} threads", std::env::consts::OS, std::env::consts::ARCH);
+    println!(
+        "{} {}, {threads} threads",
+        std::env::consts::OS,
+        std::env::consts::ARCH
+    );
     let report = json!({
         "benchmark": "step_cost", "ripstop": env!("CARGO_PKG_VERSION"), "threads": threads,
         "taylor_green": taylor_green(), "canopy": canopy(),

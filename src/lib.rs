@@ -38,6 +38,7 @@
 //! | [`frame`] | host snapshot in SI units | – |
 //! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
 //! | [`output`], [`render`] | files, pictures | frame |
+//! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
 //! | [`cli`] | the commands and exit codes | all |
 //!
@@ -57,6 +58,7 @@
 //! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
 
 pub mod case;
+pub mod checkpoint;
 pub mod cli;
 pub mod cloth;
 pub mod cpu;

@@ -29,7 +29,8 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that `room` may use.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
+    ("checkpoint", &["checkpoint", "output"]),
     ("lattice", &["lattice"]),
     ("solve", &["solve"]),
     ("lines", &["lines"]),
@@ -47,7 +48,15 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     (
         "cpu",
         &[
-            "cpu", "cloth", "fabric", "frame", "immersed", "lattice", "lines", "solve",
+            "checkpoint",
+            "cpu",
+            "cloth",
+            "fabric",
+            "frame",
+            "immersed",
+            "lattice",
+            "lines",
+            "solve",
         ],
     ),
     (

@@ -312,7 +312,13 @@ fn steady_state() {
         out.to_str().unwrap(),
     ]);
     assert_eq!(output.code, 0, "{}", output.errors);
-    assert!(output.printed.contains("stopped: steady: the mean drag coefficient"), "{}", output.printed);
+    assert!(
+        output
+            .printed
+            .contains("stopped: steady: the mean drag coefficient"),
+        "{}",
+        output.printed
+    );
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
     let when = summary["stop"]["when_s"].as_f64().unwrap();
@@ -322,22 +328,46 @@ fn steady_state() {
     assert!(drag["confidence"].as_f64().unwrap() <= 0.4 * drag["value"].as_f64().unwrap());
 }
 
+/// An interrupted run ends with code 75, and the resumed one delivers the same bits as one that was never interrupted.
 #[cfg(unix)]
 fn interrupt() {
     let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let mut child = command(&["run", CANOPY, "--out", out.to_str().unwrap()])
+    let changes = [
+        "resolution.cells_per_diameter=12.0",
+        "structure.flat_circular.rings=8",
+        "time.end_s=0.08",
+        "coupling.structure_every=2",
+        "output.picture_times_s=[0.0, 0.03, 0.06]",
+    ];
+    let run = |out: &Path, more: &[&str]| {
+        let mut arguments = vec!["run", CANOPY, "--out", out.to_str().unwrap()];
+        for change in &changes {
+            arguments.extend(["--set", change]);
+        }
+        arguments.extend(more);
+        command(&arguments)
+    };
+    let whole = folder.path().join("whole");
+    assert_eq!(finished(run(&whole, &[]).output().unwrap()).code, 0);
+
+    let out = folder.path().join("interrupted");
+    assert_eq!(
+        finished(run(&out, &["--resume"]).output().unwrap()).code,
+        2,
+        "there is nothing to resume from yet"
+    );
+    let mut child = run(&out, &[])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // The first picture is drawn at release.
-    while !out.join("snapshot_000.png").exists() {
+    // The second picture is drawn at 0.03 s.
+    while !out.join("snapshot_001.png").exists() {
         assert!(
             child.try_wait().unwrap().is_none(),
             "ended before it was interrupted"
         );
-        std::thread::sleep(std::time::Duration::from_millis(20));
+        std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let killed = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
@@ -347,6 +377,41 @@ fn interrupt() {
     assert_eq!(child.wait().unwrap().code(), Some(75));
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("interrupted"), "{summary}");
+    let output = finished(
+        run(&out, &["--resume", "--precision", "f64"])
+            .output()
+            .unwrap(),
+    );
+    assert_eq!(output.code, 2);
+    assert!(
+        output.errors.contains("belongs to another run"),
+        "{}",
+        output.errors
+    );
+
+    let output = finished(run(&out, &["--resume"]).output().unwrap());
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(
+        output.printed.contains("resumed at t ="),
+        "{}",
+        output.printed
+    );
+    let names = |folder: &Path| {
+        let mut names: Vec<_> = files(folder)
+            .into_iter()
+            .map(|p| p.file_name().unwrap().to_owned())
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(&whole), names(&out));
+    for name in names(&whole) {
+        if name != "summary.json" {
+            let same = std::fs::read(whole.join(&name)).unwrap()
+                == std::fs::read(out.join(&name)).unwrap();
+            assert!(same, "{} differs", name.display());
+        }
+    }
 }
 
 #[cfg(not(unix))]

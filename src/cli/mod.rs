@@ -23,7 +23,7 @@ pub mod exit {
     pub const DIVERGED: u8 = 20;
     /// A file could not be written.
     pub const OUTPUT_FAILED: u8 = 74;
-    /// Interrupted; what was computed is written.
+    /// Interrupted; what was computed is written and can be resumed.
     pub const INTERRUPTED: u8 = 75;
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::progress::Progress;
 use super::{CaseArguments, Failure, exit};
-use crate::run::{self, Report, RunError};
+use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
 pub(super) struct RunArguments {
@@ -17,6 +17,9 @@ pub(super) struct RunArguments {
     /// Folder for all results.
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    /// Continue an interrupted run from the checkpoint in its folder.
+    #[arg(long)]
+    resume: bool,
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
@@ -27,7 +30,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         eprintln!("warning: an interrupt will stop the run without its results: {error}");
     }
     let mut progress = Progress::new();
-    let result = run::run(&case, plan, &arguments.out, &interrupt, &mut progress);
+    let result = run::run(
+        Order {
+            case: &case,
+            plan,
+            folder: &arguments.out,
+            resume: arguments.resume,
+        },
+        &interrupt,
+        &mut progress,
+    );
     progress.finish();
     match result {
         Ok(report) => {
@@ -41,6 +53,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Err(error) => {
             let code = match &error {
                 RunError::Diverged(_) => exit::DIVERGED,
+                RunError::Checkpoint(_) => exit::BAD_CASE,
                 RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
             };
             let kept = if code == exit::DIVERGED {

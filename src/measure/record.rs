@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::shape;
 use crate::case::scene::{BodyKind, Canopy};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
 use crate::simulation::Simulation;
 
@@ -236,4 +237,51 @@ fn air_row(simulation: &Simulation) -> Vec<f64> {
         (4.0 * energy_j / total_mass).sqrt(),
         mass * cell_mass,
     ]
+}
+
+impl Record {
+    /// Writes all samples.
+    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        let flat: Vec<f64> = self.rows.iter().flatten().copied().collect();
+        out.put("record", &flat)?;
+        let last: Vec<DVec3> = self
+            .last
+            .iter()
+            .flat_map(|l| {
+                [
+                    DVec3::splat(l.time_s),
+                    l.markers,
+                    l.momentum_box,
+                    l.supports,
+                ]
+            })
+            .collect();
+        out.put("record_last", &last)
+    }
+
+    /// Takes them from a checkpoint of the same case.
+    pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let flat: Vec<f64> = from.take("record")?;
+        self.rows = flat
+            .chunks_exact(self.columns.len())
+            .map(<[f64]>::to_vec)
+            .collect();
+        let last: Vec<DVec3> = from.take("record_last")?;
+        self.last = match last.as_slice() {
+            [time, markers, momentum_box, supports] => Some(LastImpulses {
+                time_s: time.x,
+                markers: *markers,
+                momentum_box: *momentum_box,
+                supports: *supports,
+            }),
+            _ => None,
+        };
+        Ok(())
+    }
+
+    /// All samples, oldest first.
+    #[must_use]
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
 }

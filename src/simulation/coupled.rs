@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::air::{AirEngine, each_engine};
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, MarkerReaction};
 use crate::cpu::fluid::ForcedCells;
 use crate::cpu::immersed::Immersed;
@@ -155,4 +156,26 @@ fn at_marker(cloth: &Cloth, marker: &Marker, field: &[DVec3]) -> DVec3 {
         .zip(marker.weights)
         .map(|(&node, weight)| field[node as usize] * weight)
         .sum()
+}
+
+impl Coupled {
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("marker_positions", &self.positions)?;
+        out.put("marker_velocities", &self.velocities)?;
+        out.put("air_velocity_sums", &self.air_velocity_sums)?;
+        out.put("air_velocity_sum_count", &[u64::from(self.sums)])?;
+        out.put("force_on_air", &self.force_on_air)?;
+        self.immersed.save(out)
+    }
+
+    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let count = self.markers.len();
+        self.positions = from.take_exactly("marker_positions", count)?;
+        self.velocities = from.take_exactly("marker_velocities", count)?;
+        self.air_velocity_sums = from.take_exactly("air_velocity_sums", count)?;
+        self.sums = from.take_exactly::<u64>("air_velocity_sum_count", 1)?[0] as u32;
+        self.force_on_air
+            .copy_from_slice(&from.take_exactly::<f64>("force_on_air", 3)?);
+        self.immersed.restore(from, &self.positions)
+    }
 }

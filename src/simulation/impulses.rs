@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::air::AirEngine;
 use super::coupled::Coupled;
 use crate::case::scene::{Air, BodyKind};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::CableSegment;
 use crate::cpu::cloth::{Cloth, nodal_forces};
 use crate::cpu::fluid::control_volume::{ControlVolume, MassMomentum};
@@ -198,5 +199,35 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
             let margin = DVec3::splat(0.5 * (high - low).max_element());
             (low - margin, high + margin)
         }
+    }
+}
+
+impl Impulses {
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        let balance =
+            |m: &MassMomentum| [m.mass_excess, m.momentum[0], m.momentum[1], m.momentum[2]];
+        out.put("impulse_contained", &[u64::from(self.contained)])?;
+        out.put("impulse_markers", &self.markers)?;
+        out.put("impulse_outflow", &balance(&self.outflow))?;
+        out.put("impulse_initial", &balance(&self.initial))?;
+        out.put("impulse_supports", &[self.supports, self.initial_momentum])
+    }
+
+    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let balance = |name: &str| -> Result<MassMomentum, CheckpointError> {
+            let values: Vec<f64> = from.take_exactly(name, 4)?;
+            Ok(MassMomentum {
+                mass_excess: values[0],
+                momentum: [values[1], values[2], values[3]],
+            })
+        };
+        self.contained = from.take_exactly::<u64>("impulse_contained", 1)?[0] == 1;
+        self.markers
+            .copy_from_slice(&from.take_exactly::<f64>("impulse_markers", 3)?);
+        self.outflow = balance("impulse_outflow")?;
+        self.initial = balance("impulse_initial")?;
+        let vectors: Vec<DVec3> = from.take_exactly("impulse_supports", 2)?;
+        (self.supports, self.initial_momentum) = (vectors[0], vectors[1]);
+        Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
 
 mod air;
+mod checkpoint;
 mod coupled;
 mod frames;
 mod impulses;

@@ -19,6 +19,7 @@ pub mod collide_stream;
 pub mod control_volume;
 mod macroscopic;
 
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 pub use crate::lattice::Operator;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, equilibrium, operators};
 use boundaries::Boundaries;
@@ -228,5 +229,30 @@ impl<T: Real> Fluid<T> {
             f[first + 1] = self.populations[first + odd][index.wrapping_add_signed(shift)];
         }
         f
+    }
+}
+
+impl<T: Real> Fluid<T> {
+    /// Writes populations, parity and step count.
+    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
+        out.put("inlet_velocity", &self.inlet_velocity)?;
+        for (array, data) in self.populations.iter().enumerate() {
+            out.put(&format!("populations_{array:02}"), data)?;
+        }
+        Ok(())
+    }
+
+    /// Takes them from a checkpoint of the same grid and precision.
+    pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let counters: Vec<u64> = from.take_exactly("air_steps", 2)?;
+        self.steps = counters[0];
+        self.odd = counters[1] == 1;
+        self.inlet_velocity
+            .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
+        for (array, data) in self.populations.iter_mut().enumerate() {
+            *data = from.take_exactly(&format!("populations_{array:02}"), data.len())?;
+        }
+        Ok(())
     }
 }

@@ -12,6 +12,7 @@
 mod interpolate;
 mod spread;
 
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::ForcedCells;
 use crate::immersed::touched::TouchedCells;
 
@@ -116,5 +117,40 @@ impl Immersed {
             .cells
             .iter()
             .all(|cell| (0..3).all(|a| (first[a]..end[a]).contains(&(cell[a] as usize))))
+    }
+}
+
+impl Immersed {
+    /// Writes what the next step reads; the lists of touched cells follow from the positions.
+    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("markers_active", &[u64::from(self.active)])?;
+        out.put("marker_strengths", &self.strengths)?;
+        out.put("marker_air_velocities", &self.air_velocities)?;
+        out.put("marker_forces", &self.marker_forces)?;
+        out.put("cell_velocities", &self.cell_velocities)
+    }
+
+    /// Takes it from a checkpoint; `positions` are those of the last interpolation [cells].
+    pub fn restore(
+        &mut self,
+        from: &Reader,
+        positions: &[[f64; 3]],
+    ) -> Result<(), CheckpointError> {
+        let count = self.areas.len();
+        self.active = from.take_exactly::<u64>("markers_active", 1)?[0] == 1;
+        self.strengths = from.take_exactly("marker_strengths", count)?;
+        self.air_velocities = from.take_exactly("marker_air_velocities", count)?;
+        self.marker_forces = from.take_exactly("marker_forces", count)?;
+        if self.active {
+            self.touched
+                .rebuild(positions, self.cells)
+                .map_err(|left| {
+                    from.damaged(format!("marker {} lies outside the air", left.marker))
+                })?;
+            self.cell_velocities =
+                from.take_exactly("cell_velocities", self.touched.cells.len())?;
+            self.gather_cell_forces();
+        }
+        Ok(())
     }
 }

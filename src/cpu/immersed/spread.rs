@@ -21,6 +21,13 @@ impl Immersed {
             }
             self.marker_forces[k] = force;
         }
+        self.gather_cell_forces();
+        self.active = true;
+        total
+    }
+
+    /// F(x) from the marker forces.
+    pub(super) fn gather_cell_forces(&mut self) {
         let touched = &self.touched;
         self.cell_forces.resize(touched.cells.len(), [0.0; 3]);
         self.cell_forces
@@ -28,8 +35,6 @@ impl Immersed {
             .enumerate()
             .with_min_len(CHUNK)
             .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
-        self.active = true;
-        total
     }
 
     /// Forces of the markers on the air in the last `spread` [lattice units], `[marker_count]`.

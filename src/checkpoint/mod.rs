@@ -1,0 +1,289 @@
+//! Checkpoints: the whole state of a run in one file, so that a resumed run continues with the same bits.
+//!
+//! Layout, little-endian: magic, format version, identity (case hash and precision), then sections
+//! `name length · name · data length · CRC-32 · data`, and a trailer that proves the file is whole. Files are written beside
+//! their final place, synced and renamed; the one before is kept as `checkpoint.previous`.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+
+use bytemuck::Pod;
+
+use crate::output::{OutputError, write_atomically};
+
+const MAGIC: [u8; 8] = *b"RIPSTOP\0";
+const TRAILER: [u8; 8] = *b"WHOLE\0\0\0";
+const VERSION: u32 = 1;
+
+/// Name of the file in a run's folder.
+pub const FILE_NAME: &str = "checkpoint";
+
+/// Name of the one before.
+const PREVIOUS_NAME: &str = "checkpoint.previous";
+
+/// Why a checkpoint cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// There is none, or it cannot be read.
+    #[error("cannot read the checkpoint {path}: {cause}; start without --resume")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        cause: io::Error,
+    },
+    /// It is damaged, cut short, or no checkpoint.
+    #[error(
+        "the checkpoint {path} is damaged: {what}; rename checkpoint.previous to checkpoint to take the one before, or start without --resume"
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// It belongs to another case, variant, override or precision.
+    #[error(
+        "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set and --precision"
+    )]
+    OtherRun {
+        /// The file.
+        path: PathBuf,
+        /// Identity in the file.
+        found: String,
+        /// Identity of this run.
+        expected: String,
+    },
+}
+
+/// Writes sections.
+pub struct Writer<'a> {
+    out: &'a mut dyn Write,
+}
+
+impl Writer<'_> {
+    /// Adds a section.
+    pub fn put<T: Pod>(&mut self, name: &str, data: &[T]) -> io::Result<()> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        self.out.write_all(&(name.len() as u32).to_le_bytes())?;
+        self.out.write_all(name.as_bytes())?;
+        self.out.write_all(&(bytes.len() as u64).to_le_bytes())?;
+        self.out.write_all(&crc32fast::hash(bytes).to_le_bytes())?;
+        self.out.write_all(bytes)
+    }
+}
+
+/// Writes a checkpoint into `folder`; `fill` adds the sections.
+pub fn write(
+    folder: &Path,
+    identity: &str,
+    fill: impl FnOnce(&mut Writer) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let path = folder.join(FILE_NAME);
+    if path.exists() {
+        // Losing the older of two checkpoints is no reason to fail.
+        let _ = std::fs::rename(&path, folder.join(PREVIOUS_NAME));
+    }
+    write_atomically(&path, |out| {
+        out.write_all(&MAGIC)?;
+        out.write_all(&VERSION.to_le_bytes())?;
+        let mut writer = Writer { out };
+        writer.put("identity", identity.as_bytes())?;
+        fill(&mut writer)?;
+        writer.put::<u8>("end", &TRAILER)
+    })
+}
+
+/// Removes the checkpoints of a finished run.
+pub fn remove(folder: &Path) {
+    for name in [FILE_NAME, PREVIOUS_NAME] {
+        // There may be none.
+        let _ = std::fs::remove_file(folder.join(name));
+    }
+}
+
+/// All sections of a checkpoint.
+#[derive(Debug)]
+pub struct Reader {
+    path: PathBuf,
+    sections: HashMap<String, Vec<u8>>,
+}
+
+impl Reader {
+    /// Reads and verifies the checkpoint in `folder`.
+    pub fn open(folder: &Path, identity: &str) -> Result<Self, CheckpointError> {
+        let path = folder.join(FILE_NAME);
+        let unreadable = |cause: io::Error| CheckpointError::Unreadable {
+            path: path.clone(),
+            cause,
+        };
+        let damaged = |what: &str| CheckpointError::Damaged {
+            path: path.clone(),
+            what: what.to_owned(),
+        };
+        let file = File::open(&path).map_err(unreadable)?;
+        let total = file.metadata().map_err(unreadable)?.len();
+        let mut input = BufReader::new(file);
+        let mut magic = [0; 8];
+        let mut version = [0; 4];
+        input
+            .read_exact(&mut magic)
+            .and_then(|()| input.read_exact(&mut version))
+            .map_err(|_| damaged("it is cut short"))?;
+        if magic != MAGIC {
+            return Err(damaged("it is no checkpoint of this program"));
+        }
+        if u32::from_le_bytes(version) != VERSION {
+            return Err(damaged("another version of the program wrote it"));
+        }
+        let mut sections = HashMap::new();
+        while !sections.contains_key("end") {
+            let (name, data) = read_section(&mut input, total).map_err(|what| damaged(&what))?;
+            sections.insert(name, data);
+        }
+        let reader = Self {
+            path: path.clone(),
+            sections,
+        };
+        let found =
+            String::from_utf8_lossy(reader.sections.get("identity").map_or(&[], Vec::as_slice))
+                .into_owned();
+        if found != identity {
+            return Err(CheckpointError::OtherRun {
+                path,
+                found,
+                expected: identity.to_owned(),
+            });
+        }
+        Ok(reader)
+    }
+
+    /// A section as numbers.
+    pub fn take<T: Pod>(&self, name: &str) -> Result<Vec<T>, CheckpointError> {
+        let bytes = self
+            .sections
+            .get(name)
+            .ok_or_else(|| self.damaged(format!("section `{name}` is missing")))?;
+        if bytes.len() % size_of::<T>() != 0 {
+            return Err(self.damaged(format!("section `{name}` has a wrong length")));
+        }
+        Ok(bytemuck::pod_collect_to_vec(bytes))
+    }
+
+    /// A section of exactly `length` numbers.
+    pub fn take_exactly<T: Pod>(
+        &self,
+        name: &str,
+        length: usize,
+    ) -> Result<Vec<T>, CheckpointError> {
+        let values = self.take(name)?;
+        if values.len() == length {
+            Ok(values)
+        } else {
+            Err(self.damaged(format!(
+                "section `{name}` has {} entries instead of {length}",
+                values.len()
+            )))
+        }
+    }
+
+    /// An error about this file.
+    #[must_use]
+    pub fn damaged(&self, what: String) -> CheckpointError {
+        CheckpointError::Damaged {
+            path: self.path.clone(),
+            what,
+        }
+    }
+}
+
+fn read_section(input: &mut impl Read, total: u64) -> Result<(String, Vec<u8>), String> {
+    let short = |_| "it is cut short".to_owned();
+    let mut word = [0; 4];
+    let mut long = [0; 8];
+    input.read_exact(&mut word).map_err(short)?;
+    let name_length = u64::from(u32::from_le_bytes(word));
+    if name_length > 64 {
+        return Err("a section has no sensible name".to_owned());
+    }
+    let mut name = vec![0; name_length as usize];
+    input.read_exact(&mut name).map_err(short)?;
+    let name = String::from_utf8(name).map_err(|_| "a section has no sensible name".to_owned())?;
+    input.read_exact(&mut long).map_err(short)?;
+    input.read_exact(&mut word).map_err(short)?;
+    let length = u64::from_le_bytes(long);
+    if length > total {
+        return Err(format!("section `{name}` is longer than the file"));
+    }
+    let mut data = vec![0; length as usize];
+    input.read_exact(&mut data).map_err(short)?;
+    if crc32fast::hash(&data) != u32::from_le_bytes(word) {
+        return Err(format!("section `{name}` does not match its checksum"));
+    }
+    Ok((name, data))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(folder: &Path) {
+        write(folder, "case-f32", |out| {
+            out.put("numbers", &[1.0_f64, f64::NAN, -0.0])?;
+            out.put("flags", &[7_u64])
+        })
+        .unwrap();
+    }
+
+    #[test]
+    fn sections_come_back_with_the_same_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        sample(folder.path());
+        sample(folder.path());
+        assert!(folder.path().join(PREVIOUS_NAME).exists());
+        let reader = Reader::open(folder.path(), "case-f32").unwrap();
+        let bits: Vec<u64> = reader
+            .take::<f64>("numbers")
+            .unwrap()
+            .iter()
+            .map(|v| v.to_bits())
+            .collect();
+        assert_eq!(bits, [1.0_f64, f64::NAN, -0.0].map(f64::to_bits));
+        assert!(reader.take_exactly::<u64>("flags", 2).is_err());
+        assert!(reader.take::<u64>("absent").is_err());
+        remove(folder.path());
+        assert!(matches!(
+            Reader::open(folder.path(), "case-f32"),
+            Err(CheckpointError::Unreadable { .. })
+        ));
+    }
+
+    /// Every single flipped or missing byte is noticed.
+    #[test]
+    fn damage_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        sample(folder.path());
+        let path = folder.path().join(FILE_NAME);
+        let whole = std::fs::read(&path).unwrap();
+        for byte in 0..whole.len() {
+            let mut broken = whole.clone();
+            broken[byte] ^= 0x10;
+            std::fs::write(&path, &broken).unwrap();
+            let usable = Reader::open(folder.path(), "case-f32")
+                .is_ok_and(|r| r.take::<f64>("numbers").is_ok() && r.take::<u64>("flags").is_ok());
+            assert!(!usable, "byte {byte}");
+            std::fs::write(&path, &whole[..byte]).unwrap();
+            assert!(
+                Reader::open(folder.path(), "case-f32").is_err(),
+                "cut at {byte}"
+            );
+        }
+        std::fs::write(&path, &whole).unwrap();
+        assert!(matches!(
+            Reader::open(folder.path(), "case-f64"),
+            Err(CheckpointError::OtherRun { .. })
+        ));
+    }
+}

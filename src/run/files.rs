@@ -1,0 +1,198 @@
+//! Frames, collections and pictures of a run.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::RunError;
+use crate::case::Scene;
+use crate::case::scene::BodyKind;
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::measure::Record;
+use crate::output::{OutputError, Pvd, write_atomically, write_canopy_vtp, write_flow_vti};
+use crate::render::{self, PictureOptions};
+use crate::simulation::Simulation;
+
+/// What has been written so far, by a run that is resumed.
+#[derive(Debug, Default)]
+pub(super) struct Written {
+    canopy_times_s: Vec<f64>,
+    flow_times_s: Vec<f64>,
+    timed_pictures: usize,
+}
+
+impl Written {
+    pub(super) fn restore(from: &Reader) -> Result<Self, CheckpointError> {
+        Ok(Self {
+            canopy_times_s: from.take("canopy_times")?,
+            flow_times_s: from.take("flow_times")?,
+            timed_pictures: from.take_exactly::<u64>("timed_pictures", 1)?[0] as usize,
+        })
+    }
+}
+
+/// Files of a run.
+pub(super) struct Files<'a> {
+    folder: &'a Path,
+    canopies: Option<Pvd>,
+    flows: Option<Pvd>,
+    /// Pictures drawn at the times that the case asks for.
+    pub(super) timed_pictures: usize,
+    pub(super) last_picture: Option<PathBuf>,
+}
+
+fn canopy_name(index: usize) -> String {
+    format!("canopy_{index:05}.vtp")
+}
+
+fn flow_name(index: usize) -> String {
+    format!("flow_{index:05}.vti")
+}
+
+/// Removes what an earlier run left in the folder under the names that this run will use; mixing two runs would mislead.
+pub(super) fn remove_stale(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let numbered = |prefix: &str, suffix: &str| {
+            name.strip_prefix(prefix)
+                .and_then(|rest| rest.strip_suffix(suffix))
+                .is_some_and(|digits| {
+                    digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())
+                })
+        };
+        let ours = numbered("canopy_", ".vtp")
+            || numbered("flow_", ".vti")
+            || numbered("snapshot_", ".png")
+            || [
+                "summary.json",
+                "canopy_last_good.vtp",
+                "canopy.pvd",
+                "flow.pvd",
+            ]
+            .contains(&name.as_str());
+        if ours {
+            // What cannot be removed will be overwritten or reported then.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+impl<'a> Files<'a> {
+    pub(super) fn create(
+        folder: &'a Path,
+        scene: &Scene,
+        written: &Written,
+    ) -> Result<Self, OutputError> {
+        let collection = |name: &str,
+                          times: &[f64],
+                          file_name: fn(usize) -> String|
+         -> Result<Pvd, OutputError> {
+            let mut collection = Pvd::create(&folder.join(name))?;
+            for (index, &time_s) in times.iter().enumerate() {
+                collection.append(time_s, &file_name(index))?;
+            }
+            Ok(collection)
+        };
+        Ok(Self {
+            folder,
+            canopies: match scene.body {
+                Some(_) => Some(collection(
+                    "canopy.pvd",
+                    &written.canopy_times_s,
+                    canopy_name,
+                )?),
+                None => None,
+            },
+            flows: match scene.air {
+                Some(_) => Some(collection("flow.pvd", &written.flow_times_s, flow_name)?),
+                None => None,
+            },
+            timed_pictures: written.timed_pictures,
+            last_picture: None,
+        })
+    }
+
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        let times = |collection: &Option<Pvd>| -> Vec<f64> {
+            collection
+                .iter()
+                .flat_map(|c| c.entries().iter().map(|e| e.time_s))
+                .collect()
+        };
+        out.put("canopy_times", &times(&self.canopies))?;
+        out.put("flow_times", &times(&self.flows))?;
+        out.put("timed_pictures", &[self.timed_pictures as u64])
+    }
+
+    pub(super) fn canopy(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        let Some(collection) = &mut self.canopies else {
+            return Ok(());
+        };
+        let frame = simulation.frame(false);
+        if let Some(structure) = &frame.structure {
+            let name = canopy_name(collection.entries().len());
+            write_canopy_vtp(&self.folder.join(&name), structure, frame.time_s)?;
+            collection.append(frame.time_s, &name)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn flow(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        let Some(collection) = &mut self.flows else {
+            return Ok(());
+        };
+        let frame = simulation.frame(true);
+        if let Some(fluid) = &frame.fluid {
+            let name = flow_name(collection.entries().len());
+            write_flow_vti(&self.folder.join(&name), fluid, frame.time_s)?;
+            collection.append(frame.time_s, &name)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the scene as it is now, under the next free number.
+    pub(super) fn picture(
+        &mut self,
+        simulation: &Simulation,
+        record: &Record,
+    ) -> Result<(), RunError> {
+        let scene = simulation.scene();
+        let frame = simulation.frame(true);
+        let mut caption = String::new();
+        for (column, label) in [
+            ("drag_coefficient", "C_D"),
+            ("projected_diameter_ratio", "D_p/D_0"),
+        ] {
+            if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
+                caption.push_str(&format!("{label} {value:.2}  "));
+            }
+        }
+        let mut options = PictureOptions {
+            title: Some(scene.title.clone()),
+            caption: Some(caption).filter(|c| !c.is_empty()),
+            speed_range_m_s: scene.air.map(|air| [0.0, 1.4 * air.reference_speed_m_s]),
+            ..PictureOptions::default()
+        };
+        if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)
+            && let BodyKind::Canopy(canopy) = &body.kind
+        {
+            // The same box for all pictures of a run, so that the camera stands still.
+            let confluence = structure.positions_m[canopy.canopy_node_count];
+            let reach = canopy.nominal_diameter_m;
+            options.framing_box_m = Some([
+                confluence - DVec3::new(0.1, 0.6, 0.6) * reach,
+                confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
+            ]);
+        }
+        let bytes = render::snapshot_png_bytes(&frame, &options)?;
+        let path = self
+            .folder
+            .join(format!("snapshot_{:03}.png", self.timed_pictures));
+        write_atomically(&path, |out| out.write_all(&bytes))?;
+        self.last_picture = Some(path);
+        Ok(())
+    }
+}

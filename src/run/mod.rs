@@ -1,0 +1,327 @@
+//! A complete run: advances a simulation to its end, samples it, and writes everything into one folder.
+
+mod files;
+mod summary;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::case::Case;
+use crate::case::scene::BodyKind;
+use crate::checkpoint::{self, CheckpointError};
+use crate::frame::Frame;
+use crate::measure::Record;
+use crate::output::{
+    HistoryWriter, OutputError, Summary, prepare_directory, write_canopy_vtp, write_summary,
+};
+use crate::plan::Plan;
+use crate::render;
+use crate::simulation::{Diverged, Simulation};
+use crate::solve::lbfgs::Stop;
+use crate::steady;
+use files::Files;
+
+/// Wall time between checkpoints.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(300);
+
+/// Steps between reports of progress.
+const PROGRESS_INTERVAL: u64 = 20;
+
+/// Why a run could not deliver.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The physics broke down; files up to then are kept.
+    #[error("{0}")]
+    Diverged(Diverged),
+    /// A file could not be written.
+    #[error("{0}")]
+    Output(#[from] OutputError),
+    /// A picture could not be drawn.
+    #[error("cannot draw a picture: {0}")]
+    Picture(#[from] render::RenderError),
+    /// There is nothing to resume from.
+    #[error("{0}")]
+    Checkpoint(#[from] CheckpointError),
+}
+
+/// Who watches a run.
+pub trait Observer {
+    /// Called now and then with steps done, steps planned and a short status.
+    fn progress(&mut self, done: u64, planned: u64, status: &str);
+    /// Called with single events worth a line.
+    fn note(&mut self, line: &str);
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct Report {
+    /// What `summary.json` holds.
+    pub summary: Summary,
+    /// True if it was interrupted; a checkpoint is then in the folder.
+    pub interrupted: bool,
+    /// The picture of the last state.
+    pub last_picture: Option<PathBuf>,
+}
+
+/// What to run, and where.
+#[derive(Debug)]
+pub struct Order<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Its plan.
+    pub plan: Plan,
+    /// Folder for all results.
+    pub folder: &'a Path,
+    /// Continue from the checkpoint in the folder.
+    pub resume: bool,
+}
+
+struct Run<'a> {
+    case: &'a Case,
+    folder: &'a Path,
+    identity: String,
+    simulation: Simulation,
+    record: Record,
+    history: HistoryWriter,
+    files: Files<'a>,
+    /// Structure at the last sample, in case the next steps break down.
+    good: Frame,
+    notes: Vec<String>,
+}
+
+/// Runs a case and writes its results; stops early, resumably, when `interrupt` turns true.
+pub fn run(
+    order: Order,
+    interrupt: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<Report, RunError> {
+    prepare_directory(order.folder)?;
+    let began = Instant::now();
+    let mut run = Run::prepare(order, observer)?;
+    let (reason, diverged) = match run.drive(interrupt, observer) {
+        Ok(reason) => (reason, None),
+        Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
+        Err(other) => return Err(other),
+    };
+    run.history.flush()?;
+    let interrupted = diverged.is_none() && reason == INTERRUPTED;
+    if diverged.is_some() {
+        if let Some(structure) = &run.good.structure {
+            write_canopy_vtp(
+                &run.folder.join("canopy_last_good.vtp"),
+                structure,
+                run.good.time_s,
+            )?;
+        }
+        run.notes.push(format!(
+            "last good state, at t = {:.6} s, in canopy_last_good.vtp",
+            run.good.time_s
+        ));
+    } else {
+        run.files.canopy(&run.simulation)?;
+        run.files.flow(&run.simulation)?;
+        run.files.picture(&run.simulation, &run.record)?;
+        if !interrupted {
+            checkpoint::remove(run.folder);
+        }
+    }
+    let wall_s = began.elapsed().as_secs_f64();
+    let summary = summary::summarise(
+        run.case,
+        &run.simulation,
+        &run.record,
+        reason,
+        run.notes,
+        wall_s,
+    );
+    run.history.finish()?;
+    write_summary(&run.folder.join("summary.json"), &summary)?;
+    match diverged {
+        Some(diverged) => Err(RunError::Diverged(diverged)),
+        None => Ok(Report {
+            summary,
+            interrupted,
+            last_picture: run.files.last_picture,
+        }),
+    }
+}
+
+const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
+
+impl<'a> Run<'a> {
+    fn prepare(order: Order<'a>, observer: &mut dyn Observer) -> Result<Self, RunError> {
+        let Order {
+            case,
+            plan,
+            folder,
+            resume,
+        } = order;
+        let identity = format!("case {} in {}", case.hash, plan.precision.name());
+        // Read first: a checkpoint that cannot be used must leave the folder as it is.
+        let stored = resume
+            .then(|| checkpoint::Reader::open(folder, &identity))
+            .transpose()?;
+        let mut simulation =
+            Simulation::new(case.scene.clone(), plan).map_err(RunError::Diverged)?;
+        let mut record = Record::new(&simulation);
+        let mut notes = Vec::new();
+        let mut written = files::Written::default();
+        match &stored {
+            Some(stored) => {
+                simulation.restore(stored)?;
+                record.restore(stored)?;
+                written = files::Written::restore(stored)?;
+                let text = format!(
+                    "resumed at t = {:.6} s, step {}",
+                    simulation.time_s(),
+                    simulation.step_count()
+                );
+                observer.note(&text);
+                notes.push(text);
+            }
+            None => {
+                files::remove_stale(folder);
+                if let Some(opening) = simulation.opening() {
+                    observer.note(&format!(
+                        "canopy opened by loading pressure: D_p/D_0 {:.3} -> {:.3} in {} steps",
+                        opening.folded_ratio, opening.opened_ratio, opening.steps
+                    ));
+                }
+            }
+        }
+        let mut history = HistoryWriter::create(&folder.join("history.csv"), record.columns())?;
+        for row in record.rows() {
+            history.push(row)?;
+        }
+        let files = Files::create(folder, &case.scene, &written)?;
+        let good = simulation.frame(false);
+        Ok(Self {
+            case,
+            folder,
+            identity,
+            simulation,
+            record,
+            history,
+            files,
+            good,
+            notes,
+        })
+    }
+
+    fn save(&mut self) -> Result<(), OutputError> {
+        checkpoint::write(self.folder, &self.identity, |out| {
+            self.simulation.save(out)?;
+            self.record.save(out)?;
+            self.files.save(out)
+        })
+    }
+
+    /// Steps to the end; returns why it ended.
+    fn drive(
+        &mut self,
+        interrupt: &AtomicBool,
+        observer: &mut dyn Observer,
+    ) -> Result<String, RunError> {
+        let scene = &self.case.scene;
+        let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
+        let every = |interval: f64| ((interval / step_s).round() as u64).max(1);
+        let sample_every = every(scene.output.sample_interval_s);
+        let canopy_every = scene.output.canopy_interval_s.map(every);
+        let flow_every = scene.output.flow_interval_s.map(every);
+        let start_steps = self.simulation.plan().start_steps;
+        let planned = start_steps + self.simulation.plan().steps;
+        let mut picture_times = scene.output.picture_times_s.clone();
+        picture_times.sort_by(f64::total_cmp);
+        let began = Instant::now();
+        let first_step = self.simulation.step_count();
+        let mut last_checkpoint = Instant::now();
+        while self.simulation.step_count() < planned {
+            // Before anything of this step is written, so that a resumed run writes it once.
+            if interrupt.load(Ordering::Relaxed) {
+                self.save()?;
+                return Ok(INTERRUPTED.to_owned());
+            }
+            if last_checkpoint.elapsed() >= CHECKPOINT_INTERVAL {
+                self.save()?;
+                last_checkpoint = Instant::now();
+            }
+            if self.simulation.released() {
+                let since = self.simulation.step_count() - start_steps;
+                if canopy_every.is_some_and(|n| since.is_multiple_of(n)) {
+                    self.files.canopy(&self.simulation)?;
+                }
+                if flow_every.is_some_and(|n| since.is_multiple_of(n)) {
+                    self.files.flow(&self.simulation)?;
+                }
+                let sampled = since.is_multiple_of(sample_every);
+                if sampled {
+                    self.history.push(self.record.add(&self.simulation))?;
+                    self.good = self.simulation.frame(false);
+                }
+                while picture_times
+                    .get(self.files.timed_pictures)
+                    .is_some_and(|&t| t <= self.simulation.time_s() + 0.5 * step_s)
+                {
+                    self.files.picture(&self.simulation, &self.record)?;
+                    self.files.timed_pictures += 1;
+                }
+                if sampled && let Some(reason) = self.steady_reason() {
+                    observer.note(&reason);
+                    return Ok(reason);
+                }
+            }
+            self.simulation.advance().map_err(RunError::Diverged)?;
+            let done = self.simulation.step_count();
+            if done.is_multiple_of(PROGRESS_INTERVAL) || done == planned {
+                let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
+                observer.progress(done, planned, &self.status(rate));
+            }
+        }
+        if scene.time.is_some() {
+            self.history.push(self.record.add(&self.simulation))?;
+        }
+        match self.simulation.equilibrate() {
+            None => Ok("end time reached".to_owned()),
+            Some(result) => {
+                let outcome = result.map_err(RunError::Diverged)?;
+                let text = format!(
+                    "equilibrium: {} after {} iterations and {} evaluations, energy norm {:.3e}",
+                    match outcome.stop {
+                        Stop::Converged => "reached",
+                        Stop::Stalled => "STALLED before its tolerance",
+                        Stop::LimitReached => "NOT reached within evaluation_limit",
+                        Stop::NotFinite => "not finite",
+                    },
+                    outcome.iterations,
+                    outcome.evaluations,
+                    outcome.energy_norm
+                );
+                observer.note(&text);
+                Ok(text)
+            }
+        }
+    }
+
+    fn steady_reason(&self) -> Option<String> {
+        let scene = &self.case.scene;
+        let BodyKind::Canopy(canopy) = &scene.body.as_ref()?.kind else {
+            return None;
+        };
+        let unit_s = canopy.nominal_diameter_m / scene.air?.reference_speed_m_s;
+        steady::reason_to_stop(&self.record, unit_s, scene.steady_drag_confidence?)
+    }
+
+    fn status(&self, rate: f64) -> String {
+        let mut text = format!("t = {:.4} s, {rate:.0} steps/s", self.simulation.time_s());
+        for (column, label) in [
+            ("projected_diameter_ratio", "D_p/D_0"),
+            ("drag_coefficient", "C_D"),
+        ] {
+            if let Some(value) = self.record.latest(column).filter(|v| v.is_finite()) {
+                text.push_str(&format!(", {label} {value:.3}"));
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,87 @@
+//! `summary.json` of a finished run.
+
+use crate::case::Case;
+use crate::measure::{Record, results};
+use crate::output::{CaseInfo, MillisecondsPerStep, SCHEMA_VERSION, StopInfo, Summary};
+use crate::simulation::Simulation;
+
+/// Everything that a run leaves to be known about itself.
+pub(super) fn summarise(
+    case: &Case,
+    simulation: &Simulation,
+    record: &Record,
+    reason: String,
+    mut notes: Vec<String>,
+    wall_s: f64,
+) -> Summary {
+    let scene = simulation.scene();
+    let plan = simulation.plan();
+    let steps = simulation.step_count();
+    let cost = simulation.cost();
+    let per_step = |duration: std::time::Duration, present: bool| {
+        (present && steps > 0).then(|| 1e3 * duration.as_secs_f64() / steps as f64)
+    };
+    let cells = scene.air.map(|air| air.cells);
+    let fluid_seconds = cost.fluid.as_secs_f64();
+    if let Some(opening) = simulation.opening() {
+        notes.push(format!(
+            "canopy opened by loading pressure from D_p/D_0 {:.3} to {:.3} before the wind",
+            opening.folded_ratio, opening.opened_ratio
+        ));
+    }
+    if cost.solves > 0 {
+        notes.push(format!(
+            "fabric: {:.1} iterations and {:.1} evaluations per solve",
+            cost.iterations as f64 / cost.solves as f64,
+            cost.evaluations as f64 / cost.solves as f64
+        ));
+    }
+    if let Some(quality) = scene.body.as_ref().and_then(|b| b.quality) {
+        notes.push(format!(
+            "triangle quality: smallest {:.3}, mean {:.3} (1 = equilateral)",
+            quality.smallest_shape, quality.mean_shape
+        ));
+    }
+    Summary {
+        schema_version: SCHEMA_VERSION,
+        ripstop_version: env!("CARGO_PKG_VERSION").to_owned(),
+        case: CaseInfo {
+            title: scene.title.clone(),
+            file: case.name.clone(),
+            variant: case.variant.clone(),
+            hash: case.hash.clone(),
+        },
+        engine: "cpu".to_owned(),
+        device: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        precision: plan.precision.name().to_owned(),
+        threads: rayon::current_num_threads(),
+        cells,
+        markers: simulation
+            .coupled()
+            .map_or(0, |c| c.immersed().marker_count()),
+        nodes: plan.sizes.nodes as usize,
+        triangles: plan.sizes.triangles as usize,
+        steps,
+        simulated_s: simulation.time_s().max(0.0),
+        wall_s,
+        million_lattice_updates_per_s: (cells.is_some() && fluid_seconds > 0.0)
+            .then(|| plan.sizes.cells as f64 * steps as f64 / fluid_seconds / 1e6),
+        milliseconds_per_step: MillisecondsPerStep {
+            fluid: per_step(cost.fluid, scene.air.is_some()),
+            coupling: per_step(cost.coupling, scene.coupling.is_some()),
+            cloth: per_step(cost.cloth, scene.body.is_some()),
+            other: per_step(cost.measure, true),
+        },
+        stop: StopInfo {
+            reason,
+            when_s: simulation.time_s(),
+        },
+        skipped: plan
+            .skips
+            .iter()
+            .map(|s| format!("{}: {}", s.what, s.why))
+            .collect(),
+        notes,
+        results: results(simulation, record),
+    }
+}

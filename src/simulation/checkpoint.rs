@@ -1,0 +1,48 @@
+//! What of a simulation goes into a checkpoint: everything that the next step reads and that the scene does not define.
+
+use std::io;
+
+use super::Simulation;
+use super::air::{AirEngine, each_engine};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+
+impl Simulation {
+    /// Writes the state.
+    pub fn save(&self, out: &mut Writer) -> io::Result<()> {
+        out.put("step", &[self.step])?;
+        if let Some(air) = &self.air {
+            each_engine!(air, fluid => fluid.save(out))?;
+        }
+        if let Some(cloth) = &self.cloth {
+            out.put("positions", &cloth.positions_m)?;
+            out.put("velocities", &cloth.velocities_m_s)?;
+        }
+        if let Some(coupled) = &self.coupled {
+            coupled.save(out)?;
+        }
+        if let Some(impulses) = &self.impulses {
+            impulses.save(out)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the state from a checkpoint of the same case.
+    pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        self.step = from.take_exactly("step", 1)?[0];
+        if let Some(air) = &mut self.air {
+            each_engine!(air, fluid => fluid.restore(from))?;
+        }
+        if let Some(cloth) = &mut self.cloth {
+            let nodes = cloth.structure.node_count();
+            cloth.positions_m = from.take_exactly("positions", nodes)?;
+            cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
+        }
+        if let Some(coupled) = &mut self.coupled {
+            coupled.restore(from)?;
+        }
+        if let Some(impulses) = &mut self.impulses {
+            impulses.restore(from)?;
+        }
+        Ok(())
+    }
+}
