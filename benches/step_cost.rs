@@ -16,6 +16,7 @@ use std::time::Instant;
 use ripstop::case::{self, Choices};
 use ripstop::measure::{Record, results};
 use ripstop::plan::{Plan, Precision};
+use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
 use serde_json::{Value, json};
 
@@ -33,21 +34,8 @@ fn load(name: &str, overrides: &[String]) -> case::Case {
 
 /// Runs a case without writing files; returns simulation, record and wall seconds.
 fn run(case: &case::Case, precision: Precision) -> (Simulation, Record, f64) {
-    let plan = Plan::new(&case.scene, precision);
-    let steps = plan.start_steps + plan.steps;
-    let every = (case.scene.output.sample_interval_s / case.scene.time.unwrap().step_s)
-        .round()
-        .max(1.0) as u64;
-    let mut simulation = Simulation::new(case.scene.clone(), plan).unwrap();
-    let mut record = Record::new(&simulation);
     let began = Instant::now();
-    for step in 0..steps {
-        if simulation.released() && step.is_multiple_of(every) {
-            record.add(&simulation);
-        }
-        simulation.advance().unwrap();
-    }
-    record.add(&simulation);
+    let (simulation, record) = without_files(case, Plan::new(&case.scene, precision)).unwrap();
     (simulation, record, began.elapsed().as_secs_f64())
 }
 

@@ -1,4 +1,4 @@
-//! Host snapshot of one instant, in SI units: all that `measure`, `output` and `render` ever see.
+//! Host snapshot of one instant, in SI units: all that `output` and `render` ever see.
 
 use glam::DVec3;
 

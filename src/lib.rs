@@ -27,13 +27,13 @@
 //! | [`lattice`] | D3Q19, collision operators | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
-//! | [`cloth`] | what a structure is made of | laws |
+//! | [`cloth`] | what a structure is made of | laws, extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, mesh files | cloth |
 //! | [`solve`] | L-BFGS; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`units`] | SI ↔ lattice, only here | – |
 //! | [`case`] | case files and their errors | geometry, laws |
-//! | [`plan`] | what a run will do, as data | case |
+//! | [`plan`] | what a run will do, as data | case, counts of markers |
 //! | [`simulation`] | runs the plan | plan, cpu |
 //! | [`frame`] | host snapshot in SI units | – |
 //! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
@@ -48,8 +48,9 @@
 //!
 //! Over the new node positions the fabric minimises inertia + elastic energy − loads + ½ dt Σ_k K_k |v_k − u*_k|², where v_k
 //! is a marker's velocity, u*_k the bare air velocity there and K_k = 2 a_k ρ A_k·cell/dt. The air then receives exactly
-//! K_k (v_k − u*_k). The step is convex in the reaction and conserves momentum to round-off, so the ratio of sheet mass to
-//! air mass does not matter for stability; a_k is lowered where folds put several layers under one kernel
+//! K_k (v_k − u*_k). The reaction is convex and the exchange of momentum exact (the fabric's own balance holds to the solver's
+//! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
+//! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]).
 //!
 //! ## Departures from the published schemes

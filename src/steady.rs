@@ -9,8 +9,12 @@ const SETTLING: f64 = 4.0;
 /// Shortest averaging window that may end a run [D₀/U].
 pub const SHORTEST_WINDOW: f64 = 12.0;
 
+/// Ratio of successive window lengths at which a run may end. A test at every sample would stop at the first lucky interval and
+/// so understate the error; with few looks the interval keeps most of its meaning.
+const LOOK_RATIO: f64 = 1.25;
+
 /// Length of a batch, long against the breathing period of about 1.8 D₀/U.
-const BATCH: f64 = 2.5;
+const BATCH: f64 = 2.0;
 
 /// The part of the record over which means are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +27,8 @@ pub struct Window {
     pub batch: usize,
     /// Length [D₀/U].
     pub length: f64,
+    /// First peak of the projected diameter, if it is over.
+    pub peak: Option<usize>,
     /// True if the window starts only after the opening has settled.
     pub settled: bool,
 }
@@ -48,6 +54,7 @@ pub fn window(record: &Record, unit_s: f64) -> Option<Window> {
         end,
         batch: samples(BATCH),
         length: (times[end - 1] - times[first]) / unit_s,
+        peak,
         settled: settled.is_some(),
     })
 }
@@ -62,22 +69,54 @@ pub fn mean(record: &Record, name: &str, window: &Window) -> Mean {
     )
 }
 
-/// A sentence saying why the run may stop now, or `None` to go on.
-#[must_use]
-pub fn reason_to_stop(record: &Record, unit_s: f64, drag_confidence: f64) -> Option<String> {
-    let window = window(record, unit_s)?;
-    if !window.settled || window.length < SHORTEST_WINDOW {
-        return None;
+/// Decides at a few window lengths whether a run may stop.
+#[derive(Debug, Clone)]
+pub struct Detector {
+    unit_s: f64,
+    drag_confidence: f64,
+    /// Window length of the next look [D₀/U].
+    next_look: f64,
+}
+
+impl Detector {
+    /// Detector for a run whose D₀/U is `unit_s`, stopping at a relative half width `drag_confidence` of the mean drag.
+    #[must_use]
+    pub const fn new(unit_s: f64, drag_confidence: f64) -> Self {
+        Self {
+            unit_s,
+            drag_confidence,
+            next_look: SHORTEST_WINDOW,
+        }
     }
-    let drag = mean(record, "drag_coefficient", &window);
-    let confidence = drag.confidence? / drag.value.abs();
-    (confidence <= drag_confidence).then(|| {
-        format!(
-            "steady: the mean drag coefficient {:.3} is known to ±{:.1} % (95 %, asked for {:.1} %) over {:.1} D_0/U",
-            drag.value,
-            100.0 * confidence,
-            100.0 * drag_confidence,
-            window.length
-        )
-    })
+
+    /// Passes over the looks that a record from a checkpoint has had already.
+    pub fn skip_looks(&mut self, record: &Record) {
+        if let Some(window) = window(record, self.unit_s).filter(|w| w.settled) {
+            while window.length >= self.next_look {
+                self.next_look *= LOOK_RATIO;
+            }
+        }
+    }
+
+    /// A sentence saying why the run may stop now, or `None` to go on.
+    pub fn reason_to_stop(&mut self, record: &Record) -> Option<String> {
+        let window = window(record, self.unit_s)?;
+        if !window.settled || window.length < self.next_look {
+            return None;
+        }
+        while window.length >= self.next_look {
+            self.next_look *= LOOK_RATIO;
+        }
+        let drag = mean(record, "drag_coefficient", &window);
+        let confidence = drag.confidence? / drag.value.abs();
+        (confidence <= self.drag_confidence).then(|| {
+            format!(
+                "steady: the mean drag coefficient {:.3} is known to ±{:.1} % (batch means, 95 %; asked for {:.1} %) over {:.1} D_0/U",
+                drag.value,
+                100.0 * confidence,
+                100.0 * self.drag_confidence,
+                window.length
+            )
+        })
+    }
 }

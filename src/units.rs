@@ -1,4 +1,4 @@
-//! SI ↔ lattice units: the only place where they meet.
+//! SI ↔ lattice units: the scales are computed here and nowhere else.
 //!
 //! Inside the air a cell, a time step and the density of undisturbed air are 1.
 
@@ -67,12 +67,6 @@ impl Units {
         3.0 * kinematic_viscosity_m2_s * self.time_step_s / self.cell_size_m.powi(2) + 0.5
     }
 
-    /// Lattice acceleration of one m/s².
-    #[must_use]
-    pub fn acceleration_from_m_s2(&self, acceleration_m_s2: f64) -> f64 {
-        acceleration_m_s2 * self.time_step_s.powi(2) / self.cell_size_m
-    }
-
     /// Lattice velocity [cells per step].
     #[must_use]
     pub fn velocity_to_lattice(&self, velocity_m_s: DVec3) -> [f64; 3] {
@@ -106,10 +100,10 @@ mod tests {
     fn scales_are_consistent() {
         let units = Units::from_speed(0.04, 30.0, 0.08, 1.2);
         assert!((units.velocity_to_lattice(DVec3::X * 30.0)[0] - 0.08).abs() < 1e-15);
-        // Force = mass · acceleration, in both systems.
-        let acceleration = units.acceleration_from_m_s2(1.0);
-        let force = 1.2 * 0.04f64.powi(3);
-        assert!((force / units.force_n() - acceleration).abs() < 1e-12 * acceleration);
+        // Force = mass · acceleration: one cell of air under one cell per step² in both systems.
+        let force = units.density_kg_m3 * units.cell_size_m.powi(3) * units.cell_size_m
+            / units.time_step_s.powi(2);
+        assert!((force / units.force_n() - 1.0).abs() < 1e-12);
         // Dynamic pressure ½ ρ u² of lattice speed u is ½ u² / cs² density excess.
         let excess = 0.5 * 0.08 * 0.08 * 3.0;
         assert!((units.pressure_pa() * excess - 0.5 * 1.2 * 900.0).abs() < 1e-9);

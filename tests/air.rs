@@ -14,7 +14,9 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("air::forced_cells_add_their_force", Forced),
         on_every_engine("air::free_slip_is_a_mirror", Mirror),
         on_every_engine("air::uniform_wind_passes_unchanged", Wind),
+        on_every_engine("air::an_empty_tunnel_starts_without_sound", TunnelStart),
         on_every_engine("air::shear_layer_at_reynolds_2e6", ShearLayer),
+        on_every_engine("air::eddy_viscosity_of_a_shear_wave", EddyViscosity),
         plain("air::taylor_green_order", order),
         plain("air::same_bits_on_any_number_of_threads", threads),
     ]
@@ -287,6 +289,44 @@ impl Body for Wind {
 }
 
 #[derive(Clone, Copy)]
+struct TunnelStart;
+
+impl Body for TunnelStart {
+    /// While all air is accelerated alike and the inlet follows, pressure and shape of the wind stay uniform: a lag of a single
+    /// step between inlet and air would start a sound wave that the tunnel keeps (it did).
+    fn run<T: Real>(self, engine: Engine) {
+        let source = "version = 1\n[air]\ndensity_kg_m3 = 1.18\nkinematic_viscosity_m2_s = 1.55e-5\n\
+            [air.wind_tunnel]\nspeed_m_s = 30.0\nsize_m = [2.4, 0.4, 0.4]\nstart_time_s = 0.0222\nsponge_length_m = 0.4\n\
+            [resolution]\ncell_size_m = 0.04\nlattice_speed = 0.08\noperator = \"recursive_regularised\"\n\
+            smagorinsky_constant = 0.15\n[time]\nend_s = 0.03\n[output]\nsample_interval_s = 0.001\n";
+        let case = ripstop::case::parse(
+            "tunnel",
+            source,
+            std::path::Path::new("."),
+            &Default::default(),
+        )
+        .unwrap();
+        let precision = match engine {
+            Engine::CpuF64 => ripstop::plan::Precision::F64,
+            Engine::CpuF32 | Engine::Gpu => ripstop::plan::Precision::F32,
+        };
+        let plan = ripstop::plan::Plan::new(&case.scene, precision);
+        let (simulation, record) = ripstop::run::without_files(&case, plan).unwrap();
+        let mass = 1.18 * 2.4 * 0.4 * 0.4;
+        for excess in record.column("mass_excess_kg") {
+            assert!(
+                (excess / mass).abs() < tolerances::TUNNEL_START,
+                "{:e}",
+                excess / mass
+            );
+        }
+        let energy = record.latest("kinetic_energy_j").unwrap() / (0.5 * mass * 900.0);
+        assert!((energy - 1.0).abs() < 1e-5, "{energy}");
+        assert!(simulation.released());
+    }
+}
+
+#[derive(Clone, Copy)]
 struct ShearLayer;
 
 impl Body for ShearLayer {
@@ -324,6 +364,44 @@ impl Body for ShearLayer {
             energy > 0.3 * first,
             "the layer must roll up, not vanish: {energy} of {first}"
         );
+    }
+}
+
+#[derive(Clone, Copy)]
+struct EddyViscosity;
+
+impl Body for EddyViscosity {
+    /// A shear wave A sin(ky) loses energy to ν A²k²/2 and, with Smagorinsky's ν_t = C_s² |S|, to C_s² (Ak)³ 4/(3π) besides.
+    fn run<T: Real>(self, _: Engine) {
+        let n = 32;
+        let k = std::f64::consts::TAU / n as f64;
+        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+            let mut setup = periodic([4, n, 4], 0.503, operator);
+            setup.smagorinsky_constant = Some(0.6);
+            let wave =
+                |[_, y, _]: [usize; 3]| (0.0, [0.1 * (k * (y as f64 + 0.5)).sin(), 0.0, 0.0]);
+            let mut fluid = Fluid::<T>::new(setup, wave);
+            advance(&mut fluid, 100);
+            let volume = (16 * n) as f64;
+            let (_, before) = fluid.mass_and_energy();
+            let steps = 100;
+            advance(&mut fluid, steps);
+            let (_, after) = fluid.mass_and_energy();
+            // ½ <u²> = A²/4.
+            let amplitude = (2.0 * (before + after) / volume).sqrt();
+            let loss = (before - after) / volume / steps as f64;
+            let molecular = 0.001 * 0.5 * (amplitude * k).powi(2);
+            let eddy = 0.6 * 0.6 * (amplitude * k).powi(3) * 4.0 / (3.0 * std::f64::consts::PI);
+            assert!(
+                eddy > molecular,
+                "the test must be about the eddy viscosity"
+            );
+            let error = loss / (molecular + eddy) - 1.0;
+            assert!(
+                error.abs() < tolerances::EDDY_VISCOSITY,
+                "{operator:?}: {error}"
+            );
+        }
     }
 }
 

@@ -128,7 +128,7 @@ fn gradient() {
                 let difference = (up - energy(&moved)) / (2.0 * step);
                 let error = (difference - gradient[node][axis]).abs() / scale;
                 assert!(
-                    error < tolerances::GRADIENT * 100.0,
+                    error < tolerances::GRADIENT,
                     "{model:?} node {node}: {error:e}"
                 );
             }
@@ -344,7 +344,7 @@ fn hanging_sheet() {
         let mut cloth = Cloth::new(structure);
         let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
         let settings = SolverSettings {
-            tolerance: 1e-6,
+            tolerance: 1e-4,
             ..SETTINGS
         };
         let outcome = cloth.solve_cloth(
@@ -398,7 +398,7 @@ fn network_and_membrane() {
     );
 }
 
-/// Random, collapsed and inverted starts, soft to stiff: finite, or refused; and the step never raises the objective.
+/// Random, collapsed and inverted starts, soft to stiff: finite, or refused.
 fn hostile_starts() {
     for modulus in [1e1, 1e5, 1e8] {
         for dt in [1e-5, 1e-3, 1e-1] {

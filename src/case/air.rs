@@ -5,8 +5,10 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, within};
-use crate::immersed::markers;
 use crate::units::Units;
+
+/// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
+const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 
 /// Smallest number of cells along any axis of the air.
 const SMALLEST_AXIS_CELLS: usize = 4;
@@ -116,7 +118,11 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             (
                 [side_m, side_m, depth_m],
                 speed_m_s,
-                Flow::TaylorGreen { speed_m_s, side_m },
+                // The period is a whole number of cells.
+                Flow::TaylorGreen {
+                    speed_m_s,
+                    side_m: (side_m / cell_size_m).round().max(1.0) * cell_size_m,
+                },
             )
         }
         _ => {
@@ -225,6 +231,18 @@ pub(super) fn check_coupling(
             "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest",
         ));
     }
+    if air.cells.iter().any(|&n| n < SMALLEST_COUPLED_AXIS_CELLS) {
+        return Err(Problem::new(
+            "resolution",
+            format!(
+                "the air has only {} x {} x {} cells: too few around a structure",
+                air.cells[0], air.cells[1], air.cells[2]
+            ),
+            format!(
+                "at least {SMALLEST_COUPLED_AXIS_CELLS} cells are needed along every axis: choose smaller cells"
+            ),
+        ));
+    }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
     let margin = 2.0 * air.units.cell_size_m;
     for (node, position) in body.structure.positions_m.iter().enumerate() {
@@ -242,23 +260,6 @@ pub(super) fn check_coupling(
                 "enlarge the tunnel or move the structure (structure.*.confluence_m)",
             ));
         }
-    }
-    let spacing = body
-        .structure
-        .triangles
-        .iter()
-        .map(|t| {
-            t.rest_area_m2.sqrt()
-                / markers::subdivisions(t.rest_area_m2, air.units.cell_size_m) as f64
-        })
-        .fold(0.0, f64::max)
-        / air.units.cell_size_m;
-    if spacing > markers::SPACING_LIMIT_CELLS {
-        return Err(Problem::new(
-            "resolution",
-            format!("markers would be {spacing:.2} cells apart"),
-            format!("at most {} is tight", markers::SPACING_LIMIT_CELLS),
-        ));
     }
     Ok(Some(Coupling {
         over_relaxation: within(

@@ -188,6 +188,70 @@ pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
     }
 }
 
+fn at_least_one(key: &str, value: usize) -> Result<usize, Problem> {
+    if value > 0 {
+        Ok(value)
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = 0 would solve nothing"),
+            "give at least 1; hundreds are usual",
+        ))
+    }
+}
+
+/// Refuses tables that nothing in the case would read: a reader would take them for effective.
+fn refuse_unused(file: &File) -> Result<(), Problem> {
+    let canopy = file
+        .structure
+        .as_ref()
+        .is_some_and(|s| s.flat_circular.is_some());
+    let fabric = file.structure.as_ref().is_some_and(|s| s.cable.is_none());
+    for (key, present, used, what) in [
+        ("lines", file.lines.is_some(), canopy, "a canopy"),
+        ("belts", file.belts.is_some(), canopy, "a canopy"),
+        (
+            "steady",
+            file.steady.is_some(),
+            canopy && file.air.is_some(),
+            "a canopy in wind",
+        ),
+        (
+            "fabric",
+            file.fabric.is_some(),
+            fabric,
+            "a structure with fabric",
+        ),
+        (
+            "resolution",
+            file.resolution.is_some(),
+            file.air.is_some(),
+            "[air]",
+        ),
+        (
+            "gravity",
+            file.gravity.is_some(),
+            file.structure.is_some(),
+            "[structure]",
+        ),
+        (
+            "solver",
+            file.solver.is_some(),
+            file.structure.is_some(),
+            "[structure]",
+        ),
+    ] {
+        if present && !used {
+            return Err(Problem::new(
+                key,
+                format!("[{key}] has no effect: it needs {what}"),
+                format!("remove [{key}], or add {what}"),
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses values outside a closed range.
 pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, Problem> {
     if (low..=high).contains(&value) {
@@ -231,6 +295,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             "give three finite numbers",
         ));
     }
+    refuse_unused(file)?;
     let mut body = structure::check(file, folder, gravity_m_s2)?;
     let air = file
         .air
@@ -260,7 +325,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             }
             Ok(Equilibrium {
                 tolerance: within("equilibrium.tolerance", e.tolerance, 1e-12, 0.5)?,
-                evaluation_limit: e.evaluation_limit,
+                evaluation_limit: at_least_one("equilibrium.evaluation_limit", e.evaluation_limit)?,
             })
         })
         .transpose()?;
@@ -317,7 +382,10 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
             1e-12,
             0.5,
         )?,
-        evaluation_limit: written.and_then(|s| s.evaluation_limit).unwrap_or(2_000),
+        evaluation_limit: at_least_one(
+            "solver.evaluation_limit",
+            written.and_then(|s| s.evaluation_limit).unwrap_or(2_000),
+        )?,
         damping_1_s,
     })
 }

@@ -111,20 +111,27 @@ impl CaseArguments {
         };
         let case = case::load(&self.case, &choices)?;
         let plan = Plan::new(&case.scene, self.precision);
-        if let Some(free) = free_memory()
-            && let Err(refusal) = plan.sizes.fit_into(free)
-        {
+        if let Err(refusal) = plan.sizes.fit_into(free_memory()) {
             let air = case.scene.air.map(|air| air.cells);
+            let needs = format!(
+                "it needs {:.1} GB{}",
+                refusal.needed as f64 / 1e9,
+                air.map_or_else(String::new, |[x, y, z]| format!(
+                    " for {x} x {y} x {z} cells"
+                ))
+            );
+            let limit = refusal.free.map_or_else(
+                || "more than 4 294 967 294 cells cannot be addressed".to_owned(),
+                |free| {
+                    format!(
+                        "of {:.1} GB free memory at most 80 % may be taken",
+                        free as f64 / 1e9
+                    )
+                },
+            );
             return Err(Failure::Case(case.error(Problem::new(
                 if air.is_some() { "resolution" } else { "structure" },
-                format!(
-                    "in {}: the case is too large for this machine: it needs {:.1} GB{}, and of {:.1} GB free memory at \
-                     most 80 % may be taken",
-                    case.name,
-                    refusal.needed as f64 / 1e9,
-                    air.map_or_else(String::new, |[x, y, z]| format!(" for {x} x {y} x {z} cells")),
-                    refusal.free as f64 / 1e9
-                ),
+                format!("in {}: the case is too large for this machine: {needs}, and {limit}", case.name),
                 "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
             ))));
         }

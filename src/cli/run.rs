@@ -79,7 +79,7 @@ fn print_report(report: &Report, out: &std::path::Path) {
         ("fluid", cost.fluid),
         ("coupling", cost.coupling),
         ("cloth", cost.cloth),
-        ("measure", cost.other),
+        ("measure", cost.measure),
     ]
     .iter()
     .filter_map(|(name, value)| value.map(|v| format!("{name} {v:.2}")))

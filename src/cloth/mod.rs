@@ -10,6 +10,7 @@ pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
+use crate::immersed::markers::Extent;
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +75,14 @@ impl Structure {
                 kind,
             });
         }
+    }
+
+    /// Rest sizes of the triangles.
+    pub fn extents(&self) -> impl Iterator<Item = Extent> {
+        self.triangles.iter().map(|t| Extent {
+            area_m2: t.rest_area_m2,
+            longest_edge_m: t.rest_squares_m2.iter().copied().fold(0.0, f64::max).sqrt(),
+        })
     }
 
     /// Rest area of all triangles [m²].

@@ -1,10 +1,16 @@
 //! Markers: quadrature points on the fabric's triangles, spaced by the lattice, not by the structural mesh.
 
-/// Markers farther apart than this let air through [cells].
-pub const SPACING_LIMIT_CELLS: f64 = 1.5;
+/// Largest spacing of markers [cells]; a sheet with gaps beyond about 1.5 cells lets air through.
+pub const SPACING_LIMIT_CELLS: f64 = 1.0;
 
-/// Spacing aimed at [cells].
-pub const SPACING_TARGET_CELLS: f64 = 1.0;
+/// Rest size of a triangle, as far as markers care.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Area [m²].
+    pub area_m2: f64,
+    /// Longest edge [m].
+    pub longest_edge_m: f64,
+}
 
 /// One marker on a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,19 +23,30 @@ pub struct Marker {
     pub area_m2: f64,
 }
 
-/// Parts per edge into which a triangle of `area_m2` is divided, each part carrying one marker at its centroid.
+/// Parts per edge into which a triangle is divided, each part carrying one marker at its centroid. Centroids of equilateral
+/// neighbours lie an edge over √3 apart; the longest edge decides, so that slivers are not undersampled along their length.
 #[must_use]
-pub fn subdivisions(area_m2: f64, cell_size_m: f64) -> usize {
-    ((area_m2.sqrt() / (SPACING_TARGET_CELLS * cell_size_m)).ceil() as usize).max(1)
+pub fn subdivisions(extent: &Extent, cell_size_m: f64) -> usize {
+    let spacing = extent.longest_edge_m / 3f64.sqrt();
+    ((spacing / (SPACING_LIMIT_CELLS * cell_size_m)).ceil() as usize).max(1)
 }
 
-/// Places markers on triangles of the given rest areas [m²].
+/// Number of markers that [`place`] would place.
 #[must_use]
-pub fn place(areas_m2: &[f64], cell_size_m: f64) -> Vec<Marker> {
+pub fn count(extents: impl Iterator<Item = Extent>, cell_size_m: f64) -> u64 {
+    extents.fold(0, |total, extent| {
+        let n = subdivisions(&extent, cell_size_m) as u64;
+        total.saturating_add(n.saturating_mul(n))
+    })
+}
+
+/// Places markers on triangles.
+#[must_use]
+pub fn place(extents: impl Iterator<Item = Extent>, cell_size_m: f64) -> Vec<Marker> {
     let mut markers = Vec::new();
-    for (triangle, &area_m2) in areas_m2.iter().enumerate() {
-        let n = subdivisions(area_m2, cell_size_m);
-        let share = area_m2 / (n * n) as f64;
+    for (triangle, extent) in extents.enumerate() {
+        let n = subdivisions(&extent, cell_size_m);
+        let share = extent.area_m2 / (n * n) as f64;
         let mut push = |i: f64, j: f64| {
             let (a, b) = (i / n as f64, j / n as f64);
             markers.push(Marker {
@@ -56,20 +73,29 @@ mod tests {
 
     #[test]
     fn markers_integrate_linear_functions_exactly() {
-        let areas = [1.0, 7.3, 0.2];
-        let markers = place(&areas, 1.0);
-        for (triangle, area) in areas.iter().enumerate() {
+        let extents =
+            [(1.0, 1.5), (7.3, 4.0), (0.2, 0.7), (0.01, 5.0)].map(|(area_m2, longest_edge_m)| {
+                Extent {
+                    area_m2,
+                    longest_edge_m,
+                }
+            });
+        let markers = place(extents.into_iter(), 1.0);
+        assert_eq!(markers.len() as u64, count(extents.into_iter(), 1.0));
+        for (triangle, extent) in extents.iter().enumerate() {
             let own: Vec<_> = markers
                 .iter()
                 .filter(|m| m.triangle as usize == triangle)
                 .collect();
-            assert_eq!(own.len(), subdivisions(*area, 1.0).pow(2));
+            assert_eq!(own.len(), subdivisions(extent, 1.0).pow(2));
             let total: f64 = own.iter().map(|m| m.area_m2).sum();
-            assert!((total - area).abs() < 1e-12);
+            assert!((total - extent.area_m2).abs() < 1e-12);
             for corner in 0..3 {
                 let share: f64 = own.iter().map(|m| m.area_m2 * m.weights[corner]).sum();
-                assert!((share - area / 3.0).abs() < 1e-12);
+                assert!((share - extent.area_m2 / 3.0).abs() < 1e-12);
             }
         }
+        // A sliver of 5 cells has markers no farther than a cell apart along its length.
+        assert_eq!(subdivisions(&extents[3], 1.0), 3);
     }
 }

@@ -112,7 +112,7 @@ impl TouchedCells {
         for k in 0..size[2] {
             for j in 0..size[1] {
                 let first = self.cells.len() as u32;
-                let [_, y, z] = [0, low[1] + j as i64, low[2] + k as i64];
+                let (y, z) = (low[1] + j as i64, low[2] + k as i64);
                 for i in 0..size[0] {
                     let count = self.box_map[slot];
                     if count > 0 {

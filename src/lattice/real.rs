@@ -18,9 +18,6 @@ pub trait Real:
     + bytemuck::Pod
     + 'static
 {
-    /// Name used in reports and checkpoints.
-    const NAME: &'static str;
-
     /// Nearest value.
     fn of(value: f64) -> Self;
 
@@ -33,10 +30,8 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ty, $name:literal) => {
+    ($type:ty) => {
         impl Real for $type {
-            const NAME: &'static str = $name;
-
             #[inline(always)]
             fn of(value: f64) -> Self {
                 value as $type
@@ -55,5 +50,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, "f32");
-real!(f64, "f64");
+real!(f32);
+real!(f64);

@@ -3,7 +3,6 @@
 pub mod catenary;
 mod record;
 mod results;
-pub mod shape;
 pub mod statistics;
 
 pub use record::Record;

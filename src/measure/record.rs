@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::shape;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
+use crate::geometry::parachute::shape;
 use crate::simulation::Simulation;
 
 /// Samples of a run.
@@ -46,6 +46,23 @@ const CANOPY: [&str; 19] = [
     "mass_defect",
 ];
 
+/// A sheet or a mesh in the wind.
+const FABRIC_IN_WIND: [&str; 13] = [
+    "time_s",
+    "wind_speed_m_s",
+    "force_x_n",
+    "force_y_n",
+    "force_z_n",
+    "force_x_momentum_box_n",
+    "impulse_markers_n_s",
+    "impulse_momentum_box_n_s",
+    "tension_max_n_m",
+    "slip_ratio",
+    "fabric_kinetic_energy_j",
+    "fastest_node_m_s",
+    "mass_defect",
+];
+
 const FABRIC: [&str; 5] = [
     "time_s",
     "lowest_point_m",
@@ -68,7 +85,8 @@ impl Record {
         let scene = simulation.scene();
         let columns: &[&str] = match (&scene.body, &scene.air) {
             (Some(body), Some(_)) if matches!(body.kind, BodyKind::Canopy(_)) => &CANOPY,
-            (Some(_), _) => &FABRIC,
+            (Some(_), Some(_)) => &FABRIC_IN_WIND,
+            (Some(_), None) => &FABRIC,
             (None, _) => &AIR,
         };
         Self {
@@ -106,13 +124,73 @@ impl Record {
         let row = match (&scene.body, &scene.air) {
             (Some(body), Some(_)) => match &body.kind {
                 BodyKind::Canopy(canopy) => self.canopy_row(simulation, canopy),
-                _ => fabric_row(simulation),
+                _ => self.fabric_in_wind_row(simulation),
             },
             (Some(_), None) => fabric_row(simulation),
             (None, _) => air_row(simulation),
         };
         self.rows.push(row);
         self.rows.last().map_or(&[], Vec::as_slice)
+    }
+
+    /// Impulses now, mean forces since the last sample by the three routes [N], and the defect of the mass balance; NaN where a
+    /// route is not defined.
+    fn forces(&mut self, simulation: &Simulation) -> (LastImpulses, [DVec3; 3], f64) {
+        let sample = match (simulation.impulses(), simulation.air(), simulation.cloth()) {
+            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => {
+                Some(impulses.sample(air, cloth))
+            }
+            _ => None,
+        };
+        let unknown = DVec3::NAN;
+        let now = LastImpulses {
+            time_s: simulation.time_s(),
+            markers: sample.map_or(unknown, |s| s.markers),
+            momentum_box: sample.and_then(|s| s.momentum_box).unwrap_or(unknown),
+            supports: sample.and_then(|s| s.supports).unwrap_or(unknown),
+        };
+        let last = self.last;
+        let force = |pick: fn(&LastImpulses) -> DVec3| {
+            last.map_or(unknown, |last| {
+                (pick(&now) - pick(&last)) / (now.time_s - last.time_s)
+            })
+        };
+        let forces = [
+            force(|i| i.markers),
+            force(|i| i.momentum_box),
+            force(|i| i.supports),
+        ];
+        self.last = sample.map(|_| now);
+        (now, forces, sample.map_or(f64::NAN, |s| s.mass_defect))
+    }
+
+    fn fabric_in_wind_row(&mut self, simulation: &Simulation) -> Vec<f64> {
+        let frame = simulation.frame(false);
+        let (Some(structure), Some(coupled), Some(cloth)) =
+            (frame.structure, simulation.coupled(), simulation.cloth())
+        else {
+            return vec![f64::NAN; FABRIC_IN_WIND.len()];
+        };
+        let reference = simulation
+            .scene()
+            .air
+            .map_or(f64::NAN, |air| air.reference_speed_m_s);
+        let (now, [markers, momentum_box, _], mass_defect) = self.forces(simulation);
+        vec![
+            simulation.time_s(),
+            simulation.wind_speed_m_s(),
+            markers.x,
+            markers.y,
+            markers.z,
+            momentum_box.x,
+            now.markers.x,
+            now.momentum_box.x,
+            largest(structure.principal_tensions_n_m.iter().map(|t| t[0])),
+            coupled.slip_m_s() / reference,
+            cloth.kinetic_energy_j(),
+            largest(structure.velocities_m_s.iter().map(|v| v.length())),
+            mass_defect,
+        ]
     }
 
     fn canopy_row(&mut self, simulation: &Simulation, canopy: &Canopy) -> Vec<f64> {
@@ -131,29 +209,8 @@ impl Record {
         let (Some(structure), Some(coupled)) = (frame.structure, simulation.coupled()) else {
             return vec![f64::NAN; CANOPY.len()];
         };
-        let sample = match (simulation.impulses(), simulation.air(), simulation.cloth()) {
-            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => {
-                Some(impulses.sample(air, cloth))
-            }
-            _ => None,
-        };
-        let unknown = DVec3::NAN;
-        let now = LastImpulses {
-            time_s,
-            markers: sample.map_or(unknown, |s| s.markers),
-            momentum_box: sample.and_then(|s| s.momentum_box).unwrap_or(unknown),
-            supports: sample.and_then(|s| s.supports).unwrap_or(unknown),
-        };
-        let force = |pick: fn(&LastImpulses) -> DVec3| {
-            self.last.map_or(unknown, |last| {
-                (pick(&now) - pick(&last)) / (now.time_s - last.time_s)
-            })
-        };
-        let (markers, momentum_box, supports) = (
-            force(|i| i.markers),
-            force(|i| i.momentum_box),
-            force(|i| i.supports),
-        );
+        let (now, forces, mass_defect) = self.forces(simulation);
+        let [markers, momentum_box, supports] = forces;
         let lines: Vec<f64> = structure
             .cable_tensions_n
             .iter()
@@ -168,7 +225,6 @@ impl Record {
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
         let apex = fabric[0] - confluence;
-        self.last = sample.map(|_| now);
         vec![
             time_s,
             wind,
@@ -190,9 +246,22 @@ impl Record {
             simulation
                 .cloth()
                 .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
-            sample.map_or(f64::NAN, |s| s.mass_defect),
+            mass_defect,
         ]
     }
+}
+
+/// Largest value; NaN if any is (a spring network has no tensions, which must not look like zero).
+pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |largest: f64, value| {
+        if value.is_nan() {
+            f64::NAN
+        } else if value > largest {
+            value
+        } else {
+            largest
+        }
+    })
 }
 
 fn fabric_row(simulation: &Simulation) -> Vec<f64> {
@@ -212,11 +281,7 @@ fn fabric_row(simulation: &Simulation) -> Vec<f64> {
             .iter()
             .map(|p| p.z)
             .fold(f64::INFINITY, f64::min),
-        structure
-            .principal_tensions_n_m
-            .iter()
-            .map(|t| t[0])
-            .fold(0.0, f64::max),
+        largest(structure.principal_tensions_n_m.iter().map(|t| t[0])),
         cloth.kinetic_energy_j(),
         fastest,
     ]

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
 use super::{Record, catenary};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
@@ -26,6 +27,8 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
         (Some(body), Some(air)) => {
             if let BodyKind::Canopy(canopy) = &body.kind {
                 canopy_results(&mut results, record, canopy, air);
+            } else {
+                fabric_in_wind_results(&mut results, record);
             }
         }
         (Some(body), None) => {
@@ -94,18 +97,12 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
         "projected_diameter_ratio_at_release",
         Quantity::new(ratios[released], "1"),
     );
-    let samples_per_unit = (unit_s / (times[window.end - 1] - times[window.end - 2]))
-        .round()
-        .max(2.0) as usize;
-    match super::statistics::first_peak(&ratios[released..], 0.8, samples_per_unit / 2) {
+    match window.peak {
         Some(peak) => {
-            results.insert(
-                "first_peak_time_s",
-                Quantity::new(times[released + peak], "s"),
-            );
+            results.insert("first_peak_time_s", Quantity::new(times[peak], "s"));
             results.insert(
                 "first_peak_projected_diameter_ratio",
-                Quantity::new(ratios[released + peak], "1"),
+                Quantity::new(ratios[peak], "1"),
             );
         }
         None => results.insert(
@@ -200,15 +197,53 @@ fn insert_balances(
         "slip_mean",
         quantity(steady::mean(record, "slip_ratio", window), "1"),
     );
-    let defect = record.column("mass_defect")[released..]
-        .iter()
-        .copied()
-        .fold(0.0, |w: f64, d| w.max(d.abs()));
+    let defect = largest_of(
+        record.column("mass_defect")[released..]
+            .iter()
+            .map(|d| d.abs()),
+    );
     results.insert(
         "mass_drift",
         Quantity::new(defect, "1")
             .with_note("largest defect of the mass balance of the momentum box, over its mass"),
     );
+}
+
+/// Means over the second half of the run.
+fn fabric_in_wind_results(results: &mut Results, record: &Record) {
+    let times = record.column("time_s");
+    let Some(first) = times.iter().position(|&t| t > 0.0) else {
+        results.insert(
+            "force_x_n",
+            Quantity::missing("N", "the run ended before release"),
+        );
+        return;
+    };
+    let first = first.midpoint(times.len());
+    let half = format!(
+        "mean from {:.4} s on",
+        times.get(first).copied().unwrap_or(f64::NAN)
+    );
+    for (name, unit) in [
+        ("force_x_n", "N"),
+        ("force_y_n", "N"),
+        ("force_z_n", "N"),
+        ("force_x_momentum_box_n", "N"),
+        ("tension_max_n_m", "N/m"),
+        ("slip_ratio", "1"),
+    ] {
+        let values = &record.column(name)[first..];
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        results.insert(name, Quantity::new(mean, unit).with_note(&half));
+    }
+    let defect = largest_of(
+        record
+            .column("mass_defect")
+            .into_iter()
+            .skip(1)
+            .map(f64::abs),
+    );
+    results.insert("mass_drift", Quantity::new(defect, "1"));
 }
 
 /// (time, value) of the largest entry from `first` on.
@@ -278,14 +313,26 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
         return;
     }
     results.insert("lowest_point_m", Quantity::new(lowest, "m"));
-    let tension = structure
-        .principal_tensions_n_m
-        .iter()
-        .map(|t| t[0])
-        .fold(0.0, f64::max);
-    results.insert("tension_max_n_m", Quantity::new(tension, "N/m"));
-    let stress = structure.stress_pa.iter().copied().fold(0.0, f64::max);
-    results.insert("stress_max_pa", Quantity::new(stress, "Pa"));
+    let springs = "springs carry no membrane tension";
+    for (name, unit, value) in [
+        (
+            "tension_max_n_m",
+            "N/m",
+            largest_of(structure.principal_tensions_n_m.iter().map(|t| t[0])),
+        ),
+        (
+            "stress_max_pa",
+            "Pa",
+            largest_of(structure.stress_pa.iter().copied()),
+        ),
+    ] {
+        let quantity = if value.is_nan() {
+            Quantity::missing(unit, springs)
+        } else {
+            Quantity::new(value, unit)
+        };
+        results.insert(name, quantity);
+    }
     results.insert("weight_n", Quantity::new(weight_n, "N"));
     if structure.cable_kinds.contains(&CableKind::SuspensionLine) {
         let tension = structure
@@ -299,6 +346,14 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
 
 fn air_results(results: &mut Results, record: &Record, air: &Air) {
     let Flow::TaylorGreen { side_m, .. } = air.flow else {
+        for (name, unit) in [("kinetic_energy_j", "J"), ("mass_excess_kg", "kg")] {
+            if let Some(value) = record.latest(name) {
+                results.insert(
+                    name,
+                    Quantity::new(value, unit).with_note("of all the air, at the end"),
+                );
+            }
+        }
         return;
     };
     let times = record.column("time_s");

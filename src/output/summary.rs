@@ -87,7 +87,7 @@ pub struct MillisecondsPerStep {
     /// Fabric and cables (ms).
     pub cloth: Option<f64>,
     /// Everything else, output included (ms).
-    pub other: Option<f64>,
+    pub measure: Option<f64>,
 }
 
 /// Why and when a run ended.
@@ -279,7 +279,7 @@ impl Summary {
         keep_finite("milliseconds_per_step.fluid", &mut parts.fluid, notes);
         keep_finite("milliseconds_per_step.coupling", &mut parts.coupling, notes);
         keep_finite("milliseconds_per_step.cloth", &mut parts.cloth, notes);
-        keep_finite("milliseconds_per_step.other", &mut parts.other, notes);
+        keep_finite("milliseconds_per_step.measure", &mut parts.measure, notes);
         keep_finite("simulated_s", &mut Some(summary.simulated_s), notes);
         keep_finite("wall_s", &mut Some(summary.wall_s), notes);
         keep_finite("stop.when_s", &mut Some(summary.stop.when_s), notes);

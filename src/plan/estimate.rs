@@ -1,11 +1,12 @@
 //! Sizes, bytes and a rough duration.
 
-use super::{Plan, Precision, place_markers};
+use super::{Plan, Precision};
 use crate::case::Scene;
-use crate::cpu::fluid::Fluid;
+use crate::immersed::markers;
+use crate::lattice::DIRECTION_COUNT;
 
-/// Cell updates per second and thread assumed for estimates: a cautious figure for two threads of a server CPU without
-/// vector extensions beyond SSE2 (see `benches/results/`).
+/// Cell updates per second and thread assumed for estimates: a cautious figure for two threads of a server CPU with AVX2
+/// (see `benches/results/`).
 const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
 
 /// Seconds per marker and step assumed for interpolation and spreading on one thread.
@@ -35,6 +36,10 @@ pub struct Sizes {
     pub cables: u64,
     /// Bytes of the air.
     pub air_bytes: u64,
+    /// Cells with the ghost layer.
+    pub padded_cells: u64,
+    /// Bytes of a snapshot of the air, taken for pictures and files.
+    pub snapshot_bytes: u64,
     /// Bytes of markers and their lists.
     pub marker_bytes: u64,
     /// Bytes of the structure and its solver.
@@ -46,8 +51,8 @@ pub struct Sizes {
 pub struct MemoryRefusal {
     /// Bytes needed.
     pub needed: u64,
-    /// Bytes free now.
-    pub free: u64,
+    /// Bytes free now; `None` if memory is not what lacks, but addresses.
+    pub free: Option<u64>,
 }
 
 impl Sizes {
@@ -66,25 +71,21 @@ impl Sizes {
                 .iter()
                 .map(|&n| n as u64 + 2)
                 .fold(1, u64::saturating_mul);
-            sizes.air_bytes = padded.saturating_mul(19 * precision.bytes());
-            debug_assert!(
-                padded > u64::from(u32::MAX)
-                    || sizes.air_bytes
-                        == Fluid::<f32>::population_bytes(air.cells) * precision.bytes() / 4
-            );
+            sizes.padded_cells = padded;
+            sizes.air_bytes = padded.saturating_mul(DIRECTION_COUNT as u64 * precision.bytes());
+            // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.
+            sizes.snapshot_bytes = sizes.cells.saturating_mul(2 * 16);
         }
         if let Some(body) = &scene.body {
             sizes.nodes = body.structure.node_count() as u64;
             sizes.triangles = body.structure.triangles.len() as u64;
             sizes.cables = body.structure.cables.len() as u64;
-            sizes.structure_bytes = body
-                .structure
-                .estimated_bytes(crate::simulation::LBFGS_HISTORY);
+            sizes.structure_bytes = body.structure.estimated_bytes(crate::solve::lbfgs::HISTORY);
         }
-        if scene.coupling.is_some() {
-            sizes.markers = place_markers(scene).len() as u64;
+        if let (Some(air), Some(body), Some(_)) = (&scene.air, &scene.body, &scene.coupling) {
+            sizes.markers = markers::count(body.structure.extents(), air.units.cell_size_m);
             // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.
-            sizes.marker_bytes = sizes.markers * (64 * 24 + 160);
+            sizes.marker_bytes = sizes.markers.saturating_mul(64 * 24 + 160);
         }
         sizes
     }
@@ -93,22 +94,22 @@ impl Sizes {
     #[must_use]
     pub const fn total_bytes(&self) -> u64 {
         self.air_bytes
+            .saturating_add(self.snapshot_bytes)
             .saturating_add(self.marker_bytes)
             .saturating_add(self.structure_bytes)
     }
 
-    /// Refuses a run beyond 80 % of the memory that is free, or with a grid too large for 32-bit addresses.
-    pub fn fit_into(&self, free: u64) -> Result<(), MemoryRefusal> {
-        let fits = self.total_bytes() as f64 <= MEMORY_SHARE * free as f64
-            && self.cells < u64::from(u32::MAX) / 2;
-        if fits {
-            Ok(())
-        } else {
-            Err(MemoryRefusal {
-                needed: self.total_bytes(),
-                free,
-            })
+    /// Refuses a run beyond 80 % of the memory that is free (if that is known), or with a grid too large for 32-bit addresses.
+    pub fn fit_into(&self, free: Option<u64>) -> Result<(), MemoryRefusal> {
+        let needed = self.total_bytes();
+        let too_much = free.filter(|&free| needed as f64 > MEMORY_SHARE * free as f64);
+        if too_much.is_some() || self.padded_cells >= u64::from(u32::MAX) {
+            return Err(MemoryRefusal {
+                needed,
+                free: too_much,
+            });
         }
+        Ok(())
     }
 }
 

@@ -95,13 +95,7 @@ impl Plan {
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     match (&scene.air, &scene.body, &scene.coupling) {
         (Some(air), Some(body), Some(_)) => {
-            let areas: Vec<f64> = body
-                .structure
-                .triangles
-                .iter()
-                .map(|t| t.rest_area_m2)
-                .collect();
-            markers::place(&areas, air.units.cell_size_m)
+            markers::place(body.structure.extents(), air.units.cell_size_m)
         }
         _ => Vec::new(),
     }

@@ -132,7 +132,13 @@ impl<'a> Files<'a> {
             return Ok(());
         };
         let frame = simulation.frame(false);
-        if let Some(structure) = &frame.structure {
+        // The last state may have been written at its cadence already.
+        let written = simulation.scene().equilibrium.is_none()
+            && collection
+                .entries()
+                .last()
+                .is_some_and(|e| e.time_s == frame.time_s);
+        if let Some(structure) = frame.structure.as_ref().filter(|_| !written) {
             let name = canopy_name(collection.entries().len());
             write_canopy_vtp(&self.folder.join(&name), structure, frame.time_s)?;
             collection.append(frame.time_s, &name)?;
@@ -144,6 +150,13 @@ impl<'a> Files<'a> {
         let Some(collection) = &mut self.flows else {
             return Ok(());
         };
+        if collection
+            .entries()
+            .last()
+            .is_some_and(|e| e.time_s == simulation.time_s())
+        {
+            return Ok(());
+        }
         let frame = simulation.frame(true);
         if let Some(fluid) = &frame.fluid {
             let name = flow_name(collection.entries().len());

@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Simulation};
 use crate::solve::lbfgs::Stop;
-use crate::steady;
+use crate::steady::Detector;
 use files::Files;
 
 /// Wall time between checkpoints.
@@ -85,8 +85,10 @@ struct Run<'a> {
     record: Record,
     history: HistoryWriter,
     files: Files<'a>,
-    /// Structure at the last sample, in case the next steps break down.
+    /// Structure at the last sample known to be sound, in case the next steps break down.
     good: Frame,
+    /// Structure at a later sample, not yet known to be.
+    sampled: Frame,
     notes: Vec<String>,
 }
 
@@ -147,6 +149,31 @@ pub fn run(
     }
 }
 
+/// Runs a case to its end without writing anything; samples at the case's cadence, and once at the end.
+pub fn without_files(case: &Case, plan: Plan) -> Result<(Simulation, Record), Diverged> {
+    let planned = plan.start_steps.saturating_add(plan.steps);
+    let start_steps = plan.start_steps;
+    let sample_every = steps_per(case, case.scene.output.sample_interval_s);
+    let mut simulation = Simulation::new(case.scene.clone(), plan)?;
+    let mut record = Record::new(&simulation);
+    while simulation.step_count() < planned {
+        if simulation.released()
+            && (simulation.step_count() - start_steps).is_multiple_of(sample_every)
+        {
+            record.add(&simulation);
+        }
+        simulation.advance()?;
+    }
+    record.add(&simulation);
+    Ok((simulation, record))
+}
+
+/// Steps in an interval of time, at least one.
+fn steps_per(case: &Case, interval_s: f64) -> u64 {
+    let step_s = case.scene.time.map_or(f64::INFINITY, |t| t.step_s);
+    ((interval_s / step_s).round() as u64).max(1)
+}
+
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
 impl<'a> Run<'a> {
@@ -196,6 +223,7 @@ impl<'a> Run<'a> {
         }
         let files = Files::create(folder, &case.scene, &written)?;
         let good = simulation.frame(false);
+        let sampled = good.clone();
         Ok(Self {
             case,
             folder,
@@ -205,6 +233,7 @@ impl<'a> Run<'a> {
             history,
             files,
             good,
+            sampled,
             notes,
         })
     }
@@ -225,17 +254,22 @@ impl<'a> Run<'a> {
     ) -> Result<String, RunError> {
         let scene = &self.case.scene;
         let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
-        let every = |interval: f64| ((interval / step_s).round() as u64).max(1);
+        let every = |interval: f64| steps_per(self.case, interval);
         let sample_every = every(scene.output.sample_interval_s);
         let canopy_every = scene.output.canopy_interval_s.map(every);
         let flow_every = scene.output.flow_interval_s.map(every);
         let start_steps = self.simulation.plan().start_steps;
-        let planned = start_steps + self.simulation.plan().steps;
+        let planned = start_steps.saturating_add(self.simulation.plan().steps);
         let mut picture_times = scene.output.picture_times_s.clone();
         picture_times.sort_by(f64::total_cmp);
         let began = Instant::now();
         let first_step = self.simulation.step_count();
         let mut last_checkpoint = Instant::now();
+        let mut detector = self.detector();
+        // Windows that were looked at before an interrupt.
+        if let Some(detector) = &mut detector {
+            detector.skip_looks(&self.record);
+        }
         while self.simulation.step_count() < planned {
             // Before anything of this step is written, so that a resumed run writes it once.
             if interrupt.load(Ordering::Relaxed) {
@@ -257,7 +291,11 @@ impl<'a> Run<'a> {
                 let sampled = since.is_multiple_of(sample_every);
                 if sampled {
                     self.history.push(self.record.add(&self.simulation))?;
-                    self.good = self.simulation.frame(false);
+                    // A sample counts as good once the air has been searched at or after it.
+                    if self.simulation.sound_step() >= self.sampled.step {
+                        self.good =
+                            std::mem::replace(&mut self.sampled, self.simulation.frame(false));
+                    }
                 }
                 while picture_times
                     .get(self.files.timed_pictures)
@@ -266,7 +304,11 @@ impl<'a> Run<'a> {
                     self.files.picture(&self.simulation, &self.record)?;
                     self.files.timed_pictures += 1;
                 }
-                if sampled && let Some(reason) = self.steady_reason() {
+                if sampled
+                    && let Some(reason) = detector
+                        .as_mut()
+                        .and_then(|d| d.reason_to_stop(&self.record))
+                {
                     observer.note(&reason);
                     return Ok(reason);
                 }
@@ -278,7 +320,10 @@ impl<'a> Run<'a> {
                 observer.progress(done, planned, &self.status(rate));
             }
         }
-        if scene.time.is_some() {
+        let since = self.simulation.step_count() - start_steps;
+        if scene.time.is_some()
+            && (since.is_multiple_of(sample_every) || self.record.rows().len() < 2)
+        {
             self.history.push(self.record.add(&self.simulation))?;
         }
         match self.simulation.equilibrate() {
@@ -303,13 +348,13 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn steady_reason(&self) -> Option<String> {
+    fn detector(&self) -> Option<Detector> {
         let scene = &self.case.scene;
         let BodyKind::Canopy(canopy) = &scene.body.as_ref()?.kind else {
             return None;
         };
         let unit_s = canopy.nominal_diameter_m / scene.air?.reference_speed_m_s;
-        steady::reason_to_stop(&self.record, unit_s, scene.steady_drag_confidence?)
+        Some(Detector::new(unit_s, scene.steady_drag_confidence?))
     }
 
     fn status(&self, rate: f64) -> String {

@@ -70,7 +70,7 @@ pub(super) fn summarise(
             fluid: per_step(cost.fluid, scene.air.is_some()),
             coupling: per_step(cost.coupling, scene.coupling.is_some()),
             cloth: per_step(cost.cloth, scene.body.is_some()),
-            other: per_step(cost.measure, true),
+            measure: per_step(cost.measure, true),
         },
         stop: StopInfo {
             reason,

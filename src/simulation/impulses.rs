@@ -2,7 +2,7 @@
 //!
 //! * markers: the sum of what `spread` delivered to the air, reversed;
 //! * momentum box: storage and fluxes of populations through a box around the structure, reversed;
-//! * supports: pull of the lines on their supports, plus the change of the structure's own momentum, minus gravity and guides.
+//! * supports: pull of the lines on their supports, plus the change of the structure's own momentum, minus gravity and guides, plus the numerical damping's.
 //!
 //! The mean force over any window is a difference of impulses over its length: exact, and free of sampling noise.
 
@@ -114,6 +114,7 @@ impl Impulses {
         air: &AirEngine,
         cloth: &Cloth,
         gravity: Option<DVec3>,
+        damping_1_s: f64,
         coupled: &Coupled,
     ) {
         let out = air.outflow(&self.volume);
@@ -136,6 +137,7 @@ impl Impulses {
         for guide in &structure.guides {
             pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);
         }
+        pull -= cloth.momentum_kg_m_s() * damping_1_s;
         if let Some(gravity) = gravity {
             let mass: f64 = structure
                 .masses_kg

@@ -4,7 +4,7 @@
 use super::Diverged;
 use crate::case::scene::Canopy;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
-use crate::measure::shape;
+use crate::geometry::parachute::shape;
 use crate::solve::lbfgs::Stop;
 
 /// Time step of the opening [s].
@@ -55,7 +55,7 @@ pub(super) fn open(
                 step: 0,
                 what: format!(
                     "the loading pressure of {} Pa opened the folded canopy only to D_p/D_0 = {opened_ratio:.3} of {} in {steps} \
-                     steps; raise folding.loading_pressure_pa",
+                     steps; raise folding.loading_pressure_pa, or ask for less (folding.opened_diameter_ratio)",
                     canopy.loading_pressure_pa, canopy.opened_diameter_ratio
                 ),
             });

@@ -12,6 +12,9 @@ use std::collections::VecDeque;
 
 use super::VectorSpace;
 
+/// Pairs usually kept.
+pub const HISTORY: usize = 8;
+
 /// How hard to try.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
@@ -290,6 +293,15 @@ fn remember<S: VectorSpace>(
     gram: &mut Gram,
     spare: &mut Vec<Pair<S::Vector>>,
 ) {
+    let own = space.dots(&[
+        (&pair.step, &pair.change),
+        (&pair.change, &pair.preconditioned_change),
+    ]);
+    let (curvature, change_square) = (own[0], own[1]);
+    if !(curvature > 1e-12 * change_square && curvature > 0.0) {
+        spare.push(pair);
+        return;
+    }
     if pairs.len() >= history {
         if let Some(oldest) = pairs.pop_front() {
             spare.push(oldest);
@@ -301,29 +313,21 @@ fn remember<S: VectorSpace>(
             }
         }
     }
-    let mut requests = vec![
-        (&pair.step, &pair.change),
-        (&pair.change, &pair.preconditioned_change),
-    ];
+    let mut requests = Vec::with_capacity(3 * pairs.len());
     for old in pairs.iter() {
         requests.push((&old.step, &pair.change));
         requests.push((&pair.step, &old.change));
         requests.push((&old.change, &pair.preconditioned_change));
     }
     let products = space.dots(&requests);
-    let (curvature, change_square) = (products[0], products[1]);
-    if !(curvature > 1e-12 * change_square && curvature > 0.0) {
-        spare.push(pair);
-        return;
-    }
     let m = pairs.len();
     let mut step_row = VecDeque::with_capacity(m + 1);
     let mut change_row = VecDeque::with_capacity(m + 1);
     for i in 0..m {
-        gram.step_change[i].push_back(products[2 + 3 * i]);
-        step_row.push_back(products[3 + 3 * i]);
-        gram.change_change[i].push_back(products[4 + 3 * i]);
-        change_row.push_back(products[4 + 3 * i]);
+        gram.step_change[i].push_back(products[3 * i]);
+        step_row.push_back(products[3 * i + 1]);
+        gram.change_change[i].push_back(products[3 * i + 2]);
+        change_row.push_back(products[3 * i + 2]);
     }
     step_row.push_back(curvature);
     change_row.push_back(change_square);

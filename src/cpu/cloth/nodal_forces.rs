@@ -1,9 +1,9 @@
-//! Stage `nodal_forces`: elastic energy E(x) and its gradient ∇E = −f, gathered from elements to nodes.
+//! Part of stage `solve_cloth`: elastic energy E(x) and its gradient ∇E = −f, gathered from elements to nodes.
 
 use glam::DVec3;
 
 use crate::cloth::elements::EDGES;
-use crate::cloth::{CableSegment, Structure};
+use crate::cloth::{CableSegment, Structure, Triangle};
 use crate::fabric::membrane::principal;
 use crate::frame::FabricState;
 use crate::lines;
@@ -110,7 +110,7 @@ pub struct TriangleLoad {
     pub state: FabricState,
 }
 
-/// Loads of all triangles; zero where a spring network carries the load.
+/// Loads of all triangles; without tensions (NaN) where a spring network carries the load.
 #[must_use]
 pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<TriangleLoad> {
     structure
@@ -118,7 +118,7 @@ pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<Triangl
         .iter()
         .map(|triangle| {
             let Some(membrane) = &structure.membrane else {
-                return network_load(structure, triangle, positions);
+                return network_load(triangle, positions);
             };
             let response = membrane.respond(&triangle.strain(&triangle.edge_vectors(positions)));
             let t = response.tension;
@@ -131,13 +131,8 @@ pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<Triangl
         .collect()
 }
 
-/// Estimate for a network: the sheet's strain in the triangle times the fabric's membrane stiffness is not defined by
-/// springs, so only the state of the edges is told: taut if all edges are stretched, slack if none is.
-fn network_load(
-    _: &Structure,
-    triangle: &crate::cloth::Triangle,
-    positions: &[DVec3],
-) -> TriangleLoad {
+/// A network has springs, no membrane tension: only the state of the edges is told, taut if all are stretched, slack if none is.
+fn network_load(triangle: &Triangle, positions: &[DVec3]) -> TriangleLoad {
     let edges = triangle.edge_vectors(positions);
     let stretched = edges
         .iter()

@@ -70,12 +70,8 @@ struct Objective<'a> {
     inverse_blocks: Vec<DMat3>,
 }
 
-impl Objective<'_> {
-    fn block_floor(&self) -> f64 {
-        // Stiffness below which a node counts as free [N/m]: a nanonewton per metre.
-        1e-9
-    }
-}
+/// Stiffness below which a node counts as held by nothing [N/m].
+const FREE_NODE_STIFFNESS: f64 = 1e-9;
 
 impl VectorSpace for Objective<'_> {
     type Vector = Vec<DVec3>;
@@ -147,8 +143,11 @@ impl VectorSpace for Objective<'_> {
                 }
             }
         }
-        let floor = self.block_floor();
-        initial_hessian::invert(&mut self.inverse_blocks, &structure.held, floor);
+        initial_hessian::invert(
+            &mut self.inverse_blocks,
+            &structure.held,
+            FREE_NODE_STIFFNESS,
+        );
     }
 
     fn precondition(&self, vector: &Vec<DVec3>, result: &mut Vec<DVec3>) {
@@ -218,7 +217,8 @@ impl Cloth {
             loads,
             inverse_blocks: Vec::new(),
         };
-        objective.refresh(&start);
+        // Around the prediction, not the old state: for long steps of drapes that halves the evaluations.
+        objective.refresh(&point);
         let reference = objective.load_norm();
         let size = structure
             .triangles

@@ -1,13 +1,16 @@
-//! Populations that enter through the faces of the domain, filled in after each step.
+//! Populations that enter through the faces of the domain: through the sides they are copied after each sweep, at inlet and
+//! outlet ghost cells stream them within the sweep.
 //!
 //! For cell n and direction d with n − c_d outside:
 //! * periodic: what left through the opposite face;
 //! * free slip (half-way specular reflection): what left mirrored at the wall midway between cell and ghost;
-//! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell one step ago (zero pressure gradient);
-//! * pressure outlet: equilibrium with ρ = 1 and the velocity of the last cell but one, one step ago; a viscous sponge before it
+//! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell (zero pressure gradient), both as after the
+//!   collision of the step, like every cell that streams;
+//! * pressure outlet: equilibrium with ρ = 1 and the velocity of the last cell but one after its collision; a viscous sponge before it
 //!   (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
-//! Ghost cells at inlet and outlet are streamed with their row by the sweep itself; beyond the sides they are mirrored (or repeated).
+//! Beyond the sides the ghosts of inlet and outlet are mirrored (or repeated). *Limit*: an inlet of given velocity and an outlet of given
+//! pressure reflect sound; only vortices are damped by the sponge.
 
 use super::{Fluid, Grid};
 use crate::lattice::operators::bare_moments;
@@ -176,8 +179,8 @@ pub(super) struct RowEnds<T> {
 }
 
 impl<T: Real> RowEnds<T> {
-    /// Reads what they take from their neighbours off a row just collided, while it is in the cache; the collision keeps mass and
-    /// momentum.
+    /// Reads what they take from their neighbours off a row just collided, while it is in the cache; the momentum after the collision
+    /// is what a streaming cell carries.
     #[inline(always)]
     pub(super) fn read(rows: &[&mut [T]; DIRECTION_COUNT], inlet_velocity: [T; 3]) -> Self {
         let nx = rows[0].len();

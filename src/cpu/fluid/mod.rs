@@ -99,12 +99,6 @@ impl Grid {
         }
     }
 
-    /// Array elements per direction, ghosts included.
-    #[must_use]
-    pub const fn total(&self) -> usize {
-        self.total
-    }
-
     /// Cells without ghosts.
     #[must_use]
     pub const fn cell_count(&self) -> usize {
@@ -195,26 +189,9 @@ impl<T: Real> Fluid<T> {
         &self.grid
     }
 
-    /// Steps done.
-    #[must_use]
-    pub const fn steps(&self) -> u64 {
-        self.steps
-    }
-
     /// Velocity at the inlet in the steps to come [cells per step].
     pub const fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
         self.inlet_velocity = velocity;
-    }
-
-    /// Bytes held by the populations.
-    #[must_use]
-    pub const fn population_bytes(cells: [usize; 3]) -> u64 {
-        let [nx, ny, nz] = cells;
-        (nx as u64 + 2)
-            * (ny as u64 + 2)
-            * (nz as u64 + 2)
-            * DIRECTION_COUNT as u64
-            * size_of::<T>() as u64
     }
 
     /// Streamed populations of one cell, about to be collided.

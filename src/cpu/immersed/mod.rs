@@ -67,12 +67,6 @@ impl Immersed {
         self.areas.len()
     }
 
-    /// Cells touched by the kernels at present.
-    #[must_use]
-    pub const fn touched_cell_count(&self) -> usize {
-        self.touched.cells.len()
-    }
-
     /// u* at the markers [cells per step].
     #[must_use]
     pub fn air_velocities(&self) -> &[[f64; 3]] {
@@ -83,16 +77,6 @@ impl Immersed {
     #[must_use]
     pub fn stiffness(&self, k: usize) -> f64 {
         2.0 * self.strengths[k] * self.areas[k][0]
-    }
-
-    /// Largest a_k D_k-bound strength and smallest a_k over all markers, for reports.
-    #[must_use]
-    pub fn strength_range(&self) -> (f64, f64) {
-        self.strengths
-            .iter()
-            .fold((f64::INFINITY, 0.0), |(low, high), &a| {
-                (low.min(a), high.max(a))
-            })
     }
 
     /// The body force for the next collision.

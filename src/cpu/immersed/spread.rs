@@ -8,7 +8,8 @@ use super::Immersed;
 const CHUNK: usize = 512;
 
 impl Immersed {
-    /// Gives the air exactly the opposite of the reaction that the markers, moving with `velocities` [cells per step], felt;
+    /// Gives the air g_k for markers moving with `velocities` [cells per step]: exactly the opposite of the reaction that the fabric
+    /// felt if it was solved for this step; between solves (k > 1) it follows the present u*, while the fabric felt the mean ū;
     /// returns the total force on the air [lattice units].
     pub fn spread(&mut self, velocities: &[[f64; 3]]) -> [f64; 3] {
         let mut total = [0.0; 3];
@@ -35,12 +36,6 @@ impl Immersed {
             .enumerate()
             .with_min_len(CHUNK)
             .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
-    }
-
-    /// Forces of the markers on the air in the last `spread` [lattice units], `[marker_count]`.
-    #[must_use]
-    pub fn marker_forces(&self) -> &[[f64; 3]] {
-        &self.marker_forces
     }
 
     /// Slip left after the half force at every marker, |u* + F/2 − v| [cells per step], `[marker_count]`.

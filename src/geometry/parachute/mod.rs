@@ -2,6 +2,7 @@
 
 pub mod folding;
 pub mod gores;
+pub mod shape;
 
 use glam::DVec3;
 
