@@ -5,6 +5,9 @@ use crate::measure::{Record, results};
 use crate::output::{CaseInfo, MillisecondsPerStep, SCHEMA_VERSION, StopInfo, Summary};
 use crate::simulation::Simulation;
 
+/// Motion of a marker between two solves beyond which the coupling is no longer trusted [cells].
+const MARKER_MOTION_LIMIT: f64 = 0.25;
+
 /// Everything that a run leaves to be known about itself.
 pub(super) fn summarise(
     case: &Case,
@@ -17,9 +20,10 @@ pub(super) fn summarise(
     let scene = simulation.scene();
     let plan = simulation.plan();
     let steps = simulation.step_count();
+    let own_steps = simulation.own_step_count();
     let cost = simulation.cost();
     let per_step = |duration: std::time::Duration, present: bool| {
-        (present && steps > 0).then(|| 1e3 * duration.as_secs_f64() / steps as f64)
+        (present && own_steps > 0).then(|| 1e3 * duration.as_secs_f64() / own_steps as f64)
     };
     let cells = scene.air.map(|air| air.cells);
     let fluid_seconds = cost.fluid.as_secs_f64();
@@ -34,6 +38,13 @@ pub(super) fn summarise(
             "fabric: {:.1} iterations and {:.1} evaluations per solve",
             cost.iterations as f64 / cost.solves as f64,
             cost.evaluations as f64 / cost.solves as f64
+        ));
+    }
+    if simulation.largest_marker_motion() > MARKER_MOTION_LIMIT {
+        notes.push(format!(
+            "a marker moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
+             lower resolution.lattice_speed or coupling.structure_every",
+            simulation.largest_marker_motion()
         ));
     }
     if let Some(quality) = scene.body.as_ref().and_then(|b| b.quality) {
@@ -65,7 +76,7 @@ pub(super) fn summarise(
         simulated_s: simulation.time_s().max(0.0),
         wall_s,
         million_lattice_updates_per_s: (cells.is_some() && fluid_seconds > 0.0)
-            .then(|| plan.sizes.cells as f64 * steps as f64 / fluid_seconds / 1e6),
+            .then(|| plan.sizes.cells as f64 * own_steps as f64 / fluid_seconds / 1e6),
         milliseconds_per_step: MillisecondsPerStep {
             fluid: per_step(cost.fluid, scene.air.is_some()),
             coupling: per_step(cost.coupling, scene.coupling.is_some()),

@@ -29,6 +29,8 @@ impl Simulation {
     /// Takes the state from a checkpoint of the same case.
     pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         self.step = from.take_exactly("step", 1)?[0];
+        self.first_step = self.step;
+        self.sound_step = self.step;
         if let Some(air) = &mut self.air {
             each_engine!(air, fluid => fluid.restore(from))?;
         }

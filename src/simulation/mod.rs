@@ -78,6 +78,8 @@ pub struct Simulation {
     impulses: Option<Impulses>,
     opening: Option<Opening>,
     step: u64,
+    /// Step at which this process took over.
+    first_step: u64,
     /// Last step at which the air was searched and found sound.
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
@@ -124,6 +126,7 @@ impl Simulation {
             impulses,
             opening,
             step: 0,
+            first_step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
             cost: Cost::default(),
@@ -166,6 +169,12 @@ impl Simulation {
     pub fn time_s(&self) -> f64 {
         let step_s = self.scene.time.map_or(0.0, |t| t.step_s);
         (self.step as f64 - self.plan.start_steps as f64) * step_s
+    }
+
+    /// Steps done by this process: all, unless the run was resumed. [`Simulation::cost`] is about these.
+    #[must_use]
+    pub const fn own_step_count(&self) -> u64 {
+        self.step - self.first_step
     }
 
     /// True once the sheet moves freely.
