@@ -21,6 +21,10 @@ pub fn trials() -> Vec<Trial> {
             fill_time,
         ),
         plain("canopy::momentum_box_closes", momentum_box),
+        plain(
+            "canopy::reference_speed_only_sets_the_time_step",
+            reference_speed,
+        ),
         plain("canopy::same_bits_on_any_number_of_threads", threads),
     ]
     .into_iter()
@@ -133,6 +137,21 @@ fn fill_time() {
         let scaled = time(speed) / reference;
         assert!((scaled - 1.0).abs() < 0.1, "{speed} m/s: {scaled}");
     }
+}
+
+/// The speed that the lattice is scaled with halves the time step when doubled; forces and coefficients stay.
+fn reference_speed() {
+    let drag = |changes: &[&str]| {
+        let (_, record) = simulate(
+            &small_case(&[&["time.end_s=0.03"], changes].concat()),
+            Precision::F32,
+        );
+        let coefficients = record.column("drag_coefficient");
+        coefficients[1..].iter().sum::<f64>() / (coefficients.len() - 1) as f64
+    };
+    let ratio = drag(&["resolution.reference_speed_m_s=60.0"]) / drag(&[]);
+    // The time step enters the fabric's implicit damping and the exchange with the air: some percent at 12 cells.
+    assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
 }
 
 /// Markers and momentum box share no data; they agree to round-off.

@@ -20,6 +20,10 @@ pub fn trials() -> Vec<Trial> {
         plain("command_line::no_gpu_engine", no_gpu),
         plain("command_line::unwritable_folder", unwritable),
         plain("command_line::divergence", divergence),
+        plain(
+            "command_line::equilibrium_not_reached",
+            equilibrium_not_reached,
+        ),
         plain("command_line::steady_state_stops_a_run", steady_state),
     ]
     .into_iter()
@@ -28,6 +32,10 @@ pub fn trials() -> Vec<Trial> {
     // A shell that can limit file sizes and send signals.
     if cfg!(unix) {
         trials.extend(plain("command_line::full_disk", full_disk));
+        trials.extend(plain(
+            "command_line::closed_and_full_standard_output",
+            standard_output,
+        ));
         trials.extend(plain("command_line::interrupt", interrupt));
     }
     trials
@@ -185,6 +193,18 @@ fn usage_errors() {
         "{}",
         output.errors
     );
+    assert_eq!(ripstop(&["check", CANOPY, "--threads", "100000"]).code, 2);
+    let output = ripstop(&[
+        "check",
+        CANOPY,
+        "--set",
+        "structure.flat_circular.confluence_m=[nan, 1.5, 1.5]",
+    ]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("confluence_m"), "{}", output.errors);
+    let output = ripstop(&["check", CANOPY, "--set", "time.end_s=1e12"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("steps"), "{}", output.errors);
     let output = ripstop(&["check", CANOPY, "--set", "lines.count"]);
     assert_eq!(output.code, 2);
     assert!(
@@ -285,6 +305,46 @@ fn divergence() {
     assert!(out.join("canopy_last_good.vtp").exists());
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("diverged at t ="), "{summary}");
+}
+
+/// A static solve cut short must not look like a result.
+fn equilibrium_not_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = ripstop(&[
+        "run",
+        "cases/hanging-chain.toml",
+        "--set",
+        "equilibrium.evaluation_limit=10",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 20, "{}", output.errors);
+    assert!(output.errors.contains("not reached"), "{}", output.errors);
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains("out of balance"), "{summary}");
+}
+
+/// A reader that goes away is no failure, a full disk behind the redirection is; neither is a panic.
+fn standard_output() {
+    let shell = |script: &str| {
+        let script = script.replace("RIPSTOP", env!("CARGO_BIN_EXE_ripstop"));
+        finished(
+            Command::new("sh")
+                .args(["-c", &script])
+                .current_dir(root())
+                .output()
+                .unwrap(),
+        )
+    };
+    if Path::new("/dev/full").exists() {
+        for arguments in ["new taylor-green", "check cases/taylor-green.toml"] {
+            let output = shell(&format!("RIPSTOP {arguments} > /dev/full"));
+            assert_eq!(output.code, 74, "{}", output.errors);
+        }
+    }
+    let output = shell("{ sleep 0.3; RIPSTOP new taylor-green; echo code $? >&2; } | true");
+    assert!(output.errors.contains("code 0"), "{}", output.errors);
 }
 
 /// A coarse canopy in a small tunnel, asked for no more than 40 % of confidence, must stop by itself and say when and why.

@@ -72,14 +72,14 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
     }
     let (size_m, speed_m_s, flow) = match (&air.wind_tunnel, &air.taylor_green) {
         (Some(tunnel), None) => {
-            if !(tunnel.speed_m_s >= 0.0 && tunnel.speed_m_s.is_finite()) {
+            if !(0.0..=1e3).contains(&tunnel.speed_m_s) {
                 return Err(Problem::new(
                     "air.wind_tunnel.speed_m_s",
                     format!(
-                        "air.wind_tunnel.speed_m_s = {} must not be negative",
+                        "air.wind_tunnel.speed_m_s = {} is no wind that can be computed",
                         tunnel.speed_m_s
                     ),
-                    "the wind blows along +x; give zero or a positive speed",
+                    "the wind blows along +x; give 0 to 1000 m/s (and mind that the air is treated as incompressible)",
                 ));
             }
             for size in tunnel.size_m {
@@ -128,8 +128,8 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         _ => {
             return Err(Problem::new(
                 "air",
-                "[air] needs exactly one flow",
-                "add either [air.wind_tunnel] or [air.taylor_green]",
+                "[air] needs exactly one flow inside",
+                "keep or add just one of [air.wind_tunnel] and [air.taylor_green]",
             ));
         }
     };

@@ -209,7 +209,10 @@ pub fn parse(
                 .next()
                 .is_some_and(|key| key.trim() == problem.key)
         });
-        let span = in_variant.or_else(|| locate::span_of(source, &problem.key));
+        let nearest = ["structure", "air", "version"];
+        let span = in_variant
+            .or_else(|| locate::span_of(source, &problem.key))
+            .or_else(|| nearest.iter().find_map(|key| locate::span_of(source, key)));
         let label = if overridden {
             format!("{} was set by --set", problem.key)
         } else {
@@ -233,7 +236,7 @@ pub fn parse(
         let help = if unknown.is_some() {
             "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
         } else {
-            "see `ripstop new flat-circular-tunnel` for a complete case"
+            "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
         };
         locate(Problem::new(key, format!("in {name}: {message}"), help))
     })?;
@@ -293,6 +296,7 @@ fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseE
         .split_once('=')
         .ok_or_else(|| refuse("there is no `=`"))?;
     let value = match toml::from_str::<toml::Table>(&format!("value = {text}")) {
+        Ok(parsed) if parsed.len() != 1 => return Err(refuse("give one value")),
         Ok(mut parsed) => parsed
             .remove("value")
             .ok_or_else(|| refuse("there is no value"))?,

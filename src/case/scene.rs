@@ -57,6 +57,17 @@ pub struct Air {
     pub flow: Flow,
 }
 
+impl Air {
+    /// Wind speed, to which coefficients and times refer; without wind the speed that the lattice is scaled with [m/s].
+    #[must_use]
+    pub const fn wind_or_reference_m_s(&self) -> f64 {
+        match self.flow {
+            Flow::WindTunnel { speed_m_s, .. } if speed_m_s > 0.0 => speed_m_s,
+            _ => self.reference_speed_m_s,
+        }
+    }
+}
+
 /// What the air does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flow {
@@ -175,15 +186,35 @@ pub struct Output {
     pub picture_times_s: Vec<f64>,
 }
 
-/// Refuses values that are not positive and finite.
+/// Largest and (inverted) smallest quantity taken for a real one, in SI units.
+const PLAUSIBLE: f64 = 1e15;
+
+/// Most steps of a run.
+const STEP_LIMIT: f64 = 1e9;
+
+/// Refuses values that are not positive and finite, or beyond anything physical.
 pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
-    if value > 0.0 && value.is_finite() {
+    if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&value) {
         Ok(value)
     } else {
         Err(Problem::new(
             key,
-            format!("{key} = {value} must be positive"),
-            "give a number greater than zero",
+            format!("{key} = {value:e} must be positive (and between 1e-15 and 1e15)")
+                .replace("e0 must", " must"),
+            "give a number greater than zero, in the unit that the key names",
+        ))
+    }
+}
+
+/// Refuses vectors that are not finite, or beyond anything physical.
+pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
+    if value.iter().all(|v| v.abs() <= PLAUSIBLE) {
+        Ok(DVec3::from_array(value))
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = {value:?} is not a vector of plausible numbers"),
+            "give three finite numbers",
         ))
     }
 }
@@ -285,16 +316,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let gravity_m_s2 = file
         .gravity
         .as_ref()
-        .map(|g| DVec3::from_array(g.acceleration_m_s2));
-    if let Some(g) = gravity_m_s2
-        && !g.is_finite()
-    {
-        return Err(Problem::new(
-            "gravity.acceleration_m_s2",
-            "gravity is not finite",
-            "give three finite numbers",
-        ));
-    }
+        .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
+        .transpose()?;
     refuse_unused(file)?;
     let mut body = structure::check(file, folder, gravity_m_s2)?;
     let air = file
@@ -343,7 +366,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             .unwrap_or(end_s / 500.0),
         canopy_interval_s: optional("output.canopy_interval_s", written.canopy_interval_s)?,
         flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
-        picture_times_s: written.picture_times_s.unwrap_or_default(),
+        picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
     };
     let steady_drag_confidence = file
         .steady
@@ -390,6 +413,18 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
     })
 }
 
+/// Refuses times before release, or none at all; times beyond the end are simply not reached.
+fn picture_times(times: Vec<f64>) -> Result<Vec<f64>, Problem> {
+    match times.iter().find(|t| !(**t >= 0.0 && t.is_finite())) {
+        None => Ok(times),
+        Some(t) => Err(Problem::new(
+            "output.picture_times_s",
+            format!("output.picture_times_s holds {t}"),
+            "give times from 0, the release, on",
+        )),
+    }
+}
+
 fn check_time(file: &File, air: Option<&Air>) -> Result<Option<Time>, Problem> {
     let Some(time) = &file.time else {
         return if air.is_some() {
@@ -416,5 +451,19 @@ fn check_time(file: &File, air: Option<&Air>) -> Result<Option<Time>, Problem> {
             ));
         }
     };
+    let start_s = match air.map(|a| a.flow) {
+        Some(Flow::WindTunnel { start_time_s, .. }) => start_time_s,
+        _ => 0.0,
+    };
+    if (end_s + start_s) / step_s > STEP_LIMIT {
+        return Err(Problem::new(
+            "time.end_s",
+            format!(
+                "the run would take {:.1e} steps of {step_s:.3e} s",
+                (end_s + start_s) / step_s
+            ),
+            format!("at most {STEP_LIMIT:.0e} are allowed: lower time.end_s or the start time"),
+        ));
+    }
     Ok(Some(Time { end_s, step_s }))
 }

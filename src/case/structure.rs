@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::Problem;
 use super::file::{self, File};
-use super::scene::{Body, BodyKind, Canopy, absent, positive, within};
+use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
 use crate::cloth::{Structure, Triangle};
 use crate::fabric::Fabric;
 use crate::fabric::membrane::Membrane;
@@ -39,7 +39,7 @@ pub(super) fn check(
             return Err(Problem::new(
                 "structure",
                 "[structure] needs exactly one shape",
-                "add one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh]",
+                "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh]",
             ));
         }
     };
@@ -164,7 +164,7 @@ fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Probl
             .transpose()?,
         lines: check_material("lines", &line_material)?,
         line_length_m: positive("lines.length_m", lines.length_m)?,
-        confluence_m: DVec3::from_array(written.confluence_m),
+        confluence_m: vector(&key("confluence_m"), written.confluence_m)?,
         folded_diameter_ratio,
         apex_guide_n_m: written
             .apex_guide_n_m
@@ -225,7 +225,7 @@ fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
     let shape = sheet::SheetShape {
         size_m: written.size_m,
         divisions: written.divisions,
-        corner_m: DVec3::from_array(written.corner_m),
+        corner_m: vector(&key("corner_m"), written.corner_m)?,
         across: DVec3::X,
         down: -DVec3::Z,
     };
@@ -264,7 +264,10 @@ fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
 fn check_cable(written: &file::HangingCable, gravity: Option<DVec3>) -> Result<Body, Problem> {
     const KEY: &str = "structure.cable";
     let material = check_material(&format!("{KEY}.material"), &written.material)?;
-    let ends = written.ends_m.map(DVec3::from_array);
+    let ends = [
+        vector(&format!("{KEY}.ends_m"), written.ends_m[0])?,
+        vector(&format!("{KEY}.ends_m"), written.ends_m[1])?,
+    ];
     let span_m = ends[0].distance(ends[1]);
     let length_m = positive(&format!("{KEY}.length_m"), written.length_m)?;
     if length_m <= span_m {

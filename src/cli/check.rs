@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{CaseArguments, Failure};
+use super::{CaseArguments, Failure, emit};
 
 #[derive(Debug, Args)]
 pub(super) struct CheckArguments {
@@ -12,6 +12,6 @@ pub(super) struct CheckArguments {
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let (case, plan) = arguments.case.prepare()?;
-    print!("{}", plan.report(&case.scene, rayon::current_num_threads()));
+    emit(&plan.report(&case.scene, rayon::current_num_threads()))?;
     Ok(0)
 }

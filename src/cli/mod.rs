@@ -5,6 +5,7 @@ mod new;
 mod progress;
 mod run;
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -74,8 +75,8 @@ struct CaseArguments {
     #[arg(long, value_enum, default_value = "f32")]
     precision: Precision,
     /// CPU threads; 0 takes all cores.
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
+    threads: u16,
 }
 
 /// What ends a command early.
@@ -102,7 +103,7 @@ impl CaseArguments {
         if self.threads > 0 {
             // Fails only if a pool exists already, which a command-line run never has.
             let _ = rayon::ThreadPoolBuilder::new()
-                .num_threads(self.threads)
+                .num_threads(usize::from(self.threads))
                 .build_global();
         }
         let choices = Choices {
@@ -136,6 +137,18 @@ impl CaseArguments {
             ))));
         }
         Ok((case, plan))
+    }
+}
+
+/// Writes to standard output. A reader that has gone away is no failure; a full disk behind a redirection is.
+fn emit(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::Other(
+            exit::OUTPUT_FAILED,
+            format!("cannot write to standard output: {error}"),
+        )),
+        _ => Ok(()),
     }
 }
 

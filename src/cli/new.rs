@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Failure, exit};
+use super::{Failure, emit, exit};
 use crate::case::SHIPPED;
 
 #[derive(Debug, Args)]
@@ -14,7 +14,7 @@ pub(super) struct NewArguments {
 pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
     match SHIPPED.iter().find(|(name, _)| *name == arguments.name) {
         Some((_, text)) => {
-            print!("{text}");
+            emit(text)?;
             Ok(0)
         }
         None => {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 
 use super::progress::Progress;
-use super::{CaseArguments, Failure, exit};
+use super::{CaseArguments, Failure, emit, exit};
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -26,7 +26,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let (case, plan) = arguments.case.prepare()?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupt);
-    if let Err(error) = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)) {
+    // The first interrupt ends the run with its results after the present step, the second at once; files are never half written.
+    let handler = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(exit::INTERRUPTED));
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
         eprintln!("warning: an interrupt will stop the run without its results: {error}");
     }
     let mut progress = Progress::new();
@@ -43,7 +49,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     progress.finish();
     match result {
         Ok(report) => {
-            print_report(&report, &arguments.out);
+            emit(&report_text(&report, &arguments.out))?;
+            if report.unbalanced {
+                return Err(Failure::Other(
+                    exit::DIVERGED,
+                    "the static equilibrium was not reached; the results are those of a state out of balance".to_owned(),
+                ));
+            }
             Ok(if report.interrupted {
                 exit::INTERRUPTED
             } else {
@@ -53,7 +65,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Err(error) => {
             let code = match &error {
                 RunError::Diverged(_) => exit::DIVERGED,
-                RunError::Checkpoint(_) => exit::BAD_CASE,
+                RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
                 RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
             };
             let kept = if code == exit::DIVERGED {
@@ -66,14 +78,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     }
 }
 
-fn print_report(report: &Report, out: &std::path::Path) {
+fn report_text(report: &Report, out: &std::path::Path) -> String {
+    let mut lines = Vec::new();
     let summary = &report.summary;
-    println!("{}", summary.case.title);
-    print!("{}", summary.table());
-    println!(
+    lines.push(summary.case.title.clone());
+    lines.push(summary.table().trim_end().to_owned());
+    lines.push(format!(
         "stopped: {} (t = {:.4} s)",
         summary.stop.reason, summary.stop.when_s
-    );
+    ));
     let cost = &summary.milliseconds_per_step;
     let text: Vec<String> = [
         ("fluid", cost.fluid),
@@ -85,21 +98,25 @@ fn print_report(report: &Report, out: &std::path::Path) {
     .filter_map(|(name, value)| value.map(|v| format!("{name} {v:.2}")))
     .collect();
     if !text.is_empty() {
-        println!("ms per step: {}", text.join(", "));
+        lines.push(format!("ms per step: {}", text.join(", ")));
     }
     if let Some(rate) = summary.million_lattice_updates_per_s {
-        println!(
+        lines.push(format!(
             "{} steps in {:.1} s; air: {rate:.0} million lattice updates per second on {} threads ({})",
             summary.steps, summary.wall_s, summary.threads, summary.precision
-        );
+        ));
     } else {
-        println!("{} steps in {:.1} s", summary.steps, summary.wall_s);
+        lines.push(format!(
+            "{} steps in {:.1} s",
+            summary.steps, summary.wall_s
+        ));
     }
     for note in &summary.notes {
-        println!("note: {note}");
+        lines.push(format!("note: {note}"));
     }
     if let Some(picture) = &report.last_picture {
-        println!("picture: {}", picture.display());
+        lines.push(format!("picture: {}", picture.display()));
     }
-    println!("all results: {}", out.display());
+    lines.push(format!("all results: {}", out.display()));
+    lines.join("\n") + "\n"
 }

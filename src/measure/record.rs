@@ -174,7 +174,7 @@ impl Record {
         let reference = simulation
             .scene()
             .air
-            .map_or(f64::NAN, |air| air.reference_speed_m_s);
+            .map_or(f64::NAN, |air| air.wind_or_reference_m_s());
         let (now, [markers, momentum_box, _], mass_defect) = self.forces(simulation);
         vec![
             simulation.time_s(),
@@ -199,7 +199,7 @@ impl Record {
         let reference = simulation
             .scene()
             .air
-            .map_or(f64::NAN, |air| air.reference_speed_m_s);
+            .map_or(f64::NAN, |air| air.wind_or_reference_m_s());
         let density = simulation
             .scene()
             .air

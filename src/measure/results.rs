@@ -53,7 +53,7 @@ fn quantity(mean: Mean, unit: &str) -> Quantity {
 }
 
 fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: &Air) {
-    let unit_s = canopy.nominal_diameter_m / air.reference_speed_m_s;
+    let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
     let Some(window) = steady::window(record, unit_s) else {
         results.insert(
             "drag_coefficient",
@@ -74,7 +74,15 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     if let Some(note) = &indicative {
         drag_quantity = drag_quantity.with_note(note);
     }
-    results.insert("drag_coefficient", drag_quantity);
+    let wind = matches!(air.flow, Flow::WindTunnel { speed_m_s, .. } if speed_m_s > 0.0);
+    results.insert(
+        "drag_coefficient",
+        if wind {
+            drag_quantity
+        } else {
+            Quantity::missing("1", "there is no wind to refer to")
+        },
+    );
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
     let corrected = 1.0 + BLOCKAGE_FACTOR * drag.value * blockage;
@@ -84,8 +92,12 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     };
     results.insert(
         "drag_coefficient_blockage_corrected",
-        quantity(corrected_drag, "1")
-            .with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section"),
+        if wind {
+            quantity(corrected_drag, "1")
+                .with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section")
+        } else {
+            Quantity::missing("1", "there is no wind to refer to")
+        },
     );
     results.insert("blockage_ratio", Quantity::new(blockage, "1"));
     let ratio = mean("projected_diameter_ratio");
@@ -125,14 +137,22 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     );
     largest(results, record, released, "line_tension_max_n", "N");
     largest(results, record, released, "stress_max_pa", "Pa");
-    let force =
-        0.5 * air.units.density_kg_m3 * air.reference_speed_m_s.powi(2) * canopy.nominal_area_m2;
-    results.insert("drag_n", Quantity::new(drag.value * force, "N"));
-    let peak = column_max(record, "drag_coefficient", released);
+    let force = 0.5
+        * air.units.density_kg_m3
+        * air.wind_or_reference_m_s().powi(2)
+        * canopy.nominal_area_m2;
     results.insert(
-        "opening_force_factor",
-        Quantity::new(peak.1 / drag.value, "1"),
+        "drag_n",
+        Quantity::new(drag.value * force, "N")
+            .with_note("mean drag coefficient times dynamic pressure and S_0"),
     );
+    let peak = column_max(record, "drag_coefficient", released);
+    if wind {
+        results.insert(
+            "opening_force_factor",
+            Quantity::new(peak.1 / drag.value, "1"),
+        );
+    }
     insert_balances(results, record, &window, released, drag.value);
 }
 

@@ -15,8 +15,8 @@ const SECONDS_PER_MARKER: f64 = 0.5e-6;
 /// Seconds per node, element and objective evaluation assumed for the fabric on one thread.
 const SECONDS_PER_ELEMENT_EVALUATION: f64 = 0.05e-6;
 
-/// Evaluations per warm step assumed.
-const EVALUATIONS_PER_STEP: f64 = 8.0;
+/// Evaluations assumed per step of the air, short and warm, and per step of a structure alone, much longer.
+const EVALUATIONS_PER_STEP: [f64; 2] = [8.0, 400.0];
 
 /// Share of the free memory that a run may take.
 const MEMORY_SHARE: f64 = 0.8;
@@ -134,7 +134,7 @@ impl Plan {
             + sizes.markers as f64 * SECONDS_PER_MARKER
             + (sizes.nodes + sizes.triangles + sizes.cables) as f64
                 * SECONDS_PER_ELEMENT_EVALUATION
-                * EVALUATIONS_PER_STEP;
+                * EVALUATIONS_PER_STEP[usize::from(sizes.cells == 0)];
         Some(steps * per_step)
     }
 }

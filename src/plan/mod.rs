@@ -133,7 +133,7 @@ fn skips(scene: &Scene) -> Vec<Skip> {
             if structure.springs.is_empty() {
                 skip(
                     "spring network and bending",
-                    "fabric.model is not \"network\"".into(),
+                    "no sheet with model = \"network\"".into(),
                 );
             }
             if structure.cables.is_empty() {

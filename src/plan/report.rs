@@ -6,6 +6,9 @@ use super::Plan;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 
+/// Shape quality below which triangles slow the solver down.
+const POOR_SHAPE: f64 = 0.1;
+
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
@@ -34,6 +37,13 @@ impl Plan {
                 "  {:<15} {}{cadence}",
                 planned.stage.name(),
                 planned.stage.flow()
+            )?;
+        }
+        if let Some(equilibrium) = scene.equilibrium {
+            writeln!(
+                out,
+                "  then             static equilibrium to {:e}, at most {} evaluations",
+                equilibrium.tolerance, equilibrium.evaluation_limit
             )?;
         }
         let sizes = &self.sizes;
@@ -108,6 +118,12 @@ impl Plan {
                     quality.mean_shape,
                     quality.shortest_edge_m,
                     quality.longest_edge_m
+                )?;
+            }
+            if body.quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
+                writeln!(
+                    out,
+                    "  WARNING             poor triangles: the fabric will be solved slowly; use fewer gores or more even cells"
                 )?;
             }
             self.write_canopy(out, scene)?;

@@ -186,7 +186,9 @@ impl<'a> Files<'a> {
         let mut options = PictureOptions {
             title: Some(scene.title.clone()),
             caption: Some(caption).filter(|c| !c.is_empty()),
-            speed_range_m_s: scene.air.map(|air| [0.0, 1.4 * air.reference_speed_m_s]),
+            speed_range_m_s: scene
+                .air
+                .map(|air| [0.0, 1.4 * air.wind_or_reference_m_s()]),
             ..PictureOptions::default()
         };
         if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)

@@ -17,7 +17,7 @@ use crate::output::{
 };
 use crate::plan::Plan;
 use crate::render;
-use crate::simulation::{Diverged, Simulation};
+use crate::simulation::{Diverged, Failure, Simulation};
 use crate::solve::lbfgs::Stop;
 use crate::steady::Detector;
 use files::Files;
@@ -34,6 +34,9 @@ pub enum RunError {
     /// The physics broke down; files up to then are kept.
     #[error("{0}")]
     Diverged(Diverged),
+    /// The start state that the case asks for could not be reached.
+    #[error("the run cannot start: {0}")]
+    Start(String),
     /// A file could not be written.
     #[error("{0}")]
     Output(#[from] OutputError),
@@ -43,6 +46,15 @@ pub enum RunError {
     /// There is nothing to resume from.
     #[error("{0}")]
     Checkpoint(#[from] CheckpointError),
+}
+
+impl From<Failure> for RunError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Diverged(diverged) => Self::Diverged(diverged),
+            Failure::Start(why) => Self::Start(why),
+        }
+    }
 }
 
 /// Who watches a run.
@@ -62,6 +74,8 @@ pub struct Report {
     pub interrupted: bool,
     /// The picture of the last state.
     pub last_picture: Option<PathBuf>,
+    /// True if the static equilibrium was sought and not reached: results are those of a state out of balance.
+    pub unbalanced: bool,
 }
 
 /// What to run, and where.
@@ -90,6 +104,8 @@ struct Run<'a> {
     /// Structure at a later sample, not yet known to be.
     sampled: Frame,
     notes: Vec<String>,
+    /// The static equilibrium was not reached.
+    unbalanced: bool,
 }
 
 /// Runs a case and writes its results; stops early, resumably, when `interrupt` turns true.
@@ -144,13 +160,14 @@ pub fn run(
         None => Ok(Report {
             summary,
             interrupted,
+            unbalanced: run.unbalanced,
             last_picture: run.files.last_picture,
         }),
     }
 }
 
 /// Runs a case to its end without writing anything; samples at the case's cadence, and once at the end.
-pub fn without_files(case: &Case, plan: Plan) -> Result<(Simulation, Record), Diverged> {
+pub fn without_files(case: &Case, plan: Plan) -> Result<(Simulation, Record), Failure> {
     let planned = plan.start_steps.saturating_add(plan.steps);
     let start_steps = plan.start_steps;
     let sample_every = steps_per(case, case.scene.output.sample_interval_s);
@@ -189,8 +206,15 @@ impl<'a> Run<'a> {
         let stored = resume
             .then(|| checkpoint::Reader::open(folder, &identity))
             .transpose()?;
-        let mut simulation =
-            Simulation::new(case.scene.clone(), plan).map_err(RunError::Diverged)?;
+        if case
+            .scene
+            .body
+            .as_ref()
+            .is_some_and(|body| matches!(body.kind, BodyKind::Canopy(_)))
+        {
+            observer.note("opening the folded canopy by loading pressure");
+        }
+        let mut simulation = Simulation::new(case.scene.clone(), plan)?;
         let mut record = Record::new(&simulation);
         let mut notes = Vec::new();
         let mut written = files::Written::default();
@@ -235,6 +259,7 @@ impl<'a> Run<'a> {
             good,
             sampled,
             notes,
+            unbalanced: false,
         })
     }
 
@@ -343,6 +368,11 @@ impl<'a> Run<'a> {
                     outcome.energy_norm
                 );
                 observer.note(&text);
+                if outcome.stop != Stop::Converged {
+                    self.unbalanced = true;
+                    self.notes.push("the results are those of a state out of balance: raise equilibrium.evaluation_limit or its tolerance".to_owned());
+                }
+                self.history.push(self.record.add(&self.simulation))?;
                 Ok(text)
             }
         }
@@ -353,7 +383,7 @@ impl<'a> Run<'a> {
         let BodyKind::Canopy(canopy) = &scene.body.as_ref()?.kind else {
             return None;
         };
-        let unit_s = canopy.nominal_diameter_m / scene.air?.reference_speed_m_s;
+        let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
         Some(Detector::new(unit_s, scene.steady_drag_confidence?))
     }
 

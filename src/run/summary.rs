@@ -5,6 +5,9 @@ use crate::measure::{Record, results};
 use crate::output::{CaseInfo, MillisecondsPerStep, SCHEMA_VERSION, StopInfo, Summary};
 use crate::simulation::Simulation;
 
+/// Difference of the force routes beyond which a run says so.
+const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
+
 /// Motion of a marker between two solves beyond which the coupling is no longer trusted [cells].
 const MARKER_MOTION_LIMIT: f64 = 0.25;
 
@@ -53,6 +56,15 @@ pub(super) fn summarise(
             quality.smallest_shape, quality.mean_shape
         ));
     }
+    let results = results(simulation, record);
+    if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
+        && imbalance > FORCE_IMBALANCE_LIMIT
+    {
+        notes.push(format!(
+            "the three force routes differ by {:.1} %: average longer, lower solver.tolerance, or use coupling.structure_every = 1",
+            100.0 * imbalance
+        ));
+    }
     Summary {
         schema_version: SCHEMA_VERSION,
         ripstop_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -93,6 +105,6 @@ pub(super) fn summarise(
             .map(|s| format!("{}: {}", s.what, s.why))
             .collect(),
         notes,
-        results: results(simulation, record),
+        results,
     }
 }

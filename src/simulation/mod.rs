@@ -32,6 +32,23 @@ const DIVERGED_SPEED: f64 = 0.4;
 /// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
 const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 
+/// A run that broke down, or could not begin.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum Failure {
+    /// The physics broke down.
+    #[error("{0}")]
+    Diverged(Diverged),
+    /// The start state that the case asks for could not be reached.
+    #[error("the run cannot start: {0}")]
+    Start(String),
+}
+
+impl From<Diverged> for Failure {
+    fn from(diverged: Diverged) -> Self {
+        Self::Diverged(diverged)
+    }
+}
+
 /// A run that broke down.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("the run diverged at t = {time_s:.6} s (step {step}): {what}")]
@@ -89,7 +106,7 @@ pub struct Simulation {
 
 impl Simulation {
     /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
-    pub fn new(scene: Scene, plan: Plan) -> Result<Self, Diverged> {
+    pub fn new(scene: Scene, plan: Plan) -> Result<Self, Failure> {
         let air = scene
             .air
             .as_ref()
@@ -102,7 +119,8 @@ impl Simulation {
         if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
             && let BodyKind::Canopy(canopy) = &body.kind
         {
-            opening = Some(opening::open(cloth, canopy, &step_settings(&scene))?);
+            opening =
+                Some(opening::open(cloth, canopy, &step_settings(&scene)).map_err(Failure::Start)?);
         }
         let coupled = match (&scene.air, &scene.coupling) {
             (Some(air), Some(coupling)) => Some(Coupled::new(&scene, air, coupling)),
