@@ -20,7 +20,7 @@ pub mod exit {
     pub const BAD_CASE: u8 = 2;
     /// No usable device.
     pub const NO_DEVICE: u8 = 3;
-    /// The run diverged.
+    /// The run diverged, or its static equilibrium was not reached.
     pub const DIVERGED: u8 = 20;
     /// A file could not be written.
     pub const OUTPUT_FAILED: u8 = 74;
