@@ -42,8 +42,8 @@ impl Plan {
         if let Some(equilibrium) = scene.equilibrium {
             writeln!(
                 out,
-                "  then             static equilibrium to {:e}, at most {} evaluations",
-                equilibrium.tolerance, equilibrium.evaluation_limit
+                "  {:<15} static equilibrium to {:e}, at most {} evaluations",
+                "then", equilibrium.tolerance, equilibrium.evaluation_limit
             )?;
         }
         let sizes = &self.sizes;

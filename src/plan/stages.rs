@@ -39,7 +39,9 @@ impl Stage {
         match self {
             Self::CollideStream => "populations, body force -> populations",
             Self::Interpolate => "populations, marker positions -> air velocity at markers",
-            Self::SolveCloth => "air velocity at markers, loads -> node positions and velocities",
+            Self::SolveCloth => {
+                "loads, air velocity at markers if any -> node positions and velocities"
+            }
             Self::Spread => "marker velocities, air velocity -> body force near the sheet",
             Self::Measure => "impulses, shape, tensions -> history",
             Self::Output => "frame -> files, pictures",

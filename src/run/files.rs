@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::RunError;
 use crate::case::Scene;
-use crate::case::scene::BodyKind;
+use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::measure::Record;
 use crate::output::{OutputError, Pvd, write_atomically, write_canopy_vtp, write_flow_vti};
@@ -186,11 +186,21 @@ impl<'a> Files<'a> {
         let mut options = PictureOptions {
             title: Some(scene.title.clone()),
             caption: Some(caption).filter(|c| !c.is_empty()),
-            speed_range_m_s: scene
-                .air
-                .map(|air| [0.0, 1.4 * air.wind_or_reference_m_s()]),
+            speed_range_m_s: scene.air.map(|air| match air.flow {
+                // Air speeds up beside a canopy.
+                Flow::WindTunnel { .. } => [0.0, 1.4 * air.wind_or_reference_m_s()],
+                Flow::TaylorGreen { speed_m_s, .. } => [0.0, speed_m_s],
+            }),
             ..PictureOptions::default()
         };
+        if scene
+            .body
+            .as_ref()
+            .is_some_and(|body| matches!(body.kind, BodyKind::Cable { .. }))
+        {
+            // A plane curve, seen squarely.
+            (options.azimuth_deg, options.elevation_deg) = (0.0, 0.0);
+        }
         if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)
             && let BodyKind::Canopy(canopy) = &body.kind
         {
