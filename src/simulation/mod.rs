@@ -3,6 +3,7 @@
 mod air;
 mod checkpoint;
 mod coupled;
+mod failure;
 mod frames;
 mod impulses;
 mod opening;
@@ -13,6 +14,7 @@ use glam::DVec3;
 
 pub use air::AirEngine;
 pub use coupled::Coupled;
+pub use failure::{Diverged, Failure};
 pub use impulses::Impulses;
 pub use opening::Opening;
 
@@ -31,35 +33,6 @@ const DIVERGED_SPEED: f64 = 0.4;
 
 /// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
 const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
-
-/// A run that broke down, or could not begin.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum Failure {
-    /// The physics broke down.
-    #[error("{0}")]
-    Diverged(Diverged),
-    /// The start state that the case asks for could not be reached.
-    #[error("the run cannot start: {0}")]
-    Start(String),
-}
-
-impl From<Diverged> for Failure {
-    fn from(diverged: Diverged) -> Self {
-        Self::Diverged(diverged)
-    }
-}
-
-/// A run that broke down.
-#[derive(Debug, Clone, thiserror::Error)]
-#[error("the run diverged at t = {time_s:.6} s (step {step}): {what}")]
-pub struct Diverged {
-    /// Time since release [s].
-    pub time_s: f64,
-    /// Step since the start.
-    pub step: u64,
-    /// What broke, and where.
-    pub what: String,
-}
 
 /// Wall time per stage and work done.
 #[derive(Debug, Clone, Copy, Default)]
