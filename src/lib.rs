@@ -66,6 +66,7 @@ pub mod cpu;
 pub mod fabric;
 pub mod frame;
 pub mod geometry;
+pub mod gpu;
 pub mod immersed;
 pub mod lattice;
 pub mod lines;

@@ -1,0 +1,351 @@
+//! An open device: buffers, transfers, submissions, and the faults that arrive late.
+//!
+//! wgpu reports most failures after the call that caused them. The first one is kept here, and every transfer back to the
+//! host, where a run waits anyway, returns it as a [`DeviceError`].
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use bytemuck::Pod;
+
+use super::adapters::{self, AdapterChoice, AdapterInfo};
+use super::error::DeviceError;
+
+/// Submissions in flight before the host waits for the oldest: enough to keep a device busy, few enough that what they hold is
+/// released soon.
+const IN_FLIGHT: usize = 3;
+
+/// Bytes moved in one transfer.
+pub(super) const TRANSFER_BYTES: u64 = 32 << 20;
+
+/// How long the host waits for a submission before it declares the device lost.
+const TIMEOUT: Duration = Duration::from_secs(120);
+
+type Fault = Arc<Mutex<Option<DeviceError>>>;
+
+/// An adapter opened for computing.
+#[derive(Debug)]
+pub struct Device {
+    pub(super) raw: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    info: AdapterInfo,
+    limits: wgpu::Limits,
+    fault: Fault,
+    in_flight: Mutex<VecDeque<wgpu::SubmissionIndex>>,
+}
+
+fn note(fault: &Fault, error: DeviceError) {
+    let mut first = fault.lock().unwrap_or_else(PoisonError::into_inner);
+    // A loss explains whatever else was reported with it.
+    let explains = matches!(error, DeviceError::Lost(_))
+        && !matches!(*first, Some(DeviceError::OutOfMemory { .. }));
+    if first.is_none() || explains {
+        *first = Some(error);
+    }
+}
+
+impl Device {
+    /// Opens an adapter with all the limits it offers.
+    pub fn open(choice: &AdapterChoice) -> Result<Arc<Self>, DeviceError> {
+        let (adapter, info) = adapters::take(choice)?;
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("ripstop"),
+            required_limits: limits.clone(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (raw, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+                DeviceError::Open {
+                    name: info.name.clone(),
+                    why: error.to_string(),
+                }
+            })?;
+        let fault = Fault::default();
+        let late = Arc::clone(&fault);
+        raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            note(&late, DeviceError::from_wgpu(&error, "computing"));
+        }));
+        let lost = Arc::clone(&fault);
+        raw.set_device_lost_callback(move |reason, message| {
+            note(&lost, DeviceError::Lost(format!("{reason:?}: {message}")));
+        });
+        Ok(Arc::new(Self {
+            raw,
+            queue,
+            info,
+            limits,
+            fault,
+            in_flight: Mutex::default(),
+        }))
+    }
+
+    /// The adapter.
+    #[must_use]
+    pub const fn info(&self) -> &AdapterInfo {
+        &self.info
+    }
+
+    /// Workgroups allowed along one dimension of a dispatch.
+    #[must_use]
+    pub const fn workgroup_limit(&self) -> u32 {
+        self.limits.max_compute_workgroups_per_dimension
+    }
+
+    /// Gives the device up; what follows fails with [`DeviceError::Lost`]. For tests of that failure.
+    pub fn destroy(&self) {
+        self.raw.destroy();
+    }
+
+    /// The first failure that was reported, if any.
+    pub fn check(&self) -> Result<(), DeviceError> {
+        match &*self.fault.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error.clone()),
+            None => Ok(()),
+        }
+    }
+
+    /// Runs `work` and returns what the device has to say about it at once.
+    pub(super) fn guarded<T>(
+        &self,
+        doing: &str,
+        work: impl FnOnce() -> T,
+    ) -> Result<T, DeviceError> {
+        let memory = self.raw.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let internal = self.raw.push_error_scope(wgpu::ErrorFilter::Internal);
+        let validation = self.raw.push_error_scope(wgpu::ErrorFilter::Validation);
+        let result = work();
+        let errors = [
+            pollster::block_on(validation.pop()),
+            pollster::block_on(internal.pop()),
+            pollster::block_on(memory.pop()),
+        ];
+        self.check()?;
+        match errors.into_iter().flatten().next() {
+            Some(error) => Err(DeviceError::from_wgpu(&error, doing)),
+            None => Ok(result),
+        }
+    }
+
+    /// A buffer of `bytes` (rounded up to 16), filled with zeros.
+    pub(super) fn buffer(
+        &self,
+        label: &str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, DeviceError> {
+        let size = bytes.div_ceil(16).max(1) * 16;
+        let too_large = |limit: u64, limit_name: &'static str| DeviceError::Limit {
+            what: format!("the buffer \"{label}\""),
+            needed: size,
+            limit,
+            limit_name,
+            device: self.info.name.clone(),
+            remedy: "choose larger cells, a smaller tunnel or mesh, or --engine cpu",
+        };
+        if size > self.limits.max_buffer_size {
+            return Err(too_large(
+                self.limits.max_buffer_size,
+                "max_buffer_size [bytes]",
+            ));
+        }
+        let bound = usage.contains(wgpu::BufferUsages::STORAGE);
+        if bound && size > self.limits.max_storage_buffer_binding_size {
+            return Err(too_large(
+                self.limits.max_storage_buffer_binding_size,
+                "max_storage_buffer_binding_size [bytes]",
+            ));
+        }
+        self.guarded(&format!("allocating {size} bytes for \"{label}\""), || {
+            self.raw.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        })
+    }
+
+    /// A storage buffer that can be written from and read to the host.
+    pub(super) fn storage(&self, label: &str, bytes: u64) -> Result<wgpu::Buffer, DeviceError> {
+        self.buffer(
+            label,
+            bytes,
+            wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_DST
+                | wgpu::BufferUsages::COPY_SRC,
+        )
+    }
+
+    /// A storage buffer that holds `data`.
+    pub(super) fn storage_of<T: Pod>(
+        &self,
+        label: &str,
+        data: &[T],
+    ) -> Result<wgpu::Buffer, DeviceError> {
+        let buffer = self.storage(label, size_of_val(data) as u64)?;
+        self.write(&buffer, 0, data);
+        Ok(buffer)
+    }
+
+    /// A buffer of parameters.
+    pub(super) fn uniform<T: Pod>(&self, label: &str) -> Result<wgpu::Buffer, DeviceError> {
+        self.buffer(
+            label,
+            size_of::<T>() as u64,
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        )
+    }
+
+    /// Writes `data` to a buffer, `offset` in elements, before the next submission.
+    pub(super) fn write<T: Pod>(&self, buffer: &wgpu::Buffer, offset: usize, data: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let start = (offset * size_of::<T>()) as u64;
+        let mut done = 0;
+        for chunk in bytes.chunks(TRANSFER_BYTES as usize) {
+            self.queue.write_buffer(buffer, start + done, chunk);
+            done += chunk.len() as u64;
+            if done < bytes.len() as u64 {
+                // A staging buffer each; they are released once submitted.
+                self.queue.submit([]);
+            }
+        }
+    }
+
+    /// Starts recording commands.
+    pub(super) fn record(&self, label: &str) -> wgpu::CommandEncoder {
+        self.raw
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
+    /// Submits commands, waiting for older ones if too many are in flight.
+    pub(super) fn submit(&self, commands: wgpu::CommandEncoder) {
+        let index = self.queue.submit([commands.finish()]);
+        let oldest = {
+            let mut in_flight = self
+                .in_flight
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            in_flight.push_back(index);
+            if in_flight.len() > IN_FLIGHT {
+                in_flight.pop_front()
+            } else {
+                None
+            }
+        };
+        if oldest.is_some() {
+            self.poll(oldest);
+        }
+    }
+
+    /// Waits for a submission (the last one if `None`); a failure is kept for [`Device::check`].
+    fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) {
+        let waited = self.raw.poll(wgpu::PollType::Wait {
+            submission_index,
+            timeout: Some(TIMEOUT),
+        });
+        if let Err(error) = waited {
+            note(
+                &self.fault,
+                DeviceError::Lost(format!("no answer: {error}")),
+            );
+        }
+    }
+
+    /// Waits until everything submitted is done.
+    pub fn wait(&self) -> Result<(), DeviceError> {
+        self.poll(None);
+        self.in_flight
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
+        self.check()
+    }
+
+    /// Elements `first..first + count` of a buffer, after everything submitted so far.
+    pub(super) fn read<T: Pod>(
+        &self,
+        buffer: &wgpu::Buffer,
+        first: usize,
+        count: usize,
+    ) -> Result<Vec<T>, DeviceError> {
+        let mut result = vec![T::zeroed(); count];
+        let per_chunk = (TRANSFER_BYTES as usize / size_of::<T>()).max(1);
+        for (index, chunk) in result.chunks_mut(per_chunk).enumerate() {
+            let start = ((first + index * per_chunk) * size_of::<T>()) as u64;
+            let staging = Staging::new(self, size_of_val(chunk) as u64)?;
+            let mut commands = self.record("read back");
+            staging.copy(&mut commands, buffer, start, 0, size_of_val(chunk) as u64);
+            self.submit(commands);
+            staging.read(self, |bytes| {
+                let target: &mut [u8] = bytemuck::cast_slice_mut(chunk);
+                let length = target.len();
+                target.copy_from_slice(&bytes[..length]);
+            })?;
+        }
+        Ok(result)
+    }
+}
+
+/// A buffer on the host's side of a transfer, to be used again and again.
+#[derive(Debug)]
+pub(super) struct Staging {
+    buffer: wgpu::Buffer,
+    bytes: u64,
+}
+
+impl Staging {
+    /// Room for `bytes`, a multiple of 4.
+    pub(super) fn new(device: &Device, bytes: u64) -> Result<Self, DeviceError> {
+        let buffer = device.buffer(
+            "transfer",
+            bytes,
+            wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        )?;
+        Ok(Self { buffer, bytes })
+    }
+
+    /// Records a copy of `bytes` from `source` at byte `from` to byte `to` here.
+    pub(super) fn copy(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        source: &wgpu::Buffer,
+        from: u64,
+        to: u64,
+        bytes: u64,
+    ) {
+        commands.copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
+    }
+
+    /// Waits for what was submitted and shows the bytes.
+    pub(super) fn read(
+        &self,
+        device: &Device,
+        show: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceError> {
+        let mapped = Arc::new(Mutex::new(None));
+        let outcome = Arc::clone(&mapped);
+        self.buffer
+            .map_async(wgpu::MapMode::Read, 0..self.bytes, move |result| {
+                *outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(result.is_ok());
+            });
+        device.wait()?;
+        let done = *mapped.lock().unwrap_or_else(PoisonError::into_inner);
+        if done != Some(true) {
+            return Err(DeviceError::Lost(
+                "results could not be read back".to_owned(),
+            ));
+        }
+        {
+            let view = self
+                .buffer
+                .get_mapped_range(0..self.bytes)
+                .map_err(|error| DeviceError::Command(format!("reading back: {error}")))?;
+            show(&view);
+        }
+        self.buffer.unmap();
+        device.check()
+    }
+}

@@ -1,0 +1,19 @@
+//! The device engine: every stage of a step in WGSL, on any adapter of wgpu, with the CPU stages as its reference.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`adapters`] | the adapters of this machine, which one a run takes |
+//! | [`device`] | an open device: buffers, transfers, submissions, late faults |
+//! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
+//!
+//! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
+
+pub mod adapters;
+pub mod device;
+mod error;
+pub mod pipeline;
+pub mod shaders;
+
+pub use adapters::{AdapterChoice, AdapterInfo, AdapterKind};
+pub use device::Device;
+pub use error::DeviceError;

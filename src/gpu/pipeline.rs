@@ -1,0 +1,190 @@
+//! Compute pipelines whose bindings are known by name.
+
+use std::collections::HashMap;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+use super::device::Device;
+use super::error::DeviceError;
+use super::shaders::Shader;
+
+/// Threads of a workgroup of every compute shader, along x.
+pub const WORKGROUP: u32 = 64;
+
+/// One entry point, ready to be dispatched.
+#[derive(Debug)]
+pub(super) struct Pipeline {
+    name: String,
+    raw: wgpu::ComputePipeline,
+    /// Binding number of every name that the entry point uses.
+    bindings: Vec<(String, u32)>,
+}
+
+/// A pipeline with its buffers.
+#[derive(Debug, Clone)]
+pub(super) struct Bound {
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+}
+
+/// Parses and validates a shader.
+pub fn validate(shader: &Shader) -> Result<(naga::Module, ModuleInfo), String> {
+    let source = shader.source();
+    let module =
+        naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(&source))?;
+    Ok((module, info))
+}
+
+/// Names and numbers of the bindings that an entry point uses, in order of their numbers.
+#[must_use]
+pub fn bindings(module: &naga::Module, info: &ModuleInfo, entry: &str) -> Vec<(String, u32)> {
+    let Some(index) = module
+        .entry_points
+        .iter()
+        .position(|point| point.name == entry)
+    else {
+        return Vec::new();
+    };
+    let uses = info.get_entry_point(index);
+    let mut found: Vec<_> = module
+        .global_variables
+        .iter()
+        .filter(|(handle, _)| !uses[*handle].is_empty())
+        .filter_map(|(_, variable)| {
+            let binding = variable.binding.as_ref()?;
+            Some((variable.name.clone()?, binding.binding))
+        })
+        .collect();
+    found.sort_by_key(|(_, number)| *number);
+    found
+}
+
+impl Device {
+    /// Builds the pipelines of several entry points of one shader; constants that the shader does not declare are left out.
+    pub(super) fn pipelines<const N: usize>(
+        &self,
+        shader: &Shader,
+        entries: [&str; N],
+        constants: &[(&str, f64)],
+    ) -> Result<[Pipeline; N], DeviceError> {
+        let refused = |name: &str, why: String| DeviceError::Pipeline {
+            name: name.to_owned(),
+            why,
+        };
+        let (module, info) = validate(shader).map_err(|why| refused(shader.name, why))?;
+        let declared: Vec<(&str, f64)> = constants
+            .iter()
+            .copied()
+            .filter(|(name, _)| {
+                module
+                    .overrides
+                    .iter()
+                    .any(|(_, o)| o.name.as_deref() == Some(*name))
+            })
+            .collect();
+        let raw_module = self
+            .guarded(shader.name, || {
+                self.raw.create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some(shader.name),
+                    source: wgpu::ShaderSource::Wgsl(shader.source().into()),
+                })
+            })
+            .map_err(|error| match error {
+                DeviceError::Command(why) => refused(shader.name, why),
+                other => other,
+            })?;
+        let mut made = Vec::with_capacity(N);
+        for entry in entries {
+            let raw = self
+                .guarded(entry, || {
+                    self.raw
+                        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                            label: Some(entry),
+                            layout: None,
+                            module: &raw_module,
+                            entry_point: Some(entry),
+                            compilation_options: wgpu::PipelineCompilationOptions {
+                                constants: &declared,
+                                ..Default::default()
+                            },
+                            cache: None,
+                        })
+                })
+                .map_err(|error| match error {
+                    DeviceError::Command(why) => refused(entry, why),
+                    other => other,
+                })?;
+            made.push(Pipeline {
+                name: entry.to_owned(),
+                raw,
+                bindings: bindings(&module, &info, entry),
+            });
+        }
+        made.try_into()
+            .map_err(|_| refused(shader.name, "entry points are missing".to_owned()))
+    }
+
+    /// Gives a pipeline its buffers by name; names that the entry point does not use are left out.
+    pub(super) fn bind(
+        &self,
+        pipeline: &Pipeline,
+        buffers: &[(&str, &wgpu::Buffer)],
+    ) -> Result<Bound, DeviceError> {
+        let by_name: HashMap<&str, &wgpu::Buffer> = buffers.iter().copied().collect();
+        let mut entries = Vec::with_capacity(pipeline.bindings.len());
+        for (name, number) in &pipeline.bindings {
+            let Some(buffer) = by_name.get(name.as_str()) else {
+                return Err(DeviceError::Pipeline {
+                    name: pipeline.name.clone(),
+                    why: format!("no buffer is given for `{name}`"),
+                });
+            };
+            entries.push(wgpu::BindGroupEntry {
+                binding: *number,
+                resource: buffer.as_entire_binding(),
+            });
+        }
+        let group = self.guarded(&pipeline.name, || {
+            self.raw.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(&pipeline.name),
+                layout: &pipeline.raw.get_bind_group_layout(0),
+                entries: &entries,
+            })
+        })?;
+        Ok(Bound {
+            pipeline: pipeline.raw.clone(),
+            group,
+        })
+    }
+
+    /// Workgroups that cover `threads` threads, spread over two dimensions if they are many.
+    pub(super) fn workgroups(&self, threads: u64) -> [u32; 2] {
+        let groups = threads.div_ceil(u64::from(WORKGROUP)).max(1);
+        let limit = u64::from(self.workgroup_limit());
+        let rows = groups.div_ceil(limit);
+        [groups.div_ceil(rows) as u32, rows as u32]
+    }
+}
+
+impl Bound {
+    /// Records a dispatch of workgroups along x and y.
+    pub(super) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, [x, y]: [u32; 2]) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}
+
+/// Begins a compute pass.
+pub(super) fn compute_pass<'a>(
+    commands: &'a mut wgpu::CommandEncoder,
+    label: &'a str,
+) -> wgpu::ComputePass<'a> {
+    commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some(label),
+        timestamp_writes: None,
+    })
+}

@@ -1,0 +1,70 @@
+//! The WGSL files of `shaders/`, embedded, and the shaders put together from them.
+//!
+//! WGSL has no includes: a shader is the text of its parts, one after the other. Numbers that a scene fixes (sizes, relaxation
+//! times, switches) are pipeline constants; what changes during a run is a struct of parameters, declared once here for Rust
+//! ([`parameters!`]) and once in WGSL. A test without any device compares the two, field by field.
+
+/// A shader: its parts in order.
+#[derive(Debug, Clone, Copy)]
+pub struct Shader {
+    /// Name of the stage.
+    pub name: &'static str,
+    /// (file in `shaders/`, text)
+    pub parts: &'static [(&'static str, &'static str)],
+}
+
+impl Shader {
+    /// The whole text.
+    #[must_use]
+    pub fn source(&self) -> String {
+        self.parts.iter().map(|(_, text)| *text).collect()
+    }
+}
+
+macro_rules! shaders {
+    ($($constant:ident = $name:literal: $($file:literal),+;)*) => {
+        $(
+            #[doc = concat!("The shader `", $name, "`.")]
+            pub const $constant: Shader = Shader {
+                name: $name,
+                parts: &[$(($file, include_str!(concat!("../../shaders/", $file)))),+],
+            };
+        )*
+        /// All shaders.
+        pub const ALL: &[Shader] = &[$($constant),*];
+    };
+}
+
+shaders! {}
+
+/// Layout of a struct of parameters: its name and its fields with their byte offsets.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout {
+    /// Name in Rust and in WGSL.
+    pub name: &'static str,
+    /// Bytes in all.
+    pub size: usize,
+    /// (field, byte offset)
+    pub fields: &'static [(&'static str, usize)],
+}
+
+/// Declares structs that both Rust and WGSL know under the same names.
+macro_rules! parameters {
+    ($( $(#[$doc:meta])* $name:ident { $( $(#[$field_doc:meta])* $field:ident: $type:ty, )+ } )+) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+            pub struct $name { $( $(#[$field_doc])* pub $field: $type, )+ }
+        )+
+        /// Layouts of these structs.
+        pub const LAYOUTS: &[$crate::gpu::shaders::Layout] = &[
+            $( $crate::gpu::shaders::Layout {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                fields: &[ $( (stringify!($field), std::mem::offset_of!($name, $field)) ),+ ],
+            } ),+
+        ];
+    };
+}
+pub(super) use parameters;
