@@ -36,7 +36,8 @@ fn load(name: &str, overrides: &[String]) -> case::Case {
 /// Runs a case without writing files; returns simulation, record and wall seconds.
 fn run(case: &case::Case, precision: Precision) -> (Simulation, Record, f64) {
     let began = Instant::now();
-    let (simulation, record) = without_files(case, Plan::new(&case.scene, precision)).unwrap();
+    let (simulation, record) =
+        without_files(case, Plan::new(&case.scene, precision), None).unwrap();
     (simulation, record, began.elapsed().as_secs_f64())
 }
 

@@ -17,7 +17,7 @@ pub fn trials() -> Vec<Trial> {
     .collect()
 }
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
@@ -29,7 +29,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 21] = [
+const ALLOWED: [(&str, &[&str]); 22] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -56,6 +56,20 @@ const ALLOWED: [(&str, &[&str]); 21] = [
         ],
     ),
     (
+        "gpu",
+        &[
+            "checkpoint",
+            "cloth",
+            "cpu",
+            "fabric",
+            "immersed",
+            "lattice",
+            "lines",
+            "render",
+            "solve",
+        ],
+    ),
+    (
         "case",
         &[
             "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "units",
@@ -71,7 +85,9 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "cpu",
             "frame",
             "geometry",
+            "gpu",
             "immersed",
+            "lattice",
             "plan",
             "solve",
             "units",
@@ -85,6 +101,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "cpu",
             "frame",
             "geometry",
+            "gpu",
             "output",
             "simulation",
             "steady",
@@ -97,6 +114,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "case",
             "checkpoint",
             "frame",
+            "gpu",
             "measure",
             "output",
             "plan",
@@ -106,7 +124,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "steady",
         ],
     ),
-    ("cli", &["case", "plan", "run"]),
+    ("cli", &["case", "gpu", "plan", "run"]),
     ("main.rs", &[]),
 ];
 

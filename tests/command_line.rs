@@ -215,9 +215,42 @@ fn usage_errors() {
 }
 
 fn no_gpu() {
-    let output = ripstop(&["run", CANOPY, "--engine", "gpu"]);
+    // A driver list that names no driver: a machine without any adapter.
+    let without_adapter = |arguments: &[&str]| {
+        finished(
+            command(arguments)
+                .env("VK_DRIVER_FILES", "/nonexistent.json")
+                .env("VK_ICD_FILENAMES", "/nonexistent.json")
+                .output()
+                .unwrap(),
+        )
+    };
+    let output = without_adapter(&["check", CANOPY, "--engine", "gpu"]);
     assert_eq!(output.code, 3);
-    assert!(output.errors.contains("--engine cpu"), "{}", output.errors);
+    assert!(output.errors.contains("no adapter"), "{}", output.errors);
+    let output = without_adapter(&["check", CANOPY, "--cloth", "device"]);
+    assert_eq!(output.code, 3);
+    assert!(output.errors.contains("device"), "{}", output.errors);
+    let output = without_adapter(&["check", CANOPY]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(output.printed.contains("CPU"), "{}", output.printed);
+    let output = without_adapter(&["devices"]);
+    assert_eq!(output.code, 0);
+    assert!(
+        output.printed.contains("no adapter found"),
+        "{}",
+        output.printed
+    );
+    let output = ripstop(&["check", CANOPY, "--adapter", "zeppelin"]);
+    assert_eq!(output.code, 3);
+    assert!(
+        output.errors.contains("zeppelin") && output.errors.contains("ripstop devices"),
+        "{}",
+        output.errors
+    );
+    let output = ripstop(&["check", CANOPY, "--engine", "gpu", "--precision", "f64"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("f32"), "{}", output.errors);
 }
 
 const QUICK_SHEET: [&str; 4] = ["run", "cases/hanging-sheet.toml", "--variant", "quick"];

@@ -1,7 +1,12 @@
 //! One test body, one trial per engine.
 
-use libtest_mimic::{Failed, Trial};
-use ripstop::lattice::Real;
+use std::sync::{Arc, OnceLock};
+
+use libtest_mimic::Trial;
+use ripstop::gpu::{AdapterChoice, Device, DeviceError};
+use ripstop::lattice::grid::Setup;
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Precision};
+use ripstop::simulation::{AirEngine, Initial};
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +17,8 @@ pub enum Engine {
 }
 
 impl Engine {
+    pub const ALL: [Self; 3] = [Self::CpuF64, Self::CpuF32, Self::Gpu];
+
     pub const fn name(self) -> &'static str {
         match self {
             Self::CpuF64 => "cpu_f64",
@@ -19,41 +26,116 @@ impl Engine {
             Self::Gpu => "gpu",
         }
     }
+
+    pub fn placement(self) -> AirPlacement {
+        match self {
+            Self::CpuF64 => AirPlacement::Cpu(Precision::F64),
+            Self::CpuF32 => AirPlacement::Cpu(Precision::F32),
+            Self::Gpu => AirPlacement::Gpu,
+        }
+    }
+
+    /// Air here, fabric on the host.
+    pub fn plan_placement(self) -> Placement {
+        Placement {
+            air: self.placement(),
+            cloth: ClothPlacement::Host,
+            device: self.device().map(|device| device.info().name.clone()),
+        }
+    }
+
+    /// The device that this engine needs.
+    pub fn device(self) -> Option<Arc<Device>> {
+        (self == Self::Gpu).then(|| Arc::clone(device().as_ref().unwrap()))
+    }
+
+    /// Air of a set-up.
+    pub fn air(self, setup: Setup, initial: &Initial) -> AirEngine {
+        AirEngine::build(
+            setup,
+            Some(initial),
+            self.placement(),
+            self.device().as_ref(),
+        )
+        .unwrap()
+    }
 }
 
-/// A test body that is generic over the floating-point type of the CPU engine.
+/// (δρ, u) of every cell, in the precision of the engine.
+pub fn states(air: &AirEngine) -> Vec<(f64, [f64; 3])> {
+    let [nx, ny, nz] = air.grid().cells;
+    let cells = (0..nx * ny * nz).map(|i| [i % nx, i / nx % ny, i / nx / ny]);
+    match air {
+        AirEngine::CpuF64(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
+        AirEngine::CpuF32(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
+        AirEngine::Gpu(fluid) => fluid
+            .macroscopic()
+            .unwrap()
+            .into_iter()
+            .map(|(excess, u)| (f64::from(excess), u.map(f64::from)))
+            .collect(),
+    }
+}
+
+/// Σ δρ and Σ ρ u over all cells.
+pub fn mass_and_momentum(air: &AirEngine) -> [f64; 4] {
+    states(air).iter().fold([0.0; 4], |sum, (excess, u)| {
+        let density = 1.0 + excess;
+        [
+            sum[0] + excess,
+            sum[1] + density * u[0],
+            sum[2] + density * u[1],
+            sum[3] + density * u[2],
+        ]
+    })
+}
+
+/// The device of all tests: a software adapter will do.
+pub fn device() -> &'static Result<Arc<Device>, DeviceError> {
+    static DEVICE: OnceLock<Result<Arc<Device>, DeviceError>> = OnceLock::new();
+    DEVICE.get_or_init(|| Device::open(&AdapterChoice::Any))
+}
+
+fn gpu_required() -> bool {
+    std::env::var_os("RIPSTOP_REQUIRE_GPU").is_some_and(|v| v == "1")
+}
+
+/// A trial that needs a device: where there is none it shows as 'ignored', its kind says why, and `RIPSTOP_REQUIRE_GPU=1` turns
+/// that into a failure.
+pub fn needs_device(name: String, body: impl FnOnce() + Send + 'static) -> Trial {
+    let absent = device().is_err();
+    let trial = Trial::test(name, move || {
+        if let Err(error) = device() {
+            return Err(format!("RIPSTOP_REQUIRE_GPU=1, but {error}").into());
+        }
+        body();
+        Ok(())
+    });
+    if absent && !gpu_required() {
+        trial.with_ignored_flag(true).with_kind("no adapter")
+    } else {
+        trial
+    }
+}
+
+/// A test body that runs on every engine.
 pub trait Body: Send + Copy + 'static {
-    fn run<T: Real>(self, engine: Engine);
+    fn run(self, engine: Engine);
 }
 
 /// Trials of `body` on every engine.
 pub fn on_every_engine(name: &str, body: impl Body) -> Vec<Trial> {
-    [Engine::CpuF64, Engine::CpuF32, Engine::Gpu]
+    Engine::ALL
         .into_iter()
         .map(|engine| {
-            let trial = Trial::test(format!("{name}::{}", engine.name()), move || match engine {
-                Engine::CpuF64 => {
-                    body.run::<f64>(engine);
-                    Ok(())
-                }
-                Engine::CpuF32 => {
-                    body.run::<f32>(engine);
-                    Ok(())
-                }
-                Engine::Gpu => Err(Failed::from(
-                    "RIPSTOP_REQUIRE_GPU=1, but this version has no GPU engine",
-                )),
-            });
-            let skipped = engine == Engine::Gpu
-                && std::env::var_os("RIPSTOP_REQUIRE_GPU").is_none_or(|v| v != "1");
-            // A skip shows as 'ignored'; the kind says why.
-            if skipped {
-                trial
-                    .with_ignored_flag(true)
-                    .with_kind("no GPU engine in this version")
-            } else {
-                trial
+            let name = format!("{name}::{}", engine.name());
+            if engine == Engine::Gpu {
+                return needs_device(name, move || body.run(engine));
             }
+            Trial::test(name, move || {
+                body.run(engine);
+                Ok(())
+            })
         })
         .collect()
 }

@@ -16,6 +16,7 @@ mod cases;
 mod cloth;
 mod command_line;
 mod coupling;
+mod device;
 mod engines;
 mod tolerances;
 
@@ -28,6 +29,7 @@ fn main() -> std::process::ExitCode {
         air::trials(),
         cloth::trials(),
         coupling::trials(),
+        device::trials(),
         canopy::trials(),
         cases::trials(),
         bad_cases::trials(),

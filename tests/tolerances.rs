@@ -60,3 +60,19 @@ pub const PATCH: f64 = 1e-6;
 
 /// Spread force balance of the three routes (the gate is 2 %).
 pub const FORCE_IMBALANCE: f64 = 0.02;
+
+/// Air on a device against the CPU in f32 after some ten steps: both round to 2⁻²⁴ of values near 0.1, in another order.
+pub const DEVICE_AIR: f64 = 1e-6;
+
+/// Sums over a box of some thousand cells and 150 steps on a device, which adds 64 numbers in f32 before the host goes on in f64.
+pub const DEVICE_BALANCE: f64 = 2e-3;
+
+/// Kernel weights and spread areas in f32: a few roundings, amplified by the square root of the kernel near its rim.
+pub const DEVICE_WEIGHTS: f64 = 1e-5;
+
+/// Positions of the canopy after fifty coupled steps, in cells: both engines carry the air in f32, and the folded sheet's solver stops
+/// at a tolerance of 1e-2, which lets different roundings stop at different iterations.
+pub const DEVICE_CANOPY_CELLS: f64 = 0.02;
+
+/// Impulse on the canopy over those steps: as above.
+pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;

@@ -11,7 +11,11 @@ pub(super) struct CheckArguments {
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
-    let (case, plan) = arguments.case.prepare()?;
-    emit(&plan.report(&case.scene, rayon::current_num_threads()))?;
+    let prepared = arguments.case.prepare()?;
+    emit(
+        &prepared
+            .plan
+            .report(&prepared.case.scene, rayon::current_num_threads()),
+    )?;
     Ok(0)
 }

@@ -1,6 +1,8 @@
 //! The command line: one file per command, exit codes in one place.
 
 mod check;
+mod devices;
+mod engine;
 mod new;
 mod progress;
 mod run;
@@ -8,11 +10,13 @@ mod run;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use crate::case::{self, Case, CaseError, Choices, Problem};
-use crate::plan::{Plan, Precision, free_memory};
+use crate::gpu::Device;
+use crate::plan::{Plan, free_memory};
 
 /// Exit codes.
 pub mod exit {
@@ -44,17 +48,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Print a shipped case to start from.
     New(new::NewArguments),
-}
-
-/// Where the air is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Engine {
-    /// The best engine this machine has.
-    Auto,
-    /// CPU threads.
-    Cpu,
-    /// GPU through wgpu.
-    Gpu,
+    /// List the adapters of this machine, and which one `auto` takes.
+    Devices,
 }
 
 /// How a case is read; shared by the commands that take one.
@@ -68,15 +63,18 @@ struct CaseArguments {
     /// Change a key of the case; may be given several times.
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     overrides: Vec<String>,
-    /// Engine for the air.
-    #[arg(long, value_enum, default_value = "auto")]
-    engine: Engine,
-    /// Floating-point type of the air.
-    #[arg(long, value_enum, default_value = "f32")]
-    precision: Precision,
+    #[command(flatten)]
+    engine: engine::EngineArguments,
     /// CPU threads; 0 takes all cores.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     threads: u16,
+}
+
+/// A case ready to run.
+struct Prepared {
+    case: Case,
+    plan: Plan,
+    device: Option<Arc<Device>>,
 }
 
 /// What ends a command early.
@@ -94,12 +92,7 @@ impl From<Box<CaseError>> for Failure {
 
 impl CaseArguments {
     /// Reads and checks the case, plans it, and refuses what does not fit.
-    fn prepare(&self) -> Result<(Case, Plan), Failure> {
-        if self.engine == Engine::Gpu {
-            return Err(Failure::NoDevice(
-                "this version has no GPU engine yet; use --engine cpu (or auto, which takes the CPU)".to_owned(),
-            ));
-        }
+    fn prepare(&self) -> Result<Prepared, Failure> {
         if self.threads > 0 {
             // Fails only if a pool exists already, which a command-line run never has.
             let _ = rayon::ThreadPoolBuilder::new()
@@ -111,7 +104,8 @@ impl CaseArguments {
             overrides: self.overrides.clone(),
         };
         let case = case::load(&self.case, &choices)?;
-        let plan = Plan::new(&case.scene, self.precision);
+        let (placement, device) = self.engine.place(&case.scene)?;
+        let plan = Plan::new(&case.scene, placement);
         if let Err(refusal) = plan.sizes.fit_into(free_memory()) {
             let air = case.scene.air.map(|air| air.cells);
             let needs = format!(
@@ -136,7 +130,7 @@ impl CaseArguments {
                 "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
             ))));
         }
-        Ok((case, plan))
+        Ok(Prepared { case, plan, device })
     }
 }
 
@@ -172,6 +166,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Devices => devices::devices(),
     };
     match result {
         Ok(code) => ExitCode::from(code),

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 
 use super::progress::Progress;
-use super::{CaseArguments, Failure, emit, exit};
+use super::{CaseArguments, Failure, Prepared, emit, exit};
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -23,7 +23,7 @@ pub(super) struct RunArguments {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
-    let (case, plan) = arguments.case.prepare()?;
+    let Prepared { case, plan, device } = arguments.case.prepare()?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupt);
     // The first interrupt ends the run with its results after the present step, the second at once; files are never half written.
@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Order {
             case: &case,
             plan,
+            device,
             folder: &arguments.out,
             resume: arguments.resume,
         },
@@ -66,6 +67,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             let code = match &error {
                 RunError::Diverged(_) => exit::DIVERGED,
                 RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
+                RunError::Device(_) => exit::NO_DEVICE,
                 RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
             };
             let kept = if code == exit::DIVERGED {
@@ -102,8 +104,15 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
     }
     if let Some(rate) = summary.million_lattice_updates_per_s {
         lines.push(format!(
-            "{} steps in {:.1} s; air: {rate:.0} million lattice updates per second on {} threads ({})",
-            summary.steps, summary.wall_s, summary.threads, summary.precision
+            "{} steps in {:.1} s; air: {rate:.0} million lattice updates per second on {} ({})",
+            summary.steps,
+            summary.wall_s,
+            if summary.engine == "gpu" {
+                summary.device.clone()
+            } else {
+                format!("{} threads", summary.threads)
+            },
+            summary.precision
         ));
     } else {
         lines.push(format!(

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bytemuck::Pod;
 
@@ -332,7 +332,14 @@ impl Staging {
                 *outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(result.is_ok());
             });
         device.wait()?;
-        let done = *mapped.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = || *mapped.lock().unwrap_or_else(PoisonError::into_inner);
+        // Another thread may have been the one that was told, and is still passing it on.
+        let began = Instant::now();
+        while answer().is_none() && began.elapsed() < TIMEOUT {
+            device.wait()?;
+            std::thread::yield_now();
+        }
+        let done = answer();
         if done != Some(true) {
             return Err(DeviceError::Lost(
                 "results could not be read back".to_owned(),

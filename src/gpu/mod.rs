@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`adapters`] | the adapters of this machine, which one a run takes |
 //! | [`device`] | an open device: buffers, transfers, submissions, late faults |
+//! | [`fluid`] | the air: collide–stream, boundaries, fields and balances |
+//! | [`immersed`] | markers: interpolate, spread |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
@@ -11,6 +13,8 @@
 pub mod adapters;
 pub mod device;
 mod error;
+pub mod fluid;
+pub mod immersed;
 pub mod pipeline;
 pub mod shaders;
 

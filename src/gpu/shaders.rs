@@ -35,7 +35,14 @@ macro_rules! shaders {
     };
 }
 
-shaders! {}
+shaders! {
+    COLLIDE_STREAM = "collide_stream": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl", "collide_stream.wgsl";
+    BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
+    MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
+    INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
+    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
+    CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
+}
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +65,7 @@ macro_rules! parameters {
             pub struct $name { $( $(#[$field_doc])* pub $field: $type, )+ }
         )+
         /// Layouts of these structs.
-        pub const LAYOUTS: &[$crate::gpu::shaders::Layout] = &[
+        pub(in crate::gpu) const OWN_LAYOUTS: &[$crate::gpu::shaders::Layout] = &[
             $( $crate::gpu::shaders::Layout {
                 name: stringify!($name),
                 size: size_of::<$name>(),
@@ -68,3 +75,16 @@ macro_rules! parameters {
     };
 }
 pub(super) use parameters;
+
+/// Layouts of all structs that Rust and WGSL share.
+#[must_use]
+pub fn layouts() -> Vec<Layout> {
+    [
+        super::fluid::collide_stream::OWN_LAYOUTS,
+        super::fluid::control_volume::OWN_LAYOUTS,
+        super::fluid::macroscopic::OWN_LAYOUTS,
+        super::fluid::OWN_LAYOUTS,
+        super::immersed::OWN_LAYOUTS,
+    ]
+    .concat()
+}

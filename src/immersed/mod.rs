@@ -2,4 +2,5 @@
 
 pub mod kernel;
 pub mod markers;
+pub mod strength;
 pub mod touched;

@@ -17,6 +17,32 @@ pub struct OutOfDomain {
     pub position: [f64; 3],
 }
 
+/// The smallest box of cells (first, one past the last) that holds the kernels of all markers at `positions` [cells]; `None` without
+/// markers.
+pub fn bounding_box(
+    positions: &[[f64; 3]],
+    cells: [usize; 3],
+) -> Result<Option<([i64; 3], [i64; 3])>, OutOfDomain> {
+    let mut low = [i64::MAX; 3];
+    let mut high = [i64::MIN; 3];
+    for (marker, position) in positions.iter().enumerate() {
+        for a in 0..3 {
+            // Not finite counts as outside.
+            let inside = position[a] >= 1.0 && position[a] < cells[a] as f64 - 2.0;
+            if !inside {
+                return Err(OutOfDomain {
+                    marker,
+                    position: *position,
+                });
+            }
+            let floor = position[a].floor() as i64;
+            low[a] = low[a].min(floor - 1);
+            high[a] = high[a].max(floor + 3);
+        }
+    }
+    Ok((!positions.is_empty()).then_some((low, high)))
+}
+
 /// Touched cells and the marker–cell weights.
 #[derive(Debug, Clone, Default)]
 pub struct TouchedCells {
@@ -46,27 +72,11 @@ impl TouchedCells {
         positions: &[[f64; 3]],
         cells: [usize; 3],
     ) -> Result<(), OutOfDomain> {
-        let mut low = [i64::MAX; 3];
-        let mut high = [i64::MIN; 3];
-        for (marker, position) in positions.iter().enumerate() {
-            for a in 0..3 {
-                // Not finite counts as outside.
-                let inside = position[a] >= 1.0 && position[a] < cells[a] as f64 - 2.0;
-                if !inside {
-                    return Err(OutOfDomain {
-                        marker,
-                        position: *position,
-                    });
-                }
-                let floor = position[a].floor() as i64;
-                low[a] = low[a].min(floor - 1);
-                high[a] = high[a].max(floor + 3);
-            }
-        }
+        let found = bounding_box(positions, cells)?;
         self.clear();
-        if positions.is_empty() {
+        let Some((low, high)) = found else {
             return Ok(());
-        }
+        };
         let size: [usize; 3] = std::array::from_fn(|a| (high[a] - low[a]) as usize);
         self.box_map.resize(size[0] * size[1] * size[2], 0);
         self.marker_cells.resize(positions.len() * SUPPORT, 0);

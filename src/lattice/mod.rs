@@ -3,8 +3,11 @@
 //! Everything here is a pure formula in lattice units (cell = time step = reference density = 1).
 //!
 //! Directions come in opposite pairs (1, 2), (3, 4) … (17, 18); the first of a pair never points towards −x, and
-//! the streaming scheme of [`crate::cpu::fluid`] relies on that order.
+//! the streaming scheme of [`grid`] relies on that order.
 
+pub mod control_volume;
+pub mod grid;
+pub mod links;
 pub mod operators;
 mod real;
 
@@ -60,6 +63,9 @@ pub const WEIGHTS: [f64; DIRECTION_COUNT] = {
     }
     weights
 };
+
+/// Directions that enter through −x; the entering ones at +x are their opposites.
+pub const DOWNSTREAM: [usize; 5] = [1, 7, 9, 13, 15];
 
 /// The direction opposite to `direction`.
 #[must_use]

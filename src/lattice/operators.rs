@@ -17,6 +17,12 @@ use super::{DIRECTION_COUNT, Real};
 /// Magic parameter Λ = (τ₊ − ½)(τ₋ − ½) of the TRT operator: 3/16 puts a bounce-back wall half-way between cells.
 pub const TRT_MAGIC: f64 = 3.0 / 16.0;
 
+/// Factor 18 √2 C_s² of Smagorinsky's relaxation time for a constant C_s.
+#[must_use]
+pub fn eddy_factor(smagorinsky_constant: f64) -> f64 {
+    18.0 * std::f64::consts::SQRT_2 * smagorinsky_constant * smagorinsky_constant
+}
+
 /// Populations of one cell.
 pub type Populations<T> = [T; DIRECTION_COUNT];
 

@@ -6,6 +6,7 @@ use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
 use crate::geometry::parachute::shape;
+use crate::gpu::DeviceError;
 use crate::simulation::Simulation;
 
 /// Samples of a run.
@@ -119,29 +120,27 @@ impl Record {
     }
 
     /// Adds a sample of the running scene and returns its row.
-    pub fn add(&mut self, simulation: &Simulation) -> &[f64] {
+    pub fn add(&mut self, simulation: &mut Simulation) -> Result<&[f64], DeviceError> {
         let scene = simulation.scene();
-        let row = match (&scene.body, &scene.air) {
-            (Some(body), Some(_)) => match &body.kind {
-                BodyKind::Canopy(canopy) => self.canopy_row(simulation, canopy),
-                _ => self.fabric_in_wind_row(simulation),
-            },
-            (Some(_), None) => fabric_row(simulation),
-            (None, _) => air_row(simulation),
+        let in_air = scene.air.is_some();
+        let kind = scene.body.as_ref().map(|body| body.kind);
+        let row = match kind {
+            Some(BodyKind::Canopy(canopy)) if in_air => self.canopy_row(simulation, &canopy)?,
+            Some(_) if in_air => self.fabric_in_wind_row(simulation)?,
+            Some(_) => fabric_row(simulation),
+            None => air_row(simulation)?,
         };
         self.rows.push(row);
-        self.rows.last().map_or(&[], Vec::as_slice)
+        Ok(self.rows.last().map_or(&[], Vec::as_slice))
     }
 
     /// Impulses now, mean forces since the last sample by the three routes [N], and the defect of the mass balance; NaN where a
     /// route is not defined.
-    fn forces(&mut self, simulation: &Simulation) -> (LastImpulses, [DVec3; 3], f64) {
-        let sample = match (simulation.impulses(), simulation.air(), simulation.cloth()) {
-            (Some(impulses), Some(air), Some(cloth)) if simulation.released() => {
-                Some(impulses.sample(air, cloth))
-            }
-            _ => None,
-        };
+    fn forces(
+        &mut self,
+        simulation: &mut Simulation,
+    ) -> Result<(LastImpulses, [DVec3; 3], f64), DeviceError> {
+        let sample = simulation.impulse_sample()?;
         let unknown = DVec3::NAN;
         let now = LastImpulses {
             time_s: simulation.time_s(),
@@ -161,22 +160,22 @@ impl Record {
             force(|i| i.supports),
         ];
         self.last = sample.map(|_| now);
-        (now, forces, sample.map_or(f64::NAN, |s| s.mass_defect))
+        Ok((now, forces, sample.map_or(f64::NAN, |s| s.mass_defect)))
     }
 
-    fn fabric_in_wind_row(&mut self, simulation: &Simulation) -> Vec<f64> {
-        let frame = simulation.frame(false);
+    fn fabric_in_wind_row(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>, DeviceError> {
+        let (now, [markers, momentum_box, _], mass_defect) = self.forces(simulation)?;
+        let frame = simulation.structure_frame();
         let (Some(structure), Some(coupled), Some(cloth)) =
             (frame.structure, simulation.coupled(), simulation.cloth())
         else {
-            return vec![f64::NAN; FABRIC_IN_WIND.len()];
+            return Ok(vec![f64::NAN; FABRIC_IN_WIND.len()]);
         };
         let reference = simulation
             .scene()
             .air
             .map_or(f64::NAN, |air| air.wind_or_reference_m_s());
-        let (now, [markers, momentum_box, _], mass_defect) = self.forces(simulation);
-        vec![
+        Ok(vec![
             simulation.time_s(),
             simulation.wind_speed_m_s(),
             markers.x,
@@ -186,14 +185,19 @@ impl Record {
             now.markers.x,
             now.momentum_box.x,
             largest(structure.principal_tensions_n_m.iter().map(|t| t[0])),
-            coupled.slip_m_s() / reference,
+            coupled.slip_m_s()? / reference,
             cloth.kinetic_energy_j(),
             largest(structure.velocities_m_s.iter().map(|v| v.length())),
             mass_defect,
-        ]
+        ])
     }
 
-    fn canopy_row(&mut self, simulation: &Simulation, canopy: &Canopy) -> Vec<f64> {
+    fn canopy_row(
+        &mut self,
+        simulation: &mut Simulation,
+        canopy: &Canopy,
+    ) -> Result<Vec<f64>, DeviceError> {
+        let (now, forces, mass_defect) = self.forces(simulation)?;
         let time_s = simulation.time_s();
         let wind = simulation.wind_speed_m_s();
         let reference = simulation
@@ -205,11 +209,10 @@ impl Record {
             .air
             .map_or(f64::NAN, |air| air.units.density_kg_m3);
         let dynamic_force = 0.5 * density * reference * reference * canopy.nominal_area_m2;
-        let frame = simulation.frame(false);
+        let frame = simulation.structure_frame();
         let (Some(structure), Some(coupled)) = (frame.structure, simulation.coupled()) else {
-            return vec![f64::NAN; CANOPY.len()];
+            return Ok(vec![f64::NAN; CANOPY.len()]);
         };
-        let (now, forces, mass_defect) = self.forces(simulation);
         let [markers, momentum_box, supports] = forces;
         let lines: Vec<f64> = structure
             .cable_tensions_n
@@ -225,7 +228,7 @@ impl Record {
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
         let apex = fabric[0] - confluence;
-        vec![
+        Ok(vec![
             time_s,
             wind,
             markers.x / dynamic_force,
@@ -241,13 +244,13 @@ impl Record {
             lines.iter().sum::<f64>() / lines.len() as f64,
             lines.iter().copied().fold(0.0, f64::max),
             structure.stress_pa.iter().copied().fold(0.0, f64::max),
-            coupled.slip_m_s() / reference,
+            coupled.slip_m_s()? / reference,
             apex.y.hypot(apex.z),
             simulation
                 .cloth()
                 .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
             mass_defect,
-        ]
+        ])
     }
 }
 
@@ -265,7 +268,7 @@ pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn fabric_row(simulation: &Simulation) -> Vec<f64> {
-    let frame = simulation.frame(false);
+    let frame = simulation.structure_frame();
     let (Some(structure), Some(cloth)) = (frame.structure, simulation.cloth()) else {
         return vec![f64::NAN; FABRIC.len()];
     };
@@ -287,21 +290,21 @@ fn fabric_row(simulation: &Simulation) -> Vec<f64> {
     ]
 }
 
-fn air_row(simulation: &Simulation) -> Vec<f64> {
+fn air_row(simulation: &Simulation) -> Result<Vec<f64>, DeviceError> {
     let (Some(engine), Some(air)) = (simulation.air(), simulation.scene().air) else {
-        return vec![f64::NAN; AIR.len()];
+        return Ok(vec![f64::NAN; AIR.len()]);
     };
-    let (mass, energy) = engine.mass_and_energy();
+    let (mass, energy) = engine.mass_and_energy()?;
     let cell_mass = air.units.density_kg_m3 * air.units.cell_size_m.powi(3);
     let energy_j = energy * cell_mass * air.units.speed_m_s().powi(2);
     let total_mass = cell_mass * engine.grid().cell_count() as f64;
     // Mean of ½ u² is a quarter of the squared amplitude for sin·cos in two components.
-    vec![
+    Ok(vec![
         simulation.time_s(),
         energy_j,
         (4.0 * energy_j / total_mass).sqrt(),
         mass * cell_mass,
-    ]
+    ])
 }
 
 impl Record {

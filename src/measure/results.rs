@@ -22,7 +22,7 @@ const NO_DRAG: f64 = 1e-3;
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
     let mut results = Results::new();
     let scene = simulation.scene();
-    let frame = simulation.frame(false);
+    let frame = simulation.structure_frame();
     match (&scene.body, &scene.air) {
         (Some(body), Some(air)) => {
             if let BodyKind::Canopy(canopy) = &body.kind {

@@ -30,6 +30,8 @@ pub struct Summary {
     pub engine: String,
     /// The hardware in words.
     pub device: String,
+    /// Where the fabric was solved: `host` or `device`.
+    pub cloth: String,
     /// Precision of the air, such as `f32`.
     pub precision: String,
     /// Threads used.

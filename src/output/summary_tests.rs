@@ -21,6 +21,7 @@ fn summary() -> Summary {
         },
         engine: "cpu".to_owned(),
         device: "2 cores".to_owned(),
+        cloth: "host".to_owned(),
         precision: "f32".to_owned(),
         threads: 2,
         cells: Some([8, 6, 4]),

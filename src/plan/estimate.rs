@@ -1,6 +1,6 @@
 //! Sizes, bytes and a rough duration.
 
-use super::{Plan, Precision};
+use super::{Placement, Plan};
 use crate::case::Scene;
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
@@ -36,6 +36,10 @@ pub struct Sizes {
     pub cables: u64,
     /// Bytes of the air.
     pub air_bytes: u64,
+    /// True if those are a device's.
+    pub air_on_device: bool,
+    /// Bytes of one array of populations on the device, the largest buffer.
+    pub population_bytes: u64,
     /// Cells with the ghost layer.
     pub padded_cells: u64,
     /// Bytes of a snapshot of the air, taken for pictures and files.
@@ -58,7 +62,7 @@ pub struct MemoryRefusal {
 impl Sizes {
     /// Sizes of a scene.
     #[must_use]
-    pub fn new(scene: &Scene, precision: Precision) -> Self {
+    pub fn new(scene: &Scene, placement: &Placement) -> Self {
         let mut sizes = Self::default();
         if let Some(air) = &scene.air {
             sizes.cells = air
@@ -72,7 +76,10 @@ impl Sizes {
                 .map(|&n| n as u64 + 2)
                 .fold(1, u64::saturating_mul);
             sizes.padded_cells = padded;
-            sizes.air_bytes = padded.saturating_mul(DIRECTION_COUNT as u64 * precision.bytes());
+            sizes.population_bytes = padded.saturating_mul(4);
+            sizes.air_bytes =
+                padded.saturating_mul(DIRECTION_COUNT as u64 * placement.precision().bytes());
+            sizes.air_on_device = placement.air_on_device();
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.
             sizes.snapshot_bytes = sizes.cells.saturating_mul(2 * 16);
         }
@@ -90,18 +97,22 @@ impl Sizes {
         sizes
     }
 
-    /// All bytes.
+    /// All bytes of host memory.
     #[must_use]
-    pub const fn total_bytes(&self) -> u64 {
-        self.air_bytes
-            .saturating_add(self.snapshot_bytes)
+    pub const fn host_bytes(&self) -> u64 {
+        let air = if self.air_on_device {
+            0
+        } else {
+            self.air_bytes
+        };
+        air.saturating_add(self.snapshot_bytes)
             .saturating_add(self.marker_bytes)
             .saturating_add(self.structure_bytes)
     }
 
     /// Refuses a run beyond 80 % of the memory that is free (if that is known), or with a grid too large for 32-bit addresses.
     pub fn fit_into(&self, free: Option<u64>) -> Result<(), MemoryRefusal> {
-        let needed = self.total_bytes();
+        let needed = self.host_bytes();
         let too_much = free.filter(|&free| needed as f64 > MEMORY_SHARE * free as f64);
         if too_much.is_some() || self.padded_cells >= u64::from(u32::MAX) {
             return Err(MemoryRefusal {

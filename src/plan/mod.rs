@@ -1,10 +1,12 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
 mod estimate;
+mod placement;
 mod report;
 pub mod stages;
 
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
+pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
 
 use crate::case::Scene;
@@ -60,6 +62,8 @@ pub struct Plan {
     pub steps: u64,
     /// Floating-point type of the air.
     pub precision: Precision,
+    /// Who computes what.
+    pub placement: Placement,
     /// Sizes and bytes.
     pub sizes: Sizes,
     /// What is left out.
@@ -69,7 +73,9 @@ pub struct Plan {
 impl Plan {
     /// Works out the plan of a scene.
     #[must_use]
-    pub fn new(scene: &Scene, precision: Precision) -> Self {
+    pub fn new(scene: &Scene, placement: impl Into<Placement>) -> Self {
+        let placement: Placement = placement.into();
+        let precision = placement.precision();
         let (start_steps, steps) = match (scene.time, scene.air.map(|air| air.flow)) {
             (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
                 (start_time_s / time.step_s).ceil() as u64,
@@ -78,14 +84,15 @@ impl Plan {
             (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
             (None, _) => (0, 0),
         };
-        let sizes = Sizes::new(scene, precision);
+        let sizes = Sizes::new(scene, &placement);
         Self {
-            stages: stages::stages(scene),
+            stages: stages::stages(scene, &placement),
             start_steps,
             steps,
             precision,
             sizes,
             skips: skips(scene),
+            placement,
         }
     }
 }

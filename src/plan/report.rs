@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::Plan;
+use super::{AirPlacement, ClothPlacement, Plan};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 
@@ -25,6 +25,21 @@ impl Plan {
 
     fn write_report(&self, out: &mut String, scene: &Scene, threads: usize) -> std::fmt::Result {
         writeln!(out, "{}", scene.title)?;
+        writeln!(out, "\nplacement")?;
+        if scene.air.is_some() {
+            let place = match self.placement.air {
+                AirPlacement::Cpu(_) => format!("CPU, {threads} threads"),
+                AirPlacement::Gpu => self.device_name(),
+            };
+            writeln!(out, "  air                 {place}")?;
+        }
+        if scene.body.is_some() {
+            let place = match self.placement.cloth {
+                ClothPlacement::Host => "host memory (f64)".to_owned(),
+                ClothPlacement::Device => self.device_name(),
+            };
+            writeln!(out, "  fabric and cables   {place}")?;
+        }
         writeln!(out, "\nstages of a step")?;
         for planned in &self.stages {
             let cadence = if planned.every == 1 {
@@ -34,7 +49,7 @@ impl Plan {
             };
             writeln!(
                 out,
-                "  {:<15} {}{cadence}",
+                "  {:<20} {}{cadence}",
                 planned.stage.name(),
                 planned.stage.flow()
             )?;
@@ -42,7 +57,7 @@ impl Plan {
         if let Some(equilibrium) = scene.equilibrium {
             writeln!(
                 out,
-                "  {:<15} static equilibrium to {:e}, at most {} evaluations",
+                "  {:<20} static equilibrium to {:e}, at most {} evaluations",
                 "then", equilibrium.tolerance, equilibrium.evaluation_limit
             )?;
         }
@@ -59,9 +74,14 @@ impl Plan {
             )?;
             writeln!(
                 out,
-                "  memory              {} ({})",
+                "  memory              {} ({}{})",
                 megabytes(sizes.air_bytes),
-                self.precision.name()
+                self.precision.name(),
+                if sizes.air_on_device {
+                    ", on the device"
+                } else {
+                    ""
+                }
             )?;
             writeln!(out, "  time step           {:.4e} s", units.time_step_s)?;
             writeln!(
@@ -143,14 +163,19 @@ impl Plan {
         }
         writeln!(
             out,
-            "  total memory        {}",
-            megabytes(sizes.total_bytes())
+            "  host memory in all  {}",
+            megabytes(sizes.host_bytes())
         )?;
         writeln!(out, "\nskipped")?;
         for skip in &self.skips {
             writeln!(out, "  {:<45} {}", skip.what, skip.why)?;
         }
         Ok(())
+    }
+
+    fn device_name(&self) -> String {
+        let name = self.placement.device.as_deref().unwrap_or("not named");
+        format!("device {name}")
     }
 
     fn write_canopy(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {

@@ -1,5 +1,6 @@
 //! The order of a step: the only place that knows it.
 
+use super::Placement;
 use crate::case::Scene;
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
@@ -7,10 +8,20 @@ use crate::case::Scene;
 pub enum Stage {
     /// Collide and stream all populations, under the body force of the last coupling.
     CollideStream,
+    /// Transfer: marker positions from host to device.
+    SendMarkers,
     /// Air velocity u* at the markers.
     Interpolate,
+    /// Transfer: u* and strengths from device to host.
+    FetchAirVelocities,
+    /// Transfer: node state, loads and marker reactions from host to device.
+    SendNodes,
     /// Implicit step of fabric and cables with the reaction of the air inside.
     SolveCloth,
+    /// Transfer: node positions from device to host.
+    FetchNodes,
+    /// Transfer: marker forces from host to device.
+    SendMarkerForces,
     /// Exact opposite of that reaction, as a body force near the sheet.
     Spread,
     /// Impulses of the three force routes; samples at their own cadence.
@@ -25,8 +36,13 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::CollideStream => "collide_stream",
+            Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
+            Self::FetchAirVelocities => "fetch_air_velocities",
+            Self::SendNodes => "send_nodes",
             Self::SolveCloth => "solve_cloth",
+            Self::FetchNodes => "fetch_nodes",
+            Self::SendMarkerForces => "send_marker_forces",
             Self::Spread => "spread",
             Self::Measure => "measure",
             Self::Output => "output",
@@ -38,6 +54,11 @@ impl Stage {
     pub const fn flow(self) -> &'static str {
         match self {
             Self::CollideStream => "populations, body force -> populations",
+            Self::SendMarkers => "marker positions, host -> device, sorted by cell",
+            Self::FetchAirVelocities => "air velocity at markers, device -> host",
+            Self::SendNodes => "nodes, loads, marker reactions, host -> device",
+            Self::FetchNodes => "node positions, device -> host",
+            Self::SendMarkerForces => "marker forces, host -> device",
             Self::Interpolate => "populations, marker positions -> air velocity at markers",
             Self::SolveCloth => {
                 "loads, air velocity at markers if any -> node positions and velocities"
@@ -58,25 +79,41 @@ pub struct PlannedStage {
     pub every: u32,
 }
 
-/// The stages of one step of `scene`, in order. What the scene lacks is not in the list.
+/// The stages of one step of `scene`, in order. What the scene lacks is not in the list, and nothing is moved that is where it is
+/// needed.
 #[must_use]
-pub fn stages(scene: &Scene) -> Vec<PlannedStage> {
+pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
     let mut stages = Vec::new();
     let mut add = |stage, every| stages.push(PlannedStage { stage, every });
+    let coupled = scene.coupling.is_some();
+    let air_on_device = coupled && placement.air_on_device();
     if scene.time.is_some() {
         if scene.air.is_some() {
             add(Stage::CollideStream, 1);
         }
-        if scene.coupling.is_some() {
+        if air_on_device {
+            add(Stage::SendMarkers, 1);
+        }
+        if coupled {
             add(Stage::Interpolate, 1);
         }
-        if scene.body.is_some() {
-            add(
-                Stage::SolveCloth,
-                scene.coupling.map_or(1, |c| c.structure_every),
-            );
+        if air_on_device {
+            add(Stage::FetchAirVelocities, 1);
         }
-        if scene.coupling.is_some() {
+        if scene.body.is_some() {
+            let every = scene.coupling.map_or(1, |c| c.structure_every);
+            if placement.cloth_on_device() {
+                add(Stage::SendNodes, every);
+            }
+            add(Stage::SolveCloth, every);
+            if placement.cloth_on_device() {
+                add(Stage::FetchNodes, every);
+            }
+        }
+        if air_on_device {
+            add(Stage::SendMarkerForces, 1);
+        }
+        if coupled {
             add(Stage::Spread, 1);
         }
     }

@@ -1,6 +1,7 @@
 //! Frames, collections and pictures of a run.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -8,6 +9,7 @@ use super::RunError;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::gpu::Device;
 use crate::measure::Record;
 use crate::output::{OutputError, Pvd, write_atomically, write_canopy_vtp, write_flow_vti};
 use crate::render::{self, PictureOptions};
@@ -34,6 +36,7 @@ impl Written {
 /// Files of a run.
 pub(super) struct Files<'a> {
     folder: &'a Path,
+    device: Option<Arc<Device>>,
     canopies: Option<Pvd>,
     flows: Option<Pvd>,
     /// Pictures drawn at the times that the case asks for.
@@ -85,6 +88,7 @@ impl<'a> Files<'a> {
         folder: &'a Path,
         scene: &Scene,
         written: &Written,
+        device: Option<Arc<Device>>,
     ) -> Result<Self, OutputError> {
         let collection = |name: &str,
                           times: &[f64],
@@ -98,6 +102,7 @@ impl<'a> Files<'a> {
         };
         Ok(Self {
             folder,
+            device,
             canopies: match scene.body {
                 Some(_) => Some(collection(
                     "canopy.pvd",
@@ -131,7 +136,7 @@ impl<'a> Files<'a> {
         let Some(collection) = &mut self.canopies else {
             return Ok(());
         };
-        let frame = simulation.frame(false);
+        let frame = simulation.structure_frame();
         // The last state may have been written at its cadence already.
         let written = simulation.scene().equilibrium.is_none()
             && collection
@@ -146,7 +151,7 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    pub(super) fn flow(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+    pub(super) fn flow(&mut self, simulation: &Simulation) -> Result<(), RunError> {
         let Some(collection) = &mut self.flows else {
             return Ok(());
         };
@@ -157,7 +162,7 @@ impl<'a> Files<'a> {
         {
             return Ok(());
         }
-        let frame = simulation.frame(true);
+        let frame = simulation.frame(true)?;
         if let Some(fluid) = &frame.fluid {
             let name = flow_name(collection.entries().len());
             write_flow_vti(&self.folder.join(&name), fluid, frame.time_s)?;
@@ -173,7 +178,7 @@ impl<'a> Files<'a> {
         record: &Record,
     ) -> Result<(), RunError> {
         let scene = simulation.scene();
-        let frame = simulation.frame(true);
+        let frame = simulation.frame(true)?;
         let mut caption = String::new();
         for (column, label) in [
             ("drag_coefficient", "C_D"),

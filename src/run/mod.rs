@@ -4,6 +4,7 @@ mod files;
 mod summary;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,7 @@ use crate::case::Case;
 use crate::case::scene::BodyKind;
 use crate::checkpoint::{self, CheckpointError};
 use crate::frame::Frame;
+use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
 use crate::output::{
     HistoryWriter, OutputError, Summary, prepare_directory, write_canopy_vtp, write_summary,
@@ -37,6 +39,9 @@ pub enum RunError {
     /// The start state that the case asks for could not be reached.
     #[error("the run cannot start: {0}")]
     Start(String),
+    /// The device failed; files up to then, the last checkpoint included, are kept.
+    #[error("{0}")]
+    Device(#[from] DeviceError),
     /// A file could not be written.
     #[error("{0}")]
     Output(#[from] OutputError),
@@ -53,6 +58,7 @@ impl From<Failure> for RunError {
         match failure {
             Failure::Diverged(diverged) => Self::Diverged(diverged),
             Failure::Start(why) => Self::Start(why),
+            Failure::Device(error) => Self::Device(error),
         }
     }
 }
@@ -85,6 +91,8 @@ pub struct Order<'a> {
     pub case: &'a Case,
     /// Its plan.
     pub plan: Plan,
+    /// The device that the plan names, if any.
+    pub device: Option<Arc<Device>>,
     /// Folder for all results.
     pub folder: &'a Path,
     /// Continue from the checkpoint in the folder.
@@ -120,7 +128,10 @@ pub fn run(
     let (reason, diverged) = match run.drive(interrupt, observer) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
-        Err(other) => return Err(other),
+        Err(other) => {
+            run.history.flush()?;
+            return Err(other);
+        }
     };
     run.history.flush()?;
     let interrupted = diverged.is_none() && reason == INTERRUPTED;
@@ -167,21 +178,25 @@ pub fn run(
 }
 
 /// Runs a case to its end without writing anything; samples at the case's cadence, and once at the end.
-pub fn without_files(case: &Case, plan: Plan) -> Result<(Simulation, Record), Failure> {
+pub fn without_files(
+    case: &Case,
+    plan: Plan,
+    device: Option<Arc<Device>>,
+) -> Result<(Simulation, Record), Failure> {
     let planned = plan.start_steps.saturating_add(plan.steps);
     let start_steps = plan.start_steps;
     let sample_every = steps_per(case, case.scene.output.sample_interval_s);
-    let mut simulation = Simulation::new(case.scene.clone(), plan)?;
+    let mut simulation = Simulation::new(case.scene.clone(), plan, device)?;
     let mut record = Record::new(&simulation);
     while simulation.step_count() < planned {
         if simulation.released()
             && (simulation.step_count() - start_steps).is_multiple_of(sample_every)
         {
-            record.add(&simulation);
+            record.add(&mut simulation)?;
         }
         simulation.advance()?;
     }
-    record.add(&simulation);
+    record.add(&mut simulation)?;
     Ok((simulation, record))
 }
 
@@ -191,6 +206,18 @@ fn steps_per(case: &Case, interval_s: f64) -> u64 {
     ((interval_s / step_s).round() as u64).max(1)
 }
 
+/// What a checkpoint must agree with to be resumed from: case, precision, and who computes what.
+fn identity(case: &Case, plan: &Plan) -> String {
+    let device = |on_device: bool| if on_device { "device" } else { "host" };
+    format!(
+        "case {} in {}, air on {}, fabric on {}",
+        case.hash,
+        plan.precision.name(),
+        device(plan.placement.air_on_device()),
+        device(plan.placement.cloth_on_device())
+    )
+}
+
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
 impl<'a> Run<'a> {
@@ -198,10 +225,11 @@ impl<'a> Run<'a> {
         let Order {
             case,
             plan,
+            device,
             folder,
             resume,
         } = order;
-        let identity = format!("case {} in {}", case.hash, plan.precision.name());
+        let identity = identity(case, &plan);
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
         let stored = resume
             .then(|| checkpoint::Reader::open(folder, &identity))
@@ -214,7 +242,7 @@ impl<'a> Run<'a> {
         {
             observer.note("opening the folded canopy by loading pressure");
         }
-        let mut simulation = Simulation::new(case.scene.clone(), plan)?;
+        let mut simulation = Simulation::new(case.scene.clone(), plan, device.clone())?;
         let mut record = Record::new(&simulation);
         let mut notes = Vec::new();
         let mut written = files::Written::default();
@@ -245,8 +273,8 @@ impl<'a> Run<'a> {
         for row in record.rows() {
             history.push(row)?;
         }
-        let files = Files::create(folder, &case.scene, &written)?;
-        let good = simulation.frame(false);
+        let files = Files::create(folder, &case.scene, &written, device)?;
+        let good = simulation.structure_frame();
         let sampled = good.clone();
         Ok(Self {
             case,
@@ -315,11 +343,11 @@ impl<'a> Run<'a> {
                 }
                 let sampled = since.is_multiple_of(sample_every);
                 if sampled {
-                    self.history.push(self.record.add(&self.simulation))?;
+                    self.history.push(self.record.add(&mut self.simulation)?)?;
                     // A sample counts as good once the air has been searched at or after it.
                     if self.simulation.sound_step() >= self.sampled.step {
                         self.good =
-                            std::mem::replace(&mut self.sampled, self.simulation.frame(false));
+                            std::mem::replace(&mut self.sampled, self.simulation.structure_frame());
                     }
                 }
                 while picture_times
@@ -338,7 +366,7 @@ impl<'a> Run<'a> {
                     return Ok(reason);
                 }
             }
-            self.simulation.advance().map_err(RunError::Diverged)?;
+            self.simulation.advance()?;
             let done = self.simulation.step_count();
             if done.is_multiple_of(PROGRESS_INTERVAL) || done == planned {
                 let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
@@ -349,12 +377,12 @@ impl<'a> Run<'a> {
         if scene.time.is_some()
             && (since.is_multiple_of(sample_every) || self.record.rows().len() < 2)
         {
-            self.history.push(self.record.add(&self.simulation))?;
+            self.history.push(self.record.add(&mut self.simulation)?)?;
         }
         match self.simulation.equilibrate() {
             None => Ok("end time reached".to_owned()),
             Some(result) => {
-                let outcome = result.map_err(RunError::Diverged)?;
+                let outcome = result?;
                 let text = format!(
                     "equilibrium: {} after {} iterations and {} evaluations, energy norm {:.3e}",
                     match outcome.stop {
@@ -372,7 +400,7 @@ impl<'a> Run<'a> {
                     self.unbalanced = true;
                     self.notes.push("the results are those of a state out of balance: raise equilibrium.evaluation_limit or its tolerance".to_owned());
                 }
-                self.history.push(self.record.add(&self.simulation))?;
+                self.history.push(self.record.add(&mut self.simulation)?)?;
                 Ok(text)
             }
         }

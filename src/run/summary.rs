@@ -3,6 +3,7 @@
 use crate::case::Case;
 use crate::measure::{Record, results};
 use crate::output::{CaseInfo, MillisecondsPerStep, SCHEMA_VERSION, StopInfo, Summary};
+use crate::plan::ClothPlacement;
 use crate::simulation::Simulation;
 
 /// Difference of the force routes beyond which a run says so.
@@ -23,10 +24,10 @@ pub(super) fn summarise(
     let scene = simulation.scene();
     let plan = simulation.plan();
     let steps = simulation.step_count();
-    let own_steps = simulation.own_step_count();
     let cost = simulation.cost();
     let per_step = |duration: std::time::Duration, present: bool| {
-        (present && own_steps > 0).then(|| 1e3 * duration.as_secs_f64() / own_steps as f64)
+        (present && cost.timed_steps > 0)
+            .then(|| 1e3 * duration.as_secs_f64() / cost.timed_steps as f64)
     };
     let cells = scene.air.map(|air| air.cells);
     let fluid_seconds = cost.fluid.as_secs_f64();
@@ -74,8 +75,16 @@ pub(super) fn summarise(
             variant: case.variant.clone(),
             hash: case.hash.clone(),
         },
-        engine: "cpu".to_owned(),
-        device: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        engine: plan.placement.engine().to_owned(),
+        device: plan
+            .placement
+            .device
+            .clone()
+            .unwrap_or_else(|| format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
+        cloth: match plan.placement.cloth {
+            ClothPlacement::Host => "host".to_owned(),
+            ClothPlacement::Device => "device".to_owned(),
+        },
         precision: plan.precision.name().to_owned(),
         threads: rayon::current_num_threads(),
         cells,
@@ -88,7 +97,7 @@ pub(super) fn summarise(
         simulated_s: simulation.time_s().max(0.0),
         wall_s,
         million_lattice_updates_per_s: (cells.is_some() && fluid_seconds > 0.0)
-            .then(|| plan.sizes.cells as f64 * own_steps as f64 / fluid_seconds / 1e6),
+            .then(|| plan.sizes.cells as f64 * cost.timed_steps as f64 / fluid_seconds / 1e6),
         milliseconds_per_step: MillisecondsPerStep {
             fluid: per_step(cost.fluid, scene.air.is_some()),
             coupling: per_step(cost.coupling, scene.coupling.is_some()),

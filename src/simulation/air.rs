@@ -1,33 +1,48 @@
 //! The air engine that the plan chose.
 
+use std::sync::Arc;
+
 use crate::case::scene::{Air, Flow};
-use crate::cpu::fluid::control_volume::{ControlVolume, MassMomentum};
-use crate::cpu::fluid::{BodyForce, Breakdown, Fluid, Grid, Setup, Sides, StreamwiseEnds};
-use crate::plan::Precision;
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::fluid::{BodyForce, Fluid};
+use crate::gpu::{self, Device, DeviceError};
+use crate::lattice::control_volume::{ControlVolume, MassMomentum};
+use crate::lattice::grid::{Breakdown, Grid, Setup, Sides, StreamwiseEnds};
+use crate::plan::{AirPlacement, Precision};
+
+use super::markers::MarkerEngine;
 
 /// The air on one of the engines; a `match` without wildcard forces every engine to offer every operation.
 #[derive(Debug)]
 pub enum AirEngine {
     /// CPU, single precision.
-    CpuF32(Fluid<f32>),
+    CpuF32(Box<Fluid<f32>>),
     /// CPU, double precision.
-    CpuF64(Fluid<f64>),
+    CpuF64(Box<Fluid<f64>>),
+    /// Device, single precision.
+    Gpu(Box<gpu::fluid::Fluid>),
 }
 
 macro_rules! each_engine {
-    ($self:expr, $fluid:ident => $body:expr) => {
+    ($self:expr, $cpu:ident => $on_cpu:expr, $gpu:ident => $on_gpu:expr) => {
         match $self {
-            AirEngine::CpuF32($fluid) => $body,
-            AirEngine::CpuF64($fluid) => $body,
+            AirEngine::CpuF32($cpu) => $on_cpu,
+            AirEngine::CpuF64($cpu) => $on_cpu,
+            AirEngine::Gpu($gpu) => $on_gpu,
         }
     };
 }
-pub(super) use each_engine;
+
+/// Density excess and velocity of every cell at the start.
+pub type Initial<'a> = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync + 'a;
 
 impl AirEngine {
     /// Air of a scene at its initial state.
-    #[must_use]
-    pub fn new(air: &Air, precision: Precision) -> Self {
+    pub fn new(
+        air: &Air,
+        placement: AirPlacement,
+        device: Option<&Arc<Device>>,
+    ) -> Result<Self, DeviceError> {
         let (ends, sides, sponge_cells) = match air.flow {
             Flow::WindTunnel {
                 sponge_length_m, ..
@@ -48,56 +63,164 @@ impl AirEngine {
             smagorinsky_constant: air.smagorinsky_constant,
         };
         let initial = initial_state(air);
-        match precision {
-            Precision::F32 => Self::CpuF32(Fluid::new(setup, initial)),
-            Precision::F64 => Self::CpuF64(Fluid::new(setup, initial)),
-        }
+        // The wind rises from rest, and populations of air at rest are zero.
+        let at_rest = matches!(air.flow, Flow::WindTunnel { .. });
+        let initial: Option<&Initial> = if at_rest { None } else { Some(&initial) };
+        Self::build(setup, initial, placement, device)
+    }
+
+    /// Air of a set-up on the engine of a placement; at rest where `initial` is `None`.
+    pub fn build(
+        setup: Setup,
+        initial: Option<&Initial>,
+        placement: AirPlacement,
+        device: Option<&Arc<Device>>,
+    ) -> Result<Self, DeviceError> {
+        let start = |cell: [usize; 3]| initial.map_or((0.0, [0.0; 3]), |state| state(cell));
+        Ok(match placement {
+            AirPlacement::Cpu(Precision::F32) => Self::CpuF32(Box::new(Fluid::new(setup, start))),
+            AirPlacement::Cpu(Precision::F64) => Self::CpuF64(Box::new(Fluid::new(setup, start))),
+            AirPlacement::Gpu => {
+                let device = needed(device)?;
+                Self::Gpu(Box::new(gpu::fluid::Fluid::new(device, setup, initial)?))
+            }
+        })
     }
 
     /// The grid.
     #[must_use]
     pub fn grid(&self) -> Grid {
-        each_engine!(self, fluid => *fluid.grid())
+        each_engine!(self, fluid => *fluid.grid(), fluid => *fluid.grid())
     }
 
     /// Sets the velocity at the inlet [cells per step].
     pub fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
-        each_engine!(self, fluid => fluid.set_inlet_velocity(velocity));
+        each_engine!(self, fluid => fluid.set_inlet_velocity(velocity), fluid => fluid.set_inlet_velocity(velocity));
     }
 
-    /// Stage `collide_stream`.
-    pub fn collide_stream(&mut self, body_force: &BodyForce) {
-        each_engine!(self, fluid => fluid.collide_stream(body_force));
+    /// Stage `collide_stream`, under a uniform acceleration [cells per step²] and the forces of the markers, if there are any.
+    pub fn collide_stream(
+        &mut self,
+        acceleration: Option<[f64; 3]>,
+        markers: Option<&MarkerEngine>,
+    ) -> Result<(), DeviceError> {
+        each_engine!(self, fluid => {
+            let cells = match markers {
+                Some(MarkerEngine::Cpu(immersed)) => immersed.forced_cells(),
+                Some(MarkerEngine::Gpu(_)) => return Err(apart()),
+                None => Default::default(),
+            };
+            fluid.collide_stream(&BodyForce { acceleration, cells });
+            Ok(())
+        }, fluid => {
+            let forces = match markers {
+                Some(MarkerEngine::Cpu(_)) => return Err(apart()),
+                Some(MarkerEngine::Gpu(immersed)) => immersed.force_box(),
+                None => None,
+            };
+            fluid.collide_stream(acceleration, forces)
+        })
     }
 
     /// First cell that is not finite or too fast.
-    #[must_use]
-    pub fn breakdown(&self, speed_limit: f64) -> Option<Breakdown> {
-        each_engine!(self, fluid => fluid.breakdown(speed_limit))
+    pub fn breakdown(&self, speed_limit: f64) -> Result<Option<Breakdown>, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.breakdown(speed_limit)), fluid => fluid.breakdown(speed_limit))
     }
 
     /// Density excess and velocity of all cells.
-    #[must_use]
-    pub fn macroscopic(&self) -> Vec<(f32, [f32; 3])> {
-        each_engine!(self, fluid => fluid.macroscopic())
+    pub fn macroscopic(&self) -> Result<Vec<(f32, [f32; 3])>, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.macroscopic()), fluid => fluid.macroscopic())
     }
 
     /// Σ δρ and Σ ½ ρ u² over all cells.
-    #[must_use]
-    pub fn mass_and_energy(&self) -> (f64, f64) {
-        each_engine!(self, fluid => fluid.mass_and_energy())
-    }
-
-    /// Net outflow of a box in the step just done.
-    #[must_use]
-    pub fn outflow(&self, volume: &ControlVolume) -> MassMomentum {
-        each_engine!(self, fluid => fluid.outflow(volume))
+    pub fn mass_and_energy(&self) -> Result<(f64, f64), DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.mass_and_energy()), fluid => fluid.mass_and_energy())
     }
 
     /// Mass and momentum in a box now.
+    pub fn storage(&self, volume: &ControlVolume) -> Result<MassMomentum, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.storage(volume)), fluid => fluid.storage(volume))
+    }
+
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        each_engine!(self, fluid => fluid.save(out), fluid => fluid.save(out))
+    }
+
+    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        each_engine!(self, fluid => fluid.restore(from), fluid => fluid.restore(from))
+    }
+}
+
+/// The device of a placement that asks for one.
+pub(super) fn needed(device: Option<&Arc<Device>>) -> Result<&Arc<Device>, DeviceError> {
+    device.ok_or_else(|| {
+        DeviceError::NoAdapter("the plan asks for a device, none was opened".to_owned())
+    })
+}
+
+/// Air and markers must live on the same engine.
+pub(super) fn apart() -> DeviceError {
+    DeviceError::Command("air and markers live on different engines".to_owned())
+}
+
+/// Net outflow of a box of cells, added up step by step.
+#[derive(Debug)]
+pub struct Balance {
+    volume: ControlVolume,
+    outflow: MassMomentum,
+    watch: Option<gpu::fluid::VolumeWatch>,
+}
+
+impl Balance {
+    /// Balance of a box in the air of `engine`.
+    pub fn new(engine: &AirEngine, volume: ControlVolume) -> Result<Self, DeviceError> {
+        let watch = match engine {
+            AirEngine::CpuF32(_) | AirEngine::CpuF64(_) => None,
+            AirEngine::Gpu(fluid) => Some(fluid.watch_volume(&volume)?),
+        };
+        Ok(Self {
+            volume,
+            outflow: MassMomentum::default(),
+            watch,
+        })
+    }
+
+    /// The box.
     #[must_use]
-    pub fn storage(&self, volume: &ControlVolume) -> MassMomentum {
-        each_engine!(self, fluid => fluid.storage(volume))
+    pub const fn volume(&self) -> &ControlVolume {
+        &self.volume
+    }
+
+    /// Adds the step just done.
+    pub fn add_step(&mut self, engine: &AirEngine) -> Result<(), DeviceError> {
+        let volume = &self.volume;
+        let out = match (engine, &mut self.watch) {
+            (AirEngine::CpuF32(fluid), _) => fluid.outflow(volume),
+            (AirEngine::CpuF64(fluid), _) => fluid.outflow(volume),
+            (AirEngine::Gpu(fluid), Some(watch)) => return fluid.add_outflow(watch),
+            (AirEngine::Gpu(_), None) => return Err(apart()),
+        };
+        self.outflow.add(&out);
+        Ok(())
+    }
+
+    /// Net outflow since the beginning.
+    pub fn outflow(&mut self, engine: &AirEngine) -> Result<MassMomentum, DeviceError> {
+        if let (AirEngine::Gpu(fluid), Some(watch)) = (engine, &mut self.watch) {
+            self.outflow.add(&fluid.take_outflow(watch)?);
+        }
+        Ok(self.outflow)
+    }
+
+    /// Begins anew, or from what a checkpoint holds.
+    pub fn restart(
+        &mut self,
+        engine: &AirEngine,
+        outflow: MassMomentum,
+    ) -> Result<(), DeviceError> {
+        self.outflow(engine)?;
+        self.outflow = outflow;
+        Ok(())
     }
 }
 

@@ -3,15 +3,14 @@
 use std::io;
 
 use super::Simulation;
-use super::air::{AirEngine, each_engine};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 
 impl Simulation {
     /// Writes the state.
-    pub fn save(&self, out: &mut Writer) -> io::Result<()> {
+    pub fn save(&mut self, out: &mut Writer) -> io::Result<()> {
         out.put("step", &[self.step])?;
         if let Some(air) = &self.air {
-            each_engine!(air, fluid => fluid.save(out))?;
+            air.save(out)?;
         }
         if let Some(cloth) = &self.cloth {
             out.put("positions", &cloth.positions_m)?;
@@ -20,8 +19,8 @@ impl Simulation {
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
         }
-        if let Some(impulses) = &self.impulses {
-            impulses.save(out)?;
+        if let (Some(impulses), Some(air)) = (&mut self.impulses, &self.air) {
+            impulses.save(out, air)?;
         }
         Ok(())
     }
@@ -29,21 +28,22 @@ impl Simulation {
     /// Takes the state from a checkpoint of the same case.
     pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         self.step = from.take_exactly("step", 1)?[0];
-        self.first_step = self.step;
         self.sound_step = self.step;
         if let Some(air) = &mut self.air {
-            each_engine!(air, fluid => fluid.restore(from))?;
+            air.restore(from)?;
         }
         if let Some(cloth) = &mut self.cloth {
             let nodes = cloth.structure.node_count();
             cloth.positions_m = from.take_exactly("positions", nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
         }
-        if let Some(coupled) = &mut self.coupled {
-            coupled.restore(from)?;
-        }
-        if let Some(impulses) = &mut self.impulses {
-            impulses.restore(from)?;
+        if let Some(air) = &self.air {
+            if let Some(coupled) = &mut self.coupled {
+                coupled.restore(from, air)?;
+            }
+            if let Some(impulses) = &mut self.impulses {
+                impulses.restore(from, air)?;
+            }
         }
         Ok(())
     }

@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use super::air::{AirEngine, each_engine};
+use super::air::AirEngine;
+use super::markers::MarkerEngine;
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, MarkerReaction};
-use crate::cpu::fluid::ForcedCells;
-use crate::cpu::immersed::Immersed;
+use crate::gpu::DeviceError;
 use crate::immersed::markers::Marker;
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::place_markers;
@@ -19,7 +19,7 @@ use crate::units::Units;
 pub struct Coupled {
     units: Units,
     markers: Vec<Marker>,
-    immersed: Immersed,
+    immersed: MarkerEngine,
     /// [cells]
     positions: Vec<[f64; 3]>,
     /// [cells per step]
@@ -32,22 +32,27 @@ pub struct Coupled {
 }
 
 impl Coupled {
-    pub(super) fn new(scene: &Scene, air: &Air, coupling: &Coupling) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        air: &Air,
+        engine: &AirEngine,
+        coupling: &Coupling,
+    ) -> Result<Self, DeviceError> {
         let markers = place_markers(scene);
         let cell_area = air.units.cell_size_m * air.units.cell_size_m;
         let areas = markers.iter().map(|m| m.area_m2 / cell_area).collect();
         let count = markers.len();
-        Self {
+        Ok(Self {
             units: air.units,
             markers,
-            immersed: Immersed::new(areas, coupling.over_relaxation, air.cells),
+            immersed: MarkerEngine::new(engine, areas, coupling.over_relaxation)?,
             positions: vec![[0.0; 3]; count],
             velocities: vec![[0.0; 3]; count],
             air_velocity_sums: vec![[0.0; 3]; count],
             sums: 0,
             reactions: Vec::with_capacity(count),
             force_on_air: [0.0; 3],
-        }
+        })
     }
 
     /// The scales.
@@ -58,7 +63,7 @@ impl Coupled {
 
     /// The immersed boundary.
     #[must_use]
-    pub const fn immersed(&self) -> &Immersed {
+    pub const fn immersed(&self) -> &MarkerEngine {
         &self.immersed
     }
 
@@ -68,21 +73,58 @@ impl Coupled {
         self.force_on_air
     }
 
-    pub(super) fn forced_cells(&self) -> ForcedCells<'_> {
-        self.immersed.forced_cells()
+    /// The markers, fixed points of the fabric's triangles.
+    #[must_use]
+    pub fn markers(&self) -> &[Marker] {
+        &self.markers
     }
 
-    pub(super) fn interpolate(
-        &mut self,
-        air: &AirEngine,
-        cloth: &Cloth,
-    ) -> Result<(), OutOfDomain> {
+    fn place(&mut self, cloth: &Cloth) {
         for (position, marker) in self.positions.iter_mut().zip(&self.markers) {
             *position =
                 self.units
                     .position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
         }
-        each_engine!(air, fluid => self.immersed.interpolate(fluid, &self.positions))?;
+    }
+
+    /// Stage `send_markers`.
+    pub(super) fn send_markers(
+        &mut self,
+        air: &AirEngine,
+        cloth: &Cloth,
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        self.place(cloth);
+        self.immersed.send_markers(air, &self.positions)
+    }
+
+    /// Stage `interpolate`; on the device the markers are where `send_markers` put them.
+    pub(super) fn interpolate(
+        &mut self,
+        air: &AirEngine,
+        cloth: &Cloth,
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        let on_host = matches!(self.immersed, MarkerEngine::Cpu(_));
+        if on_host {
+            self.place(cloth);
+        }
+        if let Err(left) = self.immersed.interpolate(air, &self.positions)? {
+            return Ok(Err(left));
+        }
+        if on_host {
+            self.add_air_velocities();
+        }
+        Ok(Ok(()))
+    }
+
+    /// Stage `fetch_air_velocities`.
+    pub(super) fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
+        self.immersed.fetch_air_velocities()?;
+        self.add_air_velocities();
+        Ok(())
+    }
+
+    /// u* counts towards the mean of the steps since the last solve.
+    fn add_air_velocities(&mut self) {
         for (sum, u) in self
             .air_velocity_sums
             .iter_mut()
@@ -93,7 +135,6 @@ impl Coupled {
             }
         }
         self.sums += 1;
-        Ok(())
     }
 
     /// The markers as the fabric feels them: the mean ū since the last solve and the present strengths.
@@ -115,7 +156,7 @@ impl Coupled {
         &self.reactions
     }
 
-    pub(super) fn spread(&mut self, cloth: &Cloth, released: bool) {
+    fn take_velocities(&mut self, cloth: &Cloth, released: bool) {
         for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
             *velocity = if released {
                 self.units
@@ -128,13 +169,29 @@ impl Coupled {
             self.air_velocity_sums.fill([0.0; 3]);
             self.sums = 0;
         }
-        self.force_on_air = self.immersed.spread(&self.velocities);
+    }
+
+    /// Stage `send_marker_forces`.
+    pub(super) fn send_marker_forces(&mut self, cloth: &Cloth, released: bool) {
+        self.take_velocities(cloth, released);
+        if let Some(total) = self.immersed.send_marker_forces(&self.velocities) {
+            self.force_on_air = total;
+        }
+    }
+
+    /// Stage `spread`.
+    pub(super) fn spread(&mut self, cloth: &Cloth, released: bool) {
+        if matches!(self.immersed, MarkerEngine::Cpu(_)) {
+            self.take_velocities(cloth, released);
+        }
+        if let Some(total) = self.immersed.spread(&self.velocities) {
+            self.force_on_air = total;
+        }
     }
 
     /// Root mean square slip of the air at the markers [m/s].
-    #[must_use]
-    pub fn slip_m_s(&self) -> f64 {
-        self.immersed.slip(&self.velocities) * self.units.speed_m_s()
+    pub fn slip_m_s(&self) -> Result<f64, DeviceError> {
+        Ok(self.immersed.slip(&self.velocities)? * self.units.speed_m_s())
     }
 
     /// Fastest marker [cells per step].
@@ -168,7 +225,11 @@ impl Coupled {
         self.immersed.save(out)
     }
 
-    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+    pub(super) fn restore(
+        &mut self,
+        from: &Reader,
+        air: &AirEngine,
+    ) -> Result<(), CheckpointError> {
         let count = self.markers.len();
         self.positions = from.take_exactly("marker_positions", count)?;
         self.velocities = from.take_exactly("marker_velocities", count)?;
@@ -176,6 +237,6 @@ impl Coupled {
         self.sums = from.take_exactly::<u64>("air_velocity_sum_count", 1)?[0] as u32;
         self.force_on_air
             .copy_from_slice(&from.take_exactly::<f64>("force_on_air", 3)?);
-        self.immersed.restore(from, &self.positions)
+        self.immersed.restore(from, &self.positions, air)
     }
 }

@@ -1,11 +1,16 @@
 //! What can end a run, or keep it from beginning.
 
+use crate::gpu::DeviceError;
+
 /// A run that broke down, or could not begin.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Failure {
     /// The physics broke down.
     #[error("{0}")]
     Diverged(Diverged),
+    /// The device failed.
+    #[error("{0}")]
+    Device(#[from] DeviceError),
     /// The start state that the case asks for could not be reached.
     #[error("the run cannot start: {0}")]
     Start(String),

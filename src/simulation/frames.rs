@@ -5,31 +5,43 @@ use glam::DVec3;
 use super::Simulation;
 use crate::cpu::cloth::{Cloth, nodal_forces};
 use crate::frame::{FluidFrame, Frame, StructureFrame};
+use crate::gpu::DeviceError;
 
 impl Simulation {
     /// The scene now; the air only where asked for, since it is large.
+    pub fn frame(&self, with_air: bool) -> Result<Frame, DeviceError> {
+        let mut frame = self.structure_frame();
+        if with_air {
+            frame.fluid = self.fluid_frame()?;
+        }
+        Ok(frame)
+    }
+
+    /// The structure now, without the air.
     #[must_use]
-    pub fn frame(&self, with_air: bool) -> Frame {
+    pub fn structure_frame(&self) -> Frame {
         Frame {
             time_s: self.time_s(),
             step: self.step,
-            fluid: if with_air { self.fluid_frame() } else { None },
+            fluid: None,
             structure: self.cloth.as_ref().map(structure_frame),
         }
     }
 
-    fn fluid_frame(&self) -> Option<FluidFrame> {
-        let (air, settings) = (self.air.as_ref()?, self.scene.air.as_ref()?);
+    fn fluid_frame(&self) -> Result<Option<FluidFrame>, DeviceError> {
+        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
+            return Ok(None);
+        };
         let units = settings.units;
-        let states = air.macroscopic();
+        let states = air.macroscopic()?;
         let (speed, pressure) = (units.speed_m_s() as f32, units.pressure_pa() as f32);
-        Some(FluidFrame {
+        Ok(Some(FluidFrame {
             origin_m: DVec3::splat(0.5 * units.cell_size_m),
             cell_size_m: units.cell_size_m,
             cells: settings.cells,
             velocity_m_s: states.iter().map(|(_, u)| u.map(|c| c * speed)).collect(),
             pressure_pa: states.iter().map(|(excess, _)| excess * pressure).collect(),
-        })
+        }))
     }
 }
 

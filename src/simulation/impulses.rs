@@ -8,27 +8,27 @@
 
 use glam::DVec3;
 
-use super::air::AirEngine;
+use super::air::{AirEngine, Balance};
 use super::coupled::Coupled;
 use crate::case::scene::{Air, BodyKind};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::CableSegment;
 use crate::cpu::cloth::{Cloth, nodal_forces};
-use crate::cpu::fluid::control_volume::{ControlVolume, MassMomentum};
+use crate::gpu::DeviceError;
+use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::units::Units;
 
 /// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
 const LATERAL_REACH: f64 = 0.7;
 
 /// Impulses of the air on the structure since release.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Impulses {
     units: Units,
-    volume: ControlVolume,
+    balance: Balance,
     /// Cells touched by markers stayed inside the box so far.
     contained: bool,
     markers: [f64; 3],
-    outflow: MassMomentum,
     initial: MassMomentum,
     supports: DVec3,
     initial_momentum: DVec3,
@@ -56,7 +56,7 @@ impl Impulses {
         kind: Option<&BodyKind>,
         engine: &AirEngine,
         cloth: &Cloth,
-    ) -> Self {
+    ) -> Result<Self, DeviceError> {
         let structure = &cloth.structure;
         let (low, high) = reach(kind, cloth);
         let cell = air.units.cell_size_m;
@@ -79,27 +79,27 @@ impl Impulses {
             .flat_map(|t| t.nodes)
             .chain(structure.springs.iter().flat_map(|s| s.nodes))
             .any(|n| structure.held[n as usize]);
-        Self {
+        Ok(Self {
             units: air.units,
-            volume: ControlVolume::new(&engine.grid(), first, end),
+            balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
             contained: true,
             markers: [0.0; 3],
-            outflow: MassMomentum::default(),
             initial: MassMomentum::default(),
             supports: DVec3::ZERO,
             initial_momentum: DVec3::ZERO,
             support_cables,
             supported_by_cables,
-        }
+        })
     }
 
     /// Begins at release.
-    pub(super) fn start(&mut self, air: &AirEngine, cloth: &Cloth) {
-        self.initial = air.storage(&self.volume);
+    pub(super) fn start(&mut self, air: &AirEngine, cloth: &Cloth) -> Result<(), DeviceError> {
+        self.initial = air.storage(self.balance.volume())?;
         self.initial_momentum = cloth.momentum_kg_m_s();
         self.markers = [0.0; 3];
-        self.outflow = MassMomentum::default();
+        self.balance.restart(air, MassMomentum::default())?;
         self.supports = DVec3::ZERO;
+        Ok(())
     }
 
     /// The air has just been collided under `force` [lattice units].
@@ -116,15 +116,10 @@ impl Impulses {
         gravity: Option<DVec3>,
         damping_1_s: f64,
         coupled: &Coupled,
-    ) {
-        let out = air.outflow(&self.volume);
-        self.outflow.mass_excess += out.mass_excess;
-        for a in 0..3 {
-            self.outflow.momentum[a] += out.momentum[a];
-        }
-        self.contained &= coupled
-            .immersed()
-            .touches_only(self.volume.first, self.volume.end);
+    ) -> Result<(), DeviceError> {
+        self.balance.add_step(air)?;
+        let volume = self.balance.volume();
+        self.contained &= coupled.immersed().touches_only(volume.first, volume.end);
         let mut pull = DVec3::ZERO;
         let structure = &cloth.structure;
         for cable in &self.support_cables {
@@ -149,28 +144,33 @@ impl Impulses {
             pull += gravity * mass;
         }
         self.supports -= pull * self.units.time_step_s;
+        Ok(())
     }
 
     /// Impulses now.
-    #[must_use]
-    pub fn sample(&self, air: &AirEngine, cloth: &Cloth) -> ImpulseSample {
-        let stored = air.storage(&self.volume);
+    pub(super) fn sample(
+        &mut self,
+        air: &AirEngine,
+        cloth: &Cloth,
+    ) -> Result<ImpulseSample, DeviceError> {
+        let stored = air.storage(self.balance.volume())?;
+        let outflow = self.balance.outflow(air)?;
         let scale = self.units.impulse_n_s();
         let momentum_box = self.contained.then(|| {
             DVec3::from_array(std::array::from_fn(|a| {
-                -scale * (stored.momentum[a] - self.initial.momentum[a] + self.outflow.momentum[a])
+                -scale * (stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a])
             }))
         });
-        let mass = self.volume.cell_count() as f64 + self.initial.mass_excess;
-        ImpulseSample {
+        let mass = self.balance.volume().cell_count() as f64 + self.initial.mass_excess;
+        Ok(ImpulseSample {
             markers: DVec3::from_array(self.markers) * scale,
             momentum_box,
             supports: self
                 .supported_by_cables
                 .then(|| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
-            mass_defect: (stored.mass_excess - self.initial.mass_excess + self.outflow.mass_excess)
+            mass_defect: (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess)
                 / mass,
-        }
+        })
     }
 }
 
@@ -205,17 +205,22 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
 }
 
 impl Impulses {
-    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+    pub(super) fn save(&mut self, out: &mut Writer, air: &AirEngine) -> std::io::Result<()> {
+        let outflow = self.balance.outflow(air).map_err(std::io::Error::other)?;
         let balance =
             |m: &MassMomentum| [m.mass_excess, m.momentum[0], m.momentum[1], m.momentum[2]];
         out.put("impulse_contained", &[u64::from(self.contained)])?;
         out.put("impulse_markers", &self.markers)?;
-        out.put("impulse_outflow", &balance(&self.outflow))?;
+        out.put("impulse_outflow", &balance(&outflow))?;
         out.put("impulse_initial", &balance(&self.initial))?;
         out.put("impulse_supports", &[self.supports, self.initial_momentum])
     }
 
-    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+    pub(super) fn restore(
+        &mut self,
+        from: &Reader,
+        air: &AirEngine,
+    ) -> Result<(), CheckpointError> {
         let balance = |name: &str| -> Result<MassMomentum, CheckpointError> {
             let values: Vec<f64> = from.take_exactly(name, 4)?;
             Ok(MassMomentum {
@@ -226,7 +231,10 @@ impl Impulses {
         self.contained = from.take_exactly::<u64>("impulse_contained", 1)?[0] == 1;
         self.markers
             .copy_from_slice(&from.take_exactly::<f64>("impulse_markers", 3)?);
-        self.outflow = balance("impulse_outflow")?;
+        let outflow = balance("impulse_outflow")?;
+        self.balance
+            .restart(air, outflow)
+            .map_err(|error| from.damaged(error.to_string()))?;
         self.initial = balance("impulse_initial")?;
         let vectors: Vec<DVec3> = from.take_exactly("impulse_supports", 2)?;
         (self.supports, self.initial_momentum) = (vectors[0], vectors[1]);

@@ -6,27 +6,34 @@ mod coupled;
 mod failure;
 mod frames;
 mod impulses;
+mod markers;
 mod opening;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
-pub use air::AirEngine;
+pub use air::{AirEngine, Balance, Initial};
 pub use coupled::Coupled;
 pub use failure::{Diverged, Failure};
-pub use impulses::Impulses;
+pub use impulses::{ImpulseSample, Impulses};
+pub use markers::MarkerEngine;
 pub use opening::Opening;
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
-use crate::cpu::fluid::BodyForce;
+use crate::gpu::{Device, DeviceError};
+use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, Stage};
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
+
+/// One step in so many is timed where a device works while the host goes on.
+const TIMED_INTERVAL: u64 = 32;
 
 /// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
 const DIVERGED_SPEED: f64 = 0.4;
@@ -55,6 +62,8 @@ pub struct Cost {
     pub solves: u64,
     /// The static equilibrium at the end, apart from the steps.
     pub equilibrium: Duration,
+    /// Steps whose stages were timed: all, or some where a device works while the host goes on.
+    pub timed_steps: u64,
 }
 
 /// A scene in motion.
@@ -64,12 +73,11 @@ pub struct Simulation {
     plan: Plan,
     air: Option<AirEngine>,
     cloth: Option<Cloth>,
+    device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
     impulses: Option<Impulses>,
     opening: Option<Opening>,
     step: u64,
-    /// Step at which this process took over.
-    first_step: u64,
     /// Last step at which the air was searched and found sound.
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
@@ -79,11 +87,12 @@ pub struct Simulation {
 
 impl Simulation {
     /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
-    pub fn new(scene: Scene, plan: Plan) -> Result<Self, Failure> {
+    pub fn new(scene: Scene, plan: Plan, device: Option<Arc<Device>>) -> Result<Self, Failure> {
         let air = scene
             .air
             .as_ref()
-            .map(|air| AirEngine::new(air, plan.precision));
+            .map(|air| AirEngine::new(air, plan.placement.air, device.as_ref()))
+            .transpose()?;
         let mut cloth = scene
             .body
             .as_ref()
@@ -95,8 +104,10 @@ impl Simulation {
             opening =
                 Some(opening::open(cloth, canopy, &step_settings(&scene)).map_err(Failure::Start)?);
         }
-        let coupled = match (&scene.air, &scene.coupling) {
-            (Some(air), Some(coupling)) => Some(Coupled::new(&scene, air, coupling)),
+        let coupled = match (&scene.air, &air, &scene.coupling) {
+            (Some(air), Some(engine), Some(coupling)) => {
+                Some(Coupled::new(&scene, air, engine, coupling)?)
+            }
             _ => None,
         };
         let impulses = match (&scene.air, &air, &cloth, &coupled) {
@@ -105,7 +116,7 @@ impl Simulation {
                 scene.body.as_ref().map(|b| &b.kind),
                 engine,
                 cloth,
-            )),
+            )?),
             _ => None,
         };
         let mut simulation = Self {
@@ -113,27 +124,39 @@ impl Simulation {
             plan,
             air,
             cloth,
+            device,
             coupled,
             impulses,
             opening,
             step: 0,
-            first_step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
             cost: Cost::default(),
         };
         if simulation.plan.start_steps == 0 {
-            simulation.start_impulses();
+            simulation.start_impulses()?;
         }
         Ok(simulation)
     }
 
     /// Impulses and balances count from release.
-    fn start_impulses(&mut self) {
+    fn start_impulses(&mut self) -> Result<(), DeviceError> {
         if let (Some(air), Some(cloth), Some(impulses)) =
             (&self.air, &self.cloth, &mut self.impulses)
         {
-            impulses.start(air, cloth);
+            impulses.start(air, cloth)?;
+        }
+        Ok(())
+    }
+
+    /// Impulses of the three force routes now; `None` before release and where nothing is coupled.
+    pub fn impulse_sample(&mut self) -> Result<Option<ImpulseSample>, DeviceError> {
+        let released = self.released();
+        match (&mut self.impulses, &self.air, &self.cloth) {
+            (Some(impulses), Some(air), Some(cloth)) if released => {
+                Ok(Some(impulses.sample(air, cloth)?))
+            }
+            _ => Ok(None),
         }
     }
 
@@ -160,12 +183,6 @@ impl Simulation {
     pub fn time_s(&self) -> f64 {
         let step_s = self.scene.time.map_or(0.0, |t| t.step_s);
         (self.step as f64 - self.plan.start_steps as f64) * step_s
-    }
-
-    /// Steps done by this process: all, unless the run was resumed. [`Simulation::cost`] is about these.
-    #[must_use]
-    pub const fn own_step_count(&self) -> u64 {
-        self.step - self.first_step
     }
 
     /// True once the sheet moves freely.
@@ -239,30 +256,49 @@ impl Simulation {
     }
 
     /// One step: the plan's stages in the plan's order.
-    pub fn advance(&mut self) -> Result<(), Diverged> {
+    pub fn advance(&mut self) -> Result<(), Failure> {
+        let timed = self.times_this_step();
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
             let start = Instant::now();
             match planned.stage {
-                Stage::CollideStream => self.collide_stream(),
+                Stage::CollideStream => self.collide_stream()?,
+                Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
+                Stage::FetchAirVelocities => self.fetch_air_velocities()?,
+                Stage::SendNodes => {}
                 Stage::SolveCloth => self.solve_cloth(planned.every)?,
+                Stage::FetchNodes => {}
+                Stage::SendMarkerForces => self.send_marker_forces(),
                 Stage::Spread => self.spread(),
-                Stage::Measure => self.accumulate(),
+                Stage::Measure => self.accumulate()?,
                 // Files belong to the caller, which sees frames.
                 Stage::Output => {}
+            }
+            if !timed {
+                continue;
+            }
+            if let Some(device) = &self.device {
+                device.wait()?;
             }
             let elapsed = start.elapsed();
             match planned.stage {
                 Stage::CollideStream => self.cost.fluid += elapsed,
-                Stage::Interpolate | Stage::Spread => self.cost.coupling += elapsed,
-                Stage::SolveCloth => self.cost.cloth += elapsed,
+                Stage::SendMarkers
+                | Stage::Interpolate
+                | Stage::FetchAirVelocities
+                | Stage::SendMarkerForces
+                | Stage::Spread => self.cost.coupling += elapsed,
+                Stage::SendNodes | Stage::SolveCloth | Stage::FetchNodes => {
+                    self.cost.cloth += elapsed;
+                }
                 Stage::Measure | Stage::Output => self.cost.measure += elapsed,
             }
         }
+        self.cost.timed_steps += u64::from(timed);
         self.step += 1;
         if self.step == self.plan.start_steps {
-            self.start_impulses();
+            self.start_impulses()?;
         }
         if self.step.is_multiple_of(WATCH_INTERVAL) {
             self.watch()?;
@@ -271,12 +307,17 @@ impl Simulation {
         Ok(())
     }
 
-    fn collide_stream(&mut self) {
+    /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
+    fn times_this_step(&self) -> bool {
+        self.device.is_none() || self.step % TIMED_INTERVAL == TIMED_INTERVAL - 1
+    }
+
+    fn collide_stream(&mut self) -> Result<(), DeviceError> {
         // The ghosts of the inlet stand for cells after this collision, which ends with the wind of the next step.
         let wind = DVec3::X * self.wind_speed_at(self.step + 1);
         let start_steps = self.plan.start_steps;
         let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else {
-            return;
+            return Ok(());
         };
         let mut acceleration = None;
         if let Flow::WindTunnel { speed_m_s, .. } = settings.flow {
@@ -288,43 +329,56 @@ impl Simulation {
                 acceleration = Some([rate, 0.0, 0.0]);
             }
         }
-        let cells = self
-            .coupled
-            .as_ref()
-            .map(Coupled::forced_cells)
-            .unwrap_or_default();
-        air.collide_stream(&BodyForce {
-            acceleration,
-            cells,
-        });
+        air.collide_stream(acceleration, self.coupled.as_ref().map(Coupled::immersed))?;
         if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
             && self.step >= start_steps
         {
             impulses.add_delivered(coupled.force_on_air());
         }
+        Ok(())
     }
 
-    fn interpolate(&mut self) -> Result<(), Diverged> {
+    fn send_markers(&mut self) -> Result<(), Failure> {
         let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled)
         else {
             return Ok(());
         };
-        if let Err(left) = coupled.interpolate(air, cloth) {
-            self.watch()?;
-            let Some(coupled) = &self.coupled else {
-                return Ok(());
-            };
-            let place = coupled.units().position_m(left.position);
-            let what = format!(
-                "a marker of the fabric left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
-                place.x, place.y, place.z
-            );
-            return Err(self.diverged(what));
+        let sent = coupled.send_markers(air, cloth)?;
+        self.still_inside(sent)
+    }
+
+    fn interpolate(&mut self) -> Result<(), Failure> {
+        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled)
+        else {
+            return Ok(());
+        };
+        let done = coupled.interpolate(air, cloth)?;
+        self.still_inside(done)
+    }
+
+    fn fetch_air_velocities(&mut self) -> Result<(), Failure> {
+        if let Some(coupled) = &mut self.coupled {
+            coupled.fetch_air_velocities()?;
         }
         Ok(())
     }
 
-    fn solve_cloth(&mut self, every: u32) -> Result<(), Diverged> {
+    /// A marker that left the air ends the run.
+    fn still_inside(&self, markers: Result<(), OutOfDomain>) -> Result<(), Failure> {
+        let (Err(left), Some(coupled)) = (markers, &self.coupled) else {
+            return Ok(());
+        };
+        // Perhaps the air drove it out.
+        self.watch()?;
+        let place = coupled.units().position_m(left.position);
+        let what = format!(
+            "a marker of the fabric left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
+            place.x, place.y, place.z
+        );
+        Err(self.diverged(what).into())
+    }
+
+    fn solve_cloth(&mut self, every: u32) -> Result<(), Failure> {
         if self.step < self.plan.start_steps {
             return Ok(());
         }
@@ -381,9 +435,16 @@ impl Simulation {
                 .as_ref()
                 .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
             let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
-            return Err(self.diverged(format!("the fabric's energy is no longer finite{place}")));
+            let what = format!("the fabric's energy is no longer finite{place}");
+            return Err(self.diverged(what).into());
         }
         Ok(())
+    }
+
+    fn send_marker_forces(&mut self) {
+        if let (Some(cloth), Some(coupled)) = (&self.cloth, &mut self.coupled) {
+            coupled.send_marker_forces(cloth, self.step >= self.plan.start_steps);
+        }
     }
 
     fn spread(&mut self) {
@@ -395,14 +456,14 @@ impl Simulation {
         }
     }
 
-    fn accumulate(&mut self) {
+    fn accumulate(&mut self) -> Result<(), DeviceError> {
         if self.step < self.plan.start_steps {
-            return;
+            return Ok(());
         }
         let (Some(air), Some(cloth), Some(coupled), Some(impulses)) =
             (&self.air, &self.cloth, &self.coupled, &mut self.impulses)
         else {
-            return;
+            return Ok(());
         };
         impulses.add_step(
             air,
@@ -410,15 +471,15 @@ impl Simulation {
             self.scene.gravity_m_s2,
             self.scene.solver.damping_1_s,
             coupled,
-        );
+        )
     }
 
     /// Looks for cells that are not finite or too fast.
-    fn watch(&self) -> Result<(), Diverged> {
+    fn watch(&self) -> Result<(), Failure> {
         let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
             return Ok(());
         };
-        let Some(found) = air.breakdown(DIVERGED_SPEED) else {
+        let Some(found) = air.breakdown(DIVERGED_SPEED)? else {
             return Ok(());
         };
         let place = settings.units.position_m(found.cell.map(|c| c as f64));
@@ -431,11 +492,12 @@ impl Simulation {
             place.y,
             place.z,
             1.0 + found.density_excess
-        )))
+        ))
+        .into())
     }
 
     /// Seeks the static equilibrium asked for by the case; `None` if it asks for none.
-    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Diverged>> {
+    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Failure>> {
         let equilibrium = self.scene.equilibrium?;
         let gravity_m_s2 = self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
         let cloth = self.cloth.as_mut()?;
@@ -454,9 +516,8 @@ impl Simulation {
         let outcome = cloth.solve_cloth(&input, &settings);
         self.cost.equilibrium += start.elapsed();
         if outcome.stop == Stop::NotFinite {
-            return Some(Err(
-                self.diverged("the fabric's energy is no longer finite".to_owned())
-            ));
+            let diverged = self.diverged("the fabric's energy is no longer finite".to_owned());
+            return Some(Err(diverged.into()));
         }
         Some(Ok(outcome))
     }

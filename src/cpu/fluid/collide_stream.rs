@@ -5,8 +5,10 @@
 
 use rayon::prelude::*;
 
+use super::Fluid;
 use super::boundaries::RowEnds;
-use super::{Fluid, Grid, Operator, StreamwiseEnds};
+use crate::lattice::Operator;
+use crate::lattice::grid::{Grid, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
 use crate::lattice::{DIRECTION_COUNT, Real, opposite};
 
@@ -98,7 +100,7 @@ impl<T: Real> Fluid<T> {
         let common = Common {
             relaxation_time: T::of(self.setup.relaxation_time),
             relaxation_profile: self.relaxation_profile.as_deref(),
-            eddy_factor: T::of(18.0 * std::f64::consts::SQRT_2 * smagorinsky * smagorinsky),
+            eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
             inlet_velocity: (self.setup.ends == StreamwiseEnds::InletOutlet)
                 .then(|| self.inlet_velocity.map(T::of)),
         };
@@ -121,7 +123,7 @@ impl<T: Real> Fluid<T> {
                 opposite(array)
             };
             let shift = if direction % 2 == 0 && direction > 0 {
-                grid.pair_shifts[direction / 2 - 1]
+                grid.pair_shifts()[direction / 2 - 1]
             } else {
                 0
             };

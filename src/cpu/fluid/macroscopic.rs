@@ -4,18 +4,8 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::lattice::Real;
+use crate::lattice::grid::Breakdown;
 use crate::lattice::operators::bare_moments;
-
-/// A cell whose state is no longer finite, or faster than the method allows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Breakdown {
-    /// The cell.
-    pub cell: [usize; 3],
-    /// Its density excess δρ.
-    pub density_excess: f64,
-    /// Its velocity [cells per step].
-    pub velocity: [f64; 3],
-}
 
 impl<T: Real> Fluid<T> {
     /// Density excess δρ and *bare* velocity u* = Σ f c / ρ (no F/2) of one cell, as the next collision will find it.
@@ -74,7 +64,8 @@ impl<T: Real> Fluid<T> {
                 let cell = [x, row % ny, row / ny];
                 let (density_excess, velocity) = self.bare_state(cell);
                 let square = velocity.iter().map(|u| u * u).sum::<f64>();
-                let sound = density_excess.abs() < 0.5 && square < speed_limit * speed_limit;
+                let sound = density_excess.abs() < Breakdown::DENSITY_LIMIT
+                    && square < speed_limit * speed_limit;
                 (!sound).then_some(Breakdown {
                     cell,
                     density_excess,

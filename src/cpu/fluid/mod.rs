@@ -1,17 +1,6 @@
-//! The air on CPU threads: D3Q19 streamed in place by *esoteric pull* (Lehmann 2022, doi:10.3390/computation10060092).
+//! The air on CPU threads: D3Q19 streamed in place (see [`crate::lattice::grid`] for the slots).
 //!
-//! One array per direction holds all populations. In a step of even or odd parity, cell n and direction pair
-//! (i, i+1) own the two slots
-//!
-//! | parity | local slot | slot at n + c_i |
-//! |---|---|---|
-//! | even | i + 1 | i |
-//! | odd  | i | i + 1 |
-//!
-//! From the local slot comes f_i, from the other f_{i+1}; after the collision f_i goes to the other slot and
-//! f_{i+1} to the local one, which is exactly where the next step, of the other parity, expects them.
-//! No two cells touch the same slot in a step, and each array is touched at one fixed shift, so slabs of planes
-//! are split off each array with safe borrows.
+//! Each array is touched at one fixed shift in a step, so slabs of planes are split off each array with safe borrows.
 //! Arrays carry one layer of ghost cells; [`boundaries`] fills in after each step what flows in from there.
 
 pub mod boundaries;
@@ -20,34 +9,10 @@ pub mod control_volume;
 mod macroscopic;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-pub use crate::lattice::Operator;
-use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, equilibrium, operators};
-use boundaries::Boundaries;
-pub use boundaries::{Sides, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Setup};
+use crate::lattice::links::Boundaries;
+use crate::lattice::{DIRECTION_COUNT, Real, equilibrium, operators};
 pub use collide_stream::{BodyForce, ForcedCells};
-pub use macroscopic::Breakdown;
-
-/// All that defines the air, in lattice units.
-#[derive(Debug, Clone)]
-pub struct Setup {
-    /// Cells along x, y, z.
-    pub cells: [usize; 3],
-    /// What lies upstream and downstream.
-    pub ends: StreamwiseEnds,
-    /// What lies beside, below and above.
-    pub sides: Sides,
-    /// Relaxation time τ; ν = (τ − ½)/3.
-    pub relaxation_time: f64,
-    /// Length of the viscous sponge before the outlet [cells]; `None` without one.
-    pub sponge_cells: Option<f64>,
-    /// Collision operator.
-    pub operator: Operator,
-    /// Smagorinsky constant C_s; `None` switches the eddy viscosity off.
-    pub smagorinsky_constant: Option<f64>,
-}
-
-/// Relaxation time at the very end of the sponge (ν = 1/6).
-pub const SPONGE_RELAXATION_TIME: f64 = 1.0;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
@@ -62,77 +27,6 @@ pub struct Fluid<T: Real> {
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
-}
-
-/// Index arithmetic on the grid with its ghost layer.
-#[derive(Debug, Clone, Copy)]
-pub struct Grid {
-    /// Cells along x, y, z without ghosts.
-    pub cells: [usize; 3],
-    stride_y: usize,
-    stride_z: usize,
-    total: usize,
-    /// Index shifts of the first directions of the nine pairs.
-    pair_shifts: [isize; 9],
-}
-
-impl Grid {
-    /// Grid of `cells` with one ghost layer around it.
-    #[must_use]
-    pub const fn new(cells: [usize; 3]) -> Self {
-        let stride_y = cells[0] + 2;
-        let stride_z = stride_y * (cells[1] + 2);
-        let mut pair_shifts = [0; 9];
-        let mut pair = 0;
-        while pair < 9 {
-            let [x, y, z] = DIRECTIONS[2 * pair + 1];
-            pair_shifts[pair] =
-                x as isize + y as isize * stride_y as isize + z as isize * stride_z as isize;
-            pair += 1;
-        }
-        Self {
-            cells,
-            stride_y,
-            stride_z,
-            total: stride_z * (cells[2] + 2),
-            pair_shifts,
-        }
-    }
-
-    /// Cells without ghosts.
-    #[must_use]
-    pub const fn cell_count(&self) -> usize {
-        self.cells[0] * self.cells[1] * self.cells[2]
-    }
-
-    /// Array index of a cell; −1 and `cells` address the ghost layer.
-    #[inline(always)]
-    fn index(&self, cell: [i64; 3]) -> usize {
-        let [x, y, z] = cell.map(|c| (c + 1) as usize);
-        x + y * self.stride_y + z * self.stride_z
-    }
-
-    /// Array and element that hold the population of `direction` about to be read by the cell at array index
-    /// `index` in a step of the given parity.
-    #[inline(always)]
-    fn slot(&self, index: usize, direction: usize, odd: bool) -> (usize, usize) {
-        if direction == 0 {
-            return (0, index);
-        }
-        let first = if direction % 2 == 1 {
-            direction
-        } else {
-            direction - 1
-        };
-        if direction == first {
-            (if odd { first } else { first + 1 }, index)
-        } else {
-            (
-                if odd { first + 1 } else { first },
-                index.wrapping_add_signed(self.pair_shifts[first / 2]),
-            )
-        }
-    }
 }
 
 impl<T: Real> Fluid<T> {
@@ -155,16 +49,9 @@ impl<T: Real> Fluid<T> {
                 }
             }
         }
-        let relaxation_profile = setup.sponge_cells.map(|length| {
-            (0..nx)
-                .map(|x| {
-                    let from_outlet = nx as f64 - (x as f64 + 0.5);
-                    let depth = (1.0 - from_outlet / length).clamp(0.0, 1.0);
-                    let added = (SPONGE_RELAXATION_TIME - setup.relaxation_time).max(0.0);
-                    T::of(setup.relaxation_time + added * depth * depth)
-                })
-                .collect()
-        });
+        let relaxation_profile = setup
+            .relaxation_profile()
+            .map(|profile| profile.into_iter().map(T::of).collect());
         Self {
             grid,
             populations,
@@ -200,7 +87,7 @@ impl<T: Real> Fluid<T> {
         let mut f = [T::default(); DIRECTION_COUNT];
         f[0] = self.populations[0][index];
         let odd = usize::from(self.odd);
-        for (pair, shift) in self.grid.pair_shifts.into_iter().enumerate() {
+        for (pair, shift) in self.grid.pair_shifts().into_iter().enumerate() {
             let first = 2 * pair + 1;
             f[first] = self.populations[first + 1 - odd][index];
             f[first + 1] = self.populations[first + odd][index.wrapping_add_signed(shift)];

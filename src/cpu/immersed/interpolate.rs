@@ -3,9 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::{Immersed, LARGEST_OVER_RELAXATION_RATIO};
+use super::Immersed;
 use crate::cpu::fluid::Fluid;
 use crate::immersed::kernel::SUM_OF_SQUARES;
+use crate::immersed::strength::LARGEST_OVER_RELAXATION_RATIO;
 use crate::immersed::touched::OutOfDomain;
 use crate::lattice::Real;
 

@@ -16,9 +16,6 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::ForcedCells;
 use crate::immersed::touched::TouchedCells;
 
-/// Upper bound of a_k relative to a: where few markers share a kernel (the rim), the exchange is strengthened.
-pub const LARGEST_OVER_RELAXATION_RATIO: f64 = 2.5;
-
 /// Markers in the air.
 #[derive(Debug, Clone)]
 pub struct Immersed {

@@ -1,0 +1,124 @@
+// Stage collide_stream: one in-place step of every cell. Threads run along the padded planes, so that neighbours read neighbouring
+// elements; those on ghosts have nothing to do.
+//
+// Three entry points: without a force, under one acceleration of all air, and with the body force near the sheet besides.
+
+override CELLS_X: u32 = 2u;
+override CELLS_Y: u32 = 2u;
+override RELAXATION_TIME: f32 = 1.0;
+// Ghosts of a velocity inlet at -x and a pressure outlet at +x stream for themselves.
+override INLET_OUTLET: bool = false;
+// Length of the viscous sponge before the outlet [cells]; 0 without one.
+override SPONGE_LENGTH: f32 = 0.0;
+const SPONGE_RELAXATION_TIME: f32 = 1.0;
+
+struct StepParameters {
+    inlet_velocity: vec4<f32>,
+    // Force per cell and unit of density excess zero: a uniform acceleration.
+    acceleration: vec4<f32>,
+    // First cell of the box that holds all forces, and its size.
+    box_first: vec4<u32>,
+    box_size: vec4<u32>,
+    // First plane of this dispatch.
+    first_plane: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+@group(0) @binding(19) var<uniform> step: StepParameters;
+// Body force of the cells of the box (x, y, z, unused).
+@group(0) @binding(20) var<storage, read> cell_forces: array<vec4<f32>>;
+
+struct Place {
+    // Cell without ghosts; x is out of range on a ghost.
+    cell: vec3<u32>,
+    element: u32,
+    inside: bool,
+}
+
+fn place(group: vec3<u32>, local: u32) -> Place {
+    let in_plane = group.x * WORKGROUP + local;
+    let row = in_plane / STRIDE_Y;
+    let column = in_plane - row * STRIDE_Y;
+    let plane = step.first_plane + group.y;
+    var p: Place;
+    // Ghosts wrap to huge numbers.
+    p.cell = vec3<u32>(column - 1u, row - 1u, plane);
+    p.element = in_plane + (plane + 1u) * STRIDE_Z;
+    p.inside = p.cell.x < CELLS_X && p.cell.y < CELLS_Y;
+    return p;
+}
+
+fn relaxation_time_at(x: u32) -> f32 {
+    if SPONGE_LENGTH == 0.0 {
+        return RELAXATION_TIME;
+    }
+    let from_outlet = f32(CELLS_X) - (f32(x) + 0.5);
+    let depth = clamp(1.0 - from_outlet / SPONGE_LENGTH, 0.0, 1.0);
+    return RELAXATION_TIME + max(SPONGE_RELAXATION_TIME - RELAXATION_TIME, 0.0) * depth * depth;
+}
+
+fn advance(p: Place, force: vec3<f32>, forced: bool) {
+    let out = collide(gather(p.element), relaxation_time_at(p.cell.x), force, forced);
+    scatter(p.element, out);
+    if INLET_OUTLET {
+        send_ghosts(p, out);
+    }
+}
+
+// The second cell of a row lends the inlet's ghost its density, the last but one the outlet's its velocity; both ghosts are at
+// equilibrium and stream like any cell.
+fn send_ghosts(p: Place, out: Populations) {
+    let n = p.element;
+    if p.cell.x == min(1u, CELLS_X - 1u) {
+        let excess = moments(out).density_excess;
+        let u = step.inlet_velocity.xyz;
+        let ghost = n - p.cell.x - 1u;
+        far_x[ghost + 1u] = shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u);
+        far_xy[ghost + 1u + STRIDE_Y] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u);
+        far_xz[ghost + 1u + STRIDE_Z] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u);
+        far_x_y[ghost + 1u - STRIDE_Y] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u);
+        far_x_z[ghost + 1u - STRIDE_Z] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u);
+    }
+    if p.cell.x == max(CELLS_X, 2u) - 2u {
+        let u = bare_state(out).xyz;
+        let ghost = n + CELLS_X - p.cell.x;
+        near_x[ghost] = shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), 0.0, u);
+        near_xy[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), 0.0, u);
+        near_xz[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), 0.0, u);
+        near_x_y[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 1.0, 0.0), 0.0, u);
+        near_x_z[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, 1.0), 0.0, u);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn collide_stream(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let p = place(group, local);
+    if p.inside {
+        advance(p, vec3<f32>(), false);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn collide_stream_accelerated(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let p = place(group, local);
+    if p.inside {
+        advance(p, step.acceleration.xyz, true);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn collide_stream_forced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let p = place(group, local);
+    if !p.inside {
+        return;
+    }
+    var force = step.acceleration.xyz;
+    // Cells before the box wrap to huge numbers.
+    let b = p.cell - step.box_first.xyz;
+    if all(b < step.box_size.xyz) {
+        force += cell_forces[b.x + step.box_size.x * (b.y + step.box_size.y * b.z)].xyz;
+    }
+    advance(p, force, true);
+}

@@ -1,0 +1,90 @@
+// Density and velocity read back from the populations: whole fields for pictures, sums for balances, and the search for cells that
+// are not finite or too fast.
+
+struct Region {
+    // First cell and size of a box of cells.
+    first_cell: vec4<u32>,
+    size: vec4<u32>,
+    // Number of cells in it, and the first of them that this dispatch handles.
+    count: u32,
+    offset: u32,
+    speed_limit_squared: f32,
+    density_limit: f32,
+}
+
+@group(0) @binding(19) var<uniform> region: Region;
+// (u, density excess) of the cells of this dispatch.
+@group(0) @binding(20) var<storage, read_write> states: array<vec4<f32>>;
+// Per workgroup: density excess, momentum, 1/2 rho u^2, 3 unused.
+@group(0) @binding(21) var<storage, read_write> partial_sums: array<f32>;
+// Number of the first cell that is not sound.
+@group(0) @binding(22) var<storage, read_write> first_unsound: atomic<u32>;
+
+fn element_of(i: u32) -> u32 {
+    let row = i / region.size.x;
+    let x = i - row * region.size.x;
+    let z = row / region.size.y;
+    let y = row - z * region.size.y;
+    let cell = vec3<u32>(x, y, z) + region.first_cell.xyz + 1u;
+    return cell.x + STRIDE_Y * cell.y + STRIDE_Z * cell.z;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn macroscopic(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32) {
+    let i = thread_index(group, groups, local);
+    let cell = i + region.offset;
+    if i < arrayLength(&states) && cell < region.count {
+        states[i] = bare_state(gather(element_of(cell)));
+    }
+}
+
+const SUMS: u32 = 8u;
+var<workgroup> shared_sums: array<array<f32, 5>, WORKGROUP>;
+
+@compute @workgroup_size(WORKGROUP)
+fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32) {
+    let cell = thread_index(group, groups, local);
+    var own = array<f32, 5>();
+    if cell < region.count {
+        let m = moments(gather(element_of(cell)));
+        own = array<f32, 5>(m.density_excess, m.momentum.x, m.momentum.y, m.momentum.z,
+            0.5 * dot(m.momentum, m.momentum) / (1.0 + m.density_excess));
+    }
+    shared_sums[local] = own;
+    workgroupBarrier();
+    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
+        if local < half {
+            for (var k = 0u; k < 5u; k++) {
+                shared_sums[local][k] += shared_sums[local + half][k];
+            }
+        }
+        workgroupBarrier();
+    }
+    if local < 5u {
+        let slot = group.y * groups.x + group.x;
+        partial_sums[slot * SUMS + local] = shared_sums[0][local];
+    }
+}
+
+// Comparisons with a number that is none may be compiled away; its bits may not.
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn breakdown(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32) {
+    let cell = thread_index(group, groups, local);
+    if cell >= region.count {
+        return;
+    }
+    let state = bare_state(gather(element_of(cell)));
+    let square = dot(state.xyz, state.xyz);
+    let sound = is_finite(state.w) && is_finite(square)
+        && abs(state.w) < region.density_limit && square < region.speed_limit_squared;
+    if !sound {
+        atomicMin(&first_unsound, cell);
+    }
+}

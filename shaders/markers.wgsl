@@ -1,0 +1,52 @@
+// Markers of the immersed boundary, sorted by the first cell under their kernel within the box that holds all kernels. A cell finds the
+// markers that reach it by a lookup of that first cell: 4 x 4 rows of 4 neighbouring entries. Sums over markers have one order, so
+// spreading gives the same bits every time, without atomics on numbers.
+
+struct Marker {
+    // Number in the box of the first cell under the kernel.
+    corner: u32,
+    // Rest area [cells^2].
+    area: f32,
+    padding_a: u32,
+    padding_b: u32,
+    // Distance from the second cell under the kernel along x, y, z [cells], in 0..1.
+    fraction: vec4<f32>,
+}
+
+struct MarkerParameters {
+    box_first: vec4<u32>,
+    box_size: vec4<u32>,
+    marker_count: u32,
+    box_count: u32,
+    over_relaxation: f32,
+    largest_strength: f32,
+}
+
+@group(0) @binding(19) var<uniform> parameters: MarkerParameters;
+@group(0) @binding(20) var<storage, read> markers: array<Marker>;
+// Kernel weights along x, y, z, four each.
+@group(0) @binding(21) var<storage, read_write> weights: array<f32>;
+// Per cell of the box: 1 + the first marker whose kernel begins here, and the flag of a touched cell.
+@group(0) @binding(22) var<storage, read> touched: array<u32>;
+const TOUCHED: u32 = 0x80000000u;
+
+fn box_cell(i: u32) -> vec3<u32> {
+    let row = i / parameters.box_size.x;
+    let z = row / parameters.box_size.y;
+    return vec3<u32>(i - row * parameters.box_size.x, row - z * parameters.box_size.y, z);
+}
+
+fn box_number(cell: vec3<u32>) -> u32 {
+    return cell.x + parameters.box_size.x * (cell.y + parameters.box_size.y * cell.z);
+}
+
+// First marker whose kernel begins in the given run of cells; the number of markers if there is none.
+fn first_marker(from_cell: u32, last_cell: u32) -> u32 {
+    for (var i = from_cell; i <= last_cell; i++) {
+        let found = touched[i] & ~TOUCHED;
+        if found > 0u {
+            return found - 1u;
+        }
+    }
+    return parameters.marker_count;
+}

@@ -1,0 +1,191 @@
+// Collision operators on one cell (src/lattice/operators.rs: sources and departures there). `forced` is always a literal, so that
+// the force-free stage carries no forcing terms.
+
+// 0: two relaxation times, 1: recursive regularised.
+override OPERATOR: u32 = 1u;
+// Smagorinsky's eddy viscosity.
+override EDDY: bool = false;
+// 18 sqrt(2) C_s^2
+override EDDY_FACTOR: f32 = 0.0;
+
+const TRT_MAGIC: f32 = 3.0 / 16.0;
+const AXIS: f32 = 1.0 / 18.0;
+const DIAGONAL: f32 = 1.0 / 36.0;
+
+fn collide(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+    if OPERATOR == 0u {
+        return two_relaxation_times(f, relaxation_time, force, forced);
+    }
+    return recursive_regularised(f, relaxation_time, force, forced);
+}
+
+// Relaxation time with the eddy viscosity of a non-equilibrium stress.
+fn eddy_relaxation_time(tau: f32, normal: vec3<f32>, shear: vec3<f32>, inverse_density: f32) -> f32 {
+    let norm = sqrt(dot(normal, normal) + 2.0 * dot(shear, shear));
+    return 0.5 * (tau + sqrt(tau * tau + EDDY_FACTOR * norm * inverse_density));
+}
+
+// (xy, xz, yz) of 1/2 (a b + b a)
+fn symmetric_shear(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return 0.5 * vec3<f32>(a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y);
+}
+
+fn two_relaxation_times(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+    let m = moments(f);
+    let density = 1.0 + m.density_excess;
+    let inverse_density = 1.0 / density;
+    var momentum = m.momentum;
+    var force_along_u = 0.0;
+    if forced {
+        momentum += 0.5 * force;
+    }
+    let u = momentum * inverse_density;
+    if forced {
+        force_along_u = dot(u, force);
+    }
+    var tau = relaxation_time;
+    if EDDY {
+        var normal = m.normal_stress - m.density_excess / 3.0 - density * u * u;
+        var shear = m.shear_stress - density * vec3<f32>(u.x * u.y, u.x * u.z, u.y * u.z);
+        if forced {
+            normal += u * force;
+            shear += symmetric_shear(u, force);
+        }
+        tau = eddy_relaxation_time(tau, normal, shear, inverse_density);
+    }
+    let even_rate = 1.0 / tau;
+    let odd_rate = 1.0 / (0.5 + TRT_MAGIC / (tau - 0.5));
+    let rest = m.density_excess - 1.5 * density * dot(u, u);
+    let even_source = 1.0 - 0.5 * even_rate;
+    let odd_source = 1.0 - 0.5 * odd_rate;
+
+    var out: Populations;
+    out[0] = f[0] - even_rate * (f[0] - rest / 3.0);
+    if forced {
+        out[0] -= even_source * force_along_u;
+    }
+    let terms = PairCommon(density, rest, even_rate, odd_rate, even_source, odd_source, force_along_u);
+    var p: vec2<f32>;
+    p = relax_pair(f[1], f[2], AXIS, u.x, force.x, terms, forced);
+    out[1] = p.x; out[2] = p.y;
+    p = relax_pair(f[3], f[4], AXIS, u.y, force.y, terms, forced);
+    out[3] = p.x; out[4] = p.y;
+    p = relax_pair(f[5], f[6], AXIS, u.z, force.z, terms, forced);
+    out[5] = p.x; out[6] = p.y;
+    p = relax_pair(f[7], f[8], DIAGONAL, u.x + u.y, force.x + force.y, terms, forced);
+    out[7] = p.x; out[8] = p.y;
+    p = relax_pair(f[9], f[10], DIAGONAL, u.x + u.z, force.x + force.z, terms, forced);
+    out[9] = p.x; out[10] = p.y;
+    p = relax_pair(f[11], f[12], DIAGONAL, u.y + u.z, force.y + force.z, terms, forced);
+    out[11] = p.x; out[12] = p.y;
+    p = relax_pair(f[13], f[14], DIAGONAL, u.x - u.y, force.x - force.y, terms, forced);
+    out[13] = p.x; out[14] = p.y;
+    p = relax_pair(f[15], f[16], DIAGONAL, u.x - u.z, force.x - force.z, terms, forced);
+    out[15] = p.x; out[16] = p.y;
+    p = relax_pair(f[17], f[18], DIAGONAL, u.y - u.z, force.y - force.z, terms, forced);
+    out[17] = p.x; out[18] = p.y;
+    return out;
+}
+
+struct PairCommon {
+    density: f32,
+    rest: f32,
+    even_rate: f32,
+    odd_rate: f32,
+    even_source: f32,
+    odd_source: f32,
+    force_along_u: f32,
+}
+
+fn relax_pair(first: f32, second: f32, weight: f32, cu: f32, cf: f32, terms: PairCommon, forced: bool) -> vec2<f32> {
+    let sum = first + second;
+    let difference = first - second;
+    let two_weights = weight + weight;
+    let even_equilibrium = two_weights * (terms.rest + 4.5 * terms.density * cu * cu);
+    let odd_equilibrium = two_weights * 3.0 * terms.density * cu;
+    var even = sum - terms.even_rate * (sum - even_equilibrium);
+    var odd = difference - terms.odd_rate * (difference - odd_equilibrium);
+    if forced {
+        even += terms.even_source * two_weights * (9.0 * cu * cf - 3.0 * terms.force_along_u);
+        odd += terms.odd_source * two_weights * 3.0 * cf;
+    }
+    return vec2<f32>(0.5 * (even + odd), 0.5 * (even - odd));
+}
+
+fn recursive_regularised(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+    let m = moments(f);
+    let density = 1.0 + m.density_excess;
+    let inverse_density = 1.0 / density;
+    var momentum = m.momentum;
+    // Momentum after the collision.
+    var carried = m.momentum;
+    if forced {
+        momentum += 0.5 * force;
+        carried += force;
+    }
+    let u = momentum * inverse_density;
+    let uu = u * u;
+    let u_shear = vec3<f32>(u.x * u.y, u.x * u.z, u.y * u.z);
+    // Non-equilibrium stress.
+    var normal = m.normal_stress - m.density_excess / 3.0 - density * uu;
+    var shear = m.shear_stress - density * u_shear;
+    var work_normal = vec3<f32>();
+    var work_shear = vec3<f32>();
+    if forced {
+        work_normal = u * force;
+        work_shear = symmetric_shear(u, force);
+        normal += work_normal;
+        shear += work_shear;
+    }
+    normal -= (normal.x + normal.y + normal.z) / 3.0;
+    var tau = relaxation_time;
+    if EDDY {
+        tau = eddy_relaxation_time(tau, normal, shear, inverse_density);
+    }
+    let keep = 1.0 - 1.0 / tau;
+    let kept_normal = keep * normal;
+    let kept_shear = keep * shear;
+
+    // Second-order Hermite coefficients.
+    var q = density * uu + kept_normal;
+    var r = density * u_shear + kept_shear;
+    if forced {
+        q += work_normal;
+        r += work_shear;
+    }
+    // Third-order coefficients.
+    let xxy = u.x * (density * u_shear.x + 2.0 * kept_shear.x) + u.y * kept_normal.x;
+    let xxz = u.x * (density * u_shear.y + 2.0 * kept_shear.y) + u.z * kept_normal.x;
+    let yyx = u.y * (density * u_shear.x + 2.0 * kept_shear.x) + u.x * kept_normal.y;
+    let yyz = u.y * (density * u_shear.z + 2.0 * kept_shear.z) + u.z * kept_normal.y;
+    let zzx = u.z * (density * u_shear.y + 2.0 * kept_shear.y) + u.x * kept_normal.z;
+    let zzy = u.z * (density * u_shear.z + 2.0 * kept_shear.z) + u.y * kept_normal.z;
+
+    let base = m.density_excess - 1.5 * (q.x + q.y + q.z);
+    var out: Populations;
+    out[0] = base / 3.0;
+    var p: vec2<f32>;
+    p = pair(AXIS, base + 4.5 * q.x, 3.0 * carried.x - 9.0 * (yyx + zzx));
+    out[1] = p.x; out[2] = p.y;
+    p = pair(AXIS, base + 4.5 * q.y, 3.0 * carried.y - 9.0 * (xxy + zzy));
+    out[3] = p.x; out[4] = p.y;
+    p = pair(AXIS, base + 4.5 * q.z, 3.0 * carried.z - 9.0 * (xxz + yyz));
+    out[5] = p.x; out[6] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.x + q.y + 2.0 * r.x), 3.0 * (carried.x + carried.y) + 9.0 * (xxy + yyx));
+    out[7] = p.x; out[8] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.x + q.z + 2.0 * r.y), 3.0 * (carried.x + carried.z) + 9.0 * (xxz + zzx));
+    out[9] = p.x; out[10] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.y + q.z + 2.0 * r.z), 3.0 * (carried.y + carried.z) + 9.0 * (yyz + zzy));
+    out[11] = p.x; out[12] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.x + q.y - 2.0 * r.x), 3.0 * (carried.x - carried.y) + 9.0 * (yyx - xxy));
+    out[13] = p.x; out[14] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.x + q.z - 2.0 * r.y), 3.0 * (carried.x - carried.z) + 9.0 * (zzx - xxz));
+    out[15] = p.x; out[16] = p.y;
+    p = pair(DIAGONAL, base + 4.5 * (q.y + q.z - 2.0 * r.z), 3.0 * (carried.y - carried.z) + 9.0 * (zzy - yyz));
+    out[17] = p.x; out[18] = p.y;
+    return out;
+}
+
+fn pair(weight: f32, even: f32, odd: f32) -> vec2<f32> {
+    return vec2<f32>(weight * (even + odd), weight * (even - odd));
+}

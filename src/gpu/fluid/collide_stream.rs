@@ -1,0 +1,185 @@
+//! Stage `collide_stream`: one in-place step of the whole grid, then what enters through the faces.
+//!
+//! A submission is kept below [`SUBMISSION_LIMIT`], so that no watchdog takes the device for hung: a step longer than that is cut into
+//! runs of planes, which depend on nothing within the step.
+
+use std::time::{Duration, Instant};
+
+use super::{Bound, Fluid, ForceBox, compute_pass};
+use crate::gpu::error::DeviceError;
+use crate::gpu::pipeline::WORKGROUP;
+use crate::gpu::shaders::parameters;
+
+/// Longest submission that is aimed at; watchdogs bite after about two seconds.
+const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
+
+/// Planes of the first submission, which is timed.
+const FIRST_PLANES: usize = 8;
+
+parameters! {
+    /// What changes from step to step.
+    StepParameters {
+        /// Velocity at the inlet [cells per step].
+        inlet_velocity: [f32; 4],
+        /// Uniform acceleration [cells per step²].
+        acceleration: [f32; 4],
+        /// First cell of the box that holds all forces.
+        box_first: [u32; 4],
+        /// Its size.
+        box_size: [u32; 4],
+        /// First plane of a dispatch.
+        first_plane: u32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+        /// Unused.
+        padding_c: u32,
+    }
+}
+
+impl Fluid {
+    /// Advances the air by one step under a uniform acceleration and the body force of a box of cells, if there are any.
+    pub fn collide_stream(
+        &mut self,
+        acceleration: Option<[f64; 3]>,
+        forces: Option<&ForceBox>,
+    ) -> Result<(), DeviceError> {
+        if let Some(forces) = forces
+            && self
+                .forced
+                .as_ref()
+                .is_none_or(|(_, generation)| *generation != forces.generation)
+        {
+            self.bind_forces(forces)?;
+        }
+        let mut parameters = StepParameters {
+            inlet_velocity: four(self.inlet_velocity),
+            acceleration: four(acceleration.unwrap_or_default()),
+            ..StepParameters::default()
+        };
+        if let Some(forces) = forces {
+            parameters.box_first[..3].copy_from_slice(&forces.first);
+            parameters.box_size[..3].copy_from_slice(&forces.size);
+        }
+        let parity = usize::from(self.odd);
+        let bound = match (&self.forced, forces, acceleration) {
+            (Some((forced, _)), Some(_), _) => forced[parity].clone(),
+            (_, _, Some(_)) => self.accelerated[parity].clone(),
+            _ => self.free[parity].clone(),
+        };
+        let planes = self.setup.cells[2];
+        let mut first = 0;
+        while first < planes {
+            let count = self.planes_at_once().min(planes - first);
+            parameters.first_plane = first as u32;
+            self.device.write(&self.step_parameters, 0, &[parameters]);
+            let mut commands = self.device.record("collide_stream");
+            {
+                let mut pass = compute_pass(&mut commands, "collide_stream");
+                bound.dispatch(&mut pass, [self.groups_per_plane(), count as u32]);
+                if first + count == planes {
+                    self.record_boundaries(&mut pass, parity);
+                }
+            }
+            self.submit_timed(commands, count)?;
+            first += count;
+        }
+        self.odd = !self.odd;
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// Advances force-free air by many steps, as many in one submission as fit.
+    pub fn collide_stream_steps(&mut self, steps: usize) -> Result<(), DeviceError> {
+        let planes = self.setup.cells[2];
+        let mut left = steps;
+        while left > 0 {
+            let at_once = self.planes_at_once() / planes;
+            if at_once < 2 {
+                self.collide_stream(None, None)?;
+                left -= 1;
+                continue;
+            }
+            let parameters = StepParameters {
+                inlet_velocity: four(self.inlet_velocity),
+                ..StepParameters::default()
+            };
+            self.device.write(&self.step_parameters, 0, &[parameters]);
+            let count = at_once.min(left).min(32);
+            let mut commands = self.device.record("collide_stream");
+            {
+                let mut pass = compute_pass(&mut commands, "collide_stream");
+                for _ in 0..count {
+                    let parity = usize::from(self.odd);
+                    self.free[parity].dispatch(&mut pass, [self.groups_per_plane(), planes as u32]);
+                    self.record_boundaries(&mut pass, parity);
+                    self.odd = !self.odd;
+                    self.steps += 1;
+                }
+            }
+            self.device.submit(commands);
+            left -= count;
+        }
+        Ok(())
+    }
+
+    /// Recorded after the sweep of a step of the given parity.
+    fn record_boundaries(&self, pass: &mut wgpu::ComputePass<'_>, parity: usize) {
+        if let Some(boundaries) = &self.boundaries {
+            let (bound, groups) = &boundaries[1 - parity];
+            bound.dispatch(pass, *groups);
+        }
+    }
+
+    fn groups_per_plane(&self) -> u32 {
+        self.grid.stride_z.div_ceil(WORKGROUP as usize) as u32
+    }
+
+    /// Planes that one submission may hold.
+    fn planes_at_once(&self) -> usize {
+        match self.plane_time {
+            None => FIRST_PLANES,
+            Some(time) => {
+                let planes = SUBMISSION_LIMIT.as_secs_f64() / time.as_secs_f64().max(1e-9);
+                (planes as usize).clamp(1, 1 << 24)
+            }
+        }
+    }
+
+    /// Submits a run of planes; the first ones are waited for, to learn how long a plane takes. The very first dispatch also compiles
+    /// and is not counted.
+    fn submit_timed(
+        &mut self,
+        commands: wgpu::CommandEncoder,
+        planes: usize,
+    ) -> Result<(), DeviceError> {
+        if self.plane_time.is_some() {
+            self.device.submit(commands);
+            return Ok(());
+        }
+        self.device.wait()?;
+        let start = Instant::now();
+        self.device.submit(commands);
+        self.device.wait()?;
+        if self.steps > 0 || self.setup.cells[2] <= FIRST_PLANES {
+            self.plane_time = Some(start.elapsed() / planes as u32);
+        }
+        Ok(())
+    }
+
+    fn bind_forces(&mut self, forces: &ForceBox) -> Result<(), DeviceError> {
+        let bound = |odd| -> Result<Bound, DeviceError> {
+            let mut named = self.named_populations(odd);
+            named.push(("step", &self.step_parameters));
+            named.push(("cell_forces", &forces.forces));
+            self.device.bind(&self.forced_pipeline, &named)
+        };
+        self.forced = Some(([bound(false)?, bound(true)?], forces.generation));
+        Ok(())
+    }
+}
+
+fn four(v: [f64; 3]) -> [f32; 4] {
+    [v[0] as f32, v[1] as f32, v[2] as f32, 0.0]
+}

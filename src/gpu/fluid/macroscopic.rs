@@ -1,0 +1,213 @@
+//! Density and velocity read back from the populations, their sums, and the search for cells that broke down.
+
+use super::{Bound, Fluid, by_parity, compute_pass};
+use crate::gpu::device::{Device, TRANSFER_BYTES};
+use crate::gpu::error::DeviceError;
+use crate::gpu::shaders::{self, parameters};
+use crate::lattice::control_volume::{ControlVolume, MassMomentum};
+use crate::lattice::grid::{Breakdown, Grid};
+
+/// Cells fetched in one transfer.
+const CELLS_AT_ONCE: u64 = TRANSFER_BYTES / 16;
+
+/// Floats that a workgroup of `totals` writes.
+const SUMS: usize = 8;
+
+parameters! {
+    /// Box of cells to look at.
+    Region {
+        /// First cell.
+        first_cell: [u32; 4],
+        /// Size.
+        size: [u32; 4],
+        /// Number of cells.
+        count: u32,
+        /// First of them that a dispatch handles.
+        offset: u32,
+        /// Square of the largest sound speed [cells² per step²].
+        speed_limit_squared: f32,
+        /// Largest sound |δρ|.
+        density_limit: f32,
+    }
+}
+
+/// Pipelines with their buffers, by parity.
+#[derive(Debug)]
+pub(super) struct Macroscopic {
+    region: wgpu::Buffer,
+    states: wgpu::Buffer,
+    states_at_once: u64,
+    partial_sums: wgpu::Buffer,
+    first_unsound: wgpu::Buffer,
+    macroscopic: [Bound; 2],
+    totals: [Bound; 2],
+    breakdown: [Bound; 2],
+}
+
+impl Macroscopic {
+    pub(super) fn new(
+        device: &Device,
+        grid: &Grid,
+        populations: &[wgpu::Buffer],
+        constants: &[(&str, f64)],
+    ) -> Result<Self, DeviceError> {
+        let cells = grid.cell_count() as u64;
+        let states_at_once = cells.min(CELLS_AT_ONCE);
+        let region = device.uniform::<Region>("region")?;
+        let states = device.storage("states", 16 * states_at_once)?;
+        let [x, y] = device.workgroups(cells);
+        let partial_sums = device.storage(
+            "partial sums",
+            4 * SUMS as u64 * u64::from(x) * u64::from(y),
+        )?;
+        let first_unsound = device.storage("first unsound cell", 4)?;
+        let pipelines = device.pipelines(
+            &shaders::MACROSCOPIC,
+            ["macroscopic", "totals", "breakdown"],
+            constants,
+        )?;
+        let bound = |k: usize, odd: bool| -> Result<Bound, DeviceError> {
+            let mut named = by_parity(populations, odd);
+            named.extend([
+                ("region", &region),
+                ("states", &states),
+                ("partial_sums", &partial_sums),
+                ("first_unsound", &first_unsound),
+            ]);
+            device.bind(&pipelines[k], &named)
+        };
+        let both =
+            |k| -> Result<[Bound; 2], DeviceError> { Ok([bound(k, false)?, bound(k, true)?]) };
+        let (macroscopic, totals, breakdown) = (both(0)?, both(1)?, both(2)?);
+        Ok(Self {
+            macroscopic,
+            totals,
+            breakdown,
+            region,
+            states,
+            states_at_once,
+            partial_sums,
+            first_unsound,
+        })
+    }
+}
+
+impl Fluid {
+    fn whole(&self) -> Region {
+        self.region([0; 3], self.setup.cells)
+    }
+
+    fn region(&self, first: [usize; 3], end: [usize; 3]) -> Region {
+        let size: [usize; 3] = std::array::from_fn(|a| end[a] - first[a]);
+        let four = |v: [usize; 3]| [v[0] as u32, v[1] as u32, v[2] as u32, 0];
+        Region {
+            first_cell: four(first),
+            size: four(size),
+            count: size.iter().product::<usize>() as u32,
+            ..Region::default()
+        }
+    }
+
+    fn dispatch(&self, bound: &Bound, region: Region, threads: u64, label: &str) {
+        self.device.write(&self.macroscopic.region, 0, &[region]);
+        let mut commands = self.device.record(label);
+        {
+            let mut pass = compute_pass(&mut commands, label);
+            bound.dispatch(&mut pass, self.device.workgroups(threads));
+        }
+        self.device.submit(commands);
+    }
+
+    /// Density excess and bare velocity of every cell, x fastest, `[cell_count]`.
+    pub fn macroscopic(&self) -> Result<Vec<(f32, [f32; 3])>, DeviceError> {
+        let count = self.grid.cell_count() as u64;
+        let mut result = Vec::with_capacity(count as usize);
+        let mut offset = 0;
+        while offset < count {
+            let now = self.macroscopic.states_at_once.min(count - offset);
+            let region = Region {
+                offset: offset as u32,
+                ..self.whole()
+            };
+            let bound = &self.macroscopic.macroscopic[usize::from(self.odd)];
+            self.dispatch(bound, region, now, "macroscopic");
+            let states: Vec<[f32; 4]> =
+                self.device
+                    .read(&self.macroscopic.states, 0, now as usize)?;
+            result.extend(states.iter().map(|s| (s[3], [s[0], s[1], s[2]])));
+            offset += now;
+        }
+        Ok(result)
+    }
+
+    /// Σ δρ, Σ f c and Σ ½ ρ u² of a box of cells.
+    fn totals(&self, first: [usize; 3], end: [usize; 3]) -> Result<[f64; 5], DeviceError> {
+        let region = self.region(first, end);
+        let threads = u64::from(region.count);
+        let bound = &self.macroscopic.totals[usize::from(self.odd)];
+        self.dispatch(bound, region, threads, "totals");
+        let [x, y] = self.device.workgroups(threads);
+        let sums: Vec<f32> = self.device.read(
+            &self.macroscopic.partial_sums,
+            0,
+            SUMS * x as usize * y as usize,
+        )?;
+        let mut total = [0.0; 5];
+        for group in sums.chunks_exact(SUMS) {
+            for k in 0..5 {
+                total[k] += f64::from(group[k]);
+            }
+        }
+        Ok(total)
+    }
+
+    /// Σ δρ and Σ ½ ρ u² of all cells.
+    pub fn mass_and_energy(&self) -> Result<(f64, f64), DeviceError> {
+        let total = self.totals([0; 3], self.setup.cells)?;
+        Ok((total[0], total[4]))
+    }
+
+    /// Mass and momentum inside a box now.
+    pub fn storage(&self, volume: &ControlVolume) -> Result<MassMomentum, DeviceError> {
+        let total = self.totals(volume.first, volume.end)?;
+        Ok(MassMomentum {
+            mass_excess: total[0],
+            momentum: [total[1], total[2], total[3]],
+        })
+    }
+
+    /// The first cell that is not finite or moves faster than `speed_limit` [cells per step], if any.
+    pub fn breakdown(&self, speed_limit: f64) -> Result<Option<Breakdown>, DeviceError> {
+        let unsound = &self.macroscopic.first_unsound;
+        self.device.write(unsound, 0, &[u32::MAX]);
+        let region = Region {
+            speed_limit_squared: (speed_limit * speed_limit) as f32,
+            density_limit: Breakdown::DENSITY_LIMIT as f32,
+            ..self.whole()
+        };
+        let bound = &self.macroscopic.breakdown[usize::from(self.odd)];
+        self.dispatch(bound, region, u64::from(region.count), "breakdown");
+        let first = self.device.read::<u32>(unsound, 0, 1)?[0];
+        if first == u32::MAX {
+            return Ok(None);
+        }
+        let [nx, ny, _] = self.setup.cells;
+        let index = first as usize;
+        let cell = [index % nx, index / nx % ny, index / nx / ny];
+        let one = Region {
+            offset: first,
+            ..self.whole()
+        };
+        let bound = &self.macroscopic.macroscopic[usize::from(self.odd)];
+        self.dispatch(bound, one, 1, "macroscopic");
+        let state = self
+            .device
+            .read::<[f32; 4]>(&self.macroscopic.states, 0, 1)?[0];
+        let [x, y, z, excess] = state.map(f64::from);
+        Ok(Some(Breakdown {
+            cell,
+            density_excess: excess,
+            velocity: [x, y, z],
+        }))
+    }
+}

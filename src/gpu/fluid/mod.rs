@@ -1,0 +1,334 @@
+//! The air on the device, in single precision: one buffer per direction, streamed in place (see [`crate::lattice::grid`]).
+//!
+//! A storage binding is capped at 2³¹ bytes on many drivers, hence one buffer per direction: 5·10⁸ cells. The parity of a step is
+//! a choice between two bind groups.
+
+pub mod collide_stream;
+pub mod control_volume;
+pub mod macroscopic;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use super::device::Device;
+use super::error::DeviceError;
+use super::immersed::ForceBox;
+use super::pipeline::{Bound, Pipeline, compute_pass};
+use super::shaders::{self, parameters};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::lattice::grid::{Grid, Setup, StreamwiseEnds};
+use crate::lattice::links::Boundaries;
+use crate::lattice::{DIRECTION_COUNT, Operator, equilibrium};
+use collide_stream::StepParameters;
+pub use control_volume::VolumeWatch;
+use macroscopic::Macroscopic;
+
+/// The air: populations, boundaries and the parity of the next step.
+#[derive(Debug)]
+pub struct Fluid {
+    device: Arc<Device>,
+    setup: Setup,
+    grid: Grid,
+    populations: Vec<wgpu::Buffer>,
+    step_parameters: wgpu::Buffer,
+    /// Without a force, and under a uniform acceleration; by parity.
+    free: [Bound; 2],
+    accelerated: [Bound; 2],
+    forced_pipeline: Pipeline,
+    /// With the body force near the sheet, by parity, and the generation of the force box that it is bound to.
+    forced: Option<([Bound; 2], u64)>,
+    boundaries: Option<[(Bound, [u32; 2]); 2]>,
+    macroscopic: Macroscopic,
+    inlet_velocity: [f64; 3],
+    odd: bool,
+    steps: u64,
+    /// Measured duration of one plane, which bounds the planes of a submission.
+    plane_time: Option<Duration>,
+}
+
+parameters! {
+    /// One copy of the list that `boundaries` reads.
+    BoundaryCopy {
+        /// Array written + 32 array read.
+        arrays: u32,
+        /// Element written.
+        to_slot: u32,
+        /// Element read.
+        from_slot: u32,
+    }
+}
+
+impl Fluid {
+    /// Air at equilibrium with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units; air at rest where it
+    /// is `None`.
+    pub fn new(
+        device: &Arc<Device>,
+        setup: Setup,
+        initial: Option<&(dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync)>,
+    ) -> Result<Self, DeviceError> {
+        let grid = Grid::new(setup.cells);
+        let bytes = 4 * grid.total as u64;
+        let populations = (0..DIRECTION_COUNT)
+            .map(|direction| device.storage(&format!("populations {direction}"), bytes))
+            .collect::<Result<Vec<_>, _>>()?;
+        let step_parameters = device.uniform::<StepParameters>("step")?;
+        let constants = constants(&setup, &grid);
+        let [free, accelerated, forced_pipeline] = device.pipelines(
+            &shaders::COLLIDE_STREAM,
+            [
+                "collide_stream",
+                "collide_stream_accelerated",
+                "collide_stream_forced",
+            ],
+            &constants,
+        )?;
+        let both = |pipeline: &Pipeline| -> Result<[Bound; 2], DeviceError> {
+            let mut named = [false, true].map(|odd| by_parity(&populations, odd));
+            for names in &mut named {
+                names.push(("step", &step_parameters));
+            }
+            Ok([
+                device.bind(pipeline, &named[0])?,
+                device.bind(pipeline, &named[1])?,
+            ])
+        };
+        let (free, accelerated) = (both(&free)?, both(&accelerated)?);
+        let boundaries = boundaries(device, &setup, &grid, &populations)?;
+        let macroscopic = Macroscopic::new(device, &grid, &populations, &constants)?;
+        let mut fluid = Self {
+            device: Arc::clone(device),
+            grid,
+            populations,
+            step_parameters,
+            free,
+            accelerated,
+            forced_pipeline,
+            forced: None,
+            boundaries,
+            macroscopic,
+            inlet_velocity: [0.0; 3],
+            odd: false,
+            steps: 0,
+            plane_time: None,
+            setup,
+        };
+        if let Some(initial) = initial {
+            fluid.fill(initial);
+        }
+        fluid.device.check()?;
+        Ok(fluid)
+    }
+
+    fn fill(&mut self, initial: &(dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync)) {
+        let grid = self.grid;
+        let [nx, ny, _] = grid.cells;
+        for array in 0..DIRECTION_COUNT {
+            // In an even step array i holds what comes from the local slot of i − 1 or from the far slot of i + 1.
+            let direction = crate::lattice::opposite(array);
+            let mut data = vec![0f32; grid.total];
+            let (_, origin) = grid.slot(grid.index([0; 3]), direction, false);
+            let shift = origin as i64 - grid.index([0; 3]) as i64;
+            let first = (grid.index([0; 3]) as i64 - 1 + shift) as usize;
+            data[first..]
+                .par_chunks_mut(grid.stride_z)
+                .enumerate()
+                .take(grid.cells[2])
+                .for_each(|(z, plane)| {
+                    for y in 0..ny {
+                        for x in 0..nx {
+                            let (density_excess, velocity) = initial([x, y, z]);
+                            plane[1 + x + y * grid.stride_y] =
+                                equilibrium(direction, density_excess, velocity) as f32;
+                        }
+                    }
+                });
+            self.device.write(&self.populations[array], 0, &data);
+        }
+    }
+
+    /// What the air was built from.
+    #[must_use]
+    pub const fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// The grid.
+    #[must_use]
+    pub const fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// Velocity at the inlet in the steps to come [cells per step].
+    pub const fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
+        self.inlet_velocity = velocity;
+    }
+
+    /// True if the next step is odd.
+    pub(super) const fn odd(&self) -> bool {
+        self.odd
+    }
+
+    /// The populations as the stages that read them whole name them, for a step of the given parity.
+    pub(super) fn named_populations(&self, odd: bool) -> Vec<(&'static str, &wgpu::Buffer)> {
+        by_parity(&self.populations, odd)
+    }
+
+    /// Pipeline constants of the scene.
+    pub(super) fn constants(&self) -> Vec<(&'static str, f64)> {
+        constants(&self.setup, &self.grid)
+    }
+}
+
+/// Numbers that the scene fixes, by their names in the shaders.
+fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
+    let eddy = setup.smagorinsky_constant;
+    vec![
+        ("CELLS_X", grid.cells[0] as f64),
+        ("CELLS_Y", grid.cells[1] as f64),
+        ("STRIDE_Y", grid.stride_y as f64),
+        ("STRIDE_Z", grid.stride_z as f64),
+        ("RELAXATION_TIME", setup.relaxation_time),
+        (
+            "OPERATOR",
+            match setup.operator {
+                Operator::TwoRelaxationTimes => 0.0,
+                Operator::RecursiveRegularised => 1.0,
+            },
+        ),
+        ("EDDY", f64::from(u8::from(eddy.is_some()))),
+        (
+            "EDDY_FACTOR",
+            eddy.map_or(0.0, crate::lattice::operators::eddy_factor),
+        ),
+        (
+            "INLET_OUTLET",
+            f64::from(u8::from(setup.ends == StreamwiseEnds::InletOutlet)),
+        ),
+        ("SPONGE_LENGTH", setup.sponge_cells.unwrap_or(0.0)),
+    ]
+}
+
+const NEAR_FAR: [[&str; 2]; 9] = [
+    ["near_x", "far_x"],
+    ["near_y", "far_y"],
+    ["near_z", "far_z"],
+    ["near_xy", "far_xy"],
+    ["near_xz", "far_xz"],
+    ["near_yz", "far_yz"],
+    ["near_x_y", "far_x_y"],
+    ["near_x_z", "far_x_z"],
+    ["near_y_z", "far_y_z"],
+];
+
+/// Names of the populations in `populations.wgsl` for a step of the given parity.
+fn by_parity(populations: &[wgpu::Buffer], odd: bool) -> Vec<(&'static str, &wgpu::Buffer)> {
+    let mut named = vec![("rest", &populations[0])];
+    for (pair, [near, far]) in NEAR_FAR.into_iter().enumerate() {
+        let first = 2 * pair + 1;
+        let odd = usize::from(odd);
+        named.push((near, &populations[first + 1 - odd]));
+        named.push((far, &populations[first + odd]));
+    }
+    named
+}
+
+const ARRAY_NAMES: [&str; DIRECTION_COUNT] = [
+    "population_0",
+    "population_1",
+    "population_2",
+    "population_3",
+    "population_4",
+    "population_5",
+    "population_6",
+    "population_7",
+    "population_8",
+    "population_9",
+    "population_10",
+    "population_11",
+    "population_12",
+    "population_13",
+    "population_14",
+    "population_15",
+    "population_16",
+    "population_17",
+    "population_18",
+];
+
+/// Names of the populations in `arrays.wgsl`.
+fn by_number(populations: &[wgpu::Buffer]) -> Vec<(&'static str, &wgpu::Buffer)> {
+    ARRAY_NAMES.into_iter().zip(populations).collect()
+}
+
+/// The copies after a step, by the parity of the step to come; `None` if nothing has to be copied.
+fn boundaries(
+    device: &Device,
+    setup: &Setup,
+    grid: &Grid,
+    populations: &[wgpu::Buffer],
+) -> Result<Option<[(Bound, [u32; 2]); 2]>, DeviceError> {
+    let links = Boundaries::new(grid, setup.ends, setup.sides);
+    if links.copies.iter().all(Vec::is_empty) {
+        return Ok(None);
+    }
+    let [pipeline] = device.pipelines(&shaders::BOUNDARIES, ["boundaries"], &[])?;
+    let bound = |runs: &[crate::lattice::links::Run]| -> Result<_, DeviceError> {
+        let mut copies: Vec<BoundaryCopy> = runs
+            .iter()
+            .flat_map(|run| {
+                (0..run.length).map(|k| BoundaryCopy {
+                    arrays: u32::from(run.to_array) + 32 * u32::from(run.from_array),
+                    to_slot: run.to + k,
+                    from_slot: run.from + k,
+                })
+            })
+            .collect();
+        copies.sort_unstable_by_key(|copy| (copy.arrays, copy.to_slot));
+        let list = device.storage_of("boundary copies", &copies)?;
+        let mut named = by_number(populations);
+        named.push(("copies", &list));
+        Ok((
+            device.bind(&pipeline, &named)?,
+            device.workgroups(copies.len() as u64),
+        ))
+    };
+    Ok(Some([bound(&links.copies[0])?, bound(&links.copies[1])?]))
+}
+
+impl Fluid {
+    /// Writes populations, parity and step count; the same sections as the CPU engine in single precision.
+    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
+        out.put("inlet_velocity", &self.inlet_velocity)?;
+        for (array, buffer) in self.populations.iter().enumerate() {
+            let data: Vec<f32> = self
+                .device
+                .read(buffer, 0, self.grid.total)
+                .map_err(std::io::Error::other)?;
+            out.put(&format!("populations_{array:02}"), &data)?;
+        }
+        Ok(())
+    }
+
+    /// Takes them from a checkpoint of the same grid.
+    pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let counters: Vec<u64> = from.take_exactly("air_steps", 2)?;
+        self.steps = counters[0];
+        self.odd = counters[1] == 1;
+        self.inlet_velocity
+            .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
+        for (array, buffer) in self.populations.iter().enumerate() {
+            let data: Vec<f32> =
+                from.take_exactly(&format!("populations_{array:02}"), self.grid.total)?;
+            self.device.write(buffer, 0, &data);
+        }
+        Ok(())
+    }
+}

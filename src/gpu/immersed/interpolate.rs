@@ -1,0 +1,117 @@
+//! Stage `interpolate`: u* at the markers and their strengths a_k.
+
+use rayon::prelude::*;
+
+use super::{Immersed, Marker, MarkerParameters};
+use crate::gpu::error::DeviceError;
+use crate::gpu::fluid::Fluid;
+use crate::gpu::pipeline::compute_pass;
+use crate::immersed::kernel::WIDTH;
+use crate::immersed::strength::LARGEST_OVER_RELAXATION_RATIO;
+use crate::immersed::touched::{OutOfDomain, bounding_box};
+
+impl Immersed {
+    /// u* and D_k at the markers where [`Immersed::send_markers`] put them.
+    pub fn interpolate(&self, fluid: &Fluid) {
+        let count = self.areas.len();
+        let Some(boxed) = self.boxed.as_ref().filter(|_| count > 0) else {
+            return;
+        };
+        let cells: u64 = boxed.forces.size.iter().map(|&n| u64::from(n)).product();
+        let device = &self.device;
+        let mut commands = device.record("interpolate");
+        {
+            let mut pass = compute_pass(&mut commands, "interpolate");
+            let parity = usize::from(fluid.odd());
+            boxed.touched_cells[parity].dispatch(&mut pass, device.workgroups(cells));
+            boxed
+                .interpolate
+                .dispatch(&mut pass, device.workgroups(count as u64));
+        }
+        device.submit(commands);
+    }
+
+    /// Stage `fetch_air_velocities`: u* and a_k to the host.
+    pub fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
+        let states: Vec<[f32; 4]> = self.device.read(&self.marker_states, 0, self.areas.len())?;
+        for (state, &marker) in states.iter().zip(&self.order) {
+            let [x, y, z, strength] = state.map(f64::from);
+            self.air_velocities[marker as usize] = [x, y, z];
+            self.strengths[marker as usize] = strength;
+        }
+        Ok(())
+    }
+
+    /// Stage `send_markers`: sorts the markers at `positions` [cells, cell centres at whole numbers], sends them, and marks the
+    /// touched cells.
+    pub fn send_markers(
+        &mut self,
+        fluid: &Fluid,
+        positions: &[[f64; 3]],
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        let (low, high) = match bounding_box(positions, self.cells) {
+            Ok(Some(found)) => found,
+            Ok(None) => return Ok(Ok(())),
+            Err(left) => return Ok(Err(left)),
+        };
+        let size: [u64; 3] = std::array::from_fn(|a| (high[a] - low[a]) as u64);
+        let box_count: u64 = size.iter().product();
+        self.boxed(fluid, box_count)?;
+        let corner = |position: &[f64; 3]| -> u64 {
+            let c: [u64; 3] =
+                std::array::from_fn(|a| (position[a].floor() as i64 - 1 - low[a]) as u64);
+            c[0] + size[0] * (c[1] + size[1] * c[2])
+        };
+        // Sorted by corner, then by marker: one order, whatever the sort.
+        let mut keys: Vec<u64> = positions
+            .par_iter()
+            .enumerate()
+            .with_min_len(4096)
+            .map(|(marker, position)| (corner(position) << 32) | marker as u64)
+            .collect();
+        keys.par_sort_unstable();
+        self.order.clear();
+        self.order.extend(keys.iter().map(|&key| key as u32));
+        let sorted: Vec<Marker> = keys
+            .iter()
+            .map(|&key| {
+                let marker = (key & 0xffff_ffff) as usize;
+                let position = positions[marker];
+                let fraction = position.map(|x| (x - x.floor()) as f32);
+                Marker {
+                    corner: (key >> 32) as u32,
+                    area: self.areas[marker] as f32,
+                    fraction: [fraction[0], fraction[1], fraction[2], 0.0],
+                    ..Marker::default()
+                }
+            })
+            .collect();
+        let Some(boxed) = &mut self.boxed else {
+            return Ok(Ok(()));
+        };
+        boxed.forces.first = low.map(|c| c as u32);
+        boxed.forces.size = size.map(|n| n as u32);
+        let four = |v: [u32; 3]| [v[0], v[1], v[2], 0];
+        let parameters = MarkerParameters {
+            box_first: four(boxed.forces.first),
+            box_size: four(boxed.forces.size),
+            marker_count: sorted.len() as u32,
+            box_count: box_count as u32,
+            over_relaxation: self.over_relaxation as f32,
+            largest_strength: (LARGEST_OVER_RELAXATION_RATIO * self.over_relaxation) as f32,
+        };
+        debug_assert!(size.iter().all(|&n| n >= WIDTH as u64));
+        self.device.write(&self.parameters, 0, &[parameters]);
+        self.device.write(&self.markers, 0, &sorted);
+        let mut commands = self.device.record("place_markers");
+        commands.clear_buffer(&boxed.marks, 0, Some(4 * box_count));
+        {
+            let mut pass = compute_pass(&mut commands, "place_markers");
+            boxed
+                .place_markers
+                .dispatch(&mut pass, self.device.workgroups(sorted.len() as u64));
+        }
+        self.device.submit(commands);
+        Ok(Ok(()))
+    }
+}

@@ -1,0 +1,310 @@
+//! The immersed boundary on the device: stages `interpolate` and `spread` (formulas in [`crate::immersed`] and
+//! [`crate::cpu::immersed`]).
+//!
+//! Work is confined to the box of cells that holds the kernels of all markers. The host, which knows the markers' positions in
+//! double precision, sorts them by the first cell under their kernel, and sends cell, fraction and area of each; the device
+//! marks the touched cells, and each of these sums over the markers that reach it, found through that order. *Departure from the
+//! CPU engine*, which keeps all 64 weights of every marker in lists: here the order is 32 bytes per marker to send instead of
+//! more than 500 (see `benches/results/`), and the sums run over the markers in another, equally fixed, order.
+
+mod interpolate;
+mod spread;
+
+use std::sync::Arc;
+
+use super::device::Device;
+use super::error::DeviceError;
+use super::fluid::Fluid;
+use super::pipeline::{Bound, Pipeline};
+use super::shaders::{self, parameters};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+
+parameters! {
+    /// A marker, in sorted order.
+    Marker {
+        /// Number in the box of the first cell under the kernel.
+        corner: u32,
+        /// Rest area [cells²].
+        area: f32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+        /// Distance from the second cell under the kernel [cells].
+        fraction: [f32; 4],
+    }
+    /// What the marker stages share.
+    MarkerParameters {
+        /// First cell of the box.
+        box_first: [u32; 4],
+        /// Its size.
+        box_size: [u32; 4],
+        /// Markers.
+        marker_count: u32,
+        /// Cells of the box.
+        box_count: u32,
+        /// Over-relaxation a on a flat sheet.
+        over_relaxation: f32,
+        /// Upper bound of a_k.
+        largest_strength: f32,
+    }
+}
+
+/// The box of cells that holds all forces on the air.
+#[derive(Debug)]
+pub struct ForceBox {
+    /// Force of its cells.
+    pub(super) forces: wgpu::Buffer,
+    /// First cell.
+    pub(super) first: [u32; 3],
+    /// Size.
+    pub(super) size: [u32; 3],
+    /// Counts the buffers that have been here.
+    pub(super) generation: u64,
+}
+
+/// Markers in the air.
+#[derive(Debug)]
+pub struct Immersed {
+    device: Arc<Device>,
+    over_relaxation: f64,
+    areas: Vec<f64>,
+    cells: [usize; 3],
+    /// Marker at every place of the sorted order.
+    order: Vec<u32>,
+    strengths: Vec<f64>,
+    air_velocities: Vec<[f64; 3]>,
+    pipelines: Pipelines,
+    markers: wgpu::Buffer,
+    weights: wgpu::Buffer,
+    parameters: wgpu::Buffer,
+    marker_states: wgpu::Buffer,
+    marker_forces: wgpu::Buffer,
+    marker_velocities: wgpu::Buffer,
+    boxed: Option<Boxed>,
+    /// True once `spread` has written forces.
+    active: bool,
+    forces: Vec<[f32; 4]>,
+}
+
+#[derive(Debug)]
+struct Pipelines {
+    place_markers: Pipeline,
+    touched_cells: Pipeline,
+    interpolate: Pipeline,
+    spread: Pipeline,
+    half_forced_velocity: Pipeline,
+}
+
+/// What belongs to the cells of the box; made anew when the box outgrows it.
+#[derive(Debug)]
+struct Boxed {
+    capacity: u64,
+    marks: wgpu::Buffer,
+    /// (u*, marker area)
+    cell_states: wgpu::Buffer,
+    forces: ForceBox,
+    place_markers: Bound,
+    touched_cells: [Bound; 2],
+    interpolate: Bound,
+    spread: Bound,
+    half_forced_velocity: Bound,
+}
+
+impl Immersed {
+    /// Markers of the given areas [cells²] in the air of `fluid`.
+    pub fn new(fluid: &Fluid, areas: Vec<f64>, over_relaxation: f64) -> Result<Self, DeviceError> {
+        let device = Arc::clone(fluid.device());
+        let count = areas.len();
+        let constants = fluid.constants();
+        let [place_markers, touched_cells, interpolate] = device.pipelines(
+            &shaders::INTERPOLATE,
+            ["place_markers", "touched_cells", "interpolate"],
+            &constants,
+        )?;
+        let [spread, half_forced_velocity] =
+            device.pipelines(&shaders::SPREAD, ["spread", "half_forced_velocity"], &[])?;
+        let n = count as u64;
+        Ok(Self {
+            over_relaxation,
+            cells: fluid.setup().cells,
+            order: Vec::new(),
+            strengths: vec![0.0; count],
+            air_velocities: vec![[0.0; 3]; count],
+            pipelines: Pipelines {
+                place_markers,
+                touched_cells,
+                interpolate,
+                spread,
+                half_forced_velocity,
+            },
+            markers: device.storage("markers", 32 * n)?,
+            weights: device.storage("kernel weights", 48 * n)?,
+            parameters: device.uniform::<MarkerParameters>("marker parameters")?,
+            marker_states: device.storage("marker states", 16 * n)?,
+            marker_forces: device.storage("marker forces", 16 * n)?,
+            marker_velocities: device.storage("marker velocities", 16 * n)?,
+            boxed: None,
+            active: false,
+            forces: vec![[0.0; 4]; count],
+            areas,
+            device,
+        })
+    }
+
+    /// Number of markers.
+    #[must_use]
+    pub const fn marker_count(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// u* at the markers [cells per step].
+    #[must_use]
+    pub fn air_velocities(&self) -> &[[f64; 3]] {
+        &self.air_velocities
+    }
+
+    /// Immersed-boundary stiffness 2 a_k A_k of marker `k` [lattice units].
+    #[must_use]
+    pub fn stiffness(&self, k: usize) -> f64 {
+        2.0 * self.strengths[k] * self.areas[k]
+    }
+
+    /// The body force for the next collision.
+    #[must_use]
+    pub fn force_box(&self) -> Option<&ForceBox> {
+        self.boxed
+            .as_ref()
+            .filter(|_| self.active)
+            .map(|boxed| &boxed.forces)
+    }
+
+    /// True if all touched cells lie in the box of cells `first..end`.
+    #[must_use]
+    pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
+        self.boxed.as_ref().is_none_or(|boxed| {
+            (0..3).all(|a| {
+                let low = boxed.forces.first[a] as usize;
+                low >= first[a] && low + boxed.forces.size[a] as usize <= end[a]
+            })
+        })
+    }
+
+    /// Bytes on the device for markers and the box of cells.
+    #[must_use]
+    pub fn device_bytes(&self) -> u64 {
+        self.areas.len() as u64 * 128 + self.boxed.as_ref().map_or(0, |b| b.capacity * 36)
+    }
+
+    fn boxed(&mut self, fluid: &Fluid, cells: u64) -> Result<(), DeviceError> {
+        if self.boxed.as_ref().is_some_and(|b| b.capacity >= cells) {
+            return Ok(());
+        }
+        let device = &self.device;
+        // Room to move and open, so that this is rare.
+        let capacity = cells + cells / 2;
+        let marks = device.storage("touched cells", 4 * capacity)?;
+        let cell_states = device.storage("states of touched cells", 16 * capacity)?;
+        let cell_forces = device.storage("forces on touched cells", 16 * capacity)?;
+        let buffers = [
+            ("parameters", &self.parameters),
+            ("markers", &self.markers),
+            ("weights", &self.weights),
+            ("marks", &marks),
+            ("touched", &marks),
+            ("cell_states", &cell_states),
+            ("marker_states", &self.marker_states),
+            ("marker_forces", &self.marker_forces),
+            ("cell_forces", &cell_forces),
+            ("marker_velocities", &self.marker_velocities),
+        ];
+        let bind = |pipeline: &Pipeline| device.bind(pipeline, &buffers);
+        let touched = |odd| {
+            let mut named = fluid.named_populations(odd);
+            named.extend(buffers);
+            device.bind(&self.pipelines.touched_cells, &named)
+        };
+        let generation = self.boxed.as_ref().map_or(1, |b| b.forces.generation + 1);
+        let boxed = Boxed {
+            capacity,
+            place_markers: bind(&self.pipelines.place_markers)?,
+            touched_cells: [touched(false)?, touched(true)?],
+            interpolate: bind(&self.pipelines.interpolate)?,
+            spread: bind(&self.pipelines.spread)?,
+            half_forced_velocity: bind(&self.pipelines.half_forced_velocity)?,
+            marks,
+            cell_states,
+            forces: ForceBox {
+                forces: cell_forces,
+                first: [0; 3],
+                size: [0; 3],
+                generation,
+            },
+        };
+        self.boxed = Some(boxed);
+        Ok(())
+    }
+}
+
+impl Immersed {
+    /// Writes what the next step reads.
+    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("markers_active", &[u64::from(self.active)])?;
+        out.put("marker_strengths", &self.strengths)?;
+        out.put("marker_air_velocities", &self.air_velocities)?;
+        let by_marker = self.forces_by_marker();
+        out.put("marker_forces_on_device", &by_marker)?;
+        let velocities = self.box_velocities().map_err(std::io::Error::other)?;
+        out.put("box_velocities", &velocities)
+    }
+
+    /// Takes it from a checkpoint; `positions` are those of the last interpolation [cells].
+    pub fn restore(
+        &mut self,
+        from: &Reader,
+        positions: &[[f64; 3]],
+        fluid: &Fluid,
+    ) -> Result<(), CheckpointError> {
+        let count = self.areas.len();
+        let failed = |error: DeviceError| from.damaged(error.to_string());
+        self.active = from.take_exactly::<u64>("markers_active", 1)?[0] == 1;
+        self.strengths = from.take_exactly("marker_strengths", count)?;
+        self.air_velocities = from.take_exactly("marker_air_velocities", count)?;
+        let forces: Vec<[f32; 4]> = from.take_exactly("marker_forces_on_device", count)?;
+        let velocities: Vec<[f32; 4]> = from.take("box_velocities")?;
+        if self.active {
+            self.send_markers(fluid, positions)
+                .map_err(failed)?
+                .map_err(|left| {
+                    from.damaged(format!("marker {} lies outside the air", left.marker))
+                })?;
+            for (slot, &marker) in self.forces.iter_mut().zip(&self.order) {
+                *slot = forces[marker as usize];
+            }
+            if let Some(boxed) = &self.boxed {
+                self.device.write(&boxed.cell_states, 0, &velocities);
+            }
+            self.device.write(&self.marker_forces, 0, &self.forces);
+            self.spread();
+        }
+        self.device.check().map_err(failed)
+    }
+
+    fn forces_by_marker(&self) -> Vec<[f32; 4]> {
+        let mut result = vec![[0.0; 4]; self.areas.len()];
+        for (force, &marker) in self.forces.iter().zip(&self.order) {
+            result[marker as usize] = *force;
+        }
+        result
+    }
+
+    fn box_velocities(&self) -> Result<Vec<[f32; 4]>, DeviceError> {
+        match &self.boxed {
+            Some(boxed) => {
+                let count = boxed.forces.size.iter().map(|&n| n as usize).product();
+                self.device.read(&boxed.cell_states, 0, count)
+            }
+            None => Ok(Vec::new()),
+        }
+    }
+}

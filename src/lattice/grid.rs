@@ -1,0 +1,172 @@
+//! The grid: sizes, slots of populations, and what is set up on it. Shared by all engines.
+//!
+//! Streaming in place by *esoteric pull* (Lehmann 2022, doi:10.3390/computation10060092): one array per direction holds all
+//! populations. In a step of even or odd parity, cell n and direction pair (i, i+1) own the two slots
+//!
+//! | parity | local slot | slot at n + c_i |
+//! |---|---|---|
+//! | even | i + 1 | i |
+//! | odd  | i | i + 1 |
+//!
+//! From the local slot comes f_i, from the other f_{i+1}; after the collision f_i goes to the other slot and
+//! f_{i+1} to the local one, which is exactly where the next step, of the other parity, expects them.
+//! No two cells touch the same slot in a step. Arrays carry one layer of ghost cells.
+
+use super::{DIRECTIONS, Operator};
+
+/// What lies upstream (−x) and downstream (+x).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StreamwiseEnds {
+    /// The domain repeats along x.
+    Periodic,
+    /// Velocity inlet at −x, pressure outlet at +x.
+    InletOutlet,
+}
+
+/// What lies beside (±y), below and above (±z).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sides {
+    /// The domain repeats along y and z.
+    Periodic,
+    /// Frictionless impermeable walls.
+    FreeSlip,
+}
+
+/// All that defines the air, in lattice units.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// What lies upstream and downstream.
+    pub ends: StreamwiseEnds,
+    /// What lies beside, below and above.
+    pub sides: Sides,
+    /// Relaxation time τ; ν = (τ − ½)/3.
+    pub relaxation_time: f64,
+    /// Length of the viscous sponge before the outlet [cells]; `None` without one.
+    pub sponge_cells: Option<f64>,
+    /// Collision operator.
+    pub operator: Operator,
+    /// Smagorinsky constant C_s; `None` switches the eddy viscosity off.
+    pub smagorinsky_constant: Option<f64>,
+}
+
+impl Setup {
+    /// Relaxation time of every x [cells]; `None` without a sponge.
+    #[must_use]
+    pub fn relaxation_profile(&self) -> Option<Vec<f64>> {
+        let length = self.sponge_cells?;
+        let nx = self.cells[0];
+        let added = (SPONGE_RELAXATION_TIME - self.relaxation_time).max(0.0);
+        let depth = |x: usize| {
+            let from_outlet = nx as f64 - (x as f64 + 0.5);
+            (1.0 - from_outlet / length).clamp(0.0, 1.0)
+        };
+        Some(
+            (0..nx)
+                .map(|x| self.relaxation_time + added * depth(x) * depth(x))
+                .collect(),
+        )
+    }
+}
+
+/// Relaxation time at the very end of the sponge (ν = 1/6).
+pub const SPONGE_RELAXATION_TIME: f64 = 1.0;
+
+/// A cell whose state is no longer finite, or faster than the method allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Breakdown {
+    /// The cell.
+    pub cell: [usize; 3],
+    /// Its density excess δρ.
+    pub density_excess: f64,
+    /// Its velocity [cells per step].
+    pub velocity: [f64; 3],
+}
+
+impl Breakdown {
+    /// Largest |δρ| of a sound cell.
+    pub const DENSITY_LIMIT: f64 = 0.5;
+}
+
+/// Index arithmetic on the grid with its ghost layer.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// Cells along x, y, z without ghosts.
+    pub cells: [usize; 3],
+    /// Elements from row to row.
+    pub stride_y: usize,
+    /// Elements from plane to plane.
+    pub stride_z: usize,
+    /// Elements of an array, ghost layer included.
+    pub total: usize,
+    pair_shifts: [isize; 9],
+}
+
+impl Grid {
+    /// Grid of `cells` with one ghost layer around it.
+    #[must_use]
+    pub const fn new(cells: [usize; 3]) -> Self {
+        let stride_y = cells[0] + 2;
+        let stride_z = stride_y * (cells[1] + 2);
+        let mut pair_shifts = [0; 9];
+        let mut pair = 0;
+        while pair < 9 {
+            let [x, y, z] = DIRECTIONS[2 * pair + 1];
+            pair_shifts[pair] =
+                x as isize + y as isize * stride_y as isize + z as isize * stride_z as isize;
+            pair += 1;
+        }
+        Self {
+            cells,
+            stride_y,
+            stride_z,
+            total: stride_z * (cells[2] + 2),
+            pair_shifts,
+        }
+    }
+
+    /// Shifts of elements along the first directions of the nine pairs.
+    #[inline(always)]
+    #[must_use]
+    pub const fn pair_shifts(&self) -> [isize; 9] {
+        self.pair_shifts
+    }
+
+    /// Cells without ghosts.
+    #[must_use]
+    pub const fn cell_count(&self) -> usize {
+        self.cells[0] * self.cells[1] * self.cells[2]
+    }
+
+    /// Array index of a cell; −1 and `cells` address the ghost layer.
+    #[inline(always)]
+    #[must_use]
+    pub fn index(&self, cell: [i64; 3]) -> usize {
+        let [x, y, z] = cell.map(|c| (c + 1) as usize);
+        x + y * self.stride_y + z * self.stride_z
+    }
+
+    /// Array and element that hold the population of `direction` about to be read by the cell at array index
+    /// `index` in a step of the given parity.
+    #[inline(always)]
+    #[must_use]
+    pub const fn slot(&self, index: usize, direction: usize, odd: bool) -> (usize, usize) {
+        if direction == 0 {
+            return (0, index);
+        }
+        let first = if direction % 2 == 1 {
+            direction
+        } else {
+            direction - 1
+        };
+        if direction == first {
+            (if odd { first } else { first + 1 }, index)
+        } else {
+            (
+                if odd { first + 1 } else { first },
+                index.wrapping_add_signed(self.pair_shifts[first / 2]),
+            )
+        }
+    }
+}

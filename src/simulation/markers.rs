@@ -1,0 +1,165 @@
+//! The markers, on the engine that has the air.
+
+use super::air::{AirEngine, apart};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::immersed::Immersed;
+use crate::gpu::{self, DeviceError};
+use crate::immersed::touched::OutOfDomain;
+
+/// Markers in the air.
+#[derive(Debug)]
+pub enum MarkerEngine {
+    /// Host memory.
+    Cpu(Box<Immersed>),
+    /// Device memory.
+    Gpu(Box<gpu::immersed::Immersed>),
+}
+
+macro_rules! both {
+    ($self:expr, $markers:ident => $body:expr) => {
+        match $self {
+            MarkerEngine::Cpu($markers) => $body,
+            MarkerEngine::Gpu($markers) => $body,
+        }
+    };
+}
+
+impl MarkerEngine {
+    /// Markers of the given areas [cells²] in the air of `engine`.
+    pub fn new(
+        engine: &AirEngine,
+        areas: Vec<f64>,
+        over_relaxation: f64,
+    ) -> Result<Self, DeviceError> {
+        Ok(match engine {
+            AirEngine::CpuF32(_) | AirEngine::CpuF64(_) => {
+                let cells = engine.grid().cells;
+                Self::Cpu(Box::new(Immersed::new(areas, over_relaxation, cells)))
+            }
+            AirEngine::Gpu(fluid) => Self::Gpu(Box::new(gpu::immersed::Immersed::new(
+                fluid,
+                areas,
+                over_relaxation,
+            )?)),
+        })
+    }
+
+    /// Number of markers.
+    #[must_use]
+    pub fn marker_count(&self) -> usize {
+        both!(self, markers => markers.marker_count())
+    }
+
+    /// u* at the markers [cells per step].
+    #[must_use]
+    pub fn air_velocities(&self) -> &[[f64; 3]] {
+        both!(self, markers => markers.air_velocities())
+    }
+
+    /// Immersed-boundary stiffness 2 a_k A_k of marker `k` [lattice units].
+    #[must_use]
+    pub fn stiffness(&self, k: usize) -> f64 {
+        both!(self, markers => markers.stiffness(k))
+    }
+
+    /// True if all touched cells lie in the box of cells `first..end`.
+    #[must_use]
+    pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
+        both!(self, markers => markers.touches_only(first, end))
+    }
+
+    /// Stage `send_markers`; nothing on the CPU.
+    pub fn send_markers(
+        &mut self,
+        air: &AirEngine,
+        positions: &[[f64; 3]],
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        match (self, air) {
+            (Self::Gpu(markers), AirEngine::Gpu(fluid)) => markers.send_markers(fluid, positions),
+            (Self::Cpu(_), _) => Ok(Ok(())),
+            (Self::Gpu(_), _) => Err(apart()),
+        }
+    }
+
+    /// Stage `interpolate` for markers at `positions` [cells].
+    pub fn interpolate(
+        &mut self,
+        air: &AirEngine,
+        positions: &[[f64; 3]],
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        match (self, air) {
+            (Self::Cpu(markers), AirEngine::CpuF32(fluid)) => {
+                Ok(markers.interpolate(fluid, positions))
+            }
+            (Self::Cpu(markers), AirEngine::CpuF64(fluid)) => {
+                Ok(markers.interpolate(fluid, positions))
+            }
+            (Self::Gpu(markers), AirEngine::Gpu(fluid)) => {
+                markers.interpolate(fluid);
+                Ok(Ok(()))
+            }
+            (Self::Cpu(_) | Self::Gpu(_), _) => Err(apart()),
+        }
+    }
+
+    /// Stage `fetch_air_velocities`; nothing on the CPU.
+    pub fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
+        match self {
+            Self::Cpu(_) => Ok(()),
+            Self::Gpu(markers) => markers.fetch_air_velocities(),
+        }
+    }
+
+    /// Stage `send_marker_forces`: the forces of markers moving with `velocities` [cells per step]; returns their sum on the air
+    /// [lattice units]. On the CPU `spread` does both.
+    pub fn send_marker_forces(&mut self, velocities: &[[f64; 3]]) -> Option<[f64; 3]> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(markers) => Some(markers.send_marker_forces(velocities)),
+        }
+    }
+
+    /// Stage `spread`; returns the sum of the forces on the air where this stage forms them.
+    pub fn spread(&mut self, velocities: &[[f64; 3]]) -> Option<[f64; 3]> {
+        match self {
+            Self::Cpu(markers) => Some(markers.spread(velocities)),
+            Self::Gpu(markers) => {
+                markers.spread();
+                None
+            }
+        }
+    }
+
+    /// Slip left after the half force at every marker [cells per step].
+    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Result<Vec<f64>, DeviceError> {
+        match self {
+            Self::Cpu(markers) => Ok(markers.marker_slips(velocities)),
+            Self::Gpu(markers) => markers.marker_slips(velocities),
+        }
+    }
+
+    /// Its root mean square, weighted by area [cells per step].
+    pub fn slip(&self, velocities: &[[f64; 3]]) -> Result<f64, DeviceError> {
+        match self {
+            Self::Cpu(markers) => Ok(markers.slip(velocities)),
+            Self::Gpu(markers) => markers.slip(velocities),
+        }
+    }
+
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        both!(self, markers => markers.save(out))
+    }
+
+    pub(super) fn restore(
+        &mut self,
+        from: &Reader,
+        positions: &[[f64; 3]],
+        air: &AirEngine,
+    ) -> Result<(), CheckpointError> {
+        match (self, air) {
+            (Self::Cpu(markers), _) => markers.restore(from, positions),
+            (Self::Gpu(markers), AirEngine::Gpu(fluid)) => markers.restore(from, positions, fluid),
+            (Self::Gpu(_), _) => Err(from.damaged(apart().to_string())),
+        }
+    }
+}

@@ -1,0 +1,494 @@
+//! The device engine against the CPU engine, stage by stage, and the contract between shaders and host, which needs no device.
+
+use std::collections::BTreeSet;
+
+use libtest_mimic::Trial;
+use ripstop::gpu::pipeline::{bindings, validate};
+use ripstop::gpu::shaders;
+use ripstop::gpu::{AdapterChoice, Device, DeviceError};
+use ripstop::lattice::Operator;
+use ripstop::lattice::control_volume::ControlVolume;
+use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision};
+use ripstop::run::without_files;
+use ripstop::simulation::{AirEngine, Balance, Failure, MarkerEngine, Simulation};
+
+use crate::canopy::small_case;
+use crate::command_line::root;
+use crate::coupling::exchange;
+use crate::engines::{Engine, needs_device, plain, states};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    let mut trials = [
+        plain("contract::no_orphan_shader", orphans),
+        plain("contract::every_shader_validates", every_shader),
+        plain("contract::structs_match_by_offset", structs),
+        plain("contract::bindings_match_by_name", names),
+    ]
+    .into_iter()
+    .flatten()
+    .collect::<Vec<_>>();
+    for (name, body) in [
+        ("collide_stream_matches", collide_stream as fn()),
+        ("balance_of_a_box_matches", balance),
+        ("breakdown_is_found_where_it_is", breakdown),
+        ("interpolate_and_spread_match", immersed),
+        ("first_steps_of_the_canopy_match", first_steps),
+        ("same_bits_twice", same_bits),
+        ("a_lost_device_is_reported", lost),
+        ("a_grid_beyond_the_limits_is_refused", too_large),
+    ] {
+        trials.push(needs_device(format!("device::{name}"), body));
+    }
+    trials
+}
+
+fn orphans() {
+    let registered: BTreeSet<&str> = shaders::ALL
+        .iter()
+        .flat_map(|shader| shader.parts.iter().map(|(file, _)| *file))
+        .collect();
+    let mut found = 0;
+    for entry in std::fs::read_dir(root().join("shaders")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        if name.ends_with(".wgsl") {
+            found += 1;
+            assert!(
+                registered.contains(name.as_str()),
+                "{name} belongs to no shader"
+            );
+        }
+    }
+    assert_eq!(
+        found,
+        registered.len(),
+        "a registered file is not in shaders/"
+    );
+}
+
+fn every_shader() {
+    for shader in shaders::ALL {
+        let (module, info) = validate(shader).unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+        assert!(
+            !module.entry_points.is_empty(),
+            "{} does nothing",
+            shader.name
+        );
+        // Every constant has a value from the start, so that a pipeline without that choice can be built, and SPIR-V comes out.
+        let (module, info) = naga::back::pipeline_constants::process_overrides(
+            &module,
+            &info,
+            None,
+            &Default::default(),
+        )
+        .unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+        for point in &module.entry_points {
+            if point.stage == naga::ShaderStage::Compute {
+                assert_eq!(
+                    point.workgroup_size,
+                    [ripstop::gpu::pipeline::WORKGROUP, 1, 1],
+                    "{}::{}",
+                    shader.name,
+                    point.name
+                );
+            }
+        }
+        drop(info);
+    }
+}
+
+/// Structs of the same name have the same fields at the same offsets, in Rust and in every shader.
+fn structs() {
+    let layouts = shaders::layouts();
+    let mut seen = BTreeSet::new();
+    for shader in shaders::ALL {
+        let (module, _) = validate(shader).unwrap();
+        for (_, kind) in module.types.iter() {
+            let (Some(name), naga::TypeInner::Struct { members, span }) = (&kind.name, &kind.inner)
+            else {
+                continue;
+            };
+            let Some(layout) = layouts.iter().find(|layout| layout.name == name) else {
+                continue;
+            };
+            seen.insert(layout.name);
+            assert_eq!(
+                *span as usize, layout.size,
+                "size of {name} in {}",
+                shader.name
+            );
+            let fields: Vec<(&str, usize)> = members
+                .iter()
+                .map(|m| (m.name.as_deref().unwrap(), m.offset as usize))
+                .collect();
+            assert_eq!(fields, layout.fields, "{name} in {}", shader.name);
+        }
+        // What the host writes or reads must be declared on its side too.
+        for (_, variable) in module.global_variables.iter() {
+            let kind = &module.types[variable.ty];
+            let element = match kind.inner {
+                naga::TypeInner::Array { base, .. } => &module.types[base],
+                _ => kind,
+            };
+            if let (naga::TypeInner::Struct { .. }, Some(name), Some(_)) =
+                (&element.inner, &element.name, &variable.binding)
+            {
+                assert!(
+                    layouts.iter().any(|layout| layout.name == name),
+                    "{name} in {} is unknown to Rust",
+                    shader.name
+                );
+            }
+        }
+    }
+    for layout in layouts {
+        assert!(seen.contains(layout.name), "no shader has {}", layout.name);
+    }
+}
+
+/// Names of buffers are written in both languages; each must know all of the other's.
+fn names() {
+    let mut host = String::new();
+    let mut files = Vec::new();
+    crate::architecture::sources(&root().join("src/gpu"), &mut files);
+    for file in files {
+        host.push_str(&std::fs::read_to_string(file).unwrap());
+    }
+    for shader in shaders::ALL {
+        let (module, info) = validate(shader).unwrap();
+        let mut used = BTreeSet::new();
+        for point in &module.entry_points {
+            for (name, number) in bindings(&module, &info, &point.name) {
+                assert!(
+                    host.contains(&format!("\"{name}\"")),
+                    "{}: the host gives no buffer for {name}",
+                    shader.name
+                );
+                used.insert((name, number));
+            }
+            assert!(
+                host.contains(&format!("\"{}\"", point.name)),
+                "no pipeline is made of {}",
+                point.name
+            );
+        }
+        let declared = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| v.binding.is_some())
+            .count();
+        assert_eq!(declared, used.len(), "{}: unused bindings", shader.name);
+    }
+}
+
+/// A rough start: all moments vary from cell to cell.
+fn rough([x, y, z]: [usize; 3]) -> (f64, [f64; 3]) {
+    let phase = (3 * x + 5 * y + 7 * z) as f64;
+    (
+        0.01 * phase.sin(),
+        [
+            0.05 + 0.02 * phase.cos(),
+            0.03 * (2.0 * phase).sin(),
+            -0.02 * (0.5 * phase).cos(),
+        ],
+    )
+}
+
+fn setups() -> Vec<Setup> {
+    let mut setups = Vec::new();
+    for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+        for smagorinsky_constant in [None, Some(0.15)] {
+            for (ends, sides, sponge_cells) in [
+                (StreamwiseEnds::Periodic, Sides::Periodic, None),
+                (StreamwiseEnds::Periodic, Sides::FreeSlip, None),
+                (StreamwiseEnds::InletOutlet, Sides::FreeSlip, Some(5.0)),
+                (StreamwiseEnds::InletOutlet, Sides::Periodic, None),
+            ] {
+                setups.push(Setup {
+                    cells: [19, 12, 11],
+                    ends,
+                    sides,
+                    relaxation_time: 0.52,
+                    sponge_cells,
+                    operator,
+                    smagorinsky_constant,
+                });
+            }
+        }
+    }
+    setups
+}
+
+/// Largest difference of density excess and velocity of two airs.
+fn difference(a: &AirEngine, b: &AirEngine) -> f64 {
+    states(a)
+        .iter()
+        .zip(states(b))
+        .map(|((p, u), (q, v))| {
+            (0..3)
+                .map(|k| (u[k] - v[k]).abs())
+                .fold((p - q).abs(), f64::max)
+        })
+        // A NaN must not pass for zero.
+        .fold(
+            0.0,
+            |worst: f64, d| if d > worst || d.is_nan() { d } else { worst },
+        )
+}
+
+/// Operators, eddy viscosity, boundaries, sponge, with and without a uniform acceleration.
+fn collide_stream() {
+    for setup in setups() {
+        for acceleration in [None, Some([1e-4, -2e-4, 5e-5])] {
+            let mut pair = [Engine::CpuF32, Engine::Gpu].map(|e| e.air(setup.clone(), &rough));
+            for air in &mut pair {
+                air.set_inlet_velocity([0.05, 0.01, 0.0]);
+                for _ in 0..20 {
+                    air.collide_stream(acceleration, None).unwrap();
+                }
+            }
+            let worst = difference(&pair[0], &pair[1]);
+            assert!(
+                worst < tolerances::DEVICE_AIR,
+                "{setup:?}, {acceleration:?}: {worst:e}"
+            );
+        }
+    }
+}
+
+fn balance() {
+    let mut setup = setups().remove(0);
+    setup.cells = [21, 18, 17];
+    let mut results = Vec::new();
+    for engine in [Engine::CpuF32, Engine::Gpu] {
+        let mut air = engine.air(setup.clone(), &rough);
+        let volume = ControlVolume::new(&air.grid(), [4, 3, 5], [15, 14, 13]);
+        let mut balance = Balance::new(&air, volume.clone()).unwrap();
+        // More steps than wait on the device, so that the ring goes round.
+        for _ in 0..150 {
+            air.collide_stream(None, None).unwrap();
+            balance.add_step(&air).unwrap();
+        }
+        let out = balance.outflow(&air).unwrap();
+        let stored = air.storage(&volume).unwrap();
+        let (mass, energy) = air.mass_and_energy().unwrap();
+        results.push([
+            out.mass_excess,
+            out.momentum[0],
+            out.momentum[1],
+            out.momentum[2],
+            stored.mass_excess,
+            stored.momentum[0],
+            stored.momentum[1],
+            stored.momentum[2],
+            mass,
+            energy,
+        ]);
+    }
+    for (k, (a, b)) in results[0].iter().zip(&results[1]).enumerate() {
+        assert!(
+            (a - b).abs() < tolerances::DEVICE_BALANCE,
+            "{k}: {a} against {b}"
+        );
+    }
+}
+
+fn breakdown() {
+    let fast = [13, 5, 7];
+    let wild = move |cell: [usize; 3]| {
+        if cell == fast {
+            (0.0, [0.5, 0.0, 0.0])
+        } else {
+            (0.0, [0.02; 3])
+        }
+    };
+    let hollow = move |cell: [usize; 3]| {
+        if cell == fast {
+            (f64::NAN, [0.0; 3])
+        } else {
+            (0.0, [0.02; 3])
+        }
+    };
+    let setup = setups().remove(0);
+    let sound = Engine::Gpu.air(setup.clone(), &rough);
+    assert_eq!(sound.breakdown(0.4).unwrap(), None);
+    for engine in [Engine::CpuF32, Engine::Gpu] {
+        let found = |state: &ripstop::simulation::Initial| {
+            engine
+                .air(setup.clone(), state)
+                .breakdown(0.4)
+                .unwrap()
+                .unwrap()
+        };
+        let too_fast = found(&wild);
+        assert_eq!(too_fast.cell, fast);
+        assert!((too_fast.velocity[0] - 0.5).abs() < 1e-6);
+        let not_finite = found(&hollow);
+        assert_eq!(not_finite.cell, fast);
+        assert!(not_finite.density_excess.is_nan());
+    }
+}
+
+/// A crumpled sheet, several layers under one kernel, held in rough air for ten exchanges.
+fn immersed() {
+    let setup = Setup {
+        cells: [24, 22, 20],
+        ..setups().remove(5)
+    };
+    let positions: Vec<[f64; 3]> = (0..600)
+        .map(|k| {
+            let t = f64::from(k) * 0.37;
+            [
+                10.0 + 4.0 * t.sin(),
+                10.0 + 5.0 * (1.7 * t).cos(),
+                6.0 + 0.012 * t,
+            ]
+        })
+        .collect();
+    let velocities: Vec<[f64; 3]> = positions
+        .iter()
+        .map(|p| p.map(|x| 0.01 * (3.0 * x).sin()))
+        .collect();
+    let mut results = Vec::new();
+    for engine in [Engine::CpuF32, Engine::Gpu] {
+        let mut air = engine.air(setup.clone(), &rough);
+        let mut markers = MarkerEngine::new(&air, vec![0.7; positions.len()], 1.6).unwrap();
+        let mut totals = Vec::new();
+        for _ in 0..10 {
+            totals.push(exchange(&air, &mut markers, &positions, &velocities));
+            air.collide_stream(None, Some(&markers)).unwrap();
+        }
+        results.push((air, markers, totals));
+    }
+    let [(cpu_air, cpu, cpu_totals), (gpu_air, gpu, gpu_totals)] =
+        <[_; 2]>::try_from(results).unwrap();
+    for k in 0..positions.len() {
+        let ratio = gpu.stiffness(k) / cpu.stiffness(k);
+        assert!(
+            (ratio - 1.0).abs() < tolerances::DEVICE_WEIGHTS,
+            "strength of {k}: {ratio}"
+        );
+        for a in 0..3 {
+            let off = (gpu.air_velocities()[k][a] - cpu.air_velocities()[k][a]).abs();
+            assert!(off < tolerances::DEVICE_AIR, "u* of {k}: {off:e}");
+        }
+    }
+    let slips = [&cpu, &gpu].map(|m| m.slip(&velocities).unwrap());
+    assert!(
+        (slips[1] - slips[0]).abs() < tolerances::DEVICE_AIR,
+        "{slips:?}"
+    );
+    for (a, b) in cpu_totals.iter().flatten().zip(gpu_totals.iter().flatten()) {
+        assert!(
+            (a - b).abs() < tolerances::DEVICE_AIR * positions.len() as f64,
+            "{a} against {b}"
+        );
+    }
+    let worst = difference(&cpu_air, &gpu_air);
+    assert!(worst < tolerances::DEVICE_AIR, "{worst:e}");
+}
+
+fn placed(air: AirPlacement, cloth: ClothPlacement) -> Placement {
+    Placement {
+        air,
+        cloth,
+        device: Some("test device".to_owned()),
+    }
+}
+
+/// Fifty coupled steps of the folded canopy from its release: the sheet is where the CPU engine puts it.
+fn first_steps() {
+    let case = small_case(&["time.end_s=0.0111", "output.sample_interval_s=0.0111"]);
+    let run = |placement: Placement| {
+        let plan = Plan::new(&case.scene, placement);
+        assert!(plan.steps >= 50, "{}", plan.steps);
+        let device = Engine::Gpu.device();
+        without_files(&case, plan, device).unwrap()
+    };
+    let (cpu, cpu_record) = run(Precision::F32.into());
+    let cell = case.scene.air.unwrap().units.cell_size_m;
+    for cloth in [ClothPlacement::Host, ClothPlacement::Device] {
+        let (gpu, gpu_record) = run(placed(AirPlacement::Gpu, cloth));
+        let (a, b) = (cpu.cloth().unwrap(), gpu.cloth().unwrap());
+        let farthest = a
+            .positions_m
+            .iter()
+            .zip(&b.positions_m)
+            .map(|(a, b)| a.distance(*b))
+            .fold(0.0, f64::max);
+        assert!(
+            farthest < tolerances::DEVICE_CANOPY_CELLS * cell,
+            "{cloth:?}: {farthest:e} m"
+        );
+        let impulse = |record: &ripstop::measure::Record| record.latest("impulse_markers_n_s");
+        let ratio = impulse(&gpu_record).unwrap() / impulse(&cpu_record).unwrap();
+        assert!(
+            (ratio - 1.0).abs() < tolerances::DEVICE_CANOPY_IMPULSE,
+            "{cloth:?}: {ratio}"
+        );
+    }
+}
+
+fn same_bits() {
+    let case = small_case(&["time.end_s=0.004", "output.sample_interval_s=0.004"]);
+    let bits = || {
+        let plan = Plan::new(
+            &case.scene,
+            placed(AirPlacement::Gpu, ClothPlacement::Device),
+        );
+        let (simulation, _) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
+        let sheet: Vec<u64> = simulation
+            .cloth()
+            .unwrap()
+            .positions_m
+            .iter()
+            .flat_map(|p| p.to_array().map(f64::to_bits))
+            .collect();
+        let air: Vec<u64> = states(simulation.air().unwrap())
+            .iter()
+            .flat_map(|(p, u)| [p.to_bits(), u[0].to_bits(), u[1].to_bits(), u[2].to_bits()])
+            .collect();
+        (sheet, air)
+    };
+    assert!(bits() == bits());
+}
+
+/// A device of its own, since it does not survive.
+fn lost() {
+    let device = Device::open(&AdapterChoice::Any).unwrap();
+    let case = small_case(&["time.end_s=0.004"]);
+    let plan = Plan::new(&case.scene, placed(AirPlacement::Gpu, ClothPlacement::Host));
+    let mut simulation = Simulation::new(case.scene.clone(), plan, Some(device.clone())).unwrap();
+    for _ in 0..3 {
+        simulation.advance().unwrap();
+    }
+    device.destroy();
+    let error = (0..5)
+        .find_map(|_| simulation.advance().err())
+        .expect("a destroyed device must be noticed");
+    assert!(
+        matches!(error, Failure::Device(DeviceError::Lost(_))),
+        "{error:?}"
+    );
+    assert!(error.to_string().contains("--resume"), "{error}");
+}
+
+fn too_large() {
+    let device = Engine::Gpu.device().unwrap();
+    let limit = device
+        .info()
+        .binding_limit_bytes
+        .min(device.info().buffer_limit_bytes);
+    let side = (((limit / 4) as f64).cbrt() as usize) + 8;
+    let setup = Setup {
+        cells: [side; 3],
+        ..setups().remove(0)
+    };
+    let error = AirEngine::build(setup, None, AirPlacement::Gpu, Some(&device)).unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error, DeviceError::Limit { .. }), "{text}");
+    for part in [limit.to_string().as_str(), "max_", "larger cells"] {
+        assert!(text.contains(part), "{part} is missing in: {text}");
+    }
+}
