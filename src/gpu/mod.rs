@@ -5,6 +5,7 @@
 //! | [`adapters`] | the adapters of this machine, which one a run takes |
 //! | [`device`] | an open device: buffers, transfers, submissions, late faults |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
+//! | [`raster`] | pictures, from the same draw list as in software |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
 
@@ -12,6 +13,7 @@ pub mod adapters;
 pub mod device;
 mod error;
 pub mod pipeline;
+pub mod raster;
 pub mod shaders;
 
 pub use adapters::{AdapterChoice, AdapterInfo, AdapterKind};

@@ -35,7 +35,9 @@ macro_rules! shaders {
     };
 }
 
-shaders! {}
+shaders! {
+    RASTER = "raster": "raster.wgsl";
+}
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.
 #[derive(Debug, Clone, Copy)]

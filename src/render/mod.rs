@@ -7,17 +7,17 @@ use thiserror::Error;
 
 use crate::frame::Frame;
 
-mod annotate;
+pub(crate) mod annotate;
 mod camera;
 pub mod colour;
 mod content;
 pub mod picture;
 pub mod raster;
 pub mod scene;
-mod sheets;
-mod strokes;
+pub(crate) mod sheets;
+pub(crate) mod strokes;
 pub mod text;
-mod view;
+pub(crate) mod view;
 
 pub use camera::{fit_orthographic, sight_direction};
 pub use colour::ColourScale;
