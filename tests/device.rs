@@ -314,7 +314,7 @@ fn breakdown() {
     let sound = Engine::Gpu.air(setup.clone(), &rough);
     assert_eq!(sound.breakdown(0.4).unwrap(), None);
     for engine in [Engine::CpuF32, Engine::Gpu] {
-        let found = |state: &ripstop::simulation::Initial| {
+        let found = |state: &ripstop::lattice::grid::Initial| {
             engine
                 .air(setup.clone(), state)
                 .breakdown(0.4)

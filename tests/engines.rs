@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use libtest_mimic::Trial;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
-use ripstop::lattice::grid::Setup;
+use ripstop::lattice::grid::{Initial, Setup};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Precision};
-use ripstop::simulation::{AirEngine, Initial};
+use ripstop::simulation::AirEngine;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

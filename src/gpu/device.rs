@@ -88,6 +88,12 @@ impl Device {
         &self.info
     }
 
+    /// Largest width and height of a texture [px].
+    #[must_use]
+    pub const fn texture_limit(&self) -> u32 {
+        self.limits.max_texture_dimension_2d
+    }
+
     /// Workgroups allowed along one dimension of a dispatch.
     #[must_use]
     pub const fn workgroup_limit(&self) -> u32 {
@@ -317,6 +323,32 @@ impl Staging {
         bytes: u64,
     ) {
         commands.copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
+    }
+
+    /// Records a copy of rows of pixels from a texture, each padded to `bytes_per_row`, a multiple of 256.
+    pub(super) fn copy_rows(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        source: &wgpu::Texture,
+        rows: std::ops::Range<u32>,
+        bytes_per_row: u32,
+    ) {
+        let mut from = source.as_image_copy();
+        from.origin.y = rows.start;
+        let to = wgpu::TexelCopyBufferInfo {
+            buffer: &self.buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(bytes_per_row),
+                rows_per_image: None,
+            },
+        };
+        let size = wgpu::Extent3d {
+            width: source.width(),
+            height: rows.end - rows.start,
+            depth_or_array_layers: 1,
+        };
+        commands.copy_texture_to_buffer(from, to, size);
     }
 
     /// Waits for what was submitted and shows the bytes.

@@ -7,6 +7,7 @@
 //! | [`fluid`] | the air: collide–stream, boundaries, fields and balances |
 //! | [`immersed`] | markers: interpolate, spread |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
+//! | [`raster`] | pictures, from the same draw list as in software |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
 
@@ -16,6 +17,7 @@ mod error;
 pub mod fluid;
 pub mod immersed;
 pub mod pipeline;
+pub mod raster;
 pub mod shaders;
 
 pub use adapters::{AdapterChoice, AdapterInfo, AdapterKind};

@@ -2,7 +2,7 @@
 //!
 //! WGSL has no includes: a shader is the text of its parts, one after the other. Numbers that a scene fixes (sizes, relaxation
 //! times, switches) are pipeline constants; what changes during a run is a struct of parameters, declared once here for Rust
-//! ([`parameters!`]) and once in WGSL. A test without any device compares the two, field by field.
+//! (by the macro `parameters!`) and once in WGSL. A test without any device compares the two, field by field.
 
 /// A shader: its parts in order.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +42,7 @@ shaders! {
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
     SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
+    RASTER = "raster": "raster.wgsl";
 }
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.
@@ -85,6 +86,7 @@ pub fn layouts() -> Vec<Layout> {
         super::fluid::macroscopic::OWN_LAYOUTS,
         super::fluid::OWN_LAYOUTS,
         super::immersed::OWN_LAYOUTS,
+        super::raster::geometry::OWN_LAYOUTS,
     ]
     .concat()
 }

@@ -17,12 +17,15 @@ pub struct OutOfDomain {
     pub position: [f64; 3],
 }
 
+/// First cell of a box, and one past its last.
+pub type CellBox = ([i64; 3], [i64; 3]);
+
 /// The smallest box of cells (first, one past the last) that holds the kernels of all markers at `positions` [cells]; `None` without
 /// markers.
 pub fn bounding_box(
     positions: &[[f64; 3]],
     cells: [usize; 3],
-) -> Result<Option<([i64; 3], [i64; 3])>, OutOfDomain> {
+) -> Result<Option<CellBox>, OutOfDomain> {
     let mut low = [i64::MAX; 3];
     let mut high = [i64::MIN; 3];
     for (marker, position) in positions.iter().enumerate() {

@@ -14,6 +14,9 @@
 
 use super::{DIRECTIONS, Operator};
 
+/// Density excess and velocity of every cell at the start, in lattice units.
+pub type Initial<'a> = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync + 'a;
+
 /// What lies upstream (−x) and downstream (+x).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StreamwiseEnds {

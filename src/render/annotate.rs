@@ -17,7 +17,7 @@ const TICK_PX: u32 = 5;
 const GAP_PX: u32 = 5;
 
 /// Draws colour bars, then labels.
-pub(super) fn draw_annotations(image: &mut RgbImage, picture: &Picture) {
+pub(crate) fn draw_annotations(image: &mut RgbImage, picture: &Picture) {
     picture
         .colour_bars
         .iter()

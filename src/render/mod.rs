@@ -7,17 +7,17 @@ use thiserror::Error;
 
 use crate::frame::Frame;
 
-mod annotate;
+pub(crate) mod annotate;
 mod camera;
 pub mod colour;
 mod content;
 pub mod picture;
 pub mod raster;
 pub mod scene;
-mod sheets;
-mod strokes;
+pub(crate) mod sheets;
+pub(crate) mod strokes;
 pub mod text;
-mod view;
+pub(crate) mod view;
 
 pub use camera::{fit_orthographic, sight_direction};
 pub use colour::ColourScale;
@@ -69,7 +69,15 @@ pub enum RenderError {
 ///
 /// [`RenderError`] where the options ask for an impossible size or the frame's arrays do not match.
 pub fn snapshot_png_bytes(frame: &Frame, options: &PictureOptions) -> Result<Vec<u8>, RenderError> {
-    let image = rasterise(&picture_of(frame, options))?;
+    png_bytes(&rasterise(&picture_of(frame, options))?)
+}
+
+/// The bytes of a PNG file.
+///
+/// # Errors
+///
+/// [`RenderError::Encode`] where the encoder fails.
+pub fn png_bytes(image: &image::RgbImage) -> Result<Vec<u8>, RenderError> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png)?;
     Ok(bytes.into_inner())

@@ -6,25 +6,25 @@ use image::RgbImage;
 use super::RenderError;
 use super::annotate::draw_annotations;
 use super::colour::{Rgb, blend};
-use super::picture::{Picture, SliceDepth, Surface};
+use super::picture::{Picture, Slice, SliceDepth, Surface};
 use super::sheets::{check_slice, draw_slice};
 use super::strokes::{draw_edges, draw_polyline};
 use super::view::{ScreenPoint, View};
 
 /// Samples per pixel along x and along y.
-pub(super) const SAMPLES: usize = 2;
+pub(crate) const SAMPLES: usize = 2;
 
 /// Largest width and height of a picture [px].
 pub const MAX_SIZE_PX: u32 = 16_384;
 
 /// Share of light that reaches every face; the rest depends on how the face is turned.
-const AMBIENT: f64 = 0.64;
+pub(crate) const AMBIENT: f64 = 0.64;
 
 /// Direction towards the lamp in view coordinates: from above, the left and the viewer's side.
-const LAMP: DVec3 = DVec3::new(-0.48, 0.64, -0.60);
+pub(crate) const LAMP: DVec3 = DVec3::new(-0.48, 0.64, -0.60);
 
 /// Share of the directed light that comes from the lamp; the rest comes from the eye.
-const LAMP_SHARE: f64 = 0.62;
+pub(crate) const LAMP_SHARE: f64 = 0.62;
 
 /// How far outside, in barycentric terms, a sample still belongs to a triangle: more than rounding,
 /// so that neighbours leave no gap along their common edge.
@@ -59,6 +59,77 @@ impl Veil {
     };
 }
 
+/// A picture whose arguments are in order, bound to samples.
+pub(crate) struct Prepared<'a> {
+    /// The camera, bound to the viewport's samples.
+    pub view: View,
+    /// Number of samples in a row.
+    pub width: usize,
+    /// Number of samples in a column.
+    pub height: usize,
+    /// Backdrops, farthest first.
+    pub behind: Vec<&'a Slice>,
+    /// Sheets in space, farthest first.
+    pub tested: Vec<&'a Slice>,
+}
+
+/// Checks all that a picture asks for.
+pub(crate) fn prepare(picture: &Picture) -> Result<Prepared<'_>, RenderError> {
+    let (width_px, height_px) = (picture.width_px, picture.height_px);
+    if ![width_px, height_px]
+        .iter()
+        .all(|size| (1..=MAX_SIZE_PX).contains(size))
+    {
+        return Err(RenderError::Size {
+            width_px,
+            height_px,
+            max_px: MAX_SIZE_PX,
+        });
+    }
+    let port = picture.viewport;
+    let fits = |start: u32, size: u32, limit: u32| {
+        size > 0 && start.checked_add(size).is_some_and(|end| end <= limit)
+    };
+    if !(fits(port.x, port.width, width_px) && fits(port.y, port.height, height_px)) {
+        return Err(RenderError::Viewport);
+    }
+    let (width, height) = (
+        port.width as usize * SAMPLES,
+        port.height as usize * SAMPLES,
+    );
+    let view = View::new(&picture.camera, width, height).ok_or(RenderError::Camera {
+        camera: picture.camera,
+    })?;
+    for surface in &picture.surfaces {
+        check_count("surface", surface.triangles.len(), surface.values.len())?;
+    }
+    for slice in &picture.slices {
+        check_slice(slice)?;
+    }
+    let mut slices: Vec<_> = picture.slices.iter().collect();
+    let depth = |centre| view.to_view(centre).z;
+    slices.sort_by(|a, b| depth(b.centre_m()).total_cmp(&depth(a.centre_m())));
+    let (tested, behind) = slices
+        .into_iter()
+        .partition(|slice| slice.depth == SliceDepth::Tested);
+    Ok(Prepared {
+        view,
+        width,
+        height,
+        behind,
+        tested,
+    })
+}
+
+/// An image that shows nothing but the page.
+pub(crate) fn empty_page(picture: &Picture) -> RgbImage {
+    RgbImage::from_pixel(
+        picture.width_px,
+        picture.height_px,
+        image::Rgb(picture.page),
+    )
+}
+
 /// Draws a picture.
 ///
 /// Primitives that are not finite, out of sight or without extent are left out.
@@ -68,21 +139,9 @@ impl Veil {
 /// [`RenderError`] for an impossible size, viewport or camera, and for a surface or slice whose
 /// number of values is wrong.
 pub fn rasterise(picture: &Picture) -> Result<RgbImage, RenderError> {
-    let mut canvas = Canvas::new(picture)?;
-    for surface in &picture.surfaces {
-        check_count("surface", surface.triangles.len(), surface.values.len())?;
-    }
-    for slice in &picture.slices {
-        check_slice(slice)?;
-    }
-
-    let mut slices: Vec<_> = picture.slices.iter().collect();
-    let depth = |centre| canvas.view.to_view(centre).z;
-    slices.sort_by(|a, b| depth(b.centre_m()).total_cmp(&depth(a.centre_m())));
-    let (tested, behind): (Vec<_>, Vec<_>) = slices
-        .into_iter()
-        .partition(|slice| slice.depth == SliceDepth::Tested);
-
+    let prepared = prepare(picture)?;
+    let mut canvas = Canvas::new(picture, &prepared);
+    let Prepared { behind, tested, .. } = prepared;
     behind
         .iter()
         .for_each(|slice| draw_slice(&mut canvas, slice));
@@ -105,11 +164,7 @@ pub fn rasterise(picture: &Picture) -> Result<RgbImage, RenderError> {
         .iter()
         .for_each(|line| draw_polyline(&mut canvas, line));
 
-    let mut image = RgbImage::from_pixel(
-        picture.width_px,
-        picture.height_px,
-        image::Rgb(picture.page),
-    );
+    let mut image = empty_page(picture);
     canvas.copy_to(&mut image, picture);
     draw_annotations(&mut image, picture);
     Ok(image)
@@ -133,32 +188,13 @@ pub(super) fn check_count(
 }
 
 impl Canvas {
-    fn new(picture: &Picture) -> Result<Self, RenderError> {
-        let (width_px, height_px) = (picture.width_px, picture.height_px);
-        if ![width_px, height_px]
-            .iter()
-            .all(|size| (1..=MAX_SIZE_PX).contains(size))
-        {
-            return Err(RenderError::Size {
-                width_px,
-                height_px,
-                max_px: MAX_SIZE_PX,
-            });
-        }
-        let port = picture.viewport;
-        let fits = |start: u32, size: u32, limit: u32| {
-            size > 0 && start.checked_add(size).is_some_and(|end| end <= limit)
-        };
-        if !(fits(port.x, port.width, width_px) && fits(port.y, port.height, height_px)) {
-            return Err(RenderError::Viewport);
-        }
-        let (width, height) = (
-            port.width as usize * SAMPLES,
-            port.height as usize * SAMPLES,
-        );
-        let view = View::new(&picture.camera, width, height).ok_or(RenderError::Camera {
-            camera: picture.camera,
-        })?;
+    fn new(picture: &Picture, prepared: &Prepared) -> Self {
+        let &Prepared {
+            view,
+            width,
+            height,
+            ..
+        } = prepared;
         let [top, bottom] = picture.background;
         let colours = (0..height)
             .flat_map(|row| {
@@ -167,14 +203,14 @@ impl Canvas {
             })
             .collect();
         let keys = vec![f32::NEG_INFINITY; width * height];
-        Ok(Self {
+        Self {
             view,
             width,
             height,
             colours,
             keys,
             veils: Vec::new(),
-        })
+        }
     }
 
     /// Averages the samples of each pixel into the viewport.
@@ -201,13 +237,29 @@ impl Canvas {
 
 /// A corner of a triangle in view coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Corner {
-    position: DVec3,
-    normal: DVec3,
+pub(crate) struct Corner {
+    /// Place [m].
+    pub position: DVec3,
+    /// Normal of the surface, of unit length, turned to the eye.
+    pub normal: DVec3,
 }
 
 fn draw_surface(canvas: &mut Canvas, surface: &Surface) {
     let view = canvas.view;
+    visit_triangles(view, surface, |corners, colour| {
+        let (polygon, count) = clip(corners, view.near);
+        for k in 2..count {
+            fill(canvas, [polygon[0], polygon[k - 1], polygon[k]], colour);
+        }
+    });
+}
+
+/// Shows `visit` every triangle that can be drawn with its colour before lighting.
+pub(crate) fn visit_triangles(
+    view: View,
+    surface: &Surface,
+    mut visit: impl FnMut([Corner; 3], Rgb),
+) {
     let positions: Vec<DVec3> = surface
         .vertices_m
         .iter()
@@ -245,10 +297,7 @@ fn draw_surface(canvas: &mut Canvas, surface: &Surface) {
             normal: toward_eye * normals[triangle[k] as usize].normalize_or(face),
         };
         let colour = surface.scale.of(value, surface.range);
-        let (polygon, count) = clip([corner(0), corner(1), corner(2)], view.near);
-        for k in 2..count {
-            fill(canvas, [polygon[0], polygon[k - 1], polygon[k]], colour);
-        }
+        visit([corner(0), corner(1), corner(2)], colour);
     }
 }
 

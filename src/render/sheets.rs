@@ -6,6 +6,7 @@ use super::RenderError;
 use super::colour::{blend, fraction};
 use super::picture::{Slice, SliceDepth};
 use super::raster::{Canvas, Veil, check_count, sample_span};
+use super::view::View;
 
 impl Slice {
     /// Centre of the parallelogram [m].
@@ -54,16 +55,44 @@ pub(super) fn check_slice(slice: &Slice) -> Result<(), RenderError> {
     )
 }
 
+/// The plane of a slice in view coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sheet {
+    /// Corner of the parallelogram [m].
+    pub origin: DVec3,
+    /// Normal, of any length.
+    pub normal: DVec3,
+    /// Vectors whose products with a place relative to the corner are its coordinates along the two edges, 0…1.
+    pub dual: [DVec3; 2],
+}
+
+impl Sheet {
+    /// `None` for a slice without extent or finite place.
+    pub fn new(view: View, slice: &Slice) -> Option<Self> {
+        let origin = view.to_view(slice.origin_m);
+        let [e0, e1] = slice.edges_m.map(|edge| view.direction(edge));
+        let normal = e0.cross(e1);
+        let dual = [e1.cross(normal), normal.cross(e0)].map(|d| d / normal.length_squared());
+        let sound = dual.iter().all(|d| d.is_finite()) && origin.is_finite();
+        sound.then_some(Self {
+            origin,
+            normal,
+            dual,
+        })
+    }
+}
+
 /// Blends a slice over what the canvas shows.
 pub(super) fn draw_slice(canvas: &mut Canvas, slice: &Slice) {
     let view = canvas.view;
-    let origin = view.to_view(slice.origin_m);
-    let [e0, e1] = slice.edges_m.map(|edge| view.direction(edge));
-    let normal = e0.cross(e1);
-    let dual = [e1.cross(normal), normal.cross(e0)].map(|d| d / normal.length_squared());
-    if !dual.iter().all(|d| d.is_finite()) || !origin.is_finite() {
+    let Some(Sheet {
+        origin,
+        normal,
+        dual,
+    }) = Sheet::new(view, slice)
+    else {
         return;
-    }
+    };
     let opacity = slice.opacity.clamp(0.0, 1.0);
     let colours = slice.scale.table();
     let (columns, rows) = screen_bounds(canvas, slice);

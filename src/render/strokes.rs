@@ -4,25 +4,83 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::colour::blend;
+use super::colour::{Rgb, blend};
 use super::picture::{LineStyle, Polyline, Surface};
 use super::raster::{Canvas, SAMPLES, Veil, sample_span};
+use super::view::{ScreenPoint, View};
 
 /// How far lines are drawn towards the eye, in line widths, so that a line along a surface is seen
 /// over its whole width.
 const LIFT: f64 = 2.0;
 
+/// A straight stretch of a line, ready to be drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stroke {
+    /// Its ends on the screen.
+    pub points: [ScreenPoint; 2],
+    /// Nearness of the ends, lifted towards the eye.
+    pub keys: [f64; 2],
+    /// Half its width [samples].
+    pub radius: f64,
+    /// Opacity, 0…1.
+    pub opacity: f64,
+    /// Colour.
+    pub colour: Rgb,
+}
+
+impl Stroke {
+    /// The part beyond the near plane of the stretch between two points in space [m]; `None` for what cannot be drawn.
+    pub fn new(view: View, ends_m: [DVec3; 2], style: LineStyle) -> Option<Self> {
+        let mut ends = ends_m.map(|end| view.to_view(end));
+        if !ends.iter().all(|end| end.is_finite()) || ends.iter().all(|end| end.z < view.near) {
+            return None;
+        }
+        for k in 0..2 {
+            let (end, other) = (ends[k], ends[1 - k]);
+            if end.z < view.near {
+                ends[k] = end.lerp(other, (view.near - end.z) / (other.z - end.z));
+            }
+        }
+        let width = style.width_px * SAMPLES as f64;
+        let keys = ends.map(|end| {
+            let lift = LIFT * width * view.pixel_size(end.z);
+            view.key((end.z - lift).max(0.5 * end.z))
+        });
+        let points = ends.map(|end| view.project(end));
+        let drawable = points.iter().all(ScreenPoint::is_finite) && width.is_finite();
+        (drawable && width > 0.0).then(|| Self {
+            points,
+            keys,
+            // A line thinner than a sample is drawn one sample wide and fainter.
+            radius: 0.5 * width.max(1.0),
+            opacity: f64::from(style.opacity.clamp(0.0, 1.0)) * width.min(1.0),
+            colour: style.colour,
+        })
+    }
+}
+
 /// Draws a line; it hides what is behind it.
 pub(super) fn draw_polyline(canvas: &mut Canvas, line: &Polyline) {
     for pair in line.points_m.windows(2) {
-        draw_segment(canvas, [pair[0], pair[1]], line.style, true);
+        if let Some(stroke) = Stroke::new(canvas.view, [pair[0], pair[1]], line.style) {
+            draw_stroke(canvas, &stroke, true);
+        }
     }
 }
 
 /// Draws the edges of a surface in the styles it asks for.
 pub(super) fn draw_edges(canvas: &mut Canvas, surface: &Surface) {
+    for (ends_m, style) in edges(surface) {
+        if let Some(stroke) = Stroke::new(canvas.view, ends_m, style) {
+            draw_stroke(canvas, &stroke, false);
+        }
+    }
+}
+
+/// The edges of a surface that are drawn: their ends [m] and their styles.
+pub(crate) fn edges(surface: &Surface) -> Vec<([DVec3; 2], LineStyle)> {
     if surface.mesh_edges.is_none() && surface.boundary.is_none() {
-        return;
+        return Vec::new();
     }
     let mut uses: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for &[a, b, c] in &surface.triangles {
@@ -31,44 +89,25 @@ pub(super) fn draw_edges(canvas: &mut Canvas, surface: &Surface) {
         }
     }
     let vertex = |index: u32| surface.vertices_m.get(index as usize).copied();
-    for ([p, q], count) in uses {
+    let styled = |([p, q], count): ([u32; 2], u32)| {
         let style = if count == 1 {
             surface.boundary.or(surface.mesh_edges)
         } else {
             surface.mesh_edges
         };
-        if let (Some(style), Some(p), Some(q)) = (style, vertex(p), vertex(q)) {
-            draw_segment(canvas, [p, q], style, false);
-        }
-    }
+        Some(([vertex(p)?, vertex(q)?], style?))
+    };
+    uses.into_iter().filter_map(styled).collect()
 }
 
-fn draw_segment(canvas: &mut Canvas, ends_m: [DVec3; 2], style: LineStyle, hides: bool) {
-    let view = canvas.view;
-    let mut ends = ends_m.map(|end| view.to_view(end));
-    if !ends.iter().all(|end| end.is_finite()) || ends.iter().all(|end| end.z < view.near) {
-        return;
-    }
-    for k in 0..2 {
-        let (end, other) = (ends[k], ends[1 - k]);
-        if end.z < view.near {
-            ends[k] = end.lerp(other, (view.near - end.z) / (other.z - end.z));
-        }
-    }
-    let width = style.width_px * SAMPLES as f64;
-    let keys = ends.map(|end| {
-        let lift = LIFT * width * view.pixel_size(end.z);
-        view.key((end.z - lift).max(0.5 * end.z))
-    });
-    let points = ends.map(|end| view.project(end));
-    let drawable = points.iter().all(|point| point.is_finite()) && width.is_finite();
-    if !drawable || width <= 0.0 {
-        return;
-    }
-    // A line thinner than a sample is drawn one sample wide and fainter.
-    let radius = 0.5 * width.max(1.0);
-    let opacity = f64::from(style.opacity.clamp(0.0, 1.0)) * width.min(1.0);
-
+fn draw_stroke(canvas: &mut Canvas, stroke: &Stroke, hides: bool) {
+    let &Stroke {
+        points,
+        keys,
+        radius,
+        opacity,
+        colour,
+    } = stroke;
     let [a, b] = points;
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let length_squared = dx * dx + dy * dy;
@@ -102,7 +141,7 @@ fn draw_segment(canvas: &mut Canvas, ends_m: [DVec3; 2], style: LineStyle, hides
             let veil = canvas.veils.get(sample).copied().unwrap_or(Veil::NONE);
             let passes = if key < veil.key { veil.passes } else { 1.0 };
             let below = &mut canvas.colours[sample];
-            *below = blend(*below, style.colour, (coverage * opacity) as f32 * passes);
+            *below = blend(*below, colour, (coverage * opacity) as f32 * passes);
             if hides && coverage > 0.5 {
                 canvas.keys[sample] = key;
             }

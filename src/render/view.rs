@@ -11,14 +11,15 @@ const NEAR_FRACTION: f64 = 1e-3;
 ///
 /// View coordinates [m] are x to the right, y up and z the depth along the line of sight.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View {
+pub(crate) struct View {
     eye: DVec3,
     right: DVec3,
     up: DVec3,
     forward: DVec3,
-    perspective: bool,
+    /// Whether the rays meet in the eye.
+    pub perspective: bool,
     /// Pixels per metre, for a perspective view at a depth of one metre.
-    scale: f64,
+    pub scale: f64,
     centre: [f64; 2],
     /// Depth of the near plane [m].
     pub near: f64,
@@ -26,7 +27,7 @@ pub(super) struct View {
 
 /// A point on the screen.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ScreenPoint {
+pub(crate) struct ScreenPoint {
     /// Column [px].
     pub x: f64,
     /// Row [px].

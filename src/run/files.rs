@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
+use image::RgbImage;
 
 use super::RunError;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::gpu::Device;
+use crate::gpu::raster::{RasterError, Rasteriser};
+use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
 use crate::output::{OutputError, Pvd, write_atomically, write_canopy_vtp, write_flow_vti};
-use crate::render::{self, PictureOptions};
+use crate::render::{self, Picture, PictureOptions, RenderError};
 use crate::simulation::Simulation;
 
 /// What has been written so far, by a run that is resumed.
@@ -36,7 +38,10 @@ impl Written {
 /// Files of a run.
 pub(super) struct Files<'a> {
     folder: &'a Path,
-    device: Option<Arc<Device>>,
+    /// Draws where a device takes part in the run; the software rasteriser otherwise.
+    painter: Option<(Arc<Device>, Rasteriser)>,
+    /// What went wrong without ending the run.
+    pub(super) notes: Vec<String>,
     canopies: Option<Pvd>,
     flows: Option<Pvd>,
     /// Pictures drawn at the times that the case asks for.
@@ -83,6 +88,10 @@ pub(super) fn remove_stale(folder: &Path) {
     }
 }
 
+fn drawn_in_software(error: &DeviceError) -> String {
+    format!("pictures were drawn in software, since {error}")
+}
+
 impl<'a> Files<'a> {
     pub(super) fn create(
         folder: &'a Path,
@@ -100,9 +109,18 @@ impl<'a> Files<'a> {
             }
             Ok(collection)
         };
+        let mut notes = Vec::new();
+        let painter = device.and_then(|device| match Rasteriser::new(&device) {
+            Ok(rasteriser) => Some((device, rasteriser)),
+            Err(error) => {
+                notes.push(drawn_in_software(&error));
+                None
+            }
+        });
         Ok(Self {
             folder,
-            device,
+            painter,
+            notes,
             canopies: match scene.body {
                 Some(_) => Some(collection(
                     "canopy.pvd",
@@ -171,6 +189,21 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
+    /// Draws a picture on the device, or in software where there is none or it fails.
+    fn draw(&mut self, picture: &Picture) -> Result<RgbImage, RenderError> {
+        if let Some((device, rasteriser)) = &self.painter {
+            match rasteriser.draw(device, picture) {
+                Ok(image) => return Ok(image),
+                Err(RasterError::Picture(error)) => return Err(error),
+                Err(RasterError::Device(error)) => {
+                    self.notes.push(drawn_in_software(&error));
+                    self.painter = None;
+                }
+            }
+        }
+        render::rasterise(picture)
+    }
+
     /// Draws the scene as it is now, under the next free number.
     pub(super) fn picture(
         &mut self,
@@ -217,7 +250,8 @@ impl<'a> Files<'a> {
                 confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
             ]);
         }
-        let bytes = render::snapshot_png_bytes(&frame, &options)?;
+        let image = self.draw(&render::picture_of(&frame, &options))?;
+        let bytes = render::png_bytes(&image)?;
         let path = self
             .folder
             .join(format!("snapshot_{:03}.png", self.timed_pictures));

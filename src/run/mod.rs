@@ -155,6 +155,7 @@ pub fn run(
             checkpoint::remove(run.folder);
         }
     }
+    run.notes.append(&mut run.files.notes);
     let wall_s = began.elapsed().as_secs_f64();
     let summary = summary::summarise(
         run.case,

@@ -7,7 +7,7 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::{BodyForce, Fluid};
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
-use crate::lattice::grid::{Breakdown, Grid, Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::{Breakdown, Grid, Initial, Setup, Sides, StreamwiseEnds};
 use crate::plan::{AirPlacement, Precision};
 
 use super::markers::MarkerEngine;
@@ -32,9 +32,6 @@ macro_rules! each_engine {
         }
     };
 }
-
-/// Density excess and velocity of every cell at the start.
-pub type Initial<'a> = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync + 'a;
 
 impl AirEngine {
     /// Air of a scene at its initial state.

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
-pub use air::{AirEngine, Balance, Initial};
+pub use air::{AirEngine, Balance};
 pub use coupled::Coupled;
 pub use failure::{Diverged, Failure};
 pub use impulses::{ImpulseSample, Impulses};

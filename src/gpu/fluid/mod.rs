@@ -18,12 +18,15 @@ use super::immersed::ForceBox;
 use super::pipeline::{Bound, Pipeline, compute_pass};
 use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::{DIRECTION_COUNT, Operator, equilibrium};
 use collide_stream::StepParameters;
 pub use control_volume::VolumeWatch;
 use macroscopic::Macroscopic;
+
+/// A pipeline with the workgroups that it needs.
+type Counted = (Bound, [u32; 2]);
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug)]
@@ -39,7 +42,7 @@ pub struct Fluid {
     forced_pipeline: Pipeline,
     /// With the body force near the sheet, by parity, and the generation of the force box that it is bound to.
     forced: Option<([Bound; 2], u64)>,
-    boundaries: Option<[(Bound, [u32; 2]); 2]>,
+    boundaries: Option<[Counted; 2]>,
     macroscopic: Macroscopic,
     inlet_velocity: [f64; 3],
     odd: bool,
@@ -66,7 +69,7 @@ impl Fluid {
     pub fn new(
         device: &Arc<Device>,
         setup: Setup,
-        initial: Option<&(dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync)>,
+        initial: Option<&Initial>,
     ) -> Result<Self, DeviceError> {
         let grid = Grid::new(setup.cells);
         let bytes = 4 * grid.total as u64;
@@ -121,7 +124,7 @@ impl Fluid {
         Ok(fluid)
     }
 
-    fn fill(&mut self, initial: &(dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync)) {
+    fn fill(&mut self, initial: &Initial) {
         let grid = self.grid;
         let [nx, ny, _] = grid.cells;
         for array in 0..DIRECTION_COUNT {
@@ -273,7 +276,7 @@ fn boundaries(
     setup: &Setup,
     grid: &Grid,
     populations: &[wgpu::Buffer],
-) -> Result<Option<[(Bound, [u32; 2]); 2]>, DeviceError> {
+) -> Result<Option<[Counted; 2]>, DeviceError> {
     let links = Boundaries::new(grid, setup.ends, setup.sides);
     if links.copies.iter().all(Vec::is_empty) {
         return Ok(None);
