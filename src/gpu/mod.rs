@@ -12,6 +12,7 @@
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
 
 pub mod adapters;
+pub mod bandwidth;
 pub mod device;
 mod error;
 pub mod fluid;

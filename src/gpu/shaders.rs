@@ -42,6 +42,7 @@ shaders! {
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
     SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
+    COPY = "copy": "threads.wgsl", "copy.wgsl";
     RASTER = "raster": "raster.wgsl";
 }
 
