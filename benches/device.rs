@@ -15,11 +15,12 @@ use std::time::{Duration, Instant};
 
 use ripstop::case::{self, Choices, SHIPPED};
 use ripstop::gpu::{AdapterChoice, Device, bandwidth::copy_bandwidth};
+use ripstop::immersed::touched::TouchedCells;
 use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision};
 use ripstop::run::without_files;
-use ripstop::simulation::{AirEngine, Simulation};
+use ripstop::simulation::{AirEngine, MarkerEngine, Simulation};
 use serde_json::{Value, json};
 
 /// Bytes that a step moves per cell: 19 populations read and written in f32.
@@ -132,6 +133,69 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
                 "gigabytes_per_s": bytes / 1e9, "share_of_copy_bandwidth": bytes / copy, "decay_rate_error": error,
             }));
         }
+    }
+    rows
+}
+
+/// What `send_markers` costs against the lists of all 64 weights that the CPU engine keeps, for crumpled hemispheres.
+fn marker_lists(device: &Arc<Device>) -> Vec<Value> {
+    println!(
+        "\nlists of touched cells: sorted on the host and marked on the device, against complete lists made on the host"
+    );
+    println!(
+        "{:>8} {:>12} {:>12} {:>12} {:>12}",
+        "markers", "sorted [ms]", "to send [B]", "lists [ms]", "to send [B]"
+    );
+    let mut rows = Vec::new();
+    for side in [32.0f64, 128.0, 384.0] {
+        let radius = 0.35 * side;
+        let count = (2.0 * std::f64::consts::PI * radius * radius) as usize;
+        let positions: Vec<[f64; 3]> = (0..count)
+            .map(|k| {
+                // A spiral of equal areas.
+                let z = k as f64 / count as f64;
+                let angle = 2.4 * k as f64;
+                let r = radius * (1.0 - z * z).sqrt();
+                [
+                    8.0 + radius * z,
+                    0.5 * side + r * angle.cos(),
+                    0.5 * side + r * angle.sin(),
+                ]
+            })
+            .collect();
+        let cells = [side as usize; 3];
+        let setup = Setup {
+            cells: [(radius as usize) + 16, cells[1], cells[2]],
+            ends: StreamwiseEnds::Periodic,
+            sides: Sides::Periodic,
+            relaxation_time: 0.6,
+            sponge_cells: None,
+            operator: Operator::RecursiveRegularised,
+            smagorinsky_constant: None,
+        };
+        let cells = setup.cells;
+        let air = AirEngine::build(setup, None, AirPlacement::Gpu, Some(device)).unwrap();
+        let mut markers = MarkerEngine::new(&air, vec![1.0; count], 1.6).unwrap();
+        let mut lists = TouchedCells::default();
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..10 {
+            let start = Instant::now();
+            markers.send_markers(&air, &positions).unwrap().unwrap();
+            device.wait().unwrap();
+            best[0] = best[0].min(1e3 * start.elapsed().as_secs_f64());
+            let start = Instant::now();
+            lists.rebuild(&positions, cells).unwrap();
+            best[1] = best[1].min(1e3 * start.elapsed().as_secs_f64());
+        }
+        // Cell, marker and weight of every entry, as 4-byte numbers, and the weights in the markers' order again.
+        let bytes = [32 * count, 16 * 64 * count];
+        println!(
+            "{count:>8} {:>12.3} {:>12} {:>12.3} {:>12}",
+            best[0], bytes[0], best[1], bytes[1]
+        );
+        rows.push(json!({
+            "markers": count, "sorted_ms": best[0], "sorted_bytes": bytes[0], "lists_ms": best[1], "lists_bytes": bytes[1],
+        }));
     }
     rows
 }
@@ -313,6 +377,7 @@ fn main() {
         bytes >> 20,
         copy / 1e9
     );
+    let markers = marker_lists(&device);
     let cloth = cloth(&device, &mut budget);
     let canopy = canopy(&device, &mut budget);
     let air = bare_air(&device, copy, &mut budget);
@@ -323,7 +388,7 @@ fn main() {
         "machine": std::env::var("RIPSTOP_MACHINE").ok(), "commit": std::env::var("RIPSTOP_COMMIT").ok(),
         "date": std::env::var("RIPSTOP_DATE").ok(),
         "copy_gigabytes_per_s": copy / 1e9, "copied_bytes": bytes,
-        "bare_air": air, "canopy": canopy, "cloth": cloth, "left_out": budget.left_out,
+        "marker_lists": markers, "bare_air": air, "canopy": canopy, "cloth": cloth, "left_out": budget.left_out,
     });
     // Cargo passes `--bench`.
     if let Some(file) = std::env::args().skip(1).find(|a| !a.starts_with("--")) {

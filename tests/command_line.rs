@@ -7,7 +7,7 @@ use libtest_mimic::Trial;
 use ripstop::case::{self, Choices, SHIPPED};
 use ripstop::plan::{Plan, Precision, Stage};
 
-use crate::engines::plain;
+use crate::engines::{needs_device, plain};
 
 pub fn trials() -> Vec<Trial> {
     let mut trials = [
@@ -36,7 +36,18 @@ pub fn trials() -> Vec<Trial> {
             "command_line::closed_and_full_standard_output",
             standard_output,
         ));
-        trials.extend(plain("command_line::interrupt", interrupt));
+        trials.extend(plain("command_line::interrupt", || {
+            interrupt(&[], &["--precision", "f64"]);
+        }));
+        trials.push(needs_device(
+            "command_line::interrupt::gpu".to_owned(),
+            || {
+                interrupt(
+                    &["--engine", "gpu", "--cloth", "device"],
+                    &["--engine", "gpu", "--cloth", "host"],
+                );
+            },
+        ));
     }
     trials
 }
@@ -423,7 +434,7 @@ fn steady_state() {
 
 /// An interrupted run ends with code 75, and the resumed one delivers the same bits as one that was never interrupted.
 #[cfg(unix)]
-fn interrupt() {
+fn interrupt(engine: &[&str], other_engine: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let changes = [
         "resolution.cells_per_diameter=12.0",
@@ -432,14 +443,16 @@ fn interrupt() {
         "coupling.structure_every=2",
         "output.picture_times_s=[0.0, 0.03, 0.06]",
     ];
-    let run = |out: &Path, more: &[&str]| {
+    let run_on = |engine: &[&str], out: &Path, more: &[&str]| {
         let mut arguments = vec!["run", CANOPY, "--out", out.to_str().unwrap()];
         for change in &changes {
             arguments.extend(["--set", change]);
         }
+        arguments.extend(engine);
         arguments.extend(more);
         command(&arguments)
     };
+    let run = |out: &Path, more: &[&str]| run_on(engine, out, more);
     let whole = folder.path().join("whole");
     assert_eq!(finished(run(&whole, &[]).output().unwrap()).code, 0);
 
@@ -470,11 +483,7 @@ fn interrupt() {
     assert_eq!(child.wait().unwrap().code(), Some(75));
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("interrupted"), "{summary}");
-    let output = finished(
-        run(&out, &["--resume", "--precision", "f64"])
-            .output()
-            .unwrap(),
-    );
+    let output = finished(run_on(other_engine, &out, &["--resume"]).output().unwrap());
     assert_eq!(output.code, 2);
     assert!(
         output.errors.contains("belongs to another run"),
@@ -508,4 +517,4 @@ fn interrupt() {
 }
 
 #[cfg(not(unix))]
-fn interrupt() {}
+fn interrupt(_: &[&str], _: &[&str]) {}

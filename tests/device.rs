@@ -35,6 +35,7 @@ pub fn trials() -> Vec<Trial> {
         ("breakdown_is_found_where_it_is", breakdown),
         ("interpolate_and_spread_match", immersed),
         ("first_steps_of_the_canopy_match", first_steps),
+        ("canopy_ends_as_on_the_cpu", canopy),
         ("same_bits_twice", same_bits),
         ("a_lost_device_is_reported", lost),
         ("a_grid_beyond_the_limits_is_refused", too_large),
@@ -426,6 +427,27 @@ fn first_steps() {
         assert!(
             (ratio - 1.0).abs() < tolerances::DEVICE_CANOPY_IMPULSE,
             "{cloth:?}: {ratio}"
+        );
+    }
+}
+
+/// The opening, coarse: drag and diameter end where the CPU's do, although the wake is chaotic.
+fn canopy() {
+    let case = small_case(&["time.end_s=0.1"]);
+    let run = |placement: Placement| {
+        let plan = Plan::new(&case.scene, placement);
+        let (_, record) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
+        [
+            record.latest("projected_diameter_ratio").unwrap(),
+            record.latest("impulse_markers_n_s").unwrap(),
+        ]
+    };
+    let cpu = run(Precision::F32.into());
+    let gpu = run(placed(AirPlacement::Gpu, ClothPlacement::Host));
+    for (a, b) in cpu.iter().zip(gpu) {
+        assert!(
+            (b / a - 1.0).abs() < tolerances::DEVICE_OPENING,
+            "{cpu:?} against {gpu:?}"
         );
     }
 }

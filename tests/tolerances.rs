@@ -76,3 +76,6 @@ pub const DEVICE_CANOPY_CELLS: f64 = 0.02;
 
 /// Impulse on the canopy over those steps: as above.
 pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;
+
+/// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
+pub const DEVICE_OPENING: f64 = 0.03;
