@@ -14,27 +14,35 @@
 //!
 //! | stage | turns | into | file |
 //! |---|---|---|---|
-//! | `collide_stream` | populations, body force | populations | `cpu/fluid/collide_stream.rs` |
-//! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `cpu/immersed/interpolate.rs` |
-//! | `solve_cloth` | u*, loads | node positions and velocities | `cpu/cloth/solve_cloth.rs` |
-//! | `spread` | marker velocities, u* | body force near the sheet | `cpu/immersed/spread.rs` |
-//! | `measure`, `output` | impulses, frames | history, results, files | `measure/`, `run.rs` |
+//! | `collide_stream` | populations, body force | populations | `fluid/collide_stream.rs` |
+//! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
+//! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
+//! | *`fetch_air_velocities`* | u*, a_k | host | `immersed/interpolate.rs` |
+//! | `solve_cloth` | u*, loads | node positions and velocities | `cloth/solve_cloth.rs` |
+//! | *`send_marker_forces`* | marker forces | device | `immersed/spread.rs` |
+//! | `spread` | marker velocities, u* | body force near the sheet | `immersed/spread.rs` |
+//! | `measure`, `output` | impulses, frames | history, results, files | `measure/`, `run/` |
+//!
+//! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
+//! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
+//! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric).
 //!
 //! ## Rooms
 //!
 //! | module | holds | may use |
 //! |---|---|---|
-//! | [`lattice`] | D3Q19, collision operators | – |
+//! | [`lattice`] | D3Q19, collision operators, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of | laws, extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, mesh files | cloth |
 //! | [`solve`] | L-BFGS; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
+//! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
 //! | [`units`] | SI ↔ lattice, only here | – |
 //! | [`case`] | case files and their errors | geometry, laws |
 //! | [`plan`] | what a run will do, as data | case, counts of markers |
-//! | [`simulation`] | runs the plan | plan, cpu |
+//! | [`simulation`] | runs the plan | plan, cpu, gpu |
 //! | [`frame`] | host snapshot in SI units | – |
 //! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
 //! | [`output`], [`render`] | files, pictures | frame |
