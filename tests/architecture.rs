@@ -29,7 +29,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 21] = [
+const ALLOWED: [(&str, &[&str]); 22] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -52,6 +52,21 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "immersed",
             "lattice",
             "lines",
+            "solve",
+        ],
+    ),
+    (
+        "gpu",
+        &[
+            "checkpoint",
+            "cloth",
+            "cpu",
+            "fabric",
+            "frame",
+            "immersed",
+            "lattice",
+            "lines",
+            "render",
             "solve",
         ],
     ),

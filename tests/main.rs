@@ -16,6 +16,7 @@ mod cases;
 mod cloth;
 mod command_line;
 mod coupling;
+mod device_cloth;
 mod engines;
 mod tolerances;
 
@@ -28,6 +29,7 @@ fn main() -> std::process::ExitCode {
         air::trials(),
         cloth::trials(),
         coupling::trials(),
+        device_cloth::trials(),
         canopy::trials(),
         cases::trials(),
         bad_cases::trials(),

@@ -60,3 +60,25 @@ pub const PATCH: f64 = 1e-6;
 
 /// Spread force balance of the three routes (the gate is 2 %).
 pub const FORCE_IMBALANCE: f64 = 0.02;
+
+/// Cloth on a device (`f32` with split positions) against the CPU in `f64`.
+pub mod device_cloth {
+    /// Gradient, over its largest node: some ten roundings of 6e-8 per element, and sums of a dozen elements that nearly cancel.
+    pub const GRADIENT: f64 = 2e-6;
+    /// H₀ times the gradient, and dot products.
+    pub const INITIAL_HESSIAN: f64 = 2e-5;
+    /// Gradient of wrinkled fabric.
+    pub const WRINKLED: f64 = 1e-4;
+    /// H₀ of wrinkled fabric.
+    pub const WRINKLED_HESSIAN: f64 = 1e-2;
+    /// Positions after a step [m]: a direction of centimetres in `f32`.
+    pub const POSITION_M: f64 = 2e-9;
+    /// Gradient at strains of 1e-6 of edges of 5 cm.
+    pub const SMALL_STRAIN: f64 = 1e-4;
+    /// One step, over the way that the sheet moved.
+    pub const ONE_STEP: f64 = 1e-4;
+    /// Fifty steps.
+    pub const MOTION: f64 = 1e-3;
+    /// Twenty steps of free fall [m].
+    pub const FREE_FALL_M: f64 = 1e-8;
+}

@@ -5,10 +5,12 @@
 //! | [`adapters`] | the adapters of this machine, which one a run takes |
 //! | [`device`] | an open device: buffers, transfers, submissions, late faults |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
+//! | [`cloth`] | fabric and cables: nodal forces, initial Hessian, the minimiser's vectors |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
 
 pub mod adapters;
+pub mod cloth;
 pub mod device;
 mod error;
 pub mod pipeline;

@@ -35,7 +35,13 @@ macro_rules! shaders {
     };
 }
 
-shaders! {}
+shaders! {
+    NODAL_FORCES = "nodal_forces":
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
+    INITIAL_HESSIAN = "initial_hessian":
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "initial_hessian.wgsl";
+    VECTORS = "vectors": "threads.wgsl", "cloth.wgsl", "vectors.wgsl";
+}
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.
 #[derive(Debug, Clone, Copy)]

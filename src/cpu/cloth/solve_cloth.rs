@@ -61,6 +61,21 @@ pub struct StepInput<'a> {
     pub markers: &'a [MarkerReaction],
 }
 
+/// What one trial found; for comparing engines.
+#[derive(Debug, Clone)]
+pub struct Probe {
+    /// At the start of the step.
+    pub start: Start,
+    /// Of the trial; the only stored vector is H₀ g of the start.
+    pub attempt: Attempt,
+    /// Gradient at the trial [N].
+    pub gradient: Vec<DVec3>,
+    /// H₀ times the gradient [m].
+    pub preconditioned: Vec<DVec3>,
+    /// Positions of the trial [m].
+    pub positions_m: Vec<DVec3>,
+}
+
 /// The objective, on host vectors.
 struct Objective<'a> {
     structure: &'a Structure,
@@ -73,12 +88,28 @@ struct Objective<'a> {
 }
 
 /// Stiffness below which a node counts as held by nothing [N/m].
-const FREE_NODE_STIFFNESS: f64 = 1e-9;
+pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
 
 /// Below this relative change, differences of the objective are round-off.
 const ROUND_OFF: f64 = 1e-10;
 
-impl Objective<'_> {
+impl<'a> Objective<'a> {
+    fn new(
+        structure: &'a Structure,
+        start: &'a [DVec3],
+        velocities: &'a [DVec3],
+        input: &'a StepInput<'a>,
+    ) -> Self {
+        Self {
+            structure,
+            start,
+            velocities,
+            input,
+            loads: dead_loads(structure, start, input),
+            inverse_blocks: Vec::new(),
+        }
+    }
+
     fn evaluate(&self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         gradient.fill(DVec3::ZERO);
         let structure = self.structure;
@@ -314,18 +345,10 @@ impl VectorSpace for Objective<'_> {
 impl Cloth {
     /// Advances positions and velocities by one implicit step, or to the static equilibrium.
     pub fn solve_cloth(&mut self, input: &StepInput, settings: &SolverSettings) -> Outcome {
-        let structure = &self.structure;
-        let loads = dead_loads(structure, &self.positions_m, input);
         let start = std::mem::take(&mut self.positions_m);
+        let structure = &self.structure;
         let mut point = prediction(structure, &start, &self.velocities_m_s, input);
-        let mut objective = Objective {
-            structure,
-            start: &start,
-            velocities: &self.velocities_m_s,
-            input,
-            loads,
-            inverse_blocks: Vec::new(),
-        };
+        let mut objective = Objective::new(structure, &start, &self.velocities_m_s, input);
         let options = options(structure, settings);
         let Ok(outcome) = lbfgs::minimise(&mut objective, &mut point, &options);
         match input.time_step_s {
@@ -338,6 +361,44 @@ impl Cloth {
         }
         self.positions_m = point;
         outcome
+    }
+
+    /// One trial from the start of a step along `direction` [m], `[node_count]`: its `length`, and the longest way of a node [m].
+    #[must_use]
+    pub fn probe(
+        &self,
+        input: &StepInput,
+        direction: &[DVec3],
+        [length, step_limit_m]: [f64; 2],
+    ) -> Probe {
+        let (structure, start) = (&self.structure, &self.positions_m);
+        let point = prediction(structure, start, &self.velocities_m_s, input);
+        let mut objective = Objective::new(structure, start, &self.velocities_m_s, input);
+        let zeros = vec![DVec3::ZERO; structure.node_count()];
+        let [mut g, mut h, mut landed, mut new_g, mut new_h] =
+            std::array::from_fn(|_| zeros.clone());
+        let Ok(start) = objective.start(&point, &mut g, &mut h);
+        let from = Step {
+            point: &point,
+            gradient: &g,
+            preconditioned: &h,
+            direction: &direction.to_vec(),
+            length,
+            step_limit_m,
+        };
+        let mut to = Landing {
+            point: &mut landed,
+            gradient: &mut new_g,
+            preconditioned: &mut new_h,
+        };
+        let Ok(attempt) = objective.attempt(&from, &mut to, &[&h]);
+        Probe {
+            start,
+            attempt,
+            gradient: new_g,
+            preconditioned: new_h,
+            positions_m: landed,
+        }
     }
 }
 
