@@ -168,12 +168,13 @@ fn products(
             longest = max(longest, square_bits(b));
         }
     }
-    let largest = largest_bits(local, longest);
     shared_sums[local] = sums;
+    shared_bits[local] = longest;
     for (var width = 32u; width > 0u; width >>= 1u) {
         workgroupBarrier();
         if local < width {
             shared_sums[local] += shared_sums[local + width];
+            shared_bits[local] = max(shared_bits[local], shared_bits[local + width]);
         }
     }
     if local == 0u {
@@ -181,6 +182,6 @@ fn products(
         report[to] = bitcast<u32>(shared_sums[0].x);
         report[to + 1u] = bitcast<u32>(shared_sums[0].y);
         report[to + 2u] = bitcast<u32>(shared_sums[0].z);
-        report[to + 3u] = largest;
+        report[to + 3u] = shared_bits[0];
     }
 }

@@ -166,7 +166,13 @@ fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 /// The trial of both engines must agree; differences are measured against the largest of their kind.
-fn compare(what: &str, cpu: &Probe, gpu: &Probe, [of_gradient, of_steps]: [f64; 2]) {
+fn compare(
+    what: &str,
+    cpu: &Probe,
+    gpu: &Probe,
+    position_scale: f64,
+    [of_gradient, of_steps]: [f64; 2],
+) {
     let gradient = farthest(&cpu.gradient, &gpu.gradient) / largest(&cpu.gradient);
     let step = farthest(&cpu.preconditioned, &gpu.preconditioned) / largest(&cpu.preconditioned);
     let position = farthest(&cpu.positions_m, &gpu.positions_m);
@@ -199,22 +205,22 @@ fn compare(what: &str, cpu: &Probe, gpu: &Probe, [of_gradient, of_steps]: [f64; 
         ]
     };
     let scale = (g * h).sqrt();
+    // Products of random vectors nearly cancel: errors count against the vectors' lengths.
+    let along = (g * cpu.positions_m.len() as f64).sqrt() * position_scale;
     for (k, (a, b)) in products(cpu).into_iter().zip(products(gpu)).enumerate() {
         let error = (a - b).abs() / scale.max(a.abs());
         assert!(error < of_steps, "{what}: product {k}: {a:e} {b:e}");
     }
-    let slopes = [
-        (cpu.attempt.slope, gpu.attempt.slope),
-        (cpu.attempt.slope_change, gpu.attempt.slope_change),
-        (cpu.attempt.length, gpu.attempt.length),
-        (cpu.start.reference, gpu.start.reference),
-        (cpu.attempt.longest_m, gpu.attempt.longest_m),
+    let scalars = [
+        (cpu.attempt.length, gpu.attempt.length, 0.0),
+        (cpu.start.reference, gpu.start.reference, 0.0),
+        (cpu.attempt.longest_m, gpu.attempt.longest_m, 0.0),
+        (cpu.attempt.slope, gpu.attempt.slope, along),
+        (cpu.attempt.slope_change, gpu.attempt.slope_change, along),
     ];
-    for (k, (a, b)) in slopes.into_iter().enumerate() {
-        assert!(
-            (a - b).abs() <= of_steps * a.abs(),
-            "{what}: {k}: {a:e} {b:e}"
-        );
+    for (k, (a, b, scale)) in scalars.into_iter().enumerate() {
+        let allowed = of_steps * scale.max(a.abs());
+        assert!((a - b).abs() <= allowed, "{what}: {k}: {a:e} {b:e}");
     }
 }
 
@@ -318,6 +324,7 @@ fn every_kind_of_element(device: &Arc<Device>) {
                 &name,
                 &cpu,
                 &gpu,
+                0.01,
                 [tolerance::GRADIENT, tolerance::INITIAL_HESSIAN],
             );
             assert_eq!(gpu.gradient[4], DVec3::ZERO, "{name}");
@@ -348,6 +355,7 @@ fn wrinkled_fabric(device: &Arc<Device>) {
                     &name,
                     &cpu,
                     &gpu,
+                    0.3 * size,
                     [tolerance::WRINKLED, tolerance::WRINKLED_HESSIAN],
                 );
             }
@@ -470,8 +478,8 @@ fn one_step_with_markers(device: &Arc<Device>) {
 
 /// Fifty steps of a sheet that falls into its supports under a gust of pressure.
 fn sheet_in_motion(device: &Arc<Device>) {
-    for refresh_every in [None, Some(1), Some(3)] {
-        let structure = curtain(16, FabricModel::Membrane);
+    for refresh_every in [None, Some(2)] {
+        let structure = curtain(12, FabricModel::Membrane);
         let start = structure.positions_m.clone();
         let input = StepInput {
             time_step_s: Some(2e-3),
@@ -593,13 +601,16 @@ fn free_fall(device: &Arc<Device>) {
         ..StepInput::default()
     };
     let settings = SolverSettings {
-        tolerance: 1e-6,
+        tolerance: 1e-7,
+        displacement_floor_m: 1e-12,
+        evaluation_limit: 20_000,
         ..SETTINGS
     };
     for _ in 0..steps {
-        on_device
+        let outcome = on_device
             .solve_cloth(&mut cloth, &input, &settings)
             .unwrap();
+        assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     }
     let t = f64::from(steps) * dt;
     let fallen = gravity_m_s2 * (0.5 * t * (t + dt));

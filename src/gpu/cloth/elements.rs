@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn coordinates_keep_half_a_picometre() {
-        for x in [0.0, 1e-13, -0.3, 12.345_678_901_234, -9000.000_007_629] {
+        for x in [0.0, 1e-13, -0.3, 12.345_678_901_234, -9_000.000_007_629] {
             let (whole, remainder) = split(x);
             assert!((joined(whole, remainder) - x).abs() < 5e-13, "{x}");
         }

@@ -17,6 +17,8 @@ use super::parameters::ClothStage;
 const STRIDES: usize = 256;
 /// Workgroups that stride over the nodes for one row of products; what they return goes to the host.
 const PRODUCT_STRIDES: usize = 64;
+/// Nodes that a thread adds up for a row of products at least, before its workgroup shares its sums.
+const NODES_PER_THREAD: usize = 4;
 /// In place of a slot: none.
 const NONE: u32 = u32::MAX;
 /// In place of a slot: the energies.
@@ -64,7 +66,7 @@ impl Operations {
     ) -> Result<Self, DeviceError> {
         let groups = nodes.div_ceil(WORKGROUP as usize).max(1);
         let strides = groups.min(STRIDES) as u32;
-        let product_strides = groups.min(PRODUCT_STRIDES) as u32;
+        let product_strides = groups.div_ceil(NODES_PER_THREAD).min(PRODUCT_STRIDES) as u32;
         let mut constants = constants.to_vec();
         constants.push(("STRIDES", f64::from(strides)));
         constants.push(("PRODUCT_STRIDES", f64::from(product_strides)));
