@@ -62,6 +62,7 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "cloth",
             "cpu",
             "fabric",
+            "frame",
             "immersed",
             "lattice",
             "lines",

@@ -17,6 +17,7 @@ mod cloth;
 mod command_line;
 mod coupling;
 mod device;
+mod device_cloth;
 mod engines;
 mod tolerances;
 
@@ -63,6 +64,7 @@ fn main() -> std::process::ExitCode {
         cloth::trials(),
         coupling::trials(),
         device::trials(),
+        device_cloth::trials(),
         canopy::trials(),
         cases::trials(),
         bad_cases::trials(),

@@ -79,3 +79,26 @@ pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;
 
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
 pub const DEVICE_OPENING: f64 = 0.03;
+/// Cloth on a device (`f32` with split positions) against the CPU in `f64`; what was measured on a software device in brackets.
+pub mod device_cloth {
+    /// Gradient, over its largest node: some ten roundings of 6e-8 per element, and sums of a dozen elements (2.6e-7).
+    pub const GRADIENT: f64 = 1e-6;
+    /// H₀ times the gradient, and dot products: blocks that are a thousand times softer across the sheet lose digits when they are
+    /// inverted (1.8e-5 for fabric, 4e-7 otherwise).
+    pub const INITIAL_HESSIAN: f64 = 1e-4;
+    /// Gradient of wrinkled fabric: the tension left is a small difference where the fabric is folded far (6.1e-6).
+    pub const WRINKLED: f64 = 3e-5;
+    /// H₀ of fabric without any stiffness across its wrinkles (6.2e-5).
+    pub const WRINKLED_HESSIAN: f64 = 3e-4;
+    /// Positions after a trial [m]: a direction of 5 cm in `f32` (1.2e-9).
+    pub const POSITION_M: f64 = 3e-9;
+    /// Gradient at strains of 1e-6 of edges of 5 cm: positions to 5e-13 m (4.3e-5). Plain `f32` strains would be wrong by 6e-2,
+    /// plain `f32` positions altogether.
+    pub const SMALL_STRAIN: f64 = 2e-4;
+    /// One step solved to 1e-5, over the way that the sheet moved (1.6e-7: both engines take the same iterations).
+    pub const ONE_STEP: f64 = 1e-5;
+    /// Fifty steps solved to 1e-4 each (2.3e-5).
+    pub const MOTION: f64 = 2e-4;
+    /// Twenty steps of free fall solved to 1e-7 each [m]: velocities keep what is left of every step.
+    pub const FREE_FALL_M: f64 = 1e-7;
+}

@@ -88,6 +88,18 @@ impl Membrane {
         &self.stiffness
     }
 
+    /// Share of the compressive stiffness that is kept.
+    #[must_use]
+    pub const fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    /// True if all directions of the sheet are alike.
+    #[must_use]
+    pub const fn is_isotropic(&self) -> bool {
+        self.isotropic
+    }
+
     /// Energy, tension and state at a strain (xx, yy, 2·xy).
     #[must_use]
     pub fn respond(&self, strain: &[f64; 3]) -> Response {

@@ -8,11 +8,13 @@
 //! | [`immersed`] | markers: interpolate, spread |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
 //! | [`raster`] | pictures, from the same draw list as in software |
+//! | [`cloth`] | fabric and cables: nodal forces, initial Hessian, the minimiser's vectors |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
 
 pub mod adapters;
 pub mod bandwidth;
+pub mod cloth;
 pub mod device;
 mod error;
 pub mod fluid;

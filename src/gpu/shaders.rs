@@ -44,6 +44,11 @@ shaders! {
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     RASTER = "raster": "raster.wgsl";
+    NODAL_FORCES = "nodal_forces":
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
+    INITIAL_HESSIAN = "initial_hessian":
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "initial_hessian.wgsl";
+    VECTORS = "vectors": "threads.wgsl", "cloth.wgsl", "vectors.wgsl";
 }
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.
@@ -82,6 +87,7 @@ pub(super) use parameters;
 #[must_use]
 pub fn layouts() -> Vec<Layout> {
     [
+        super::cloth::parameters::OWN_LAYOUTS,
         super::fluid::collide_stream::OWN_LAYOUTS,
         super::fluid::control_volume::OWN_LAYOUTS,
         super::fluid::macroscopic::OWN_LAYOUTS,

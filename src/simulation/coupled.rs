@@ -137,8 +137,13 @@ impl Coupled {
         self.sums += 1;
     }
 
-    /// The markers as the fabric feels them: the mean ū since the last solve and the present strengths.
-    pub(super) fn reactions(&mut self) -> &[MarkerReaction] {
+    /// The markers as the fabric feels them in this solve.
+    pub(super) fn reactions(&self) -> &[MarkerReaction] {
+        &self.reactions
+    }
+
+    /// Makes them from the mean ū since the last solve and the present strengths.
+    pub(super) fn gather_reactions(&mut self) {
         let mean = 1.0 / f64::from(self.sums.max(1));
         self.reactions.clear();
         for (k, marker) in self.markers.iter().enumerate() {
@@ -153,7 +158,6 @@ impl Coupled {
         }
         self.air_velocity_sums.fill([0.0; 3]);
         self.sums = 0;
-        &self.reactions
     }
 
     fn take_velocities(&mut self, cloth: &Cloth, released: bool) {

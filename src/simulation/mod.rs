@@ -2,6 +2,7 @@
 
 mod air;
 mod checkpoint;
+mod cloth;
 mod coupled;
 mod failure;
 mod frames;
@@ -23,11 +24,10 @@ pub use opening::Opening;
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
-use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
-use crate::gpu::{Device, DeviceError};
+use crate::cpu::cloth::Cloth;
+use crate::gpu::{self, Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, Stage};
-use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
@@ -37,9 +37,6 @@ const TIMED_INTERVAL: u64 = 32;
 
 /// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
 const DIVERGED_SPEED: f64 = 0.4;
-
-/// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
-const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 
 /// Wall time per stage and work done.
 #[derive(Debug, Clone, Copy, Default)]
@@ -73,6 +70,8 @@ pub struct Simulation {
     plan: Plan,
     air: Option<AirEngine>,
     cloth: Option<Cloth>,
+    /// Solves the fabric where the plan puts it on the device; its state stays [`Simulation::cloth`]'s.
+    device_cloth: Option<gpu::cloth::Cloth>,
     device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
     impulses: Option<Impulses>,
@@ -101,12 +100,26 @@ impl Simulation {
         if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
             && let BodyKind::Canopy(canopy) = &body.kind
         {
-            opening =
-                Some(opening::open(cloth, canopy, &step_settings(&scene)).map_err(Failure::Start)?);
+            opening = Some(
+                opening::open(cloth, canopy, &cloth::step_settings(&scene))
+                    .map_err(Failure::Start)?,
+            );
         }
         let coupled = match (&scene.air, &air, &scene.coupling) {
             (Some(air), Some(engine), Some(coupling)) => {
                 Some(Coupled::new(&scene, air, engine, coupling)?)
+            }
+            _ => None,
+        };
+        let device_cloth = match &cloth {
+            Some(cloth) if plan.placement.cloth_on_device() => {
+                let markers: Vec<_> = coupled
+                    .iter()
+                    .flat_map(Coupled::markers)
+                    .map(|marker| (marker.triangle, marker.weights))
+                    .collect();
+                let device = Arc::clone(air::needed(device.as_ref())?);
+                Some(gpu::cloth::Cloth::new(device, &cloth.structure, &markers)?)
             }
             _ => None,
         };
@@ -124,6 +137,7 @@ impl Simulation {
             plan,
             air,
             cloth,
+            device_cloth,
             device,
             coupled,
             impulses,
@@ -266,9 +280,9 @@ impl Simulation {
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
-                Stage::SendNodes => {}
+                Stage::SendNodes => self.send_nodes(planned.every)?,
                 Stage::SolveCloth => self.solve_cloth(planned.every)?,
-                Stage::FetchNodes => {}
+                Stage::FetchNodes => self.fetch_nodes(planned.every)?,
                 Stage::SendMarkerForces => self.send_marker_forces(),
                 Stage::Spread => self.spread(),
                 Stage::Measure => self.accumulate()?,
@@ -378,69 +392,6 @@ impl Simulation {
         Err(self.diverged(what).into())
     }
 
-    fn solve_cloth(&mut self, every: u32) -> Result<(), Failure> {
-        if self.step < self.plan.start_steps {
-            return Ok(());
-        }
-        let since_release = self.step - self.plan.start_steps;
-        let Some(time) = self.scene.time else {
-            return Ok(());
-        };
-        let Some(cloth) = &mut self.cloth else {
-            return Ok(());
-        };
-        if !since_release.is_multiple_of(u64::from(every)) {
-            // Between solves the sheet keeps its velocity.
-            for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
-                *x += *v * time.step_s;
-            }
-            return Ok(());
-        }
-        let reactions = self
-            .coupled
-            .as_mut()
-            .map(Coupled::reactions)
-            .unwrap_or_default();
-        // With k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
-        let span_s = time.step_s * f64::from(every);
-        let input = StepInput {
-            time_step_s: Some(span_s),
-            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure_pa: 0.0,
-            damping_1_s: self.scene.solver.damping_1_s,
-            markers: reactions,
-        };
-        let before = if every > 1 {
-            Some(cloth.positions_m.clone())
-        } else {
-            None
-        };
-        let outcome = cloth.solve_cloth(&input, &step_settings(&self.scene));
-        if let Some(before) = before {
-            for ((x, old), v) in cloth
-                .positions_m
-                .iter_mut()
-                .zip(&before)
-                .zip(&cloth.velocities_m_s)
-            {
-                *x = *old + *v * time.step_s;
-            }
-        }
-        count(&mut self.cost, &outcome);
-        if outcome.stop == Stop::NotFinite {
-            // The fabric often only feels what the air has become.
-            self.watch()?;
-            let node = self
-                .cloth
-                .as_ref()
-                .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
-            let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
-            let what = format!("the fabric's energy is no longer finite{place}");
-            return Err(self.diverged(what).into());
-        }
-        Ok(())
-    }
-
     fn send_marker_forces(&mut self) {
         if let (Some(cloth), Some(coupled)) = (&self.cloth, &mut self.coupled) {
             coupled.send_marker_forces(cloth, self.step >= self.plan.start_steps);
@@ -496,56 +447,11 @@ impl Simulation {
         .into())
     }
 
-    /// Seeks the static equilibrium asked for by the case; `None` if it asks for none.
-    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Failure>> {
-        let equilibrium = self.scene.equilibrium?;
-        let gravity_m_s2 = self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
-        let cloth = self.cloth.as_mut()?;
-        let start = Instant::now();
-        let input = StepInput {
-            gravity_m_s2,
-            ..StepInput::default()
-        };
-        let settings = SolverSettings {
-            tolerance: equilibrium.tolerance,
-            displacement_floor_m: 0.0,
-            evaluation_limit: equilibrium.evaluation_limit,
-            history: HISTORY,
-            refresh_every: Some(1),
-        };
-        let outcome = cloth.solve_cloth(&input, &settings);
-        self.cost.equilibrium += start.elapsed();
-        if outcome.stop == Stop::NotFinite {
-            let diverged = self.diverged("the fabric's energy is no longer finite".to_owned());
-            return Some(Err(diverged.into()));
-        }
-        Some(Ok(outcome))
-    }
-
     fn diverged(&self, what: String) -> Diverged {
         Diverged {
             time_s: self.time_s(),
             step: self.step,
             what,
         }
-    }
-}
-
-fn step_settings(scene: &Scene) -> SolverSettings {
-    SolverSettings {
-        tolerance: scene.solver.tolerance,
-        displacement_floor_m: DISPLACEMENT_FLOOR_M,
-        evaluation_limit: scene.solver.evaluation_limit,
-        history: HISTORY,
-        refresh_every: None,
-    }
-}
-
-fn count(cost: &mut Cost, outcome: &Outcome) {
-    cost.solves += 1;
-    cost.iterations += outcome.iterations as u64;
-    cost.evaluations += outcome.evaluations as u64;
-    if outcome.stop != Stop::Converged {
-        cost.unconverged += 1;
     }
 }

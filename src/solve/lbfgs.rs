@@ -2,7 +2,8 @@
 //!
 //! The two-loop recursion (Nocedal & Wright, algorithm 7.4) runs on scalars: with s_i, y_i the last steps and gradient
 //! changes and z_i = H₀ y_i, the direction is a linear combination of {H₀ g, z_i, s_i} whose coefficients need only
-//! dot products, gathered in one pass. One application of H₀, one pass of dots and one combination per iteration.
+//! dot products. A trial returns those of the new gradient and of its change; the others follow by recurrence in `f64`:
+//! s·y = α (d·y), and d·y_j from the coefficients of d, since H₀ is symmetric and so H₀g·y_j = g·z_j. One trial, one answer.
 //! *Departure from the cited form*: H₀ is a matrix, not a scalar, so z_i are stored instead of recombining y_i.
 //!
 //! Steps are accepted on sufficient decrease (Armijo) or, where differences of the objective drown in round-off, on the
@@ -10,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use super::VectorSpace;
+use super::{Attempt, Landing, Step, VectorSpace};
 
 /// Pairs usually kept.
 pub const HISTORY: usize = 8;
@@ -20,8 +21,8 @@ pub const HISTORY: usize = 8;
 pub struct Options {
     /// Pairs (s, y) kept.
     pub history: usize,
-    /// Stop when √(gᵀ H₀ g) ≤ this.
-    pub energy_norm: f64,
+    /// Stop when √(gᵀ H₀ g) is at most this share of the space's reference.
+    pub tolerance: f64,
     /// Stop when the largest node displacement of H₀ g is at most this [m].
     pub displacement_floor_m: f64,
     /// Give up after this many evaluations.
@@ -66,32 +67,45 @@ struct Pair<V> {
     preconditioned_change: V,
 }
 
-/// Dot products between stored pairs, `[i][j]` for pair i and pair j, oldest first.
-struct Gram {
+/// Dot products of stored pairs, oldest first: with the present gradient, and `[i][j]` between pair i and pair j.
+#[derive(Default)]
+struct Products {
+    /// g · s_i
+    gradient_step: VecDeque<f64>,
+    /// g · z_i
+    gradient_change: VecDeque<f64>,
     /// s_i · y_j
     step_change: VecDeque<VecDeque<f64>>,
     /// y_i · z_j (symmetric)
     change_change: VecDeque<VecDeque<f64>>,
 }
 
+/// A direction d = −H₀ g + Σ change_i z_i − step_i s_i.
+struct Direction {
+    change: Vec<f64>,
+    step: Vec<f64>,
+    /// g · d
+    slope: f64,
+    /// d · y_j
+    along_changes: Vec<f64>,
+}
+
 const ARMIJO: f64 = 1e-4;
-/// Below this relative change, differences of the objective are round-off.
-const ROUND_OFF: f64 = 1e-10;
 const LINE_SEARCH_LIMIT: usize = 30;
 
-/// Minimises the objective of `space` from `point`, in place. H₀ is used as it stands: call [`VectorSpace::refresh`] before.
+/// Minimises the objective of `space` from `point`, in place.
 pub fn minimise<S: VectorSpace>(
     space: &mut S,
-    point: &mut S::Vector,
+    point: &mut S::Point,
     options: &Options,
-) -> Outcome {
-    let mut gradient = space.zeros();
-    let mut objective = space.evaluate(point, &mut gradient);
-    let mut preconditioned = space.zeros();
-    space.precondition(&gradient, &mut preconditioned);
-    let mut norm = space.dots(&[(&gradient, &preconditioned)])[0]
-        .max(0.0)
-        .sqrt();
+) -> Result<Outcome, S::Error> {
+    let mut gradient = space.vector()?;
+    let mut preconditioned = space.vector()?;
+    let start = space.start(point, &mut gradient, &mut preconditioned)?;
+    let mut objective = start.objective;
+    let mut round_off = start.round_off;
+    let mut norm = start.norm_square.max(0.0).sqrt();
+    let mut longest_m = start.longest_m;
     let mut outcome = Outcome {
         stop: Stop::Stalled,
         iterations: 0,
@@ -99,81 +113,91 @@ pub fn minimise<S: VectorSpace>(
         energy_norm: norm,
         objective,
     };
-    if !objective.is_finite() || !norm.is_finite() || !space.longest(&gradient).is_finite() {
+    if !objective.is_finite() || !start.norm_square.is_finite() || !longest_m.is_finite() {
         outcome.stop = Stop::NotFinite;
-        return outcome;
+        return Ok(outcome);
     }
     let mut pairs: VecDeque<Pair<S::Vector>> = VecDeque::new();
-    let mut gram = Gram {
-        step_change: VecDeque::new(),
-        change_change: VecDeque::new(),
-    };
+    let mut products = Products::default();
     let mut spare: Vec<Pair<S::Vector>> = Vec::new();
-    let mut direction = space.zeros();
-    let mut trial = space.zeros();
-    let mut trial_gradient = space.zeros();
-    let mut trial_preconditioned = space.zeros();
+    let mut direction = space.vector()?;
+    let mut trial = space.point()?;
+    let mut trial_gradient = space.vector()?;
+    let mut trial_preconditioned = space.vector()?;
     let mut since_refresh = 0;
 
     loop {
         outcome.energy_norm = norm;
         outcome.objective = objective;
-        if norm <= options.energy_norm
-            || space.longest(&preconditioned) <= options.displacement_floor_m
+        if norm <= options.tolerance * start.reference || longest_m <= options.displacement_floor_m
         {
             outcome.stop = Stop::Converged;
-            return outcome;
+            return Ok(outcome);
         }
         if outcome.evaluations >= options.evaluation_limit {
             outcome.stop = Stop::LimitReached;
-            return outcome;
+            return Ok(outcome);
         }
-        let mut slope = build_direction(
-            space,
-            &gradient,
-            &preconditioned,
-            &pairs,
-            &gram,
-            &mut direction,
-        );
-        let descends = slope < 0.0 && slope.is_finite();
+        let mut plan = products.direction(norm * norm);
+        let descends = plan.slope < 0.0 && plan.slope.is_finite();
         if !descends {
-            forget(&mut pairs, &mut gram, &mut spare);
-            space.combine(&mut direction, &[(-1.0, &preconditioned)]);
-            slope = -norm * norm;
+            spare.extend(pairs.drain(..));
+            products = Products::default();
+            plan = products.direction(norm * norm);
         }
-        let reach = space.longest(&direction);
-        let clip = if reach > options.step_limit_m {
-            options.step_limit_m / reach
-        } else {
-            1.0
-        };
-        let mut length = clip;
+        let mut terms = vec![(-1.0, &preconditioned)];
+        for (i, pair) in pairs.iter().enumerate() {
+            terms.push((plan.change[i], &pair.preconditioned_change));
+            terms.push((-plan.step[i], &pair.step));
+        }
+        space.combine(&mut direction, &terms)?;
+        let refresh = options
+            .refresh_every
+            .is_some_and(|every| since_refresh + 1 >= every);
+        let mut stored: Vec<&S::Vector> = pairs.iter().map(|pair| &pair.step).collect();
+        if !refresh {
+            // A new H₀ makes new z_i.
+            stored.extend(pairs.iter().map(|pair| &pair.preconditioned_change));
+        }
+        let mut length = 1.0;
         let mut accepted = None;
         for _ in 0..LINE_SEARCH_LIMIT {
-            space.combine(&mut trial, &[(1.0, point), (length, &direction)]);
-            let value = space.evaluate(&trial, &mut trial_gradient);
+            let step = Step {
+                point: &*point,
+                gradient: &gradient,
+                preconditioned: &preconditioned,
+                direction: &direction,
+                length,
+                step_limit_m: options.step_limit_m,
+            };
+            let mut landing = Landing {
+                point: &mut trial,
+                gradient: &mut trial_gradient,
+                preconditioned: &mut trial_preconditioned,
+            };
+            let attempt = space.attempt(&step, &mut landing, &stored)?;
             outcome.evaluations += 1;
-            if !value.is_finite() {
+            length = attempt.length;
+            if !attempt.objective.is_finite() || !attempt.norm_square.is_finite() {
                 length *= 0.25;
                 continue;
             }
-            let change = value - objective;
-            let measurable = change.abs() > ROUND_OFF * objective.abs();
-            if measurable && change <= ARMIJO * length * slope {
-                accepted = Some(value);
-                break;
-            }
-            let trial_slope = space.dots(&[(&trial_gradient, &direction)])[0];
-            if !measurable && trial_slope <= -0.8 * slope {
-                accepted = Some(value);
+            let change = attempt.objective - objective;
+            let measurable = change.abs() > attempt.round_off.max(round_off);
+            let enough = if measurable {
+                change <= ARMIJO * length * plan.slope
+            } else {
+                attempt.slope <= -0.8 * plan.slope
+            };
+            if enough {
+                accepted = Some(attempt);
                 break;
             }
             // Minimum of the parabola through the old value and slope and the new value (or slope), kept in [0.1, 0.5].
             let parabola = if measurable {
-                -slope * length * length / (2.0 * (change - length * slope))
+                -plan.slope * length * length / (2.0 * (change - length * plan.slope))
             } else {
-                length * slope / (slope - trial_slope)
+                -length * plan.slope / attempt.slope_change
             };
             length = if parabola.is_finite() {
                 parabola.clamp(0.1 * length, 0.5 * length)
@@ -181,312 +205,167 @@ pub fn minimise<S: VectorSpace>(
                 0.5 * length
             };
         }
-        let Some(value) = accepted else {
+        let Some(attempt) = accepted else {
             if pairs.is_empty() {
                 outcome.stop = Stop::Stalled;
-                return outcome;
+                return Ok(outcome);
             }
-            forget(&mut pairs, &mut gram, &mut spare);
+            spare.extend(pairs.drain(..));
+            products = Products::default();
             continue;
         };
         outcome.iterations += 1;
         since_refresh += 1;
-        let refresh = options
-            .refresh_every
-            .is_some_and(|every| since_refresh >= every);
-        if refresh {
-            space.refresh(&trial);
-            since_refresh = 0;
-            for pair in &mut pairs {
-                space.precondition(&pair.change, &mut pair.preconditioned_change);
-            }
-            space.precondition(&gradient, &mut preconditioned);
-            refill_change_products(space, &pairs, &mut gram);
-        }
-        space.precondition(&trial_gradient, &mut trial_preconditioned);
-        let mut pair = spare.pop().unwrap_or_else(|| Pair {
-            step: space.zeros(),
-            change: space.zeros(),
-            preconditioned_change: space.zeros(),
-        });
-        space.combine(&mut pair.step, &[(length, &direction)]);
+        let mut pair = match spare.pop() {
+            Some(pair) => pair,
+            None => Pair {
+                step: space.vector()?,
+                change: space.vector()?,
+                preconditioned_change: space.vector()?,
+            },
+        };
+        space.combine(&mut pair.step, &[(attempt.length, &direction)])?;
         space.combine(
             &mut pair.change,
             &[(1.0, &trial_gradient), (-1.0, &gradient)],
-        );
-        space.combine(
-            &mut pair.preconditioned_change,
-            &[(1.0, &trial_preconditioned), (-1.0, &preconditioned)],
-        );
-        remember(
-            space,
-            pair,
-            options.history,
-            &mut pairs,
-            &mut gram,
-            &mut spare,
-        );
+        )?;
+        if !refresh {
+            space.combine(
+                &mut pair.preconditioned_change,
+                &[(1.0, &trial_preconditioned), (-1.0, &preconditioned)],
+            )?;
+        }
+        pairs.push_back(pair);
+        products.push(&plan, &attempt);
+        norm = attempt.norm_square.max(0.0).sqrt();
+        longest_m = attempt.longest_m;
+        if refresh {
+            since_refresh = 0;
+            let mut changes: Vec<_> = pairs
+                .iter_mut()
+                .map(|pair| (&pair.change, &mut pair.preconditioned_change))
+                .collect();
+            let refreshed = space.refresh(
+                &trial,
+                &trial_gradient,
+                &mut trial_preconditioned,
+                &mut changes,
+            )?;
+            products.gradient_change = refreshed.gradient_change.into();
+            let mut entries = refreshed.change_change.into_iter();
+            for i in 0..pairs.len() {
+                for j in 0..=i {
+                    let entry = entries.next().unwrap_or(f64::NAN);
+                    products.change_change[i][j] = entry;
+                    products.change_change[j][i] = entry;
+                }
+            }
+            norm = refreshed.norm_square.max(0.0).sqrt();
+            longest_m = refreshed.longest_m;
+        }
+        if !products.newest_curves() {
+            products.remove(pairs.len() - 1);
+            spare.extend(pairs.pop_back());
+        } else if pairs.len() > options.history {
+            products.remove(0);
+            spare.extend(pairs.pop_front());
+        }
         std::mem::swap(point, &mut trial);
         std::mem::swap(&mut gradient, &mut trial_gradient);
         std::mem::swap(&mut preconditioned, &mut trial_preconditioned);
-        objective = value;
-        norm = space.dots(&[(&gradient, &preconditioned)])[0]
-            .max(0.0)
-            .sqrt();
+        objective = attempt.objective;
+        round_off = attempt.round_off;
     }
 }
 
-/// Writes the L-BFGS direction and returns its slope gᵀd.
-fn build_direction<S: VectorSpace>(
-    space: &S,
-    gradient: &S::Vector,
-    preconditioned: &S::Vector,
-    pairs: &VecDeque<Pair<S::Vector>>,
-    gram: &Gram,
-    direction: &mut S::Vector,
-) -> f64 {
-    let m = pairs.len();
-    let mut requests = vec![(gradient, preconditioned)];
-    for pair in pairs {
-        requests.push((gradient, &pair.step));
-        requests.push((gradient, &pair.preconditioned_change));
-    }
-    let products = space.dots(&requests);
-    let gradient_step = |i: usize| products[1 + 2 * i];
-    let gradient_change = |i: usize| products[2 + 2 * i];
-    let mut alpha = vec![0.0; m];
-    for i in (0..m).rev() {
-        let mut projection = gradient_step(i);
-        for j in i + 1..m {
-            projection -= alpha[j] * gram.step_change[i][j];
+impl Products {
+    /// The two-loop recursion; `norm_square` is g · H₀ g.
+    fn direction(&self, norm_square: f64) -> Direction {
+        let m = self.gradient_step.len();
+        let mut alpha = vec![0.0; m];
+        for i in (0..m).rev() {
+            let mut projection = self.gradient_step[i];
+            for j in i + 1..m {
+                projection -= alpha[j] * self.step_change[i][j];
+            }
+            alpha[i] = projection / self.step_change[i][i];
         }
-        alpha[i] = projection / gram.step_change[i][i];
-    }
-    let mut gain = vec![0.0; m];
-    for i in 0..m {
-        let mut projection = gradient_change(i);
-        for j in 0..m {
-            projection -= alpha[j] * gram.change_change[i][j];
+        let mut gain = vec![0.0; m];
+        for i in 0..m {
+            let mut projection = self.gradient_change[i];
+            for j in 0..m {
+                projection -= alpha[j] * self.change_change[i][j];
+            }
+            for j in 0..i {
+                projection += gain[j] * self.step_change[j][i];
+            }
+            gain[i] = alpha[i] - projection / self.step_change[i][i];
         }
-        for j in 0..i {
-            projection += gain[j] * gram.step_change[j][i];
+        let mut slope = -norm_square;
+        let mut along_changes = vec![0.0; m];
+        for i in 0..m {
+            slope += alpha[i] * self.gradient_change[i] - gain[i] * self.gradient_step[i];
+            along_changes[i] = -self.gradient_change[i];
+            for j in 0..m {
+                along_changes[i] +=
+                    alpha[j] * self.change_change[j][i] - gain[j] * self.step_change[j][i];
+            }
         }
-        gain[i] = alpha[i] - projection / gram.step_change[i][i];
+        Direction {
+            change: alpha,
+            step: gain,
+            slope,
+            along_changes,
+        }
     }
-    let mut terms = vec![(-1.0, preconditioned)];
-    let mut slope = -products[0];
-    for (i, pair) in pairs.iter().enumerate() {
-        terms.push((alpha[i], &pair.preconditioned_change));
-        terms.push((-gain[i], &pair.step));
-        slope += alpha[i] * gradient_change(i) - gain[i] * gradient_step(i);
-    }
-    space.combine(direction, &terms);
-    slope
-}
 
-/// Appends a pair if its curvature is positive, dropping the oldest beyond `history`.
-fn remember<S: VectorSpace>(
-    space: &S,
-    pair: Pair<S::Vector>,
-    history: usize,
-    pairs: &mut VecDeque<Pair<S::Vector>>,
-    gram: &mut Gram,
-    spare: &mut Vec<Pair<S::Vector>>,
-) {
-    let own = space.dots(&[
-        (&pair.step, &pair.change),
-        (&pair.change, &pair.preconditioned_change),
-    ]);
-    let (curvature, change_square) = (own[0], own[1]);
-    if !(curvature > 1e-12 * change_square && curvature > 0.0) {
-        spare.push(pair);
-        return;
-    }
-    if pairs.len() >= history {
-        if let Some(oldest) = pairs.pop_front() {
-            spare.push(oldest);
+    /// Adds the pair of an accepted attempt; products with z_i are left open where H₀ is about to be rebuilt.
+    fn push(&mut self, plan: &Direction, attempt: &Attempt) {
+        let m = self.gradient_step.len();
+        let stored = |i: usize| attempt.stored.get(i).copied().unwrap_or([f64::NAN; 2]);
+        let mut step_row = VecDeque::with_capacity(m + 1);
+        let mut change_row = VecDeque::with_capacity(m + 1);
+        for i in 0..m {
+            let ([gradient_step, step_change], [gradient_change, change_change]) =
+                (stored(i), stored(m + i));
+            self.gradient_step[i] = gradient_step;
+            self.gradient_change[i] = gradient_change;
+            self.step_change[i].push_back(step_change);
+            self.change_change[i].push_back(change_change);
+            step_row.push_back(attempt.length * plan.along_changes[i]);
+            change_row.push_back(change_change);
         }
-        for matrix in [&mut gram.step_change, &mut gram.change_change] {
-            matrix.pop_front();
-            for row in matrix.iter_mut() {
-                row.pop_front();
+        step_row.push_back(attempt.length * attempt.slope_change);
+        change_row.push_back(attempt.change_square);
+        self.gradient_step.push_back(attempt.length * attempt.slope);
+        self.gradient_change.push_back(attempt.gradient_change);
+        self.step_change.push_back(step_row);
+        self.change_change.push_back(change_row);
+    }
+
+    /// True if the curvature along the newest step is positive.
+    fn newest_curves(&self) -> bool {
+        let last = |matrix: &VecDeque<VecDeque<f64>>| {
+            let row = matrix.back();
+            row.and_then(|row| row.back().copied()).unwrap_or(f64::NAN)
+        };
+        let (curvature, change_square) = (last(&self.step_change), last(&self.change_change));
+        curvature > 1e-12 * change_square && curvature > 0.0
+    }
+
+    /// Forgets pair `i`.
+    fn remove(&mut self, i: usize) {
+        self.gradient_step.remove(i);
+        self.gradient_change.remove(i);
+        for matrix in [&mut self.step_change, &mut self.change_change] {
+            matrix.remove(i);
+            for row in matrix {
+                row.remove(i);
             }
         }
     }
-    let mut requests = Vec::with_capacity(3 * pairs.len());
-    for old in pairs.iter() {
-        requests.push((&old.step, &pair.change));
-        requests.push((&pair.step, &old.change));
-        requests.push((&old.change, &pair.preconditioned_change));
-    }
-    let products = space.dots(&requests);
-    let m = pairs.len();
-    let mut step_row = VecDeque::with_capacity(m + 1);
-    let mut change_row = VecDeque::with_capacity(m + 1);
-    for i in 0..m {
-        gram.step_change[i].push_back(products[3 * i]);
-        step_row.push_back(products[3 * i + 1]);
-        gram.change_change[i].push_back(products[3 * i + 2]);
-        change_row.push_back(products[3 * i + 2]);
-    }
-    step_row.push_back(curvature);
-    change_row.push_back(change_square);
-    gram.step_change.push_back(step_row);
-    gram.change_change.push_back(change_row);
-    pairs.push_back(pair);
-}
-
-/// Recomputes y_i · z_j after H₀ changed.
-fn refill_change_products<S: VectorSpace>(
-    space: &S,
-    pairs: &VecDeque<Pair<S::Vector>>,
-    gram: &mut Gram,
-) {
-    let m = pairs.len();
-    let mut requests = Vec::with_capacity(m * m);
-    for i in 0..m {
-        for j in 0..m {
-            requests.push((&pairs[i].change, &pairs[j].preconditioned_change));
-        }
-    }
-    let products = space.dots(&requests);
-    for i in 0..m {
-        for j in 0..m {
-            gram.change_change[i][j] = products[i * m + j];
-        }
-    }
-}
-
-fn forget<V>(pairs: &mut VecDeque<Pair<V>>, gram: &mut Gram, spare: &mut Vec<Pair<V>>) {
-    spare.extend(pairs.drain(..));
-    gram.step_change.clear();
-    gram.change_change.clear();
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// ½ xᵀAx − bᵀx on plain vectors, A tridiagonal; optionally with a quartic term.
-    struct Quadratic {
-        size: usize,
-        quartic: f64,
-    }
-
-    impl VectorSpace for Quadratic {
-        type Vector = Vec<f64>;
-        fn zeros(&self) -> Vec<f64> {
-            vec![0.0; self.size]
-        }
-        fn evaluate(&mut self, x: &Vec<f64>, g: &mut Vec<f64>) -> f64 {
-            let n = self.size;
-            let mut value = 0.0;
-            for i in 0..n {
-                let left = if i > 0 { x[i - 1] } else { 0.0 };
-                let right = if i + 1 < n { x[i + 1] } else { 0.0 };
-                let ax = 2.0 * x[i] - left - right;
-                g[i] = ax - 1.0 + self.quartic * x[i].powi(3);
-                value += 0.5 * x[i] * ax - x[i] + 0.25 * self.quartic * x[i].powi(4);
-            }
-            value
-        }
-        fn refresh(&mut self, _: &Vec<f64>) {}
-        fn precondition(&self, v: &Vec<f64>, r: &mut Vec<f64>) {
-            for (r, v) in r.iter_mut().zip(v) {
-                *r = 0.5 * v;
-            }
-        }
-        fn dots(&self, pairs: &[(&Vec<f64>, &Vec<f64>)]) -> Vec<f64> {
-            pairs
-                .iter()
-                .map(|(a, b)| a.iter().zip(*b).map(|(a, b)| a * b).sum())
-                .collect()
-        }
-        fn combine(&self, result: &mut Vec<f64>, terms: &[(f64, &Vec<f64>)]) {
-            for (i, r) in result.iter_mut().enumerate() {
-                *r = terms.iter().map(|(c, v)| c * v[i]).sum();
-            }
-        }
-        fn longest(&self, step: &Vec<f64>) -> f64 {
-            step.iter().fold(0.0, |m, v| {
-                if v.is_finite() {
-                    v.abs().max(m)
-                } else {
-                    f64::NAN
-                }
-            })
-        }
-    }
-
-    fn options(history: usize, norm: f64) -> Options {
-        Options {
-            history,
-            energy_norm: norm,
-            displacement_floor_m: 0.0,
-            evaluation_limit: 10_000,
-            refresh_every: None,
-            step_limit_m: f64::INFINITY,
-        }
-    }
-
-    #[test]
-    fn reaches_the_exact_solution_of_a_poisson_problem() {
-        let mut space = Quadratic {
-            size: 50,
-            quartic: 0.0,
-        };
-        let mut x = space.zeros();
-        let outcome = minimise(&mut space, &mut x, &options(8, 1e-10));
-        assert_eq!(outcome.stop, Stop::Converged);
-        for (i, value) in x.iter().enumerate() {
-            let exact = 0.5 * (i as f64 + 1.0) * (50.0 - i as f64);
-            assert!((value - exact).abs() < 1e-6 * exact, "{i}: {value} {exact}");
-        }
-    }
-
-    /// With full history and exact arithmetic, n iterations or a few more suffice on a quadratic; plain preconditioned
-    /// descent needs thousands here. A wrong coefficient in the recursion shows as a loss of this property.
-    #[test]
-    fn full_history_is_quasi_newton() {
-        let mut space = Quadratic {
-            size: 30,
-            quartic: 0.0,
-        };
-        let mut x = space.zeros();
-        let outcome = minimise(&mut space, &mut x, &options(60, 1e-9));
-        assert!(outcome.iterations <= 60, "{}", outcome.iterations);
-    }
-
-    #[test]
-    fn refreshing_the_initial_hessian_changes_nothing_when_it_is_constant() {
-        let mut plain = Quadratic {
-            size: 40,
-            quartic: 0.1,
-        };
-        let mut a = plain.zeros();
-        minimise(&mut plain, &mut a, &options(6, 1e-9));
-        let mut b = plain.zeros();
-        let refreshed = Options {
-            refresh_every: Some(3),
-            ..options(6, 1e-9)
-        };
-        let outcome = minimise(&mut plain, &mut b, &refreshed);
-        assert_eq!(outcome.stop, Stop::Converged);
-        for (a, b) in a.iter().zip(&b) {
-            assert!((a - b).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn a_start_that_is_not_finite_is_refused() {
-        let mut space = Quadratic {
-            size: 3,
-            quartic: 0.0,
-        };
-        let mut x = vec![0.0, f64::NAN, 0.0];
-        assert_eq!(
-            minimise(&mut space, &mut x, &options(3, 1e-9)).stop,
-            Stop::NotFinite
-        );
-    }
-}
+#[path = "lbfgs_tests.rs"]
+mod tests;

@@ -11,7 +11,7 @@ pub mod solve_cloth;
 use glam::DVec3;
 
 use crate::cloth::Structure;
-pub use solve_cloth::{MarkerReaction, SolverSettings, StepInput};
+pub use solve_cloth::{MarkerReaction, Probe, SolverSettings, StepInput};
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]

@@ -1,0 +1,230 @@
+// Stage nodal_forces: energy Π(x) and its gradient (src/cpu/cloth/solve_cloth.rs), elements first, then nodes.
+
+@group(0) @binding(13) var<storage, read_write> energies: array<vec2<f32>>;
+@group(0) @binding(17) var<storage, read> loads: array<f32>;
+@group(0) @binding(19) var<storage, read> inverse_blocks: array<f32>;
+@group(0) @binding(20) var<storage, read_write> vectors: array<f32>;
+
+override NODE_ENERGIES: u32 = 0u;
+
+var<workgroup> partial_energies: array<vec2<f32>, 64>;
+
+// Sums the energies of a workgroup, and their magnitudes, into one entry per workgroup.
+fn gather_energy(first: u32, count: u32, group: u32, local: u32, energy: vec2<f32>) {
+    partial_energies[local] = energy;
+    for (var width = 32u; width > 0u; width >>= 1u) {
+        workgroupBarrier();
+        if local < width {
+            partial_energies[local] += partial_energies[local + width];
+        }
+    }
+    if local == 0u && group * WORKGROUP < count {
+        energies[first + group] = partial_energies[0];
+    }
+}
+
+fn contribute(slot: u32, force: vec3<f32>) {
+    let k = slot * 3u;
+    contributions[k] = force.x;
+    contributions[k + 1u] = force.y;
+    contributions[k + 2u] = force.z;
+}
+
+fn positive(energy: f32) -> vec2<f32> {
+    return vec2<f32>(energy, abs(energy));
+}
+
+@compute @workgroup_size(64)
+fn triangle_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < TRIANGLES {
+        let t = triangle_state(e);
+        let response = respond(t.strain);
+        energy = positive(t.rest_area * response.energy);
+        // ∂W/∂s_i, times ∂s_i/∂x = ±2 (x_to − x_from).
+        let pull0 = t.edge0 * (2.0 * t.rest_area * dot(t.b0, response.tension));
+        let pull1 = t.edge1 * (2.0 * t.rest_area * dot(t.b1, response.tension));
+        let pull2 = t.edge2 * (2.0 * t.rest_area * dot(t.b2, response.tension));
+        contribute(TRIANGLE_SLOTS + e, pull1 - pull2);
+        contribute(TRIANGLE_SLOTS + TRIANGLES + e, pull2 - pull0);
+        contribute(TRIANGLE_SLOTS + 2u * TRIANGLES + e, pull0 - pull1);
+    }
+    gather_energy(TRIANGLE_ENERGIES, TRIANGLES, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
+fn spring_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < SPRINGS {
+        let p = spring_piece(e);
+        let stretched = bitcast<f32>(springs[6u * SPRINGS + e]);
+        let shortened = bitcast<f32>(springs[7u * SPRINGS + e]);
+        let stiffness = select(stretched, shortened, p.elongation < 0.0);
+        energy = positive(0.5 * stiffness * p.elongation * p.elongation);
+        // Coincident ends have no direction; other values of length, not finite ones too, go through.
+        var pull = vec3<f32>(0.0);
+        if p.length != 0.0 {
+            pull = p.edge * (stiffness * p.elongation / p.length);
+        }
+        contribute(SPRING_SLOTS + e, -pull);
+        contribute(SPRING_SLOTS + SPRINGS + e, pull);
+    }
+    gather_energy(SPRING_ENERGIES, SPRINGS, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
+fn bending_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < BENDINGS {
+        let middle = place(bendings[BENDINGS + e]);
+        let before = between(middle, place(bendings[e]));
+        let after = between(middle, place(bendings[2u * BENDINGS + e]));
+        let second_difference = metres(Place(
+            before.whole + after.whole,
+            before.remainder + after.remainder,
+        ));
+        let stiffness = bitcast<f32>(bendings[3u * BENDINGS + e]);
+        energy = positive(0.5 * stiffness * dot(second_difference, second_difference));
+        let pull = second_difference * stiffness;
+        contribute(BENDING_SLOTS + e, pull);
+        contribute(BENDING_SLOTS + BENDINGS + e, -2.0 * pull);
+        contribute(BENDING_SLOTS + 2u * BENDINGS + e, pull);
+    }
+    gather_energy(BENDING_ENERGIES, BENDINGS, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
+fn cable_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < CABLES {
+        let p = cable_piece(e);
+        let rest_length = bitcast<f32>(cables[5u * CABLES + e]);
+        let axial_stiffness = bitcast<f32>(cables[6u * CABLES + e]);
+        var pull = vec3<f32>(0.0);
+        // Slack cables carry nothing; an elongation that is not a number is not slack.
+        if !(p.elongation <= 0.0) {
+            let tension = axial_stiffness * p.elongation / rest_length;
+            energy = positive(0.5 * tension * p.elongation);
+            pull = p.edge * (tension / p.length);
+        }
+        contribute(CABLE_SLOTS + e, -pull);
+        contribute(CABLE_SLOTS + CABLES + e, pull);
+    }
+    gather_energy(CABLE_ENERGIES, CABLES, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
+fn guide_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < GUIDES {
+        let anchor = Place(
+            vec3<i32>(
+                bitcast<i32>(guides[GUIDES + e]),
+                bitcast<i32>(guides[2u * GUIDES + e]),
+                bitcast<i32>(guides[3u * GUIDES + e]),
+            ),
+            vec3<f32>(guide_word(4u, e), guide_word(5u, e), guide_word(6u, e)),
+        );
+        let offset = metres(between(anchor, place(guides[e])));
+        let force = vec3<f32>(guide_word(7u, e), guide_word(8u, e), guide_word(9u, e)) * offset;
+        energy = positive(0.5 * dot(force, offset));
+        contribute(GUIDE_SLOTS + e, force);
+    }
+    gather_energy(GUIDE_ENERGIES, GUIDES, group.y * groups.x + group.x, local, energy);
+}
+
+// Reaction of the air: K (v − u*) at every marker, with v − u* = (sheet's velocity in the prediction − u*) + displacement / dt.
+@compute @workgroup_size(64)
+fn marker_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < MARKERS {
+        let w0 = marker_weight(0u, e);
+        let w1 = marker_weight(1u, e);
+        let w2 = marker_weight(2u, e);
+        let moved = displacement(markers[e]) * w0
+            + displacement(markers[MARKERS + e]) * w1
+            + displacement(markers[2u * MARKERS + e]) * w2;
+        let reaction = reactions[e];
+        let slip = moved * stage.rate + reaction.xyz;
+        let force = slip * reaction.w;
+        energy = positive(0.5 * stage.time_step * dot(force, slip));
+        contribute(MARKER_SLOTS + e, force * w0);
+        contribute(MARKER_SLOTS + MARKERS + e, force * w1);
+        contribute(MARKER_SLOTS + 2u * MARKERS + e, force * w2);
+    }
+    gather_energy(MARKER_ENERGIES, MARKERS, group.y * groups.x + group.x, local, energy);
+}
+
+// Gradient of every node, and H₀ times it.
+@compute @workgroup_size(64)
+fn gather_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let node = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if node < NODES {
+        var gradient = vec3<f32>(0.0);
+        for (var k = node_first[node]; k < node_first[node + 1u]; k++) {
+            let slot = node_slots[k] * 3u;
+            gradient += vec3<f32>(contributions[slot], contributions[slot + 1u], contributions[slot + 2u]);
+        }
+        let moved = displacement(node);
+        let inertia = masses[node] * stage.inertia * moved;
+        let load = vec3<f32>(loads[node * 3u], loads[node * 3u + 1u], loads[node * 3u + 2u]);
+        let kinetic = 0.5 * dot(inertia, moved);
+        let work = dot(load, moved);
+        energy = vec2<f32>(kinetic - work, abs(kinetic) + abs(work));
+        gradient += inertia - load;
+        if held[node] != 0u {
+            gradient = vec3<f32>(0.0);
+        }
+        let at = (stage.gradient * NODES + node) * 3u;
+        vectors[at] = gradient.x;
+        vectors[at + 1u] = gradient.y;
+        vectors[at + 2u] = gradient.z;
+        let b = node * 6u;
+        let off = vec3<f32>(inverse_blocks[b + 3u], inverse_blocks[b + 4u], inverse_blocks[b + 5u]);
+        let step = vec3<f32>(
+            inverse_blocks[b] * gradient.x + off.x * gradient.y + off.y * gradient.z,
+            off.x * gradient.x + inverse_blocks[b + 1u] * gradient.y + off.z * gradient.z,
+            off.y * gradient.x + off.z * gradient.y + inverse_blocks[b + 2u] * gradient.z,
+        );
+        let to = (stage.preconditioned * NODES + node) * 3u;
+        vectors[to] = step.x;
+        vectors[to + 1u] = step.y;
+        vectors[to + 2u] = step.z;
+    }
+    gather_energy(NODE_ENERGIES, NODES, group.y * groups.x + group.x, local, energy);
+}

@@ -1,0 +1,274 @@
+//! A structure as the device reads it: words of every kind of element, and the slots that every node gathers.
+//!
+//! Words are stored word by word, `[word][element]`, so that neighbouring threads read neighbouring addresses. An element writes
+//! one slot per corner; nodes gather theirs through a list in ascending order of slots, always the same.
+
+use crate::cloth::Structure;
+use crate::gpu::pipeline::WORKGROUP;
+
+/// Points farther than this from the origin are refused as not finite [m]: whole numbers of 2⁻¹⁶ m end at 32 km, and a step
+/// must not leave them.
+const FARTHEST_M: f64 = 16384.0;
+
+/// Units of the whole numbers per metre.
+pub(super) const UNITS_PER_M: f64 = 65536.0;
+
+/// A coordinate [m] as a whole number of 2⁻¹⁶ m and a remainder.
+pub(super) fn split(coordinate_m: f64) -> (i32, f32) {
+    if coordinate_m.abs() < FARTHEST_M {
+        let whole = (coordinate_m * UNITS_PER_M).round();
+        (whole as i32, (coordinate_m - whole / UNITS_PER_M) as f32)
+    } else {
+        (0, f32::NAN)
+    }
+}
+
+/// The coordinate [m] that [`split`] took apart.
+pub(super) fn joined(whole: i32, remainder: f32) -> f64 {
+    f64::from(whole) / UNITS_PER_M + f64::from(remainder)
+}
+
+/// Elements of one kind.
+#[derive(Debug)]
+pub(super) struct Kind {
+    /// "triangle"
+    pub name: &'static str,
+    /// "triangles"
+    pub plural: &'static str,
+    /// Elements.
+    pub count: usize,
+    /// Words, `[word][element]`.
+    pub words: Vec<u32>,
+    /// Nodes, `[corner][element]`.
+    corners: Vec<u32>,
+}
+
+impl Kind {
+    fn new<T, const C: usize, const W: usize>(
+        name: &'static str,
+        plural: &'static str,
+        elements: &[T],
+        nodes: impl Fn(&T) -> [u32; C],
+        rest: impl Fn(&T) -> [u32; W],
+    ) -> Self {
+        let count = elements.len();
+        let mut corners = vec![0; C * count];
+        let mut words = vec![0; (C + W) * count];
+        for (e, element) in elements.iter().enumerate() {
+            for (corner, node) in nodes(element).into_iter().enumerate() {
+                corners[corner * count + e] = node;
+                words[corner * count + e] = node;
+            }
+            for (k, word) in rest(element).into_iter().enumerate() {
+                words[(C + k) * count + e] = word;
+            }
+        }
+        Self {
+            name,
+            plural,
+            count,
+            words,
+            corners,
+        }
+    }
+
+    /// Workgroups of one thread per element.
+    pub fn groups(&self) -> usize {
+        self.count.div_ceil(WORKGROUP as usize)
+    }
+}
+
+/// The kinds that a structure has, and which slots every node gathers.
+#[derive(Debug)]
+pub(super) struct Elements {
+    /// Kinds with at least one element, in the order of their slots.
+    pub kinds: Vec<Kind>,
+    /// Slots in all.
+    pub slots: usize,
+    /// Entries of energies: one per workgroup of every kind, then of the nodes.
+    pub energies: usize,
+    /// Where every node's slots begin in `node_slots`, and where the last ones end.
+    pub node_first: Vec<u32>,
+    /// Slots of the nodes.
+    pub node_slots: Vec<u32>,
+    /// Counts and first entries, as constants of the shaders.
+    pub constants: Vec<(String, f64)>,
+}
+
+fn bits(value: f64) -> u32 {
+    (value as f32).to_bits()
+}
+
+/// A squared rest length [m²] in units of 2⁻³² m²: whole part modulo 2³², the rest; and the whole in m².
+fn rest_square(square_m2: f64) -> [u32; 3] {
+    let units = square_m2 * (UNITS_PER_M * UNITS_PER_M);
+    let whole = units.floor();
+    let modulus = UNITS_PER_M * UNITS_PER_M;
+    [
+        whole.rem_euclid(modulus) as u32,
+        bits(units - whole),
+        bits(square_m2),
+    ]
+}
+
+impl Elements {
+    /// Lays out a structure; `markers` are (triangle, weights).
+    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])]) -> Self {
+        let mut kinds = Vec::new();
+        if structure.membrane.is_some() {
+            kinds.push(Kind::new(
+                "triangle",
+                "triangles",
+                &structure.triangles,
+                |t| t.nodes,
+                |t| {
+                    let mut words = [0; 19];
+                    for i in 0..3 {
+                        words[3 * i..3 * i + 3].copy_from_slice(&rest_square(t.rest_squares_m2[i]));
+                        for j in 0..3 {
+                            words[9 + 3 * i + j] = bits(t.strain_from_squares[i][j]);
+                        }
+                    }
+                    words[18] = bits(t.rest_area_m2);
+                    words
+                },
+            ));
+        }
+        kinds.push(Kind::new(
+            "spring",
+            "springs",
+            &structure.springs,
+            |s| s.nodes,
+            |s| {
+                let [whole, part, square] = rest_square(s.rest_length_m * s.rest_length_m);
+                [
+                    whole,
+                    part,
+                    square,
+                    bits(s.rest_length_m),
+                    bits(s.stiffness_n_m),
+                    bits(s.compressive_stiffness_n_m),
+                ]
+            },
+        ));
+        kinds.push(Kind::new(
+            "bending",
+            "bendings",
+            &structure.bendings,
+            |b| b.nodes,
+            |b| [bits(b.stiffness_n_m)],
+        ));
+        kinds.push(Kind::new(
+            "cable",
+            "cables",
+            &structure.cables,
+            |c| c.nodes,
+            |c| {
+                let [whole, part, square] = rest_square(c.rest_length_m * c.rest_length_m);
+                [
+                    whole,
+                    part,
+                    square,
+                    bits(c.rest_length_m),
+                    bits(c.axial_stiffness_n),
+                ]
+            },
+        ));
+        kinds.push(Kind::new(
+            "guide",
+            "guides",
+            &structure.guides,
+            |g| [g.node],
+            |g| {
+                let anchor = g.anchor_m.to_array().map(split);
+                let stiffness = g.stiffness_n_m.to_array().map(bits);
+                let mut words = [0; 9];
+                for axis in 0..3 {
+                    words[axis] = anchor[axis].0.cast_unsigned();
+                    words[3 + axis] = anchor[axis].1.to_bits();
+                    words[6 + axis] = stiffness[axis];
+                }
+                words
+            },
+        ));
+        kinds.push(Kind::new(
+            "marker",
+            "markers",
+            markers,
+            |(triangle, _)| structure.triangles[*triangle as usize].nodes,
+            |(_, weights)| weights.map(bits),
+        ));
+        kinds.retain(|kind| kind.count > 0);
+        Self::of_kinds(kinds, structure.node_count())
+    }
+
+    fn of_kinds(kinds: Vec<Kind>, nodes: usize) -> Self {
+        let mut constants = vec![("NODES".to_owned(), nodes as f64)];
+        let (mut slots, mut energies) = (0, 0);
+        let mut node_first = vec![0_u32; nodes + 1];
+        for kind in &kinds {
+            let name = kind.name.to_uppercase();
+            constants.push((kind.plural.to_uppercase(), kind.count as f64));
+            constants.push((format!("{name}_SLOTS"), slots as f64));
+            constants.push((format!("{name}_ENERGIES"), energies as f64));
+            slots += kind.corners.len();
+            energies += kind.groups();
+            for &node in &kind.corners {
+                node_first[node as usize + 1] += 1;
+            }
+        }
+        constants.push(("NODE_ENERGIES".to_owned(), energies as f64));
+        energies += nodes.div_ceil(WORKGROUP as usize);
+        constants.push(("ENERGIES".to_owned(), energies as f64));
+        for node in 0..nodes {
+            node_first[node + 1] += node_first[node];
+        }
+        let mut next = node_first.clone();
+        let mut node_slots = vec![0; slots];
+        let nodes_of_slots = kinds.iter().flat_map(|kind| &kind.corners);
+        for (slot, &node) in nodes_of_slots.enumerate() {
+            let place = &mut next[node as usize];
+            node_slots[*place as usize] = slot as u32;
+            *place += 1;
+        }
+        Self {
+            kinds,
+            slots,
+            energies,
+            node_first,
+            node_slots,
+            constants,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_keep_half_a_picometre() {
+        for x in [0.0, 1e-13, -0.3, 12.345_678_901_234, -9_000.000_007_629] {
+            let (whole, remainder) = split(x);
+            assert!((joined(whole, remainder) - x).abs() < 5e-13, "{x}");
+        }
+        for x in [f64::NAN, f64::INFINITY, -2e4] {
+            assert!(split(x).1.is_nan());
+        }
+    }
+
+    #[test]
+    fn nodes_gather_every_slot_once_in_order() {
+        let corners = vec![2, 0, 1, 0, 1, 2];
+        let kind = Kind {
+            name: "spring",
+            plural: "springs",
+            count: 3,
+            words: Vec::new(),
+            corners,
+        };
+        let elements = Elements::of_kinds(vec![kind], 4);
+        assert_eq!(elements.node_first, [0, 2, 4, 6, 6]);
+        assert_eq!(elements.node_slots, [1, 3, 2, 4, 0, 5]);
+    }
+}

@@ -1,0 +1,191 @@
+//! Fabric and cables on the device, in `f32` with split positions; the stages of [`crate::cpu::cloth`].
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`elements`] | the structure as words for the shaders; which slots every node gathers |
+//! | [`gathering`] | nodal forces and initial Hessian: elements first, then nodes |
+//! | [`vectors`] | the vector space that [`crate::solve::lbfgs`] works in |
+//! | [`solve_cloth`] | the implicit step, or the static equilibrium |
+//!
+//! *Departures from the CPU*: displacements count from the prediction xⁿ + dt vⁿ instead of from xⁿ, so that the velocity change,
+//! which decides, is not the small difference of two large numbers; what that adds to the objective is constant or linear and is
+//! put together on the host in `f64`. Elongations come from whole numbers (`shaders/elements.wgsl`), so strains are as fine as
+//! positions, 5e-13 m over an edge, not as `f32`. Everything is computed in the same order every time: same bits on one device.
+
+mod elements;
+mod gathering;
+pub mod parameters;
+mod solve_cloth;
+mod vectors;
+
+use std::sync::Arc;
+
+use crate::cloth::Structure;
+use crate::gpu::device::{Device, Staging};
+use crate::gpu::error::DeviceError;
+use crate::gpu::shaders;
+
+use elements::Elements;
+use gathering::Gathering;
+use parameters::ClothStage;
+use vectors::{Operations, POINTS, PointSlot, Workspace};
+
+/// A structure on the device.
+#[derive(Debug)]
+pub struct Cloth {
+    device: Arc<Device>,
+    nodes: usize,
+    markers: Vec<(u32, [f64; 3])>,
+    buffers: Vec<(&'static str, wgpu::Buffer)>,
+    forces: Gathering,
+    blocks: Gathering,
+    operations: Operations,
+    workspace: Option<Workspace>,
+    /// Loads as they were last uploaded.
+    loads: Vec<[f32; 3]>,
+    /// Loads that set the scale of the tolerance, as they were last uploaded.
+    drive: Vec<[f32; 3]>,
+    /// Part of the objective that does not depend on the positions sought [J].
+    constant_j: f64,
+    /// Where the last solve ended, until it is fetched.
+    solution: Option<PointSlot>,
+    /// Way back of positions.
+    staging: Staging,
+}
+
+impl Cloth {
+    /// Uploads what does not change; `markers` are (triangle, barycentric weights).
+    pub fn new(
+        device: Arc<Device>,
+        structure: &Structure,
+        markers: &[(u32, [f64; 3])],
+    ) -> Result<Self, DeviceError> {
+        let nodes = structure.node_count();
+        let elements = Elements::new(structure, markers);
+        let mut constants: Vec<(&str, f64)> = elements
+            .constants
+            .iter()
+            .map(|(name, value)| (name.as_str(), *value))
+            .collect();
+        if let Some(membrane) = &structure.membrane {
+            let c = membrane.stiffness();
+            constants.extend([
+                ("STIFFNESS_XX", c[0][0]),
+                ("STIFFNESS_XY", c[0][1]),
+                ("STIFFNESS_XS", c[0][2]),
+                ("STIFFNESS_YY", c[1][1]),
+                ("STIFFNESS_YS", c[1][2]),
+                ("STIFFNESS_SS", c[2][2]),
+                ("RESIDUAL", membrane.residual()),
+                ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
+            ]);
+        }
+        let gathering = |shader, what| {
+            Gathering::new(&device, shader, what, &elements.kinds, nodes, &constants)
+        };
+        let forces = gathering(&shaders::NODAL_FORCES, "forces")?;
+        let blocks = gathering(&shaders::INITIAL_HESSIAN, "blocks")?;
+        let operations = Operations::new(&device, nodes, &constants)?;
+        let masses: Vec<f32> = structure.masses_kg.iter().map(|m| *m as f32).collect();
+        let held: Vec<u32> = structure.held.iter().map(|h| u32::from(*h)).collect();
+        let node_bytes = |values: u64| values * nodes as u64 * 4;
+        let mut buffers = vec![
+            ("stage", device.uniform::<ClothStage>("cloth stage")?),
+            (
+                "whole",
+                device.storage("cloth positions", node_bytes(3 * POINTS))?,
+            ),
+            (
+                "remainder",
+                device.storage("cloth remainders", node_bytes(3 * POINTS))?,
+            ),
+            (
+                "predicted_whole",
+                device.storage("predicted positions", node_bytes(3))?,
+            ),
+            (
+                "predicted_remainder",
+                device.storage("predicted remainders", node_bytes(3))?,
+            ),
+            (
+                "reactions",
+                device.storage("marker reactions", 16 * markers.len() as u64)?,
+            ),
+            (
+                "contributions",
+                device.storage("cloth contributions", 24 * elements.slots as u64)?,
+            ),
+            (
+                "energies",
+                device.storage("cloth energies", 8 * elements.energies as u64)?,
+            ),
+            (
+                "node_first",
+                device.storage_of("first slots", &elements.node_first)?,
+            ),
+            (
+                "node_slots",
+                device.storage_of("slots of nodes", &elements.node_slots)?,
+            ),
+            ("masses", device.storage_of("masses", &masses)?),
+            ("loads", device.storage("loads", node_bytes(3))?),
+            ("held", device.storage_of("held nodes", &held)?),
+            (
+                "inverse_blocks",
+                device.storage("initial Hessian", node_bytes(6))?,
+            ),
+        ];
+        for kind in &elements.kinds {
+            buffers.push((kind.plural, device.storage_of(kind.plural, &kind.words)?));
+        }
+        let staging = Staging::new(&device, 24 * nodes as u64)?;
+        Ok(Self {
+            device,
+            nodes,
+            markers: markers.to_vec(),
+            buffers,
+            forces,
+            blocks,
+            operations,
+            workspace: None,
+            loads: Vec::new(),
+            drive: Vec::new(),
+            constant_j: 0.0,
+            solution: None,
+            staging,
+        })
+    }
+
+    /// The device it is on.
+    #[must_use]
+    pub const fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// Makes room for `history` pairs of the minimiser.
+    fn prepare(&mut self, history: usize) -> Result<(), DeviceError> {
+        if self.workspace.as_ref().map(|w| w.history) == Some(history) {
+            return Ok(());
+        }
+        self.workspace = None;
+        self.drive.clear();
+        let buffers: Vec<(&str, &wgpu::Buffer)> =
+            self.buffers.iter().map(|(name, b)| (*name, b)).collect();
+        self.workspace = Some(Workspace::new(
+            &self.device,
+            &self.operations,
+            [&self.forces, &self.blocks],
+            &buffers,
+            history,
+            self.nodes,
+        )?);
+        Ok(())
+    }
+
+    fn buffer(&self, wanted: &str) -> Result<&wgpu::Buffer, DeviceError> {
+        self.buffers
+            .iter()
+            .find_map(|(name, buffer)| (*name == wanted).then_some(buffer))
+            .ok_or_else(|| DeviceError::Command(format!("no buffer {wanted}")))
+    }
+}

@@ -1,0 +1,313 @@
+//! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/solve_cloth.rs`, minimised by the same L-BFGS.
+//!
+//! With p = xⁿ + dt v̄ the prediction (v̄ = vⁿ, 0 at held nodes) and Δ = x − p, the objective is
+//!
+//! Π = E(x) + ½ (1/dt² + β/dt) ΔᵀMΔ − (f − β M v̄)·Δ + ½ dt Σ_k K_k |Δ_k/dt + (v̄_k − u*_k)|² + constant,
+//!
+//! the same function as on the CPU; the bracketed velocities and loads are computed on the host in `f64`.
+
+use glam::DVec3;
+
+use crate::cloth::Structure;
+use crate::cpu::cloth::solve_cloth::{
+    FREE_NODE_STIFFNESS, add_pull_of_the_air, dead_loads, options, prediction,
+};
+use crate::cpu::cloth::{Cloth as State, Probe, SolverSettings, StepInput};
+use crate::gpu::error::DeviceError;
+use crate::solve::lbfgs::{self, Outcome, Stop};
+use crate::solve::{Landing, Step, VectorSpace};
+
+use super::Cloth;
+use super::elements::{joined, split};
+use super::parameters::ClothStage;
+use super::vectors::{DRIVE, PointSlot, Space, Workspace};
+
+impl Cloth {
+    /// Stage `send_nodes`: the state of the nodes, their loads and the markers' reactions. The structure must be the one given to
+    /// [`Cloth::new`], and the markers of `input` the same in the same order, or none.
+    pub fn send_nodes(
+        &mut self,
+        state: &State,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<(), DeviceError> {
+        self.prepare(settings.history)?;
+        self.constant_j = self.upload(state, input)?;
+        Ok(())
+    }
+
+    /// Stage `solve_cloth`, on what [`Cloth::send_nodes`] sent; the solution stays on the device.
+    pub fn solve_cloth(
+        &mut self,
+        structure: &Structure,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        let mut space = self.space(input, self.constant_j)?;
+        let mut point = space.point()?;
+        self.place_at_prediction(&point)?;
+        let outcome = lbfgs::minimise(&mut space, &mut point, &options(structure, settings))?;
+        drop(space);
+        self.solution = (outcome.stop != Stop::NotFinite).then_some(point);
+        Ok(outcome)
+    }
+
+    /// Stage `fetch_nodes`: positions and velocities of `state` become those of the solution; the prediction where there is none.
+    pub fn fetch_nodes(&mut self, state: &mut State, input: &StepInput) -> Result<(), DeviceError> {
+        let mut new = match self.solution.take() {
+            Some(point) => self.positions(&point)?,
+            None => prediction(
+                &state.structure,
+                &state.positions_m,
+                &state.velocities_m_s,
+                input,
+            ),
+        };
+        for ((new, old), &held) in new
+            .iter_mut()
+            .zip(&state.positions_m)
+            .zip(&state.structure.held)
+        {
+            if held {
+                *new = *old;
+            }
+        }
+        match input.time_step_s {
+            Some(dt) => {
+                for ((v, new), old) in state
+                    .velocities_m_s
+                    .iter_mut()
+                    .zip(&new)
+                    .zip(&state.positions_m)
+                {
+                    *v = (*new - *old) / dt;
+                }
+            }
+            None => state.velocities_m_s.fill(DVec3::ZERO),
+        }
+        state.positions_m = new;
+        Ok(())
+    }
+
+    /// A whole solve: sends, minimises, fetches.
+    pub fn solve(
+        &mut self,
+        state: &mut State,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        self.send_nodes(state, input, settings)?;
+        let outcome = self.solve_cloth(&state.structure, input, settings)?;
+        self.fetch_nodes(state, input)?;
+        Ok(outcome)
+    }
+
+    /// One trial from the start of a step along `direction` [m], `[node_count]`, as [`State::probe`] makes it on the CPU.
+    pub fn probe(
+        &mut self,
+        state: &State,
+        input: &StepInput,
+        direction: &[DVec3],
+        [length, step_limit_m]: [f64; 2],
+    ) -> Result<Probe, DeviceError> {
+        self.prepare(1)?;
+        let constant_j = self.upload(state, input)?;
+        let mut space = self.space(input, constant_j)?;
+        let point = space.point()?;
+        self.place_at_prediction(&point)?;
+        let mut landed = space.point()?;
+        let [mut g, mut h, d] = [space.vector()?, space.vector()?, space.vector()?];
+        let [mut new_g, mut new_h] = [space.vector()?, space.vector()?];
+        let start = space.start(&point, &mut g, &mut h)?;
+        let vectors = &self.workspace()?.vectors;
+        let direction: Vec<[f32; 3]> = direction.iter().map(narrow).collect();
+        self.device
+            .write(vectors, d.0 as usize * self.nodes, &direction);
+        let from = Step {
+            point: &point,
+            gradient: &g,
+            preconditioned: &h,
+            direction: &d,
+            length,
+            step_limit_m,
+        };
+        let mut to = Landing {
+            point: &mut landed,
+            gradient: &mut new_g,
+            preconditioned: &mut new_h,
+        };
+        let attempt = space.attempt(&from, &mut to, &[&h])?;
+        let read = |slot: u32| {
+            let first = slot as usize * self.nodes;
+            let values: Vec<[f32; 3]> = self.device.read(vectors, first, self.nodes)?;
+            let wide = values
+                .iter()
+                .map(|v| DVec3::from_array(v.map(f64::from)))
+                .collect();
+            Ok::<Vec<DVec3>, DeviceError>(wide)
+        };
+        Ok(Probe {
+            start,
+            attempt,
+            gradient: read(new_g.0)?,
+            preconditioned: read(new_h.0)?,
+            positions_m: self.positions(&landed)?,
+        })
+    }
+
+    fn workspace(&self) -> Result<&Workspace, DeviceError> {
+        self.workspace
+            .as_ref()
+            .ok_or_else(|| DeviceError::Command("the cloth is not prepared".to_owned()))
+    }
+
+    /// The objective of a step whose state was uploaded.
+    fn space(&self, input: &StepInput, constant_j: f64) -> Result<Space<'_>, DeviceError> {
+        let mut stage = ClothStage {
+            stiffness_floor: FREE_NODE_STIFFNESS as f32,
+            ..ClothStage::default()
+        };
+        if let Some(dt) = input.time_step_s {
+            stage.inertia = ((1.0 / dt + input.damping_1_s) / dt) as f32;
+            stage.rate = (1.0 / dt) as f32;
+            stage.time_step = dt as f32;
+        }
+        Ok(Space::new(
+            &self.device,
+            self.workspace()?,
+            self.buffer("stage")?,
+            stage,
+            constant_j,
+        ))
+    }
+
+    /// Uploads the prediction, the loads and the markers; returns the part of the objective that stays constant [J].
+    fn upload(&mut self, state: &State, input: &StepInput) -> Result<f64, DeviceError> {
+        let structure = &state.structure;
+        if structure.node_count() != self.nodes
+            || !(input.markers.is_empty() || input.markers.len() == self.markers.len())
+        {
+            return Err(DeviceError::Command(format!(
+                "the device holds {} nodes and {} markers, the step has {} and {}",
+                self.nodes,
+                self.markers.len(),
+                structure.node_count(),
+                input.markers.len(),
+            )));
+        }
+        let start = &state.positions_m;
+        let velocity = |node: usize| {
+            if structure.held[node] || input.time_step_s.is_none() {
+                DVec3::ZERO
+            } else {
+                state.velocities_m_s[node]
+            }
+        };
+        let predicted = prediction(structure, start, &state.velocities_m_s, input);
+        let (whole, remainder): (Vec<i32>, Vec<f32>) = predicted
+            .iter()
+            .flat_map(|x| x.to_array())
+            .map(split)
+            .unzip();
+        self.device
+            .write(self.buffer("predicted_whole")?, 0, &whole);
+        self.device
+            .write(self.buffer("predicted_remainder")?, 0, &remainder);
+
+        let mut loads = dead_loads(structure, start, input);
+        let mut drive = loads.clone();
+        add_pull_of_the_air(structure, input.markers, &mut drive);
+        let mut constant_j = 0.0;
+        for node in 0..self.nodes {
+            constant_j -= loads[node].dot(predicted[node] - start[node]);
+            if let Some(dt) = input.time_step_s {
+                let mass = structure.masses_kg[node];
+                let damping = input.damping_1_s * mass;
+                constant_j += 0.5 * dt * damping * velocity(node).length_squared();
+                if structure.held[node] {
+                    constant_j += 0.5 * mass * state.velocities_m_s[node].length_squared();
+                }
+                loads[node] -= velocity(node) * damping;
+            }
+        }
+        let loads: Vec<[f32; 3]> = loads.iter().map(narrow).collect();
+        if loads != self.loads {
+            self.device.write(self.buffer("loads")?, 0, &loads);
+            self.loads = loads;
+        }
+        let drive: Vec<[f32; 3]> = drive.iter().map(narrow).collect();
+        if drive != self.drive {
+            let first = DRIVE as usize * self.nodes;
+            self.device.write(&self.workspace()?.vectors, first, &drive);
+            self.drive = drive;
+        }
+
+        let mut reactions = vec![[0.0_f32; 4]; self.markers.len()];
+        if input.time_step_s.is_some() {
+            for (reaction, marker) in reactions.iter_mut().zip(input.markers) {
+                let nodes = structure.triangles[marker.triangle as usize].nodes;
+                let mut slip = -marker.air_velocity_m_s;
+                for (node, weight) in nodes.into_iter().zip(marker.weights) {
+                    slip += velocity(node as usize) * weight;
+                }
+                let [x, y, z] = narrow(&slip);
+                *reaction = [x, y, z, marker.stiffness_kg_s as f32];
+            }
+        }
+        self.device.write(self.buffer("reactions")?, 0, &reactions);
+        Ok(constant_j)
+    }
+
+    /// Copies the prediction to a point.
+    fn place_at_prediction(&self, point: &PointSlot) -> Result<(), DeviceError> {
+        let bytes = 12 * self.nodes as u64;
+        let mut commands = self.device.record("cloth prediction");
+        for (from, to) in [
+            ("predicted_whole", "whole"),
+            ("predicted_remainder", "remainder"),
+        ] {
+            let (from, to) = (self.buffer(from)?, self.buffer(to)?);
+            commands.copy_buffer_to_buffer(from, 0, to, u64::from(point.0) * bytes, bytes);
+        }
+        self.device.submit(commands);
+        Ok(())
+    }
+
+    /// Positions of a point [m].
+    fn positions(&self, point: &PointSlot) -> Result<Vec<DVec3>, DeviceError> {
+        let bytes = 12 * self.nodes as u64;
+        let first = u64::from(point.0) * bytes;
+        let mut commands = self.device.record("cloth positions");
+        self.staging
+            .copy(&mut commands, self.buffer("whole")?, first, 0, bytes);
+        self.staging.copy(
+            &mut commands,
+            self.buffer("remainder")?,
+            first,
+            bytes,
+            bytes,
+        );
+        self.device.submit(commands);
+        let mut positions = Vec::new();
+        self.staging.read(&self.device, |view| {
+            let (whole, remainder) = view.split_at(bytes as usize);
+            let whole: Vec<[i32; 3]> = bytemuck::pod_collect_to_vec(whole);
+            let remainder: Vec<[f32; 3]> =
+                bytemuck::pod_collect_to_vec(&remainder[..bytes as usize]);
+            positions = whole
+                .iter()
+                .zip(&remainder)
+                .map(|(whole, remainder)| {
+                    DVec3::from_array(std::array::from_fn(|axis| {
+                        joined(whole[axis], remainder[axis])
+                    }))
+                })
+                .collect();
+        })?;
+        Ok(positions)
+    }
+}
+
+fn narrow(v: &DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x as f32)
+}

@@ -1,0 +1,184 @@
+//! Stage `solve_cloth` with its transfers, wherever the plan puts it, and the static equilibrium.
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::coupled::Coupled;
+use super::{Cost, Failure, Simulation};
+use crate::case::Scene;
+use crate::cpu::cloth::{SolverSettings, StepInput};
+use crate::gpu::DeviceError;
+use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
+
+/// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
+const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
+
+impl Simulation {
+    /// True if the fabric is solved in this step: after release, every `every` steps.
+    fn solves_now(&self, every: u32) -> bool {
+        self.step >= self.plan.start_steps
+            && (self.step - self.plan.start_steps).is_multiple_of(u64::from(every))
+    }
+
+    /// Stage `send_nodes`.
+    pub(super) fn send_nodes(&mut self, every: u32) -> Result<(), DeviceError> {
+        if !self.solves_now(every) {
+            return Ok(());
+        }
+        if let Some(coupled) = &mut self.coupled {
+            coupled.gather_reactions();
+        }
+        let input = step_input(&self.scene, self.coupled.as_ref(), every);
+        if let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) {
+            device_cloth.send_nodes(cloth, &input, &step_settings(&self.scene))?;
+        }
+        Ok(())
+    }
+
+    /// Stage `solve_cloth`; on the device the solution stays there.
+    pub(super) fn solve_cloth(&mut self, every: u32) -> Result<(), Failure> {
+        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        if !self.solves_now(every) {
+            if let Some(cloth) = self
+                .cloth
+                .as_mut()
+                .filter(|_| self.step >= self.plan.start_steps)
+            {
+                // Between solves the sheet keeps its velocity.
+                for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
+                    *x += *v * time_step_s;
+                }
+            }
+            return Ok(());
+        }
+        let settings = step_settings(&self.scene);
+        let Some(cloth) = &mut self.cloth else {
+            return Ok(());
+        };
+        let outcome = match &mut self.device_cloth {
+            Some(device_cloth) => {
+                let input = step_input(&self.scene, self.coupled.as_ref(), every);
+                device_cloth.solve_cloth(&cloth.structure, &input, &settings)?
+            }
+            None => {
+                if let Some(coupled) = &mut self.coupled {
+                    coupled.gather_reactions();
+                }
+                let input = step_input(&self.scene, self.coupled.as_ref(), every);
+                let before = (every > 1).then(|| cloth.positions_m.clone());
+                let outcome = cloth.solve_cloth(&input, &settings);
+                if let Some(before) = before {
+                    step_from(&before, cloth, time_step_s);
+                }
+                outcome
+            }
+        };
+        count(&mut self.cost, &outcome);
+        if outcome.stop == Stop::NotFinite {
+            // The fabric often only feels what the air has become.
+            self.watch()?;
+            let node = self
+                .cloth
+                .as_ref()
+                .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
+            let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
+            let what = format!("the fabric's energy is no longer finite{place}");
+            return Err(self.diverged(what).into());
+        }
+        Ok(())
+    }
+
+    /// Stage `fetch_nodes`.
+    pub(super) fn fetch_nodes(&mut self, every: u32) -> Result<(), DeviceError> {
+        if !self.solves_now(every) {
+            return Ok(());
+        }
+        let input = step_input(&self.scene, self.coupled.as_ref(), every);
+        if let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth) {
+            let before = (every > 1).then(|| cloth.positions_m.clone());
+            device_cloth.fetch_nodes(cloth, &input)?;
+            if let Some(before) = before {
+                step_from(
+                    &before,
+                    cloth,
+                    self.scene.time.map_or(0.0, |time| time.step_s),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Seeks the static equilibrium asked for by the case; `None` if it asks for none.
+    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Failure>> {
+        let equilibrium = self.scene.equilibrium?;
+        let cloth = self.cloth.as_mut()?;
+        let start = Instant::now();
+        let input = StepInput {
+            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: equilibrium.tolerance,
+            displacement_floor_m: 0.0,
+            evaluation_limit: equilibrium.evaluation_limit,
+            history: HISTORY,
+            refresh_every: Some(1),
+        };
+        let outcome = match &mut self.device_cloth {
+            Some(device_cloth) => match device_cloth.solve(cloth, &input, &settings) {
+                Ok(outcome) => outcome,
+                Err(error) => return Some(Err(error.into())),
+            },
+            None => cloth.solve_cloth(&input, &settings),
+        };
+        self.cost.equilibrium += start.elapsed();
+        if outcome.stop == Stop::NotFinite {
+            let diverged = self.diverged("the fabric's energy is no longer finite".to_owned());
+            return Some(Err(diverged.into()));
+        }
+        Some(Ok(outcome))
+    }
+}
+
+/// What acts in a step; with k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
+fn step_input<'a>(scene: &Scene, coupled: Option<&'a Coupled>, every: u32) -> StepInput<'a> {
+    StepInput {
+        time_step_s: scene.time.map(|time| time.step_s * f64::from(every)),
+        gravity_m_s2: scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+        pressure_pa: 0.0,
+        damping_1_s: scene.solver.damping_1_s,
+        markers: coupled.map(Coupled::reactions).unwrap_or_default(),
+    }
+}
+
+/// Takes back a solve over several steps but its first.
+fn step_from(before: &[DVec3], cloth: &mut crate::cpu::cloth::Cloth, time_step_s: f64) {
+    for ((x, old), v) in cloth
+        .positions_m
+        .iter_mut()
+        .zip(before)
+        .zip(&cloth.velocities_m_s)
+    {
+        *x = *old + *v * time_step_s;
+    }
+}
+
+pub(super) fn step_settings(scene: &Scene) -> SolverSettings {
+    SolverSettings {
+        tolerance: scene.solver.tolerance,
+        displacement_floor_m: DISPLACEMENT_FLOOR_M,
+        evaluation_limit: scene.solver.evaluation_limit,
+        history: HISTORY,
+        refresh_every: None,
+    }
+}
+
+fn count(cost: &mut Cost, outcome: &Outcome) {
+    cost.solves += 1;
+    cost.iterations += outcome.iterations as u64;
+    cost.evaluations += outcome.evaluations as u64;
+    if outcome.stop != Stop::Converged {
+        cost.unconverged += 1;
+    }
+}

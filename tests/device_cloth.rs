@@ -1,0 +1,681 @@
+//! Fabric and cables on the device against the CPU engine in `f64`, kind by kind of element, then whole steps.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::cloth::{CableSegment, Guide, Structure};
+use ripstop::cpu::cloth::{Cloth, MarkerReaction, Probe, SolverSettings, StepInput};
+use ripstop::fabric::Fabric;
+use ripstop::frame::CableKind;
+use ripstop::geometry::cable;
+use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
+use ripstop::gpu::cloth::Cloth as DeviceCloth;
+use ripstop::gpu::{Device, DeviceError};
+use ripstop::lines::Cable;
+use ripstop::measure::catenary;
+use ripstop::solve::lbfgs::{Outcome, Stop};
+
+use crate::engines::{device, needs_device};
+use crate::tolerances::device_cloth as tolerance;
+
+fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
+    needs_device(format!("device_cloth::{name}"), move || {
+        if let Ok(device) = device() {
+            body(device);
+        }
+    })
+}
+
+pub fn trials() -> Vec<Trial> {
+    vec![
+        on_device("every_kind_of_element", every_kind_of_element),
+        on_device("wrinkled_orthotropic_fabric", wrinkled_fabric),
+        on_device("small_strains_far_from_the_origin", small_strains),
+        on_device("steps_are_clipped", clipped),
+        on_device("one_step_with_markers", one_step_with_markers),
+        on_device("sheet_in_motion", sheet_in_motion),
+        on_device("catenary", hanging_cable),
+        on_device("hanging_sheet", hanging_sheet),
+        on_device("free_fall", free_fall),
+        on_device("hostile_starts", hostile_starts),
+        on_device("same_bits_twice", same_bits_twice),
+        on_device("oversized_structures_are_refused", oversized),
+    ]
+}
+
+const SETTINGS: SolverSettings = SolverSettings {
+    tolerance: 1e-3,
+    displacement_floor_m: 1e-9,
+    evaluation_limit: 2000,
+    history: 8,
+    refresh_every: None,
+};
+
+fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Fabric {
+    Fabric {
+        thickness_m: 1e-4,
+        density_kg_m3: 500.0,
+        warp_modulus_pa: 4e7,
+        weft_modulus_pa: 2e7,
+        poisson_ratio: 0.2,
+        shear_modulus_pa,
+        residual_stiffness,
+    }
+}
+
+fn square(divisions: usize, model: FabricModel, fabric: &Fabric) -> Structure {
+    let shape = SheetShape {
+        size_m: [1.0, 1.0],
+        divisions: [divisions, divisions],
+        corner_m: DVec3::new(0.3, -0.2, 0.7),
+        across: DVec3::X,
+        down: -DVec3::Z,
+    };
+    sheet::build(&shape, fabric, model).unwrap()
+}
+
+/// Deterministic numbers in −1 … 1.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+fn scattered(count: usize, size: f64, seed: u64) -> Vec<DVec3> {
+    let mut random = noise(seed);
+    (0..count)
+        .map(|_| DVec3::new(random(), random(), random()) * size)
+        .collect()
+}
+
+/// Two markers per triangle, in air that blows across.
+fn markers(structure: &Structure, seed: u64) -> Vec<MarkerReaction> {
+    let mut random = noise(seed);
+    (0..structure.triangles.len() as u32)
+        .flat_map(|triangle| [(triangle, [0.6, 0.3, 0.1]), (triangle, [0.2, 0.2, 0.6])])
+        .map(|(triangle, weights)| MarkerReaction {
+            triangle,
+            weights,
+            stiffness_kg_s: 0.02 * (1.0 + 0.5 * random()),
+            air_velocity_m_s: DVec3::new(2.0 * random(), 15.0 + random(), random()),
+        })
+        .collect()
+}
+
+fn on(device: &Arc<Device>, structure: &Structure, markers: &[MarkerReaction]) -> DeviceCloth {
+    let fixed: Vec<(u32, [f64; 3])> = markers.iter().map(|m| (m.triangle, m.weights)).collect();
+    DeviceCloth::new(Arc::clone(device), structure, &fixed).unwrap()
+}
+
+fn largest(vectors: &[DVec3]) -> f64 {
+    vectors.iter().map(|v| v.length()).fold(0.0, f64::max)
+}
+
+fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| a.distance(*b))
+        .fold(0.0, f64::max)
+}
+
+/// The trial of both engines must agree; differences are measured against the largest of their kind.
+fn compare(
+    what: &str,
+    cpu: &Probe,
+    gpu: &Probe,
+    position_scale: f64,
+    [of_gradient, of_steps]: [f64; 2],
+) {
+    let gradient = farthest(&cpu.gradient, &gpu.gradient) / largest(&cpu.gradient);
+    let step = farthest(&cpu.preconditioned, &gpu.preconditioned) / largest(&cpu.preconditioned);
+    let position = farthest(&cpu.positions_m, &gpu.positions_m);
+    let energy = (cpu.attempt.objective - gpu.attempt.objective).abs() / gpu.attempt.round_off;
+    let change = |p: &Probe| p.attempt.objective - p.start.objective;
+    let changes = (change(cpu) - change(gpu)).abs() / change(cpu).abs();
+    eprintln!(
+        "{what}: gradient {gradient:.1e} step {step:.1e} position {position:.1e} \
+         energy/estimate {energy:.1e} change {changes:.1e}"
+    );
+    assert!(gradient < of_gradient, "{what}: gradient {gradient:e}");
+    assert!(step < of_steps, "{what}: H0 g {step:e}");
+    assert!(position < tolerance::POSITION_M, "{what}: {position:e}");
+    // The device's own estimate of its round-off must hold.
+    assert!(energy < 1.0, "{what}: energy {energy:e}");
+    let g = cpu.gradient.iter().map(|g| g.length_squared()).sum::<f64>();
+    let h = cpu
+        .preconditioned
+        .iter()
+        .map(|h| h.length_squared())
+        .sum::<f64>();
+    let products = |p: &Probe| {
+        let a = &p.attempt;
+        [
+            a.norm_square,
+            a.gradient_change,
+            a.change_square,
+            a.stored[0][0],
+            a.stored[0][1],
+        ]
+    };
+    let scale = (g * h).sqrt();
+    // Products of random vectors nearly cancel: errors count against the vectors' lengths.
+    let along = (g * cpu.positions_m.len() as f64).sqrt() * position_scale;
+    for (k, (a, b)) in products(cpu).into_iter().zip(products(gpu)).enumerate() {
+        let error = (a - b).abs() / scale.max(a.abs());
+        assert!(error < of_steps, "{what}: product {k}: {a:e} {b:e}");
+    }
+    let scalars = [
+        (cpu.attempt.length, gpu.attempt.length, 0.0),
+        (cpu.start.reference, gpu.start.reference, 0.0),
+        (cpu.attempt.longest_m, gpu.attempt.longest_m, 0.0),
+        (cpu.attempt.slope, gpu.attempt.slope, along),
+        (cpu.attempt.slope_change, gpu.attempt.slope_change, along),
+    ];
+    for (k, (a, b, scale)) in scalars.into_iter().enumerate() {
+        let allowed = of_steps * scale.max(a.abs());
+        assert!((a - b).abs() <= allowed, "{what}: {k}: {a:e} {b:e}");
+    }
+}
+
+fn probes(
+    device: &Arc<Device>,
+    structure: Structure,
+    input: &StepInput,
+    direction: &[DVec3],
+    lengths: [f64; 2],
+) -> (Probe, Probe) {
+    let mut gpu = on(device, &structure, input.markers);
+    let mut cpu = Cloth::new(structure);
+    cpu.velocities_m_s = scattered(direction.len(), 3.0, 5);
+    for (v, held) in cpu.velocities_m_s.iter_mut().zip(&cpu.structure.held) {
+        if *held {
+            *v = DVec3::ZERO;
+        }
+    }
+    let of_device = gpu.probe(&cpu, input, direction, lengths).unwrap();
+    (cpu.probe(input, direction, lengths), of_device)
+}
+
+/// Membrane, springs, bending, cables (taut and slack), guides, markers, inertia, damping and loads: each alone, then together.
+fn every_kind_of_element(device: &Arc<Device>) {
+    let rope = Cable {
+        area_m2: 1e-6,
+        density_kg_m3: 1000.0,
+        youngs_modulus_pa: 1e9,
+    };
+    type Change = fn(&mut Structure);
+    let network: Change = |s| s.bendings.clear();
+    let bending: Change = |s| s.springs.clear();
+    let nothing: Change = |_| ();
+    let bare: Change = |s| {
+        s.springs.clear();
+        s.bendings.clear();
+    };
+    let cases: [(&str, FabricModel, Change, bool, bool); 8] = [
+        ("membrane", FabricModel::Membrane, nothing, false, false),
+        ("springs", FabricModel::Network, network, false, false),
+        ("bending", FabricModel::Network, bending, false, false),
+        ("cables and guides", FabricModel::Network, bare, true, false),
+        ("markers", FabricModel::Network, bare, false, true),
+        ("inertia", FabricModel::Network, bare, false, false),
+        (
+            "all of a membrane",
+            FabricModel::Membrane,
+            nothing,
+            true,
+            true,
+        ),
+        (
+            "all of a network",
+            FabricModel::Network,
+            nothing,
+            true,
+            true,
+        ),
+    ];
+    for (what, model, change, lines, air) in cases {
+        for time_step_s in [Some(1e-3), None] {
+            if time_step_s.is_none() && matches!(what, "markers" | "inertia") {
+                continue;
+            }
+            let mut structure = square(12, model, &fabric(3e6, 1e-2));
+            change(&mut structure);
+            let count = structure.node_count();
+            for (p, by) in structure
+                .positions_m
+                .iter_mut()
+                .zip(scattered(count, 0.02, 7))
+            {
+                *p += by;
+            }
+            structure.held[4] = true;
+            if lines {
+                let kind = CableKind::Belt;
+                structure.add_cable(&[0, 14, 28], &[0.1, 0.3], &rope, kind);
+                structure.guides.push(Guide {
+                    node: 3,
+                    anchor_m: DVec3::new(0.1, 0.2, 0.3),
+                    stiffness_n_m: DVec3::new(1.0, 20.0, 3.0),
+                });
+            }
+            let markers = if air {
+                markers(&structure, 11)
+            } else {
+                Vec::new()
+            };
+            let input = StepInput {
+                time_step_s,
+                gravity_m_s2: DVec3::new(1.0, 2.0, -9.81),
+                pressure_pa: 30.0,
+                damping_1_s: 2.0,
+                markers: &markers,
+            };
+            let direction = scattered(count, 0.01, 9);
+            let (cpu, gpu) = probes(device, structure, &input, &direction, [0.7, 1e9]);
+            let name = format!("{what}, dt {time_step_s:?}");
+            compare(
+                &name,
+                &cpu,
+                &gpu,
+                0.01,
+                [tolerance::GRADIENT, tolerance::INITIAL_HESSIAN],
+            );
+            assert_eq!(gpu.gradient[4], DVec3::ZERO, "{name}");
+            assert_eq!(gpu.preconditioned[4], DVec3::ZERO, "{name}");
+        }
+    }
+}
+
+/// Random deformations from a hundredth to a third of an edge: taut, wrinkled and slack triangles of fabrics from soft to stiff in shear.
+fn wrinkled_fabric(device: &Arc<Device>) {
+    for shear in [5e5, 3e6, 4e7] {
+        for residual in [0.0, 1e-3] {
+            for size in [1e-3, 1e-2, 3e-2] {
+                let mut structure = square(12, FabricModel::Membrane, &fabric(shear, residual));
+                let count = structure.node_count();
+                let moves = scattered(count, size, (shear + size * 1e6) as u64);
+                for (p, by) in structure.positions_m.iter_mut().zip(moves) {
+                    *p += by;
+                }
+                let input = StepInput {
+                    time_step_s: Some(1e-3),
+                    ..StepInput::default()
+                };
+                let direction = scattered(count, 0.3 * size, 3);
+                let (cpu, gpu) = probes(device, structure, &input, &direction, [1.0, 1e9]);
+                let name = format!("shear {shear:e} residual {residual:e} size {size:e}");
+                compare(
+                    &name,
+                    &cpu,
+                    &gpu,
+                    0.3 * size,
+                    [tolerance::WRINKLED, tolerance::WRINKLED_HESSIAN],
+                );
+            }
+        }
+    }
+}
+
+/// Strains of 1e-6 on a stiff sheet hundreds of metres from the origin: single precision would see none of them.
+fn small_strains(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let stiff = Fabric {
+            warp_modulus_pa: 4e9,
+            weft_modulus_pa: 4e9,
+            ..fabric(1e9, 1.0)
+        };
+        let mut structure = square(20, model, &stiff);
+        let turn = glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.1);
+        for p in &mut structure.positions_m {
+            let strained = DVec3::new(1.000_001 * p.x, 0.0, 1.000_000_5 * p.z + 1e-6 * p.x);
+            *p = turn * strained + DVec3::new(300.0, -200.0, 500.0);
+        }
+        let still = vec![DVec3::ZERO; structure.node_count()];
+        let mut gpu = on(device, &structure, &[]);
+        let cpu = Cloth::new(structure);
+        let input = StepInput::default();
+        let of_device = gpu.probe(&cpu, &input, &still, [1.0, 1e9]).unwrap();
+        let exact = cpu.probe(&input, &still, [1.0, 1e9]);
+        let error = farthest(&exact.gradient, &of_device.gradient) / largest(&exact.gradient);
+        eprintln!("{model:?} small strains {error:.1e}");
+        assert!(error < tolerance::SMALL_STRAIN, "{model:?} {error:e}");
+    }
+}
+
+fn clipped(device: &Arc<Device>) {
+    let structure = square(12, FabricModel::Membrane, &fabric(3e6, 1e-2));
+    let mut direction = scattered(structure.node_count(), 0.01, 9);
+    direction[70] = DVec3::new(-30.0, 0.0, 40.0);
+    let input = StepInput {
+        time_step_s: Some(1e-2),
+        ..StepInput::default()
+    };
+    let (cpu, gpu) = probes(device, structure, &input, &direction, [0.5, 0.2]);
+    assert!((gpu.attempt.length * 50.0 - 0.2).abs() < 1e-7);
+    let error = farthest(&cpu.positions_m, &gpu.positions_m);
+    assert!(error < 1e-7, "{error:e}");
+}
+
+/// A sheet held at two corners.
+fn curtain(divisions: usize, model: FabricModel) -> Structure {
+    let soft = Fabric {
+        warp_modulus_pa: 5e6,
+        weft_modulus_pa: 5e6,
+        ..fabric(2e6, 1e-3)
+    };
+    let mut structure = square(divisions, model, &soft);
+    structure.held[0] = true;
+    structure.held[divisions] = true;
+    for (i, p) in structure.positions_m.iter_mut().enumerate() {
+        p.y += 0.01 * (i as f64 * 0.7).sin();
+    }
+    structure
+}
+
+/// Advances both engines by `steps` and returns them with the evaluations that each needed.
+fn both(
+    device: &Arc<Device>,
+    structure: Structure,
+    input: &StepInput,
+    settings: &SolverSettings,
+    steps: usize,
+) -> ([Cloth; 2], [usize; 2]) {
+    let mut on_device = on(device, &structure, input.markers);
+    let mut cpu = Cloth::new(structure);
+    let mut gpu = cpu.clone();
+    let mut evaluations = [0; 2];
+    for step in 0..steps {
+        let a = cpu.solve_cloth(input, settings);
+        let b = on_device.solve(&mut gpu, input, settings).unwrap();
+        assert_eq!(a.stop, Stop::Converged, "step {step}: {a:?}");
+        assert_eq!(b.stop, Stop::Converged, "step {step}: {b:?}");
+        evaluations[0] += a.evaluations;
+        evaluations[1] += b.evaluations;
+    }
+    ([cpu, gpu], evaluations)
+}
+
+fn one_step_with_markers(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let structure = curtain(16, model);
+        let markers = markers(&structure, 1);
+        let input = StepInput {
+            time_step_s: Some(2e-3),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            damping_1_s: 1.0,
+            markers: &markers,
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            ..SETTINGS
+        };
+        let start = structure.positions_m.clone();
+        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
+        let moved = farthest(&start, &cpu.positions_m);
+        let error = farthest(&cpu.positions_m, &gpu.positions_m);
+        eprintln!("{model:?}: moved {moved:e}, differ {error:e}, evaluations {evaluations:?}");
+        assert!(
+            error < tolerance::ONE_STEP * moved,
+            "{error:e} of {moved:e}"
+        );
+        let error = farthest(&cpu.velocities_m_s, &gpu.velocities_m_s);
+        assert!(error < tolerance::ONE_STEP * moved / 2e-3, "{error:e}");
+        for held in [0, 16] {
+            assert_eq!(gpu.positions_m[held], start[held]);
+            assert_eq!(gpu.velocities_m_s[held], DVec3::ZERO);
+        }
+        assert!(evaluations[1] < 2 * evaluations[0] + 10, "{evaluations:?}");
+    }
+}
+
+/// Fifty steps of a sheet that falls into its supports under a gust of pressure.
+fn sheet_in_motion(device: &Arc<Device>) {
+    for refresh_every in [None, Some(2)] {
+        let structure = curtain(12, FabricModel::Membrane);
+        let start = structure.positions_m.clone();
+        let input = StepInput {
+            time_step_s: Some(2e-3),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            pressure_pa: 2.0,
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-4,
+            refresh_every,
+            ..SETTINGS
+        };
+        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 50);
+        let moved = farthest(&start, &cpu.positions_m);
+        let error = farthest(&cpu.positions_m, &gpu.positions_m);
+        eprintln!("refresh {refresh_every:?}: moved {moved:e}, differ {error:e}, {evaluations:?}");
+        assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
+        assert!(2 * evaluations[1] < 3 * evaluations[0], "{evaluations:?}");
+        let energies = [cpu.kinetic_energy_j(), gpu.kinetic_energy_j()];
+        assert!(
+            (energies[0] / energies[1] - 1.0).abs() < tolerance::MOTION,
+            "{energies:?}"
+        );
+    }
+}
+
+fn equilibrium(
+    device: &Arc<Device>,
+    structure: Structure,
+    settings: &SolverSettings,
+) -> (Cloth, Outcome) {
+    let mut on_device = on(device, &structure, &[]);
+    let mut cloth = Cloth::new(structure);
+    let input = StepInput {
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        ..StepInput::default()
+    };
+    let outcome = on_device.solve(&mut cloth, &input, settings).unwrap();
+    (cloth, outcome)
+}
+
+/// The gate of the CPU engine, C2, at the same tolerance of the gate.
+fn hanging_cable(device: &Arc<Device>) {
+    let rope = Cable {
+        area_m2: 1e-4,
+        density_kg_m3: 1000.0,
+        youngs_modulus_pa: 1e8,
+    };
+    let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
+    let settings = SolverSettings {
+        tolerance: 1e-4,
+        displacement_floor_m: 0.0,
+        evaluation_limit: 100_000,
+        refresh_every: Some(1),
+        ..SETTINGS
+    };
+    let (cloth, outcome) = equilibrium(device, cable::build(ends, 1.2, 100, &rope), &settings);
+    eprintln!("{outcome:?}");
+    let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
+    let lowest = cloth
+        .positions_m
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::INFINITY, f64::min);
+    let sag = (1.0 - lowest) / exact.sag_m - 1.0;
+    let tension = |k: usize| {
+        let cable: &CableSegment = &cloth.structure.cables[k];
+        let [a, b] = cable.nodes.map(|n| cloth.positions_m[n as usize]);
+        (b - a).normalize()
+            * ripstop::cpu::cloth::nodal_forces::cable_tension_n(cable, &cloth.positions_m)
+    };
+    let horizontal = tension(50).x / exact.horizontal_tension_n - 1.0;
+    let end = tension(0) - DVec3::Z * (0.5 * 0.1 * 9.81 * 0.012);
+    let end = end.length() / exact.end_tension_n - 1.0;
+    eprintln!("catenary: sag {sag:.1e} horizontal {horizontal:.1e} end {end:.1e}");
+    assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
+    for error in [sag, horizontal, end] {
+        assert!(error.abs() < crate::tolerances::CATENARY, "{error:e}");
+    }
+}
+
+fn hanging_sheet(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let settings = SolverSettings {
+            tolerance: 1e-3,
+            displacement_floor_m: 0.0,
+            evaluation_limit: 20_000,
+            refresh_every: Some(1),
+            ..SETTINGS
+        };
+        let (cloth, outcome) = equilibrium(device, curtain(8, model), &settings);
+        eprintln!("{model:?} {outcome:?}");
+        assert_eq!(outcome.stop, Stop::Converged, "{model:?} {outcome:?}");
+        let masses = &cloth.structure.masses_kg;
+        let free: f64 = 9.81 * (masses.iter().sum::<f64>() - masses[0] - masses[8]);
+        let mut gradient = vec![DVec3::ZERO; masses.len()];
+        ripstop::cpu::cloth::nodal_forces::add_elastic_gradient(
+            &cloth.structure,
+            &cloth.positions_m,
+            &mut gradient,
+        );
+        let carried = gradient[0] + gradient[8];
+        assert!((carried.z / free - 1.0).abs() < 5e-3, "{carried} of {free}");
+        assert!(cloth.velocities_m_s.iter().all(|v| *v == DVec3::ZERO));
+    }
+}
+
+/// Implicit Euler falls exactly g t (t + dt)/2; single precision must not add up over the steps.
+fn free_fall(device: &Arc<Device>) {
+    let structure = square(3, FabricModel::Membrane, &fabric(3e6, 1e-3));
+    let mut on_device = on(device, &structure, &[]);
+    let mut cloth = Cloth::new(structure);
+    let start = cloth.positions_m.clone();
+    let (dt, steps) = (0.01, 20);
+    let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
+    let input = StepInput {
+        time_step_s: Some(dt),
+        gravity_m_s2,
+        ..StepInput::default()
+    };
+    let settings = SolverSettings {
+        tolerance: 1e-7,
+        displacement_floor_m: 1e-12,
+        evaluation_limit: 20_000,
+        ..SETTINGS
+    };
+    for _ in 0..steps {
+        let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
+        assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
+    }
+    let t = f64::from(steps) * dt;
+    let fallen = gravity_m_s2 * (0.5 * t * (t + dt));
+    let error = cloth
+        .positions_m
+        .iter()
+        .zip(&start)
+        .map(|(x, x0)| x.distance(*x0 + fallen))
+        .fold(0.0, f64::max);
+    eprintln!("free fall {error:e}");
+    assert!(error < tolerance::FREE_FALL_M, "{error:e}");
+}
+
+/// Random, collapsed and inverted starts: finite, or refused.
+fn hostile_starts(device: &Arc<Device>) {
+    for modulus in [1e1, 1e5, 1e8] {
+        let stiff = Fabric {
+            warp_modulus_pa: modulus,
+            weft_modulus_pa: modulus,
+            ..fabric(0.4 * modulus, 1e-3)
+        };
+        for kind in 0..4 {
+            let mut structure = square(4, FabricModel::Membrane, &stiff);
+            let mut random = noise(kind);
+            for p in &mut structure.positions_m {
+                *p = match kind {
+                    0 => DVec3::new(random(), random(), random()) * 3.0,
+                    1 => DVec3::ZERO,
+                    2 => -*p,
+                    _ => DVec3::new(p.x * 1e-9, 0.0, p.z),
+                };
+            }
+            structure.held[0] = true;
+            let mut on_device = on(device, &structure, &[]);
+            for time_step_s in [1e-5, 1e-3, 1e-1] {
+                let mut cloth = Cloth::new(structure.clone());
+                let input = StepInput {
+                    time_step_s: Some(time_step_s),
+                    gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+                    ..StepInput::default()
+                };
+                let settings = SolverSettings {
+                    tolerance: 1e-2,
+                    evaluation_limit: 200,
+                    ..SETTINGS
+                };
+                for _ in 0..2 {
+                    let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
+                    assert!(outcome.objective.is_finite(), "{outcome:?}");
+                    assert!(cloth.positions_m.iter().all(|p| p.is_finite()));
+                    assert_eq!(cloth.positions_m[0], structure.positions_m[0]);
+                }
+            }
+        }
+    }
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        for bad in [f64::NAN, f64::INFINITY, 1e30] {
+            let mut structure = square(2, model, &fabric(3e6, 1e-3));
+            let mut on_device = on(device, &structure, &[]);
+            structure.positions_m[4].y = bad;
+            let mut cloth = Cloth::new(structure);
+            let outcome = on_device
+                .solve(&mut cloth, &StepInput::default(), &SETTINGS)
+                .unwrap();
+            assert_eq!(outcome.stop, Stop::NotFinite, "{bad}");
+        }
+    }
+}
+
+fn same_bits_twice(device: &Arc<Device>) {
+    let structure = curtain(20, FabricModel::Membrane);
+    let markers = markers(&structure, 1);
+    let input = StepInput {
+        time_step_s: Some(2e-3),
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        markers: &markers,
+        ..StepInput::default()
+    };
+    let run = || {
+        let mut on_device = on(device, &structure, &markers);
+        let mut cloth = Cloth::new(structure.clone());
+        let mut energy = 0;
+        for _ in 0..5 {
+            let outcome = on_device.solve(&mut cloth, &input, &SETTINGS).unwrap();
+            energy = outcome.objective.to_bits();
+        }
+        let bits = |v: &DVec3| v.to_array().map(f64::to_bits);
+        let positions: Vec<_> = cloth.positions_m.iter().map(bits).collect();
+        (positions, energy)
+    };
+    assert!(run() == run());
+}
+
+/// Something larger than a buffer may be is an error that says so, and nothing panics.
+fn oversized(device: &Arc<Device>) {
+    let limit = device.info().binding_limit_bytes;
+    if limit > 1 << 30 {
+        return;
+    }
+    let nodes = (limit / 24 + 1) as usize;
+    let structure = Structure {
+        positions_m: vec![DVec3::ZERO; nodes],
+        masses_kg: vec![1.0; nodes],
+        held: vec![false; nodes],
+        ..Structure::default()
+    };
+    let refused = catch_unwind(AssertUnwindSafe(|| {
+        DeviceCloth::new(Arc::clone(device), &structure, &[]).map(|_| ())
+    }));
+    assert!(matches!(refused, Ok(Err(DeviceError::Limit { .. }))));
+}
