@@ -99,6 +99,6 @@ pub mod device_cloth {
     pub const ONE_STEP: f64 = 1e-5;
     /// Fifty steps solved to 1e-4 each (2.3e-5).
     pub const MOTION: f64 = 2e-4;
-    /// Twenty steps of free fall solved to 1e-7 each [m]: velocities keep what is left of every step.
+    /// Twenty steps of free fall solved to 1e-7 each [m]: velocities keep what is left of every step (4e-9).
     pub const FREE_FALL_M: f64 = 1e-7;
 }

@@ -4,8 +4,8 @@
 //! host, where a run waits anyway, returns it as a [`DeviceError`].
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Duration;
 
 use bytemuck::Pod;
 
@@ -357,22 +357,15 @@ impl Staging {
         device: &Device,
         show: impl FnOnce(&[u8]),
     ) -> Result<(), DeviceError> {
-        let mapped = Arc::new(Mutex::new(None));
-        let outcome = Arc::clone(&mapped);
+        let (sender, receiver) = mpsc::channel();
         self.buffer
             .map_async(wgpu::MapMode::Read, 0..self.bytes, move |result| {
-                *outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(result.is_ok());
+                // The receiver waits below, or has given up.
+                let _ = sender.send(result.is_ok());
             });
         device.wait()?;
-        let answer = || *mapped.lock().unwrap_or_else(PoisonError::into_inner);
-        // Another thread may have been the one that was told, and is still passing it on.
-        let began = Instant::now();
-        while answer().is_none() && began.elapsed() < TIMEOUT {
-            device.wait()?;
-            std::thread::yield_now();
-        }
-        let done = answer();
-        if done != Some(true) {
+        // Another thread that polls at the same time may be the one that brings the answer, a little later.
+        if receiver.recv_timeout(TIMEOUT) != Ok(true) {
             return Err(DeviceError::Lost(
                 "results could not be read back".to_owned(),
             ));
