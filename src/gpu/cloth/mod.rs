@@ -2,10 +2,10 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`elements`] | the structure as words for the shaders; which slots every node gathers |
-//! | [`gathering`] | nodal forces and initial Hessian: elements first, then nodes |
-//! | [`vectors`] | the vector space that [`crate::solve::lbfgs`] works in |
-//! | [`solve_cloth`] | the implicit step, or the static equilibrium |
+//! | `elements` | the structure as words for the shaders; which slots every node gathers |
+//! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
+//! | `vectors` | the vector space that [`crate::solve::lbfgs`] works in |
+//! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!
 //! *Departures from the CPU*: displacements count from the prediction xⁿ + dt vⁿ instead of from xⁿ, so that the velocity change,
 //! which decides, is not the small difference of two large numbers; what that adds to the objective is constant or linear and is
