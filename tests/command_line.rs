@@ -80,6 +80,11 @@ pub fn ripstop(arguments: &[&str]) -> Finished {
 }
 
 fn finished(output: std::process::Output) -> Finished {
+    // Validation layers, where they are on, write what they have against the program to its output.
+    for stream in [&output.stdout, &output.stderr] {
+        let text = String::from_utf8_lossy(stream);
+        assert!(!text.contains("Validation Error"), "{text}");
+    }
     Finished {
         code: output.status.code().unwrap_or(-1),
         printed: String::from_utf8(output.stdout).unwrap(),

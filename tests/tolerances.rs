@@ -102,3 +102,8 @@ pub mod device_cloth {
     /// Twenty steps of free fall solved to 1e-7 each [m]: velocities keep what is left of every step (4e-9).
     pub const FREE_FALL_M: f64 = 1e-7;
 }
+
+/// Pictures of a device against software, mean difference of the bytes and share of bytes that differ by more than 48: samples lie
+/// elsewhere within a pixel, so edges differ (0.06 and 1.2e-4 for a canopy).
+pub const PICTURE_MEAN: f64 = 0.3;
+pub const PICTURE_STRONG: f64 = 2e-3;
