@@ -136,12 +136,6 @@ fn compare(
     let step = farthest(&cpu.preconditioned, &gpu.preconditioned) / largest(&cpu.preconditioned);
     let position = farthest(&cpu.positions_m, &gpu.positions_m);
     let energy = (cpu.attempt.objective - gpu.attempt.objective).abs() / gpu.attempt.round_off;
-    let change = |p: &Probe| p.attempt.objective - p.start.objective;
-    let changes = (change(cpu) - change(gpu)).abs() / change(cpu).abs();
-    eprintln!(
-        "{what}: gradient {gradient:.1e} step {step:.1e} position {position:.1e} \
-         energy/estimate {energy:.1e} change {changes:.1e}"
-    );
     assert!(gradient < of_gradient, "{what}: gradient {gradient:e}");
     assert!(step < of_steps, "{what}: H0 g {step:e}");
     assert!(position < tolerance::POSITION_M, "{what}: {position:e}");
@@ -343,7 +337,6 @@ fn small_strains(device: &Arc<Device>) {
         let of_device = gpu.probe(&cpu, &input, &still, [1.0, 1e9]).unwrap();
         let exact = cpu.probe(&input, &still, [1.0, 1e9]);
         let error = farthest(&exact.gradient, &of_device.gradient) / largest(&exact.gradient);
-        eprintln!("{model:?} small strains {error:.1e}");
         assert!(error < tolerance::SMALL_STRAIN, "{model:?} {error:e}");
     }
 }
@@ -420,7 +413,6 @@ fn one_step_with_markers(device: &Arc<Device>) {
         let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m);
-        eprintln!("{model:?}: moved {moved:e}, differ {error:e}, evaluations {evaluations:?}");
         assert!(
             error < tolerance::ONE_STEP * moved,
             "{error:e} of {moved:e}"
@@ -454,7 +446,6 @@ fn sheet_in_motion(device: &Arc<Device>) {
         let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 50);
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m);
-        eprintln!("refresh {refresh_every:?}: moved {moved:e}, differ {error:e}, {evaluations:?}");
         assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
         assert!(2 * evaluations[1] < 3 * evaluations[0], "{evaluations:?}");
         let energies = [cpu.kinetic_energy_j(), gpu.kinetic_energy_j()];
@@ -496,7 +487,6 @@ fn hanging_cable(device: &Arc<Device>) {
         ..SETTINGS
     };
     let (cloth, outcome) = equilibrium(device, cable::build(ends, 1.2, 100, &rope), &settings);
-    eprintln!("{outcome:?}");
     let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
     let lowest = cloth
         .positions_m
@@ -513,7 +503,6 @@ fn hanging_cable(device: &Arc<Device>) {
     let horizontal = tension(50).x / exact.horizontal_tension_n - 1.0;
     let end = tension(0) - DVec3::Z * (0.5 * 0.1 * 9.81 * 0.012);
     let end = end.length() / exact.end_tension_n - 1.0;
-    eprintln!("catenary: sag {sag:.1e} horizontal {horizontal:.1e} end {end:.1e}");
     assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     for error in [sag, horizontal, end] {
         assert!(error.abs() < crate::tolerances::CATENARY, "{error:e}");
@@ -530,7 +519,6 @@ fn hanging_sheet(device: &Arc<Device>) {
             ..SETTINGS
         };
         let (cloth, outcome) = equilibrium(device, curtain(8, model), &settings);
-        eprintln!("{model:?} {outcome:?}");
         assert_eq!(outcome.stop, Stop::Converged, "{model:?} {outcome:?}");
         let masses = &cloth.structure.masses_kg;
         let free: f64 = 9.81 * (masses.iter().sum::<f64>() - masses[0] - masses[8]);
@@ -577,7 +565,6 @@ fn free_fall(device: &Arc<Device>) {
         .zip(&start)
         .map(|(x, x0)| x.distance(*x0 + fallen))
         .fold(0.0, f64::max);
-    eprintln!("free fall {error:e}");
     assert!(error < tolerance::FREE_FALL_M, "{error:e}");
 }
 
