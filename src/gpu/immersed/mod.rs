@@ -201,8 +201,9 @@ impl Immersed {
             return Ok(());
         }
         let device = &self.device;
-        // Room to move and open, so that this is rare.
-        let capacity = cells + cells / 2;
+        // Room to move and open, so that this is rare; as far as the device has it.
+        let room = device.info().binding_limit_bytes / 16;
+        let capacity = (cells + cells / 2).min(room).max(cells);
         let marks = device.storage("touched cells", 4 * capacity)?;
         let cell_states = device.storage("states of touched cells", 16 * capacity)?;
         let cell_forces = device.storage("forces on touched cells", 16 * capacity)?;
