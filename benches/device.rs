@@ -53,12 +53,13 @@ impl Budget {
     }
 }
 
-/// Taylor–Green vortices in a periodic box of n³ cells: updates per second, bandwidth, and the error of the decay of their energy.
+/// Taylor–Green vortices in a periodic box of n³ cells: updates per second, bandwidth, and the error of their energy after the steps
+/// timed, against its exact decay.
 fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> {
     println!("\nbare air, periodic, no eddy viscosity: 152 B per cell and step at most");
     println!(
         "{:>5} {:>22} {:>9} {:>9} {:>9} {:>12}",
-        "side", "operator", "MLUPS", "GB/s", "of copy", "decay error"
+        "side", "operator", "MLUPS", "GB/s", "of copy", "energy error"
     );
     let mut rows = Vec::new();
     let mut rate = 4e6;
@@ -119,7 +120,7 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
             let seconds = start.elapsed().as_secs_f64();
             let (_, after) = fluid.mass_and_energy().unwrap();
             let exact = 4.0 * (tau - 0.5) / 3.0 * k * k * (steps + 4) as f64;
-            let error = (before / after).ln() / exact - 1.0;
+            let error = after / before / (-exact).exp() - 1.0;
             rate = cells * steps as f64 / seconds;
             let bytes = rate * BYTES_PER_CELL;
             println!(
@@ -130,7 +131,7 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
             );
             rows.push(json!({
                 "side": side, "operator": name, "steps": steps, "million_lattice_updates_per_s": rate / 1e6,
-                "gigabytes_per_s": bytes / 1e9, "share_of_copy_bandwidth": bytes / copy, "decay_rate_error": error,
+                "gigabytes_per_s": bytes / 1e9, "share_of_copy_bandwidth": bytes / copy, "energy_error": error,
             }));
         }
     }
@@ -147,7 +148,7 @@ fn marker_lists(device: &Arc<Device>) -> Vec<Value> {
         "markers", "sorted [ms]", "to send [B]", "lists [ms]", "to send [B]"
     );
     let mut rows = Vec::new();
-    for side in [32.0f64, 128.0, 384.0] {
+    'sizes: for side in [32.0f64, 128.0, 384.0] {
         let radius = 0.35 * side;
         let count = (2.0 * std::f64::consts::PI * radius * radius) as usize;
         let positions: Vec<[f64; 3]> = (0..count)
@@ -182,7 +183,8 @@ fn marker_lists(device: &Arc<Device>) -> Vec<Value> {
             let start = Instant::now();
             if let Err(error) = markers.send_markers(&air, &positions) {
                 println!("{count:>8} not possible: {error}");
-                break;
+                rows.push(json!({"markers": count, "error": error.to_string()}));
+                continue 'sizes;
             }
             device.wait().unwrap();
             best[0] = best[0].min(1e3 * start.elapsed().as_secs_f64());
@@ -291,32 +293,35 @@ fn canopy(device: &Arc<Device>, budget: &mut Budget) -> Vec<Value> {
     rows
 }
 
-/// A hanging sheet in motion, ten implicit steps on host and device: milliseconds per solve and evaluation.
+/// A hanging sheet in motion, ten implicit steps of 0.1 ms on host and device: milliseconds per solve and evaluation.
 fn cloth(device: &Arc<Device>, budget: &mut Budget) -> Vec<Value> {
-    println!("\nhanging sheet, 10 implicit steps of 1 ms: fabric on host (f64) and device");
+    println!("\nhanging sheet, 10 implicit steps of 0.1 ms: fabric on host (f64) and device");
     println!(
         "{:>8} {:>8} {:>10} {:>14} {:>12} {:>14}",
         "nodes", "place", "ms/solve", "evaluations", "ms/eval", "difference [m]"
     );
     let mut rows = Vec::new();
-    let mut per_node = 2e-5;
+    let mut seconds_per_node = [2e-5; 2];
     for divisions in [16, 32, 64, 128, 256, 512] {
         let nodes = (divisions + 1) * (divisions + 1);
         let case = load(
             "hanging-sheet",
             &[
                 format!("structure.sheet.divisions=[{divisions}, {divisions}]"),
-                "time.step_s=0.001".to_owned(),
-                "time.end_s=0.01".to_owned(),
+                "time.step_s=0.0001".to_owned(),
+                "time.end_s=0.001".to_owned(),
             ],
         );
         let mut reference: Option<Vec<glam::DVec3>> = None;
-        for (name, place) in [
+        for (k, (name, place)) in [
             ("host", ClothPlacement::Host),
             ("device", ClothPlacement::Device),
-        ] {
+        ]
+        .into_iter()
+        .enumerate()
+        {
             let what = format!("hanging sheet of {nodes} nodes on the {name}");
-            if !budget.allows(&what, 2.0 * per_node * f64::from(nodes)) {
+            if !budget.allows(&what, 2.0 * seconds_per_node[k] * f64::from(nodes)) {
                 continue;
             }
             let plan = Plan::new(
@@ -330,7 +335,7 @@ fn cloth(device: &Arc<Device>, budget: &mut Budget) -> Vec<Value> {
                 simulation.advance().unwrap();
             }
             let seconds = start.elapsed().as_secs_f64();
-            per_node = seconds / f64::from(nodes);
+            seconds_per_node[k] = seconds / f64::from(nodes);
             let cost = simulation.cost();
             let positions = &simulation.cloth().unwrap().positions_m;
             let difference = reference.as_ref().map_or(0.0, |host| {
