@@ -42,10 +42,20 @@ run() {
     export RIPSTOP_COMMIT=${RIPSTOP_COMMIT:-$(cat commit)} RIPSTOP_DATE=${RIPSTOP_DATE:-$(date -u +%F)}
     export RIPSTOP_MACHINE=${RIPSTOP_MACHINE:-$(uname -n)}
     ./ripstop devices | tee "$out/devices.txt"
-    RIPSTOP_REQUIRE_GPU=1 timeout 100 ./test device:: 2>&1 | tee "$out/tests.txt" || true
-    RIPSTOP_BENCH_SECONDS=${RIPSTOP_BENCH_SECONDS:-360} timeout 420 ./bench "$out/device.json" 2>&1 | tee "$out/bench.txt" || true
-    timeout 60 ./ripstop run flat-circular-tunnel.toml --engine gpu --out "$out/canopy" 2>&1 | tail -40 | tee "$out/canopy.txt" || true
+    if ! grep -q "taken by --engine auto" "$out/devices.txt" && [ -z "${RIPSTOP_ADAPTER:-}" ]; then
+        echo "no GPU here; RIPSTOP_ADAPTER=NAME takes a software adapter" >&2
+        exit 3
+    fi
+    local failed=()
+    RIPSTOP_REQUIRE_GPU=1 timeout 120 ./test device --skip command_line 2>&1 | tee "$out/tests.txt" || failed+=(tests)
+    RIPSTOP_REQUIRE_GPU=1 timeout 60 ./test ::gpu --skip command_line 2>&1 | tee -a "$out/tests.txt" || failed+=(engine-tests)
+    RIPSTOP_BENCH_SECONDS=${RIPSTOP_BENCH_SECONDS:-300} timeout 340 ./bench "$out/device.json" 2>&1 | tee "$out/bench.txt" ||
+        failed+=(bench)
+    timeout 60 ./ripstop run flat-circular-tunnel.toml --engine gpu --out "$out/canopy" 2>&1 | tail -40 | tee "$out/canopy.txt" ||
+        failed+=(canopy)
     rm -rf "$out/loader"
+    echo "failed: ${failed[*]:-nothing}"
+    [ ${#failed[@]} = 0 ]
 }
 
 case ${1:-} in

@@ -210,6 +210,7 @@ fn placement(air: AirPlacement, cloth: ClothPlacement, device: &Device) -> Place
         air,
         cloth,
         device: Some(device.info().name.clone()),
+        shared_memory: false,
     }
 }
 

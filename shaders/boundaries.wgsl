@@ -6,6 +6,7 @@ struct BoundaryCopy {
     arrays: u32,
     to_slot: u32,
     from_slot: u32,
+    padding: u32,
 }
 
 @group(0) @binding(19) var<storage, read> copies: array<BoundaryCopy>;

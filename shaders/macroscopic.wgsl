@@ -5,11 +5,15 @@ struct Region {
     // First cell and size of a box of cells.
     first_cell: vec4<u32>,
     size: vec4<u32>,
-    // Number of cells in it, and the first of them that this dispatch handles.
+    // Number of cells in it, the first of them that this dispatch handles, and how many at most.
     count: u32,
     offset: u32,
+    at_once: u32,
+    padding: u32,
     speed_limit_squared: f32,
     density_limit: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 @group(0) @binding(19) var<uniform> region: Region;
@@ -34,7 +38,7 @@ fn macroscopic(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     @builtin(local_invocation_index) local: u32) {
     let i = thread_index(group, groups, local);
     let cell = i + region.offset;
-    if i < arrayLength(&states) && cell < region.count {
+    if i < region.at_once && cell < region.count {
         states[i] = bare_state(gather(element_of(cell)));
     }
 }
@@ -45,9 +49,10 @@ var<workgroup> shared_sums: array<array<f32, 5>, WORKGROUP>;
 @compute @workgroup_size(WORKGROUP)
 fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {
-    let cell = thread_index(group, groups, local);
+    let i = thread_index(group, groups, local);
+    let cell = i + region.offset;
     var own = array<f32, 5>();
-    if cell < region.count {
+    if i < region.at_once && cell < region.count {
         let m = moments(gather(element_of(cell)));
         own = array<f32, 5>(m.density_excess, m.momentum.x, m.momentum.y, m.momentum.z,
             0.5 * dot(m.momentum, m.momentum) / (1.0 + m.density_excess));
@@ -76,8 +81,9 @@ fn is_finite(x: f32) -> bool {
 @compute @workgroup_size(WORKGROUP)
 fn breakdown(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {
-    let cell = thread_index(group, groups, local);
-    if cell >= region.count {
+    let i = thread_index(group, groups, local);
+    let cell = i + region.offset;
+    if i >= region.at_once || cell >= region.count {
         return;
     }
     let state = bare_state(gather(element_of(cell)));

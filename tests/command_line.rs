@@ -246,7 +246,10 @@ fn no_gpu() {
     assert!(output.errors.contains("no adapter"), "{}", output.errors);
     let output = without_adapter(&["check", CANOPY, "--cloth", "device"]);
     assert_eq!(output.code, 3);
-    assert!(output.errors.contains("device"), "{}", output.errors);
+    assert!(output.errors.contains("no GPU"), "{}", output.errors);
+    let output = ripstop(&["check", CANOPY, "--engine", "cpu", "--adapter", "some"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("--adapter"), "{}", output.errors);
     let output = without_adapter(&["check", CANOPY]);
     assert_eq!(output.code, 0, "{}", output.errors);
     assert!(output.printed.contains("CPU"), "{}", output.printed);

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use libtest_mimic::Trial;
+use ripstop::gpu::adapters::STORAGE_BUFFERS_NEEDED;
 use ripstop::gpu::pipeline::{bindings, validate};
 use ripstop::gpu::shaders;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
@@ -26,6 +27,7 @@ pub fn trials() -> Vec<Trial> {
         plain("contract::every_shader_validates", every_shader),
         plain("contract::structs_match_by_offset", structs),
         plain("contract::bindings_match_by_name", names),
+        plain("contract::adapters_are_asked_for_enough", storage_buffers),
     ]
     .into_iter()
     .flatten()
@@ -78,8 +80,8 @@ fn every_shader() {
             "{} does nothing",
             shader.name
         );
-        // Every constant has a value from the start, so that a pipeline without that choice can be built, and SPIR-V comes out.
-        let (module, info) = naga::back::pipeline_constants::process_overrides(
+        // Every constant has a value from the start, so that a pipeline without that choice can be built.
+        let (module, _) = naga::back::pipeline_constants::process_overrides(
             &module,
             &info,
             None,
@@ -97,7 +99,6 @@ fn every_shader() {
                 );
             }
         }
-        drop(info);
     }
 }
 
@@ -195,6 +196,30 @@ fn names() {
     }
     // Parts shared by two shaders may declare what only one of them uses.
     assert_eq!(declared, used, "bindings that nothing uses");
+}
+
+/// What an adapter must offer is what the widest entry point takes.
+fn storage_buffers() {
+    let mut widest = 0;
+    for shader in shaders::ALL {
+        let (module, info) = validate(shader).unwrap();
+        for (index, point) in module.entry_points.iter().enumerate() {
+            let uses = info.get_entry_point(index);
+            let storage = module.global_variables.iter().filter(|(handle, v)| {
+                !uses[*handle].is_empty()
+                    && matches!(v.space, naga::AddressSpace::Storage { .. })
+                    && v.binding.is_some()
+            });
+            let count = storage.count() as u32;
+            assert!(
+                count <= STORAGE_BUFFERS_NEEDED,
+                "{} takes {count} storage buffers",
+                point.name
+            );
+            widest = widest.max(count);
+        }
+    }
+    assert_eq!(widest, STORAGE_BUFFERS_NEEDED);
 }
 
 /// A rough start: all moments vary from cell to cell.
@@ -409,6 +434,7 @@ fn placed(air: AirPlacement, cloth: ClothPlacement) -> Placement {
         air,
         cloth,
         device: Some("test device".to_owned()),
+        shared_memory: true,
     }
 }
 

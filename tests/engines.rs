@@ -41,6 +41,7 @@ impl Engine {
             air: self.placement(),
             cloth: ClothPlacement::Host,
             device: self.device().map(|device| device.info().name.clone()),
+            shared_memory: self == Self::Gpu,
         }
     }
 

@@ -23,6 +23,9 @@ pub const FILE_NAME: &str = "checkpoint";
 /// Name of the one before.
 const PREVIOUS_NAME: &str = "checkpoint.previous";
 
+/// A complete checkpoint about to take its place.
+const NEXT_NAME: &str = "checkpoint.next";
+
 /// Why a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
@@ -82,23 +85,26 @@ pub fn write(
     fill: impl FnOnce(&mut Writer) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let path = folder.join(FILE_NAME);
-    if path.exists() {
-        // Losing the older of two checkpoints is no reason to fail.
-        let _ = std::fs::rename(&path, folder.join(PREVIOUS_NAME));
-    }
-    write_atomically(&path, |out| {
+    // Complete before the older ones are touched: what is read on the way may fail.
+    let next = folder.join(NEXT_NAME);
+    write_atomically(&next, |out| {
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
         let mut writer = Writer { out };
         writer.put("identity", identity.as_bytes())?;
         fill(&mut writer)?;
         writer.put::<u8>("end", &TRAILER)
-    })
+    })?;
+    if path.exists() {
+        // Losing the older of two checkpoints is no reason to fail.
+        let _ = std::fs::rename(&path, folder.join(PREVIOUS_NAME));
+    }
+    std::fs::rename(&next, &path).map_err(|error| OutputError::new("replace", &path, error))
 }
 
 /// Removes the checkpoints of a finished run.
 pub fn remove(folder: &Path) {
-    for name in [FILE_NAME, PREVIOUS_NAME] {
+    for name in [FILE_NAME, PREVIOUS_NAME, NEXT_NAME] {
         // There may be none.
         let _ = std::fs::remove_file(folder.join(name));
     }

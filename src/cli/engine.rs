@@ -10,8 +10,9 @@ use crate::gpu::adapters::{adapters, chosen};
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes};
 
-/// Nodes from which `--cloth auto` puts the fabric on a real GPU. Not yet measured on one (see `benches/results/README.md`): on
-/// software adapters the host is faster at every size, and a solve on a device pays about ten waits of 50 µs.
+/// Nodes from which `--cloth auto` puts the fabric on a real GPU: an estimate, for no GPU has been at hand. On a software adapter the
+/// host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`). What weighs
+/// against a GPU is one wait of some 50 µs per evaluation, as long as the host needs for 300 nodes; what weighs for it grows with them.
 pub const DEVICE_CLOTH_NODES: u64 = 20_000;
 
 /// Where the air is computed.
@@ -59,10 +60,17 @@ impl From<DeviceError> for Failure {
     }
 }
 
+/// Who computes what, with the device if one takes part.
+pub(super) struct Placed {
+    pub placement: Placement,
+    pub device: Option<Arc<Device>>,
+    /// Taken if the device turns out too small: only where the program chose it by itself.
+    pub fallback: Option<Placement>,
+}
+
 impl EngineArguments {
     /// Opens a device if one is to take part, and places air and fabric.
-    pub(super) fn place(&self, scene: &Scene) -> Result<(Placement, Option<Arc<Device>>), Failure> {
-        let on_cpu = Placement::from(self.precision);
+    pub(super) fn place(&self, scene: &Scene) -> Result<Placed, Failure> {
         let named = self
             .adapter
             .as_ref()
@@ -71,72 +79,82 @@ impl EngineArguments {
             (Engine::Auto, Some(_)) => Engine::Gpu,
             (engine, _) => engine,
         };
+        let misuse = |what: &str| Err(Failure::Other(exit::BAD_CASE, what.to_owned()));
         if engine == Engine::Gpu && self.precision == Precision::F64 {
-            return Err(Failure::Other(
-                exit::BAD_CASE,
-                "--precision f64 needs --engine cpu: devices compute in f32".to_owned(),
-            ));
+            return misuse("--precision f64 needs --engine cpu: devices compute in f32");
         }
-        let device = match engine {
-            Engine::Cpu if self.cloth == ClothChoice::Device => {
-                Some(Device::open(&named.unwrap_or(AdapterChoice::Any))?)
-            }
+        if engine == Engine::Cpu && named.is_some() && self.cloth != ClothChoice::Device {
+            return misuse(
+                "--adapter has no use with --engine cpu, unless --cloth device puts the fabric there",
+            );
+        }
+        let on_request = named.unwrap_or(AdapterChoice::Any);
+        let mut device = match engine {
+            _ if scene.air.is_none() => None,
             Engine::Cpu => None,
-            Engine::Gpu => Some(Device::open(&named.unwrap_or(AdapterChoice::Any))?),
-            Engine::Auto => automatic(scene, self.precision),
+            Engine::Gpu => Some(Device::open(&on_request)?),
+            Engine::Auto if self.precision == Precision::F64 => None,
+            Engine::Auto => automatic(scene),
         };
-        let Some(device) = device else {
-            if self.cloth == ClothChoice::Device {
-                return Err(Failure::NoDevice(
-                    "--cloth device needs a device, and this machine has no GPU; `ripstop devices` lists what it has, \
-                     --adapter NAME takes one"
-                        .to_owned(),
-                ));
-            }
-            return Ok((on_cpu, None));
-        };
-        let air = match engine {
-            Engine::Cpu => AirPlacement::Cpu(self.precision),
-            Engine::Auto | Engine::Gpu => AirPlacement::Gpu,
+        let air = match device {
+            Some(_) => AirPlacement::Gpu,
+            None => AirPlacement::Cpu(self.precision),
         };
         let nodes = scene
             .body
             .as_ref()
             .map_or(0, |body| body.structure.node_count() as u64);
-        let cloth = match self.cloth {
-            ClothChoice::Host => ClothPlacement::Host,
-            ClothChoice::Device => ClothPlacement::Device,
-            ClothChoice::Auto => {
-                let real = device.info().kind != AdapterKind::Software;
-                if real && nodes >= DEVICE_CLOTH_NODES {
-                    ClothPlacement::Device
-                } else {
-                    ClothPlacement::Host
+        let cloth_on_device = match self.cloth {
+            ClothChoice::Host => false,
+            ClothChoice::Device => {
+                if device.is_none() {
+                    let choice = match engine {
+                        Engine::Auto => AdapterChoice::Hardware,
+                        Engine::Cpu | Engine::Gpu => on_request,
+                    };
+                    device = Some(Device::open(&choice)?);
                 }
+                true
+            }
+            ClothChoice::Auto => {
+                let many = nodes >= DEVICE_CLOTH_NODES;
+                if many && device.is_none() && engine == Engine::Auto {
+                    device = Device::open(&AdapterChoice::Hardware).ok();
+                }
+                many && device
+                    .as_ref()
+                    .is_some_and(|d| d.info().kind != AdapterKind::Software)
             }
         };
+        let kind = device.as_ref().map(|d| d.info().kind);
         let placement = Placement {
             air,
-            cloth,
-            device: Some(device.info().name.clone()),
+            cloth: if cloth_on_device {
+                ClothPlacement::Device
+            } else {
+                ClothPlacement::Host
+            },
+            device: device.as_ref().map(|d| d.info().name.clone()),
+            shared_memory: matches!(kind, Some(AdapterKind::Software | AdapterKind::Integrated)),
         };
-        if air == AirPlacement::Gpu {
-            fits(scene, &placement, &device)?;
+        if let (AirPlacement::Gpu, Some(device)) = (air, &device) {
+            fits(scene, &placement, device)?;
         }
-        Ok((placement, Some(device)))
+        let chosen_by_itself = engine == Engine::Auto && self.cloth != ClothChoice::Device;
+        Ok(Placed {
+            fallback: (chosen_by_itself && device.is_some()).then(|| self.precision.into()),
+            placement,
+            device,
+        })
     }
 }
 
 /// The best real GPU that can hold the air; `None`, with a word why, where the CPU is taken although there is a GPU.
-fn automatic(scene: &Scene, precision: Precision) -> Option<Arc<Device>> {
-    if precision == Precision::F64 || scene.air.is_none() {
-        return None;
-    }
+fn automatic(scene: &Scene) -> Option<Arc<Device>> {
     chosen(&adapters(), &AdapterChoice::Hardware)?;
     let placement = Placement {
         air: AirPlacement::Gpu,
-        cloth: ClothPlacement::Host,
-        device: None,
+        ..Placement::from(Precision::F32)
     };
     let opened = Device::open(&AdapterChoice::Hardware)
         .and_then(|device| fits(scene, &placement, &device).map(|()| device));

@@ -75,6 +75,8 @@ struct Prepared {
     case: Case,
     plan: Plan,
     device: Option<Arc<Device>>,
+    /// The plan without the device, where the program chose it by itself.
+    fallback: Option<Plan>,
 }
 
 /// What ends a command early.
@@ -104,8 +106,11 @@ impl CaseArguments {
             overrides: self.overrides.clone(),
         };
         let case = case::load(&self.case, &choices)?;
-        let (placement, device) = self.engine.place(&case.scene)?;
-        let plan = Plan::new(&case.scene, placement);
+        let placed = self.engine.place(&case.scene)?;
+        let plan = Plan::new(&case.scene, placed.placement);
+        let fallback = placed
+            .fallback
+            .map(|placement| Plan::new(&case.scene, placement));
         if let Err(refusal) = plan.sizes.fit_into(free_memory()) {
             let air = case.scene.air.map(|air| air.cells);
             let needs = format!(
@@ -130,7 +135,12 @@ impl CaseArguments {
                 "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
             ))));
         }
-        Ok(Prepared { case, plan, device })
+        Ok(Prepared {
+            case,
+            plan,
+            device: placed.device,
+            fallback,
+        })
     }
 }
 

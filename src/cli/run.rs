@@ -23,7 +23,12 @@ pub(super) struct RunArguments {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
-    let Prepared { case, plan, device } = arguments.case.prepare()?;
+    let Prepared {
+        case,
+        plan,
+        device,
+        fallback,
+    } = arguments.case.prepare()?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupt);
     // The first interrupt ends the run with its results after the present step, the second at once; files are never half written.
@@ -41,6 +46,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             case: &case,
             plan,
             device,
+            fallback,
             folder: &arguments.out,
             resume: arguments.resume,
         },

@@ -61,8 +61,8 @@ pub enum AdapterChoice {
     Named(String),
 }
 
-/// Storage buffers that the widest stage, `collide_stream` with a body force, is given.
-pub const STORAGE_BUFFERS_NEEDED: u32 = 21;
+/// Storage buffers that the widest stage, `interpolate` at the touched cells, is given; a test counts them.
+pub const STORAGE_BUFFERS_NEEDED: u32 = 23;
 
 fn instance() -> wgpu::Instance {
     // Validation layers and other switches follow wgpu's environment variables (WGPU_VALIDATION=1).
@@ -159,7 +159,9 @@ pub(super) fn take(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo
     let taken = all.into_iter().find(|(_, info)| info.fits(choice));
     let Some((adapter, info)) = taken else {
         return Err(DeviceError::NoAdapter(match choice {
-            AdapterChoice::Hardware => format!("no GPU; {listed}"),
+            AdapterChoice::Hardware => format!(
+                "no GPU; {listed}; --engine gpu and --adapter NAME take a software adapter too"
+            ),
             AdapterChoice::Any => format!("no usable adapter; {listed}"),
             AdapterChoice::Named(text) => {
                 format!("no adapter is called \"{text}\"; {listed}; `ripstop devices` lists them")

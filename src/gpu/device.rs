@@ -4,6 +4,7 @@
 //! host, where a run waits anyway, returns it as a [`DeviceError`].
 
 use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
@@ -248,15 +249,27 @@ impl Device {
 
     /// Waits for a submission (the last one if `None`); a failure is kept for [`Device::check`].
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) {
-        let waited = self.raw.poll(wgpu::PollType::Wait {
-            submission_index,
-            timeout: Some(TIMEOUT),
-        });
-        if let Err(error) = waited {
-            note(
-                &self.fault,
-                DeviceError::Lost(format!("no answer: {error}")),
-            );
+        if self.check().is_err() {
+            // A device that has failed is not asked again: every answer would take the whole timeout.
+            return;
+        }
+        // wgpu 30 panics where the driver reports the loss of a device to a waiting host.
+        let waited = catch_unwind(AssertUnwindSafe(|| {
+            self.raw.poll(wgpu::PollType::Wait {
+                submission_index,
+                timeout: Some(TIMEOUT),
+            })
+        }));
+        let why = match waited {
+            Err(_) => "reported while waiting for it".to_owned(),
+            Ok(Err(wgpu::PollError::Timeout)) => {
+                format!("no answer within {} s", TIMEOUT.as_secs())
+            }
+            // The other failure is an index that a refused submission never got; that refusal is on record.
+            Ok(_) => return,
+        };
+        if self.check().is_ok() {
+            note(&self.fault, DeviceError::Lost(why));
         }
     }
 

@@ -24,7 +24,7 @@ pub struct OutputError {
 
 impl OutputError {
     /// Error for `action` (an infinitive, such as `"write"`) on `path`.
-    pub(super) fn new(action: &'static str, path: &Path, cause: io::Error) -> Self {
+    pub(crate) fn new(action: &'static str, path: &Path, cause: io::Error) -> Self {
         let path = path.to_path_buf();
         Self {
             action,

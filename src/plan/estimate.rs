@@ -38,6 +38,8 @@ pub struct Sizes {
     pub air_bytes: u64,
     /// True if those are a device's.
     pub air_on_device: bool,
+    /// True if a device's memory is the host's.
+    pub shared_memory: bool,
     /// Bytes of one array of populations on the device, the largest buffer.
     pub population_bytes: u64,
     /// Cells with the ghost layer.
@@ -80,6 +82,7 @@ impl Sizes {
             sizes.air_bytes =
                 padded.saturating_mul(DIRECTION_COUNT as u64 * placement.precision().bytes());
             sizes.air_on_device = placement.air_on_device();
+            sizes.shared_memory = placement.shared_memory;
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.
             sizes.snapshot_bytes = sizes.cells.saturating_mul(2 * 16);
         }
@@ -100,7 +103,7 @@ impl Sizes {
     /// All bytes of host memory.
     #[must_use]
     pub const fn host_bytes(&self) -> u64 {
-        let air = if self.air_on_device {
+        let air = if self.air_on_device && !self.shared_memory {
             0
         } else {
             self.air_bytes
@@ -133,11 +136,12 @@ pub fn free_memory() -> Option<u64> {
 }
 
 impl Plan {
-    /// Rough duration on `threads` threads [s]; `None` for a static equilibrium, whose iterations are not known.
+    /// Rough duration on `threads` threads [s]; `None` for a static equilibrium, whose iterations are not known, and on a device.
     #[must_use]
     pub fn estimated_seconds(&self, threads: usize) -> Option<f64> {
         let steps = (self.start_steps + self.steps) as f64;
-        if steps == 0.0 {
+        // These rates are the CPU's.
+        if steps == 0.0 || self.sizes.air_on_device || self.placement.cloth_on_device() {
             return None;
         }
         let sizes = &self.sizes;

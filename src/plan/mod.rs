@@ -197,7 +197,7 @@ fn skip_air(air: &Air, has_structure: bool, skip: &mut impl FnMut(&'static str, 
     if has_structure {
         skip(
             "body force away from the sheet",
-            "only rows of cells under a marker's kernel take the forced collision".into(),
+            "it is read only near the cells under a marker's kernel".into(),
         );
     }
 }

@@ -29,6 +29,8 @@ pub struct Placement {
     pub cloth: ClothPlacement,
     /// Name of the device, if one takes part.
     pub device: Option<String>,
+    /// True if the device's memory is the host's.
+    pub shared_memory: bool,
 }
 
 impl From<Precision> for Placement {
@@ -38,6 +40,7 @@ impl From<Precision> for Placement {
             air: AirPlacement::Cpu(precision),
             cloth: ClothPlacement::Host,
             device: None,
+            shared_memory: false,
         }
     }
 }

@@ -127,7 +127,7 @@ impl Plan {
             )?;
             writeln!(
                 out,
-                "  memory              {} (f64)",
+                "  memory              {} (f64, on the host)",
                 megabytes(sizes.structure_bytes)
             )?;
             if let Some(quality) = body.quality {

@@ -93,6 +93,8 @@ pub struct Order<'a> {
     pub plan: Plan,
     /// The device that the plan names, if any.
     pub device: Option<Arc<Device>>,
+    /// Plan to fall back on, without a device, if the device cannot hold the scene.
+    pub fallback: Option<Plan>,
     /// Folder for all results.
     pub folder: &'a Path,
     /// Continue from the checkpoint in the folder.
@@ -118,13 +120,30 @@ struct Run<'a> {
 
 /// Runs a case and writes its results; stops early, resumably, when `interrupt` turns true.
 pub fn run(
-    order: Order,
+    mut order: Order,
     interrupt: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Report, RunError> {
     prepare_directory(order.folder)?;
     let began = Instant::now();
-    let mut run = Run::prepare(order, observer)?;
+    let fallback = order.fallback.take();
+    let (case, folder, resume) = (order.case, order.folder, order.resume);
+    let mut run = match (Run::prepare(order, observer), fallback) {
+        // A device that the program chose by itself is no reason to fail.
+        (Err(RunError::Device(error)), Some(plan)) => {
+            observer.note(&format!("the CPU computes, since {error}"));
+            let on_cpu = Order {
+                case,
+                plan,
+                device: None,
+                fallback: None,
+                folder,
+                resume,
+            };
+            Run::prepare(on_cpu, observer)?
+        }
+        (prepared, _) => prepared?,
+    };
     let (reason, diverged) = match run.drive(interrupt, observer) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
@@ -229,6 +248,7 @@ impl<'a> Run<'a> {
             device,
             folder,
             resume,
+            fallback: _,
         } = order;
         let identity = identity(case, &plan);
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
@@ -292,12 +312,15 @@ impl<'a> Run<'a> {
         })
     }
 
-    fn save(&mut self) -> Result<(), OutputError> {
-        checkpoint::write(self.folder, &self.identity, |out| {
+    fn save(&mut self) -> Result<(), RunError> {
+        let written = checkpoint::write(self.folder, &self.identity, |out| {
             self.simulation.save(out)?;
             self.record.save(out)?;
             self.files.save(out)
-        })
+        });
+        // A device that fails while its state is read is the cause, not the file.
+        self.simulation.check_device()?;
+        Ok(written?)
     }
 
     /// Steps to the end; returns why it ended.

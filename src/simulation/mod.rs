@@ -32,8 +32,8 @@ use crate::plan::{Plan, Stage};
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
 
-/// One step in so many is timed where a device works while the host goes on.
-const TIMED_INTERVAL: u64 = 32;
+/// One step in so many is timed where a device works while the host goes on; a prime, to meet all cadences alike.
+const TIMED_INTERVAL: u64 = 31;
 
 /// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
 const DIVERGED_SPEED: f64 = 0.4;
@@ -211,6 +211,11 @@ impl Simulation {
         self.cloth.as_ref()
     }
 
+    /// What the device has to complain about, if one takes part.
+    pub fn check_device(&self) -> Result<(), DeviceError> {
+        self.device.as_ref().map_or(Ok(()), |device| device.check())
+    }
+
     /// The air.
     #[must_use]
     pub const fn air(&self) -> Option<&AirEngine> {
@@ -272,6 +277,10 @@ impl Simulation {
     /// One step: the plan's stages in the plan's order.
     pub fn advance(&mut self) -> Result<(), Failure> {
         let timed = self.times_this_step();
+        if let (true, Some(device)) = (timed, &self.device) {
+            // What earlier steps left in the queue is not this step's.
+            device.wait()?;
+        }
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
             let start = Instant::now();

@@ -13,8 +13,11 @@ use crate::gpu::shaders::parameters;
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
 const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
 
-/// Planes of the first submission, which is timed.
+/// Planes of the first submission.
 const FIRST_PLANES: usize = 8;
+
+/// Submissions that are timed; some of them with every variant of the stage.
+const TIMED_SUBMISSIONS: u32 = 12;
 
 parameters! {
     /// What changes from step to step.
@@ -137,7 +140,7 @@ impl Fluid {
     }
 
     /// Planes that one submission may hold.
-    fn planes_at_once(&self) -> usize {
+    pub(super) fn planes_at_once(&self) -> usize {
         match self.plane_time {
             None => FIRST_PLANES,
             Some(time) => {
@@ -147,24 +150,24 @@ impl Fluid {
         }
     }
 
-    /// Submits a run of planes; the first ones are waited for, to learn how long a plane takes. The very first dispatch also compiles
-    /// and is not counted.
+    /// Submits a run of planes; the first ones are waited for, to learn how long a plane takes. The shortest counts: dispatches that
+    /// also compile, or find a device still asleep, take longer.
     fn submit_timed(
         &mut self,
         commands: wgpu::CommandEncoder,
         planes: usize,
     ) -> Result<(), DeviceError> {
-        if self.plane_time.is_some() {
+        if self.timed_submissions >= TIMED_SUBMISSIONS {
             self.device.submit(commands);
-            return Ok(());
+            return self.device.check();
         }
         self.device.wait()?;
         let start = Instant::now();
         self.device.submit(commands);
         self.device.wait()?;
-        if self.steps > 0 || self.setup.cells[2] <= FIRST_PLANES {
-            self.plane_time = Some(start.elapsed() / planes as u32);
-        }
+        let now = start.elapsed() / planes as u32;
+        self.plane_time = Some(self.plane_time.map_or(now, |best| best.min(now)));
+        self.timed_submissions += 1;
         Ok(())
     }
 

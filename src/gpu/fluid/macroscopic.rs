@@ -3,6 +3,7 @@
 use super::{Bound, Fluid, by_parity, compute_pass};
 use crate::gpu::device::{Device, TRANSFER_BYTES};
 use crate::gpu::error::DeviceError;
+use crate::gpu::pipeline::WORKGROUP;
 use crate::gpu::shaders::{self, parameters};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::grid::{Breakdown, Grid};
@@ -24,10 +25,18 @@ parameters! {
         count: u32,
         /// First of them that a dispatch handles.
         offset: u32,
+        /// How many it handles at most.
+        at_once: u32,
+        /// Unused.
+        padding: u32,
         /// Square of the largest sound speed [cells² per step²].
         speed_limit_squared: f32,
         /// Largest sound |δρ|.
         density_limit: f32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
     }
 }
 
@@ -108,7 +117,17 @@ impl Fluid {
         }
     }
 
-    fn dispatch(&self, bound: &Bound, region: Region, threads: u64, label: &str) {
+    /// Cells that one submission may look at; looking costs at most half of what a step costs. Whole workgroups, so that the sums of
+    /// `totals` are the same however they are cut.
+    fn cells_at_once(&self) -> u64 {
+        let per_plane = self.setup.cells[0] as u64 * self.setup.cells[1] as u64;
+        let cells = per_plane.saturating_mul(self.planes_at_once() as u64);
+        let group = u64::from(WORKGROUP);
+        (cells / group).max(1) * group
+    }
+
+    fn dispatch(&self, bound: &Bound, mut region: Region, threads: u64, label: &str) {
+        region.at_once = threads as u32;
         self.device.write(&self.macroscopic.region, 0, &[region]);
         let mut commands = self.device.record(label);
         {
@@ -143,19 +162,25 @@ impl Fluid {
     /// Σ δρ, Σ f c and Σ ½ ρ u² of a box of cells.
     fn totals(&self, first: [usize; 3], end: [usize; 3]) -> Result<[f64; 5], DeviceError> {
         let region = self.region(first, end);
-        let threads = u64::from(region.count);
         let bound = &self.macroscopic.totals[usize::from(self.odd)];
-        self.dispatch(bound, region, threads, "totals");
-        let [x, y] = self.device.workgroups(threads);
-        let sums: Vec<f32> = self.device.read(
-            &self.macroscopic.partial_sums,
-            0,
-            SUMS * x as usize * y as usize,
-        )?;
         let mut total = [0.0; 5];
-        for group in sums.chunks_exact(SUMS) {
-            for k in 0..5 {
-                total[k] += f64::from(group[k]);
+        let (count, at_once) = (u64::from(region.count), self.cells_at_once());
+        for offset in (0..count).step_by(at_once as usize) {
+            let threads = at_once.min(count - offset);
+            let part = Region {
+                offset: offset as u32,
+                ..region
+            };
+            self.dispatch(bound, part, threads, "totals");
+            let [x, y] = self.device.workgroups(threads);
+            let groups = x as usize * y as usize;
+            let sums: Vec<f32> =
+                self.device
+                    .read(&self.macroscopic.partial_sums, 0, SUMS * groups)?;
+            for group in sums.chunks_exact(SUMS) {
+                for k in 0..5 {
+                    total[k] += f64::from(group[k]);
+                }
             }
         }
         Ok(total)
@@ -186,7 +211,14 @@ impl Fluid {
             ..self.whole()
         };
         let bound = &self.macroscopic.breakdown[usize::from(self.odd)];
-        self.dispatch(bound, region, u64::from(region.count), "breakdown");
+        let (count, at_once) = (u64::from(region.count), self.cells_at_once());
+        for offset in (0..count).step_by(at_once as usize) {
+            let part = Region {
+                offset: offset as u32,
+                ..region
+            };
+            self.dispatch(bound, part, at_once.min(count - offset), "breakdown");
+        }
         let first = self.device.read::<u32>(unsound, 0, 1)?[0];
         if first == u32::MAX {
             return Ok(None);

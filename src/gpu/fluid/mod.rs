@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::device::Device;
 use super::error::DeviceError;
 use super::immersed::ForceBox;
-use super::pipeline::{Bound, Pipeline, compute_pass};
+use super::pipeline::{Bound, Pipeline, WORKGROUP, compute_pass};
 use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
@@ -49,6 +49,7 @@ pub struct Fluid {
     steps: u64,
     /// Measured duration of one plane, which bounds the planes of a submission.
     plane_time: Option<Duration>,
+    timed_submissions: u32,
 }
 
 parameters! {
@@ -60,6 +61,8 @@ parameters! {
         to_slot: u32,
         /// Element read.
         from_slot: u32,
+        /// Unused: keeps the list's length exact, since buffers are multiples of 16 bytes.
+        padding: u32,
     }
 }
 
@@ -73,6 +76,17 @@ impl Fluid {
     ) -> Result<Self, DeviceError> {
         let grid = Grid::new(setup.cells);
         let bytes = 4 * grid.total as u64;
+        let groups = grid.stride_z.div_ceil(WORKGROUP as usize) as u64;
+        if groups > u64::from(device.workgroup_limit()) {
+            return Err(DeviceError::Limit {
+                what: "a plane of cells".to_owned(),
+                needed: groups,
+                limit: device.workgroup_limit().into(),
+                limit_name: "max_compute_workgroups_per_dimension",
+                device: device.info().name.clone(),
+                remedy: "choose larger cells, a tunnel longer and less wide, or --engine cpu",
+            });
+        }
         let populations = (0..DIRECTION_COUNT)
             .map(|direction| device.storage(&format!("populations {direction}"), bytes))
             .collect::<Result<Vec<_>, _>>()?;
@@ -115,6 +129,7 @@ impl Fluid {
             odd: false,
             steps: 0,
             plane_time: None,
+            timed_submissions: 0,
             setup,
         };
         if let Some(initial) = initial {
@@ -290,6 +305,7 @@ fn boundaries(
                     arrays: u32::from(run.to_array) + 32 * u32::from(run.from_array),
                     to_slot: run.to + k,
                     from_slot: run.from + k,
+                    padding: 0,
                 })
             })
             .collect();

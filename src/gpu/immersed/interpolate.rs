@@ -28,18 +28,25 @@ impl Immersed {
                 .interpolate
                 .dispatch(&mut pass, device.workgroups(count as u64));
         }
+        self.staging
+            .copy(&mut commands, &self.marker_states, 0, 0, 16 * count as u64);
         device.submit(commands);
     }
 
     /// Stage `fetch_air_velocities`: u* and a_k to the host.
     pub fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
-        let states: Vec<[f32; 4]> = self.device.read(&self.marker_states, 0, self.areas.len())?;
-        for (state, &marker) in states.iter().zip(&self.order) {
-            let [x, y, z, strength] = state.map(f64::from);
-            self.air_velocities[marker as usize] = [x, y, z];
-            self.strengths[marker as usize] = strength;
+        if self.order.is_empty() {
+            return self.device.check();
         }
-        Ok(())
+        let (air_velocities, strengths) = (&mut self.air_velocities, &mut self.strengths);
+        self.staging.read(&self.device, |bytes| {
+            let states = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned);
+            for (state, &marker) in states.zip(&self.order) {
+                let [x, y, z, strength] = <[f32; 4]>::map(state, f64::from);
+                air_velocities[marker as usize] = [x, y, z];
+                strengths[marker as usize] = strength;
+            }
+        })
     }
 
     /// Stage `send_markers`: sorts the markers at `positions` [cells, cell centres at whole numbers], sends them, and marks the

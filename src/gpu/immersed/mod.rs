@@ -11,8 +11,9 @@ mod interpolate;
 mod spread;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::device::Device;
+use super::device::{Device, Staging};
 use super::error::DeviceError;
 use super::fluid::Fluid;
 use super::pipeline::{Bound, Pipeline};
@@ -50,6 +51,9 @@ parameters! {
     }
 }
 
+/// Numbers all force buffers ever made, so that none is taken for another.
+static GENERATIONS: AtomicU64 = AtomicU64::new(0);
+
 /// The box of cells that holds all forces on the air.
 #[derive(Debug)]
 pub struct ForceBox {
@@ -59,7 +63,7 @@ pub struct ForceBox {
     pub(super) first: [u32; 3],
     /// Size.
     pub(super) size: [u32; 3],
-    /// Counts the buffers that have been here.
+    /// Its number.
     pub(super) generation: u64,
 }
 
@@ -82,6 +86,8 @@ pub struct Immersed {
     marker_forces: wgpu::Buffer,
     marker_velocities: wgpu::Buffer,
     boxed: Option<Boxed>,
+    /// Way back of the marker states.
+    staging: Staging,
     /// True once `spread` has written forces.
     active: bool,
     forces: Vec<[f32; 4]>,
@@ -145,6 +151,7 @@ impl Immersed {
             marker_forces: device.storage("marker forces", 16 * n)?,
             marker_velocities: device.storage("marker velocities", 16 * n)?,
             boxed: None,
+            staging: Staging::new(&device, 16 * n.max(1))?,
             active: false,
             forces: vec![[0.0; 4]; count],
             areas,
@@ -200,6 +207,8 @@ impl Immersed {
         if self.boxed.as_ref().is_some_and(|b| b.capacity >= cells) {
             return Ok(());
         }
+        // Nothing in the old box is needed any more.
+        self.boxed = None;
         let device = &self.device;
         // Room to move and open, so that this is rare; as far as the device has it.
         let room = device.info().binding_limit_bytes / 16;
@@ -225,7 +234,6 @@ impl Immersed {
             named.extend(buffers);
             device.bind(&self.pipelines.touched_cells, &named)
         };
-        let generation = self.boxed.as_ref().map_or(1, |b| b.forces.generation + 1);
         let boxed = Boxed {
             capacity,
             place_markers: bind(&self.pipelines.place_markers)?,
@@ -239,7 +247,7 @@ impl Immersed {
                 forces: cell_forces,
                 first: [0; 3],
                 size: [0; 3],
-                generation,
+                generation: GENERATIONS.fetch_add(1, Ordering::Relaxed),
             },
         };
         self.boxed = Some(boxed);
