@@ -1,6 +1,6 @@
 //! Stage `collide_stream`: one in-place step of the whole grid, then what enters through the faces.
 //!
-//! A submission is kept below [`SUBMISSION_LIMIT`], so that no watchdog takes the device for hung: a step longer than that is cut into
+//! A submission is kept below a quarter of a second, so that no watchdog takes the device for hung: a step longer than that is cut into
 //! runs of planes, which depend on nothing within the step.
 
 use std::time::{Duration, Instant};
