@@ -571,7 +571,8 @@ fn too_large() {
     let error = AirEngine::build(setup, None, AirPlacement::Gpu, Some(&device)).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, DeviceError::Limit { .. }), "{text}");
-    for part in [limit.to_string().as_str(), "max_", "larger cells"] {
+    let allowed = format!("{:.1} MB", limit as f64 / 1e6);
+    for part in [allowed.as_str(), "max_", "coarser"] {
         assert!(text.contains(part), "{part} is missing in: {text}");
     }
 }

@@ -385,7 +385,9 @@ fn both(
     let mut evaluations = [0; 2];
     for step in 0..steps {
         let a = cpu.solve_cloth(input, settings);
-        let b = on_device.solve(&mut gpu, input, settings).unwrap();
+        let b = on_device
+            .solve(&mut gpu, input, settings, &mut |_| true)
+            .unwrap();
         assert_eq!(a.stop, Stop::Converged, "step {step}: {a:?}");
         assert_eq!(b.stop, Stop::Converged, "step {step}: {b:?}");
         evaluations[0] += a.evaluations;
@@ -467,7 +469,9 @@ fn equilibrium(
         gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
         ..StepInput::default()
     };
-    let outcome = on_device.solve(&mut cloth, &input, settings).unwrap();
+    let outcome = on_device
+        .solve(&mut cloth, &input, settings, &mut |_| true)
+        .unwrap();
     (cloth, outcome)
 }
 
@@ -554,7 +558,9 @@ fn free_fall(device: &Arc<Device>) {
         ..SETTINGS
     };
     for _ in 0..steps {
-        let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
+        let outcome = on_device
+            .solve(&mut cloth, &input, &settings, &mut |_| true)
+            .unwrap();
         assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     }
     let t = f64::from(steps) * dt;
@@ -602,7 +608,9 @@ fn hostile_starts(device: &Arc<Device>) {
                     ..SETTINGS
                 };
                 for _ in 0..2 {
-                    let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
+                    let outcome = on_device
+                        .solve(&mut cloth, &input, &settings, &mut |_| true)
+                        .unwrap();
                     assert!(outcome.objective.is_finite(), "{outcome:?}");
                     assert!(cloth.positions_m.iter().all(|p| p.is_finite()));
                     assert_eq!(cloth.positions_m[0], structure.positions_m[0]);
@@ -617,7 +625,7 @@ fn hostile_starts(device: &Arc<Device>) {
             structure.positions_m[4].y = bad;
             let mut cloth = Cloth::new(structure);
             let outcome = on_device
-                .solve(&mut cloth, &StepInput::default(), &SETTINGS)
+                .solve(&mut cloth, &StepInput::default(), &SETTINGS, &mut |_| true)
                 .unwrap();
             assert_eq!(outcome.stop, Stop::NotFinite, "{bad}");
         }
@@ -638,7 +646,9 @@ fn same_bits_twice(device: &Arc<Device>) {
         let mut cloth = Cloth::new(structure.clone());
         let mut energy = 0;
         for _ in 0..5 {
-            let outcome = on_device.solve(&mut cloth, &input, &SETTINGS).unwrap();
+            let outcome = on_device
+                .solve(&mut cloth, &input, &SETTINGS, &mut |_| true)
+                .unwrap();
             energy = outcome.objective.to_bits();
         }
         let bits = |v: &DVec3| v.to_array().map(f64::to_bits);

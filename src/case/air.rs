@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Problem;
 use super::file::{self, File};
-use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, within};
+use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
 use crate::units::Units;
 
 /// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
@@ -77,13 +77,29 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                     "air.wind_tunnel.speed_m_s",
                     format!(
                         "air.wind_tunnel.speed_m_s = {} is no wind that can be computed",
-                        tunnel.speed_m_s
+                        readable(tunnel.speed_m_s)
                     ),
                     "the wind blows along +x; give 0 to 1000 m/s (and mind that the air is treated as incompressible)",
                 ));
             }
             for size in tunnel.size_m {
                 positive("air.wind_tunnel.size_m", size)?;
+            }
+            if cell_size_m > 0.5 * tunnel.size_m[0] {
+                let key = if resolution.cell_size_m.is_some() {
+                    "resolution.cell_size_m"
+                } else {
+                    "resolution.cells_per_diameter"
+                };
+                return Err(Problem::new(
+                    key,
+                    format!(
+                        "{key} makes cells of {} m in a tunnel {} m long",
+                        readable(cell_size_m),
+                        readable(tunnel.size_m[0])
+                    ),
+                    "choose smaller cells: 20 to 40 per D_0 are usual",
+                ));
             }
             let sponge_length_m = tunnel
                 .sponge_length_m

@@ -203,21 +203,25 @@ pub fn parse(
             let exists = lookup(&toml::from_str(source).ok()?, &path).is_some();
             exists.then(|| locate::span_of(source, &path)).flatten()
         });
-        let overridden = choices.overrides.iter().any(|change| {
-            change
-                .split('=')
-                .next()
-                .is_some_and(|key| key.trim() == problem.key)
+        let within = |inner: &str, outer: &str| {
+            inner
+                .strip_prefix(outer)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let overriding = choices.overrides.iter().find(|change| {
+            let key = change.split('=').next().unwrap_or_default().trim();
+            within(key, &problem.key) || within(&problem.key, key)
         });
+        if let Some(change) = overriding {
+            // What is wrong does not stand in the file.
+            let message = format!("{} (from --set {change})", problem.message);
+            return CaseError::about_file(message, &problem.help);
+        }
         let nearest = ["structure", "air", "version"];
         let span = in_variant
             .or_else(|| locate::span_of(source, &problem.key))
             .or_else(|| nearest.iter().find_map(|key| locate::span_of(source, key)));
-        let label = if overridden {
-            format!("{} was set by --set", problem.key)
-        } else {
-            problem.key.clone()
-        };
+        let label = problem.key.clone();
         CaseError::located(name, source, span, &label, problem)
     };
     let text = toml::to_string(&table).unwrap_or_default();

@@ -290,9 +290,22 @@ pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, 
     } else {
         Err(Problem::new(
             key,
-            format!("{key} = {value} is out of range"),
-            format!("allowed are values from {low} to {high}"),
+            format!("{key} = {} is out of range", readable(value)),
+            format!(
+                "allowed are values from {} to {}",
+                readable(low),
+                readable(high)
+            ),
         ))
+    }
+}
+
+/// A number without hundreds of zeros.
+pub(super) fn readable(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 

@@ -16,6 +16,9 @@ use crate::geometry::parachute::{self, Rigging};
 use crate::geometry::{cable, sheet};
 use crate::lines::Cable;
 
+/// Most cells of a sheet: some 5 GB.
+const SHEET_CELL_LIMIT: usize = 4_000_000;
+
 /// Builds the structure of a case, if it has one.
 pub(super) fn check(
     file: &File,
@@ -205,7 +208,9 @@ fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
     for size in written.size_m {
         positive(&key("size_m"), size)?;
     }
-    if written.divisions.iter().any(|n| !(1..=5_000).contains(n)) {
+    let [across, down] = written.divisions;
+    let in_range = |n: usize| (1..=5_000).contains(&n);
+    if !in_range(across) || !in_range(down) || across * down > SHEET_CELL_LIMIT {
         return Err(Problem::new(
             key("divisions"),
             format!(
@@ -213,7 +218,7 @@ fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
                 key("divisions"),
                 written.divisions
             ),
-            "allowed are 1 to 5000 cells along each side",
+            format!("allowed are 1 to 5000 cells along each side, and {SHEET_CELL_LIMIT} in all"),
         ));
     }
     let hung_width_m = within(

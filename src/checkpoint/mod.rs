@@ -39,7 +39,8 @@ pub enum CheckpointError {
     },
     /// It is damaged, cut short, or no checkpoint.
     #[error(
-        "the checkpoint {path} is damaged: {what}; rename checkpoint.previous to checkpoint to take the one before, or start without --resume"
+        "the checkpoint {path} is damaged: {what}; {}start without --resume",
+        offer_previous(path)
     )]
     Damaged {
         /// The file.
@@ -49,7 +50,7 @@ pub enum CheckpointError {
     },
     /// It belongs to another case, variant, override or precision.
     #[error(
-        "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set and --precision"
+        "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set, --precision, --engine and --cloth"
     )]
     OtherRun {
         /// The file.
@@ -59,6 +60,14 @@ pub enum CheckpointError {
         /// Identity of this run.
         expected: String,
     },
+}
+
+fn offer_previous(damaged: &Path) -> &'static str {
+    if damaged.with_file_name(PREVIOUS_NAME).exists() {
+        "rename checkpoint.previous to checkpoint to take the one before, or "
+    } else {
+        ""
+    }
 }
 
 /// Writes sections.

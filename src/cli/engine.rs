@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 
 use super::{Failure, exit};
 use crate::case::Scene;
 use crate::gpu::adapters::{adapters, chosen};
+use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes};
 
@@ -29,11 +31,11 @@ enum Engine {
 /// Where the fabric is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ClothChoice {
-    /// By the number of nodes.
+    /// On a real GPU from 20 000 nodes on, else on the host.
     Auto,
     /// Host memory, f64.
     Host,
-    /// Device memory.
+    /// A device, a software adapter if there is no GPU.
     Device,
 }
 
@@ -47,11 +49,11 @@ pub(super) struct EngineArguments {
     #[arg(long, value_enum, default_value = "auto")]
     cloth: ClothChoice,
     /// Take the adapter whose name contains this text (see `ripstop devices`); implies --engine gpu.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     adapter: Option<String>,
     /// Floating-point type of the air on the CPU; devices compute in f32.
     #[arg(long, value_enum, default_value = "f32")]
-    precision: Precision,
+    pub precision: Precision,
 }
 
 impl From<DeviceError> for Failure {
@@ -88,7 +90,19 @@ impl EngineArguments {
                 "--adapter has no use with --engine cpu, unless --cloth device puts the fabric there",
             );
         }
+        if self.cloth == ClothChoice::Device && scene.body.is_none() {
+            return misuse("--cloth device: the case has no [structure]; leave it out");
+        }
         let on_request = named.unwrap_or(AdapterChoice::Any);
+        if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
+            // Whoever names an adapter must hear that there is none of that name.
+            if chosen(&adapters(), &on_request).is_none() {
+                Device::open(&on_request)?;
+            }
+            eprintln!(
+                "note: the case has no [air], so --engine and --adapter change nothing; --cloth device puts the fabric on a device"
+            );
+        }
         let mut device = match engine {
             _ if scene.air.is_none() => None,
             Engine::Cpu => None,
@@ -108,11 +122,7 @@ impl EngineArguments {
             ClothChoice::Host => false,
             ClothChoice::Device => {
                 if device.is_none() {
-                    let choice = match engine {
-                        Engine::Auto => AdapterChoice::Hardware,
-                        Engine::Cpu | Engine::Gpu => on_request,
-                    };
-                    device = Some(Device::open(&choice)?);
+                    device = Some(Device::open(&on_request)?);
                 }
                 true
             }
@@ -121,9 +131,9 @@ impl EngineArguments {
                 if many && device.is_none() && engine == Engine::Auto {
                     device = Device::open(&AdapterChoice::Hardware).ok();
                 }
-                many && device
-                    .as_ref()
-                    .is_some_and(|d| d.info().kind != AdapterKind::Software)
+                many && device.as_ref().is_some_and(|d| {
+                    d.info().kind != AdapterKind::Software && fabric_fits(nodes, d).is_ok()
+                })
             }
         };
         let kind = device.as_ref().map(|d| d.info().kind);
@@ -138,7 +148,10 @@ impl EngineArguments {
             shared_memory: matches!(kind, Some(AdapterKind::Software | AdapterKind::Integrated)),
         };
         if let (AirPlacement::Gpu, Some(device)) = (air, &device) {
-            fits(scene, &placement, device)?;
+            air_fits(scene, &placement, device)?;
+        }
+        if let (true, Some(device)) = (cloth_on_device, &device) {
+            fabric_fits(nodes, device)?;
         }
         let chosen_by_itself = engine == Engine::Auto && self.cloth != ClothChoice::Device;
         Ok(Placed {
@@ -157,32 +170,47 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
         ..Placement::from(Precision::F32)
     };
     let opened = Device::open(&AdapterChoice::Hardware)
-        .and_then(|device| fits(scene, &placement, &device).map(|()| device));
+        .and_then(|device| air_fits(scene, &placement, &device).map(|()| device));
     opened
         .inspect_err(|error| eprintln!("note: the CPU computes the air, since {error}"))
         .ok()
 }
 
 /// Whether the largest buffer of the air is within the device's limits.
-fn fits(scene: &Scene, placement: &Placement, device: &Device) -> Result<(), DeviceError> {
-    let needed = Sizes::new(scene, placement).population_bytes;
+fn air_fits(scene: &Scene, placement: &Placement, device: &Device) -> Result<(), DeviceError> {
+    let sizes = Sizes::new(scene, placement);
+    let what = format!("one array of populations, for {} cells,", sizes.cells);
+    let remedy = "choose larger cells, a smaller tunnel, or --engine cpu";
+    fits(what, sizes.population_bytes, remedy, device)
+}
+
+/// Whether the largest buffer of the fabric is within the device's limits.
+fn fabric_fits(nodes: u64, device: &Device) -> Result<(), DeviceError> {
+    let what = format!("the minimiser's memory for {nodes} nodes");
+    let remedy = "use a coarser mesh, or --cloth host";
+    fits(what, largest_buffer_bytes(nodes), remedy, device)
+}
+
+fn fits(
+    what: String,
+    needed: u64,
+    remedy: &'static str,
+    device: &Device,
+) -> Result<(), DeviceError> {
     let info = device.info();
     let limits = [
-        (info.buffer_limit_bytes, "max_buffer_size [bytes]"),
-        (
-            info.binding_limit_bytes,
-            "max_storage_buffer_binding_size [bytes]",
-        ),
+        (info.buffer_limit_bytes, "max_buffer_size"),
+        (info.binding_limit_bytes, "max_storage_buffer_binding_size"),
     ];
     for (limit, limit_name) in limits {
         if needed > limit {
             return Err(DeviceError::Limit {
-                what: "one array of populations".to_owned(),
+                what,
                 needed,
                 limit,
                 limit_name,
                 device: info.name.clone(),
-                remedy: "choose larger cells, a smaller tunnel, or --engine cpu",
+                remedy,
             });
         }
     }

@@ -16,7 +16,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::case::{self, Case, CaseError, Choices, Problem};
 use crate::gpu::Device;
-use crate::plan::{Plan, free_memory};
+use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// Exit codes.
 pub mod exit {
@@ -106,41 +106,53 @@ impl CaseArguments {
             overrides: self.overrides.clone(),
         };
         let case = case::load(&self.case, &choices)?;
+        // Before any device is asked for what none can hold.
+        Sizes::new(&case.scene, &self.engine.precision.into())
+            .fit_into(None)
+            .map_err(|refusal| self.too_large(&case, refusal))?;
         let placed = self.engine.place(&case.scene)?;
         let plan = Plan::new(&case.scene, placed.placement);
         let fallback = placed
             .fallback
             .map(|placement| Plan::new(&case.scene, placement));
-        if let Err(refusal) = plan.sizes.fit_into(free_memory()) {
-            let air = case.scene.air.map(|air| air.cells);
-            let needs = format!(
-                "it needs {:.1} GB{}",
-                refusal.needed as f64 / 1e9,
-                air.map_or_else(String::new, |[x, y, z]| format!(
-                    " for {x} x {y} x {z} cells"
-                ))
-            );
-            let limit = refusal.free.map_or_else(
-                || "more than 4 294 967 294 cells cannot be addressed".to_owned(),
-                |free| {
-                    format!(
-                        "of {:.1} GB free memory at most 80 % may be taken",
-                        free as f64 / 1e9
-                    )
-                },
-            );
-            return Err(Failure::Case(case.error(Problem::new(
-                if air.is_some() { "resolution" } else { "structure" },
-                format!("in {}: the case is too large for this machine: {needs}, and {limit}", case.name),
-                "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
-            ))));
-        }
+        plan.sizes
+            .fit_into(free_memory())
+            .map_err(|refusal| self.too_large(&case, refusal))?;
         Ok(Prepared {
             case,
             plan,
             device: placed.device,
             fallback,
         })
+    }
+
+    fn too_large(&self, case: &Case, refusal: MemoryRefusal) -> Failure {
+        let air = case.scene.air.map(|air| air.cells);
+        let needs = format!(
+            "it needs {:.1} GB{}",
+            refusal.needed as f64 / 1e9,
+            air.map_or_else(String::new, |[x, y, z]| format!(
+                " for {x} x {y} x {z} cells"
+            ))
+        );
+        let limit = refusal.free.map_or_else(
+            || "more than 4 294 967 294 cells cannot be addressed".to_owned(),
+            |free| {
+                format!(
+                    "of {:.1} GB free memory at most 80 % may be taken",
+                    free as f64 / 1e9
+                )
+            },
+        );
+        Failure::Case(case.error(Problem::new(
+                if air.is_some() { "resolution" } else { "structure" },
+                format!("in {}: the case is too large for this machine: {needs}, and {limit}", case.name),
+                match (air, self.engine.precision) {
+                    (None, _) => "use a coarser mesh of the structure",
+                    (Some(_), Precision::F32) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), or a smaller tunnel",
+                    (Some(_), Precision::F64) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
+                },
+            )))
     }
 }
 

@@ -108,24 +108,34 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
     if !text.is_empty() {
         lines.push(format!("ms per step: {}", text.join(", ")));
     }
+    let mut line = match summary.resumed_at_step {
+        Some(earlier) => format!(
+            "{} steps after {earlier} of an earlier run, in {:.1} s",
+            summary.steps - earlier.min(summary.steps),
+            summary.wall_s
+        ),
+        None => format!("{} steps in {:.1} s", summary.steps, summary.wall_s),
+    };
+    let on = |engine: &str, device: &str, precision: &str| {
+        if engine == "gpu" {
+            format!("on {device} ({precision})")
+        } else {
+            format!("on {} threads ({precision})", summary.threads)
+        }
+    };
     if let Some(rate) = summary.million_lattice_updates_per_s {
-        lines.push(format!(
-            "{} steps in {:.1} s; air: {rate:.0} million lattice updates per second on {} ({})",
-            summary.steps,
-            summary.wall_s,
-            if summary.engine == "gpu" {
-                summary.device.clone()
-            } else {
-                format!("{} threads", summary.threads)
-            },
-            summary.precision
-        ));
-    } else {
-        lines.push(format!(
-            "{} steps in {:.1} s",
-            summary.steps, summary.wall_s
+        line.push_str(&format!(
+            "; air: {rate:.0} million lattice updates per second {}",
+            on(&summary.engine, &summary.device, &summary.precision)
         ));
     }
+    if let Some(fabric) = summary.fabric.as_ref().filter(|f| f.engine == "gpu") {
+        line.push_str(&format!(
+            "; fabric {}",
+            on(&fabric.engine, &fabric.device, &fabric.precision)
+        ));
+    }
+    lines.push(line);
     for note in &summary.notes {
         lines.push(format!("note: {note}"));
     }

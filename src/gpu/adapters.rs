@@ -160,7 +160,12 @@ pub(super) fn take(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo
     let Some((adapter, info)) = taken else {
         return Err(DeviceError::NoAdapter(match choice {
             AdapterChoice::Hardware => format!(
-                "no GPU; {listed}; --engine gpu and --adapter NAME take a software adapter too"
+                "no GPU; {listed}{}",
+                if names.is_empty() {
+                    ""
+                } else {
+                    "; --engine gpu and --adapter NAME take a software adapter too"
+                }
             ),
             AdapterChoice::Any => format!("no usable adapter; {listed}"),
             AdapterChoice::Named(text) => {

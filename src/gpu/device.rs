@@ -150,19 +150,16 @@ impl Device {
             limit,
             limit_name,
             device: self.info.name.clone(),
-            remedy: "choose larger cells, a smaller tunnel or mesh, or --engine cpu",
+            remedy: "make the case coarser or smaller, or compute it on the CPU (--engine cpu, --cloth host)",
         };
         if size > self.limits.max_buffer_size {
-            return Err(too_large(
-                self.limits.max_buffer_size,
-                "max_buffer_size [bytes]",
-            ));
+            return Err(too_large(self.limits.max_buffer_size, "max_buffer_size"));
         }
         let bound = usage.contains(wgpu::BufferUsages::STORAGE);
         if bound && size > self.limits.max_storage_buffer_binding_size {
             return Err(too_large(
                 self.limits.max_storage_buffer_binding_size,
-                "max_storage_buffer_binding_size [bytes]",
+                "max_storage_buffer_binding_size",
             ));
         }
         self.guarded(&format!("allocating {size} bytes for \"{label}\""), || {

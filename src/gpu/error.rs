@@ -15,7 +15,10 @@ pub enum DeviceError {
         why: String,
     },
     /// Something is larger than the device allows.
-    #[error("{what} needs {needed}, but {device} allows {limit} ({limit_name}); {remedy}")]
+    #[error(
+        "{what} needs {}, but {device} allows {} ({limit_name}); {remedy}",
+        in_its_unit(*needed, limit_name), in_its_unit(*limit, limit_name)
+    )]
     Limit {
         /// What is too large.
         what: String,
@@ -32,7 +35,7 @@ pub enum DeviceError {
     },
     /// The device has no memory left.
     #[error(
-        "the device is out of memory ({what}); use larger cells, a smaller tunnel, or --engine cpu"
+        "the device is out of memory ({what}); make the case coarser or smaller, or compute it on the CPU (--engine cpu, --cloth host)"
     )]
     OutOfMemory {
         /// What was being allocated or computed.
@@ -54,6 +57,15 @@ pub enum DeviceError {
     /// The device refused a command.
     #[error("the device refused a command: {0}")]
     Command(String),
+}
+
+/// Bytes are many; other limits are counts.
+fn in_its_unit(value: u64, limit_name: &str) -> String {
+    if limit_name.contains("size") {
+        format!("{:.1} MB", value as f64 / 1e6)
+    } else {
+        value.to_string()
+    }
 }
 
 impl DeviceError {

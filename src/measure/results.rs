@@ -126,6 +126,10 @@ fn canopy_results(results: &mut Results, record: &Record, canopy: &Canopy, air: 
     results.insert(
         "fill_time_s",
         match filled {
+            Some(_) if window.peak.is_none() => Quantity::missing(
+                "s",
+                "no peak of the projected diameter yet: the canopy was not seen full",
+            ),
             Some(i) => Quantity::new(times[i], "s"),
             None => Quantity::missing("s", "the projected diameter never reached its mean"),
         },
@@ -164,7 +168,8 @@ fn insert_balances(
     drag_coefficient: f64,
 ) {
     let times = record.column("time_s");
-    let (first, last) = (window.first, window.end - 1);
+    // A row's drag is that of the interval before it, so the impulses count from the row before the window.
+    let (first, last) = (window.first.saturating_sub(1), window.end - 1);
     let span = times[last] - times[first];
     let routes = [
         "impulse_markers_n_s",

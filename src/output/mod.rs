@@ -17,7 +17,7 @@ pub use atomic::{OutputError, prepare_directory, write_atomically};
 pub use history::HistoryWriter;
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{
-    CaseInfo, MillisecondsPerStep, Quantity, Results, SCHEMA_VERSION, StopInfo, Summary,
+    CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StopInfo, Summary,
     write_summary,
 };
 pub use vtk::{write_canopy_vtp, write_flow_vti};

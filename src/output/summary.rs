@@ -26,14 +26,14 @@ pub struct Summary {
     pub ripstop_version: String,
     /// What was run.
     pub case: CaseInfo,
-    /// Kind of solver, such as `cpu`.
+    /// Who computed the air (or the fabric, where there is no air): `cpu` or `gpu`.
     pub engine: String,
-    /// The hardware in words.
+    /// Its hardware in words.
     pub device: String,
-    /// Where the fabric was solved: `host` or `device`.
-    pub cloth: String,
-    /// Precision of the air, such as `f32`.
+    /// Its precision, such as `f32`.
     pub precision: String,
+    /// Who solved the fabric; `None` without any.
+    pub fabric: Option<Processor>,
     /// Threads used.
     pub threads: usize,
     /// Cells of air along x, y, z; `None` without air.
@@ -46,6 +46,9 @@ pub struct Summary {
     pub triangles: usize,
     /// Steps done.
     pub steps: u64,
+    /// Step from which the run was resumed; the steps before are not part of its time. `None` for a run in one piece.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resumed_at_step: Option<u64>,
     /// Simulated time in seconds.
     #[serde(deserialize_with = "null_is_nan")]
     pub simulated_s: f64,
@@ -64,6 +67,17 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// What came out, in the order it was put in.
     pub results: Results,
+}
+
+/// Who computed something.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Processor {
+    /// `cpu` or `gpu`.
+    pub engine: String,
+    /// The hardware in words.
+    pub device: String,
+    /// Floating-point type, such as `f64`.
+    pub precision: String,
 }
 
 /// Which case a summary belongs to.

@@ -50,6 +50,8 @@ pub struct Sizes {
     pub marker_bytes: u64,
     /// Bytes of the structure and its solver.
     pub structure_bytes: u64,
+    /// Bytes of the structure on a device; zero where it is not on one.
+    pub structure_device_bytes: u64,
 }
 
 /// A run that does not fit.
@@ -91,6 +93,10 @@ impl Sizes {
             sizes.triangles = body.structure.triangles.len() as u64;
             sizes.cables = body.structure.cables.len() as u64;
             sizes.structure_bytes = body.structure.estimated_bytes(crate::solve::lbfgs::HISTORY);
+            if placement.cloth_on_device() {
+                // Single precision, half of the host's.
+                sizes.structure_device_bytes = sizes.structure_bytes / 2;
+            }
         }
         if let (Some(air), Some(body), Some(_)) = (&scene.air, &scene.body, &scene.coupling) {
             sizes.markers = markers::count(body.structure.extents(), air.units.cell_size_m);

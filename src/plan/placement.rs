@@ -66,13 +66,4 @@ impl Placement {
     pub fn cloth_on_device(&self) -> bool {
         self.cloth == ClothPlacement::Device
     }
-
-    /// Engine in a word, for `summary.json`.
-    #[must_use]
-    pub fn engine(&self) -> &'static str {
-        match self.air {
-            AirPlacement::Cpu(_) => "cpu",
-            AirPlacement::Gpu => "gpu",
-        }
-    }
 }

@@ -9,6 +9,10 @@ use crate::case::scene::{BodyKind, Flow};
 /// Shape quality below which triangles slow the solver down.
 const POOR_SHAPE: f64 = 0.1;
 
+/// Tolerance of the static equilibrium below which a device's arithmetic may not reach: the shipped chain was measured to stall at
+/// 6e-6.
+const DEVICE_TOLERANCE: f64 = 1e-5;
+
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
@@ -130,6 +134,22 @@ impl Plan {
                 "  memory              {} (f64, on the host)",
                 megabytes(sizes.structure_bytes)
             )?;
+            if self.placement.cloth_on_device() {
+                writeln!(
+                    out,
+                    "  on the device       {} (f32, positions finer)",
+                    megabytes(sizes.structure_device_bytes)
+                )?;
+                if scene
+                    .equilibrium
+                    .is_some_and(|equilibrium| equilibrium.tolerance < DEVICE_TOLERANCE)
+                {
+                    writeln!(
+                        out,
+                        "  WARNING             the forces of a device, in f32, may not reach equilibrium.tolerance below {DEVICE_TOLERANCE:e}: use --cloth host"
+                    )?;
+                }
+            }
             if let Some(quality) = body.quality {
                 writeln!(
                     out,
@@ -153,6 +173,12 @@ impl Plan {
                 out,
                 "\ntime\n  steps               {} before release + {}",
                 self.start_steps, self.steps
+            )?;
+        }
+        if self.steps > 0 && self.estimated_seconds(threads).is_none() {
+            writeln!(
+                out,
+                "  estimated duration  not known: the speed of a device shows only when it runs"
             )?;
         }
         if let Some(seconds) = self.estimated_seconds(threads) {

@@ -1,5 +1,6 @@
 //! A complete run: advances a simulation to its end, samples it, and writes everything into one folder.
 
+mod equilibrium;
 mod files;
 mod summary;
 
@@ -20,7 +21,6 @@ use crate::output::{
 use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
-use crate::solve::lbfgs::Stop;
 use crate::steady::Detector;
 use files::Files;
 
@@ -116,6 +116,8 @@ struct Run<'a> {
     notes: Vec<String>,
     /// The static equilibrium was not reached.
     unbalanced: bool,
+    /// Step of the checkpoint that the run went on from.
+    resumed_at_step: Option<u64>,
 }
 
 /// Runs a case and writes its results; stops early, resumably, when `interrupt` turns true.
@@ -183,6 +185,7 @@ pub fn run(
         reason,
         run.notes,
         wall_s,
+        run.resumed_at_step,
     );
     run.history.finish()?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
@@ -295,6 +298,7 @@ impl<'a> Run<'a> {
             history.push(row)?;
         }
         let files = Files::create(folder, &case.scene, &written, device)?;
+        let resumed_at_step = stored.is_some().then(|| simulation.step_count());
         let good = simulation.structure_frame();
         let sampled = good.clone();
         Ok(Self {
@@ -309,6 +313,7 @@ impl<'a> Run<'a> {
             sampled,
             notes,
             unbalanced: false,
+            resumed_at_step,
         })
     }
 
@@ -398,36 +403,14 @@ impl<'a> Run<'a> {
             }
         }
         let since = self.simulation.step_count() - start_steps;
+        // A run interrupted while it sought the equilibrium has this row already.
         if scene.time.is_some()
             && (since.is_multiple_of(sample_every) || self.record.rows().len() < 2)
+            && self.record.latest("time_s") != Some(self.simulation.time_s())
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;
         }
-        match self.simulation.equilibrate() {
-            None => Ok("end time reached".to_owned()),
-            Some(result) => {
-                let outcome = result?;
-                let text = format!(
-                    "equilibrium: {} after {} iterations and {} evaluations, energy norm {:.3e}",
-                    match outcome.stop {
-                        Stop::Converged => "reached",
-                        Stop::Stalled => "STALLED before its tolerance",
-                        Stop::LimitReached => "NOT reached within evaluation_limit",
-                        Stop::NotFinite => "not finite",
-                    },
-                    outcome.iterations,
-                    outcome.evaluations,
-                    outcome.energy_norm
-                );
-                observer.note(&text);
-                if outcome.stop != Stop::Converged {
-                    self.unbalanced = true;
-                    self.notes.push("the results are those of a state out of balance: raise equilibrium.evaluation_limit or its tolerance".to_owned());
-                }
-                self.history.push(self.record.add(&mut self.simulation)?)?;
-                Ok(text)
-            }
-        }
+        self.equilibrate(interrupt, observer)
     }
 
     fn detector(&self) -> Option<Detector> {

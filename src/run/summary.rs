@@ -2,8 +2,8 @@
 
 use crate::case::Case;
 use crate::measure::{Record, results};
-use crate::output::{CaseInfo, MillisecondsPerStep, SCHEMA_VERSION, StopInfo, Summary};
-use crate::plan::ClothPlacement;
+use crate::output::{CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StopInfo, Summary};
+use crate::plan::Placement;
 use crate::simulation::Simulation;
 
 /// Difference of the force routes beyond which a run says so.
@@ -11,6 +11,22 @@ const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
 
 /// Motion of a marker between two solves beyond which the coupling is no longer trusted [cells].
 const MARKER_MOTION_LIMIT: f64 = 0.25;
+
+/// Names who computes: the device, in f32, or the host, in `host_precision`.
+fn processor(placement: &Placement, on_device: bool, host_precision: &str) -> Processor {
+    match &placement.device {
+        Some(device) if on_device => Processor {
+            engine: "gpu".to_owned(),
+            device: device.clone(),
+            precision: "f32".to_owned(),
+        },
+        _ => Processor {
+            engine: "cpu".to_owned(),
+            device: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            precision: host_precision.to_owned(),
+        },
+    }
+}
 
 /// Everything that a run leaves to be known about itself.
 pub(super) fn summarise(
@@ -20,6 +36,7 @@ pub(super) fn summarise(
     reason: String,
     mut notes: Vec<String>,
     wall_s: f64,
+    resumed_at_step: Option<u64>,
 ) -> Summary {
     let scene = simulation.scene();
     let plan = simulation.plan();
@@ -57,13 +74,30 @@ pub(super) fn summarise(
             quality.smallest_shape, quality.mean_shape
         ));
     }
+    let placement = &plan.placement;
+    let fabric = scene
+        .body
+        .is_some()
+        .then(|| processor(placement, placement.cloth_on_device(), "f64"));
+    let air = scene
+        .air
+        .is_some()
+        .then(|| processor(placement, placement.air_on_device(), plan.precision.name()));
+    let main = air
+        .or_else(|| fabric.clone())
+        .unwrap_or_else(|| processor(placement, false, plan.precision.name()));
     let results = results(simulation, record);
     if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
         && imbalance > FORCE_IMBALANCE_LIMIT
     {
         notes.push(format!(
-            "the three force routes differ by {:.1} %: average longer, lower solver.tolerance, or use coupling.structure_every = 1",
-            100.0 * imbalance
+            "the three force routes differ by {:.1} %: average longer{} or lower solver.tolerance",
+            100.0 * imbalance,
+            if scene.coupling.is_some_and(|c| c.structure_every > 1) {
+                ", use coupling.structure_every = 1,"
+            } else {
+                ""
+            }
         ));
     }
     Summary {
@@ -75,17 +109,10 @@ pub(super) fn summarise(
             variant: case.variant.clone(),
             hash: case.hash.clone(),
         },
-        engine: plan.placement.engine().to_owned(),
-        device: plan
-            .placement
-            .device
-            .clone()
-            .unwrap_or_else(|| format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
-        cloth: match plan.placement.cloth {
-            ClothPlacement::Host => "host".to_owned(),
-            ClothPlacement::Device => "device".to_owned(),
-        },
-        precision: plan.precision.name().to_owned(),
+        engine: main.engine,
+        device: main.device,
+        precision: main.precision,
+        fabric,
         threads: rayon::current_num_threads(),
         cells,
         markers: simulation
@@ -94,6 +121,7 @@ pub(super) fn summarise(
         nodes: plan.sizes.nodes as usize,
         triangles: plan.sizes.triangles as usize,
         steps,
+        resumed_at_step,
         simulated_s: simulation.time_s().max(0.0),
         wall_s,
         million_lattice_updates_per_s: (cells.is_some() && fluid_seconds > 0.0)

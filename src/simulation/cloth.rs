@@ -9,7 +9,7 @@ use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
 use crate::cpu::cloth::{SolverSettings, StepInput};
 use crate::gpu::DeviceError;
-use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
+use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
 
 /// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
 const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
@@ -59,7 +59,7 @@ impl Simulation {
         let outcome = match &mut self.device_cloth {
             Some(device_cloth) => {
                 let input = step_input(&self.scene, self.coupled.as_ref(), every);
-                device_cloth.solve_cloth(&cloth.structure, &input, &settings)?
+                device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?
             }
             None => {
                 if let Some(coupled) = &mut self.coupled {
@@ -109,8 +109,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Seeks the static equilibrium asked for by the case; `None` if it asks for none.
-    pub fn equilibrate(&mut self) -> Option<Result<Outcome, Failure>> {
+    /// Seeks the static equilibrium asked for by the case, from where the structure is; `None` if it asks for none. `watch` is told
+    /// of every iteration and may end it.
+    pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
         let equilibrium = self.scene.equilibrium?;
         let cloth = self.cloth.as_mut()?;
         let start = Instant::now();
@@ -126,11 +127,11 @@ impl Simulation {
             refresh_every: Some(1),
         };
         let outcome = match &mut self.device_cloth {
-            Some(device_cloth) => match device_cloth.solve(cloth, &input, &settings) {
+            Some(device_cloth) => match device_cloth.solve(cloth, &input, &settings, watch) {
                 Ok(outcome) => outcome,
                 Err(error) => return Some(Err(error.into())),
             },
-            None => cloth.solve_cloth(&input, &settings),
+            None => cloth.solve_cloth_watched(&input, &settings, watch),
         };
         self.cost.equilibrium += start.elapsed();
         if outcome.stop == Stop::NotFinite {

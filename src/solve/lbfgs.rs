@@ -38,13 +38,27 @@ pub struct Options {
 pub enum Stop {
     /// The energy norm, or the displacement floor, was reached.
     Converged,
-    /// No acceptable step along any direction.
+    /// No acceptable step along any direction, or none that still changes anything but round-off.
     Stalled,
     /// Evaluation limit reached.
     LimitReached,
     /// The objective or its gradient is not finite at the start.
     NotFinite,
+    /// The watcher asked for it.
+    Interrupted,
 }
+
+/// How far the minimiser is.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// Objective evaluations so far.
+    pub evaluations: usize,
+    /// √(gᵀ H₀ g) over the reference of the space; [`Options::tolerance`] is its goal.
+    pub relative_norm: f64,
+}
+
+/// Called once per iteration; false ends the minimisation at the present point.
+pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> bool;
 
 /// What the minimiser did.
 #[derive(Debug, Clone, Copy)]
@@ -93,11 +107,25 @@ struct Direction {
 const ARMIJO: f64 = 1e-4;
 const LINE_SEARCH_LIMIT: usize = 30;
 
+/// Iterations in a row without a measurable change of the objective and without a norm lower by a tenth, after which more of them
+/// are taken to be of no use: round-off is all that is left.
+const STAGNATION_LIMIT: usize = 5000;
+
 /// Minimises the objective of `space` from `point`, in place.
 pub fn minimise<S: VectorSpace>(
     space: &mut S,
     point: &mut S::Point,
     options: &Options,
+) -> Result<Outcome, S::Error> {
+    minimise_watched(space, point, options, &mut |_| true)
+}
+
+/// [`minimise`] that tells `watch` of every iteration, and ends when it answers false.
+pub fn minimise_watched<S: VectorSpace>(
+    space: &mut S,
+    point: &mut S::Point,
+    options: &Options,
+    watch: Watch,
 ) -> Result<Outcome, S::Error> {
     let mut gradient = space.vector()?;
     let mut preconditioned = space.vector()?;
@@ -125,6 +153,8 @@ pub fn minimise<S: VectorSpace>(
     let mut trial_gradient = space.vector()?;
     let mut trial_preconditioned = space.vector()?;
     let mut since_refresh = 0;
+    let mut lowest_norm = norm;
+    let mut stagnant = 0;
 
     loop {
         outcome.energy_norm = norm;
@@ -136,6 +166,18 @@ pub fn minimise<S: VectorSpace>(
         }
         if outcome.evaluations >= options.evaluation_limit {
             outcome.stop = Stop::LimitReached;
+            return Ok(outcome);
+        }
+        if stagnant >= STAGNATION_LIMIT {
+            outcome.stop = Stop::Stalled;
+            return Ok(outcome);
+        }
+        let progress = Progress {
+            evaluations: outcome.evaluations,
+            relative_norm: norm / start.reference,
+        };
+        if !watch(&progress) {
+            outcome.stop = Stop::Interrupted;
             return Ok(outcome);
         }
         let mut plan = products.direction(norm * norm);
@@ -270,6 +312,13 @@ pub fn minimise<S: VectorSpace>(
             products.remove(0);
             spare.extend(pairs.pop_front());
         }
+        let change = (attempt.objective - objective).abs();
+        if change > attempt.round_off.max(round_off) || norm < 0.9 * lowest_norm {
+            stagnant = 0;
+        } else {
+            stagnant += 1;
+        }
+        lowest_norm = lowest_norm.min(norm);
         std::mem::swap(point, &mut trial);
         std::mem::swap(&mut gradient, &mut trial_gradient);
         std::mem::swap(&mut preconditioned, &mut trial_preconditioned);

@@ -238,6 +238,33 @@ fn no_node_moves_farther_than_the_limit() {
 }
 
 #[test]
+fn a_tolerance_below_round_off_ends_in_a_stall() {
+    let unreachable = Options {
+        evaluation_limit: 1_000_000,
+        ..options(8, 0.0)
+    };
+    let (_, outcome) = solved(Quadratic::new(50, 0.0), &unreachable);
+    assert_eq!(outcome.stop, Stop::Stalled);
+    assert!(outcome.energy_norm < 1e-9, "{}", outcome.energy_norm);
+}
+
+#[test]
+fn a_watcher_may_end_it() {
+    let mut x = vec![0.0; 50];
+    let mut told = Vec::new();
+    let mut watch = |progress: &Progress| {
+        told.push(progress.relative_norm);
+        told.len() < 5
+    };
+    let mut space = Quadratic::new(50, 0.0);
+    let Ok(outcome) = minimise_watched(&mut space, &mut x, &options(8, 1e-10), &mut watch);
+    assert_eq!(outcome.stop, Stop::Interrupted);
+    assert_eq!(outcome.iterations, 4);
+    assert_eq!(told.len(), 5);
+    assert!(longest(&x) > 0.0);
+}
+
+#[test]
 fn a_start_that_is_not_finite_is_refused() {
     let mut x = vec![0.0, f64::NAN, 0.0];
     let Ok(outcome) = minimise(&mut Quadratic::new(3, 0.0), &mut x, &options(3, 1e-9));

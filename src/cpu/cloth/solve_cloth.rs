@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 
 use super::{Cloth, initial_hessian, nodal_forces};
 use crate::cloth::Structure;
-use crate::solve::lbfgs::{self, Options, Outcome};
+use crate::solve::lbfgs::{self, Options, Outcome, Watch};
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 /// How hard the minimiser tries.
@@ -345,12 +345,22 @@ impl VectorSpace for Objective<'_> {
 impl Cloth {
     /// Advances positions and velocities by one implicit step, or to the static equilibrium.
     pub fn solve_cloth(&mut self, input: &StepInput, settings: &SolverSettings) -> Outcome {
+        self.solve_cloth_watched(input, settings, &mut |_| true)
+    }
+
+    /// [`Cloth::solve_cloth`] that tells `watch` of every iteration.
+    pub fn solve_cloth_watched(
+        &mut self,
+        input: &StepInput,
+        settings: &SolverSettings,
+        watch: Watch,
+    ) -> Outcome {
         let start = std::mem::take(&mut self.positions_m);
         let structure = &self.structure;
         let mut point = prediction(structure, &start, &self.velocities_m_s, input);
         let mut objective = Objective::new(structure, &start, &self.velocities_m_s, input);
         let options = options(structure, settings);
-        let Ok(outcome) = lbfgs::minimise(&mut objective, &mut point, &options);
+        let Ok(outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
         match input.time_step_s {
             Some(dt) => {
                 for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {

@@ -24,6 +24,7 @@ use crate::cloth::Structure;
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders;
+use crate::solve::lbfgs::HISTORY;
 
 use elements::Elements;
 use gathering::Gathering;
@@ -53,8 +54,14 @@ pub struct Cloth {
     staging: Staging,
 }
 
+/// Bytes of the largest buffer for a structure of `nodes` nodes: the minimiser's vectors.
+#[must_use]
+pub const fn largest_buffer_bytes(nodes: u64) -> u64 {
+    12 * nodes * vectors::vector_slots(HISTORY) as u64
+}
+
 impl Cloth {
-    /// Uploads what does not change; `markers` are (triangle, barycentric weights).
+    /// Uploads what does not change and makes room for the minimiser; `markers` are (triangle, barycentric weights).
     pub fn new(
         device: Arc<Device>,
         structure: &Structure,
@@ -139,7 +146,7 @@ impl Cloth {
             buffers.push((kind.plural, device.storage_of(kind.plural, &kind.words)?));
         }
         let staging = Staging::new(&device, 24 * nodes as u64)?;
-        Ok(Self {
+        let mut cloth = Self {
             device,
             nodes,
             markers: markers.to_vec(),
@@ -153,7 +160,9 @@ impl Cloth {
             constant_j: 0.0,
             solution: None,
             staging,
-        })
+        };
+        cloth.prepare(HISTORY)?;
+        Ok(cloth)
     }
 
     /// The device it is on.

@@ -14,7 +14,7 @@ use crate::cpu::cloth::solve_cloth::{
 };
 use crate::cpu::cloth::{Cloth as State, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
-use crate::solve::lbfgs::{self, Outcome, Stop};
+use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
 use crate::solve::{Landing, Step, VectorSpace};
 
 use super::Cloth;
@@ -42,11 +42,13 @@ impl Cloth {
         structure: &Structure,
         input: &StepInput,
         settings: &SolverSettings,
+        watch: Watch,
     ) -> Result<Outcome, DeviceError> {
         let mut space = self.space(input, self.constant_j)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
-        let outcome = lbfgs::minimise(&mut space, &mut point, &options(structure, settings))?;
+        let options = options(structure, settings);
+        let outcome = lbfgs::minimise_watched(&mut space, &mut point, &options, watch)?;
         drop(space);
         self.solution = (outcome.stop != Stop::NotFinite).then_some(point);
         Ok(outcome)
@@ -89,15 +91,16 @@ impl Cloth {
         Ok(())
     }
 
-    /// A whole solve: sends, minimises, fetches.
+    /// A whole solve: sends, minimises, fetches; `watch` is told of every iteration.
     pub fn solve(
         &mut self,
         state: &mut State,
         input: &StepInput,
         settings: &SolverSettings,
+        watch: Watch,
     ) -> Result<Outcome, DeviceError> {
         self.send_nodes(state, input, settings)?;
-        let outcome = self.solve_cloth(&state.structure, input, settings)?;
+        let outcome = self.solve_cloth(&state.structure, input, settings, watch)?;
         self.fetch_nodes(state, input)?;
         Ok(outcome)
     }

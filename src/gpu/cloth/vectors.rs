@@ -110,6 +110,12 @@ pub(super) struct Workspace {
     product_strides: u32,
 }
 
+/// Vectors kept for `history` pairs.
+pub(super) const fn vector_slots(history: usize) -> usize {
+    // g, H₀ g, g⁺, H₀ g⁺, d; one pair more than the history while the oldest goes.
+    FIRST_FREE as usize + 5 + 3 * (history + 1)
+}
+
 impl Workspace {
     /// Room for `history` pairs of vectors of `nodes`; `buffers` are those that do not depend on the history.
     pub fn new(
@@ -120,9 +126,8 @@ impl Workspace {
         history: usize,
         nodes: usize,
     ) -> Result<Self, DeviceError> {
-        // g, H₀ g, g⁺, H₀ g⁺, d; one pair more than the history while the oldest goes.
         let pairs = history + 1;
-        let vector_slots = FIRST_FREE as usize + 5 + 3 * pairs;
+        let vector_slots = vector_slots(history);
         // Four combinations of one iteration, of at most 2 · history + 1 terms.
         let program_words = 4 * (2 + 2 * (2 * pairs + 1));
         let row_count = (2 * pairs + 3).max(1 + pairs + pairs * (pairs + 1) / 2);
