@@ -86,12 +86,11 @@ impl<T: Real> RowEnds<T> {
             // As for any cell, f_i goes to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
             arrays[direction + 1][start - 1] =
                 shifted_equilibrium(direction, self.inlet_density_excess, &self.inlet_velocity);
-            arrays[direction][start + nx] =
-                shifted_equilibrium(
-                    direction + 1,
-                    self.outlet_density_excess,
-                    &self.outlet_velocity,
-                );
+            arrays[direction][start + nx] = shifted_equilibrium(
+                direction + 1,
+                self.outlet_density_excess,
+                &self.outlet_velocity,
+            );
         }
     }
 }
