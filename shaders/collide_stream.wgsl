@@ -11,6 +11,8 @@ override INLET_OUTLET: bool = false;
 // Length of the viscous sponge before the outlet [cells]; 0 without one.
 override SPONGE_LENGTH: f32 = 0.0;
 const SPONGE_RELAXATION_TIME: f32 = 1.0;
+// Share of its density excess that the outlet loses per step, times CELLS_X.
+override OUTLET_RELAXATION: f32 = 0.0;
 
 struct StepParameters {
     inlet_velocity: vec4<f32>,
@@ -67,8 +69,8 @@ fn advance(p: Place, force: vec3<f32>, forced: bool) {
     }
 }
 
-// The second cell of a row lends the inlet's ghost its density, the last but one the outlet's its velocity; both ghosts are at
-// equilibrium and stream like any cell.
+// The second cell of a row lends the inlet's ghost its density, the last but one the outlet's its velocity and most of its density
+// excess; both ghosts are at equilibrium and stream like any cell (src/cpu/fluid/boundaries.rs).
 fn send_ghosts(p: Place, out: Populations) {
     let n = p.element;
     if p.cell.x == min(1u, CELLS_X - 1u) {
@@ -82,13 +84,15 @@ fn send_ghosts(p: Place, out: Populations) {
         far_x_z[ghost + 1u - STRIDE_Z] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u);
     }
     if p.cell.x == max(CELLS_X, 2u) - 2u {
-        let u = bare_state(out).xyz;
+        let state = bare_state(out);
+        let u = state.xyz;
+        let excess = (1.0 - OUTLET_RELAXATION / f32(CELLS_X)) * state.w;
         let ghost = n + CELLS_X - p.cell.x;
-        near_x[ghost] = shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), 0.0, u);
-        near_xy[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), 0.0, u);
-        near_xz[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), 0.0, u);
-        near_x_y[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 1.0, 0.0), 0.0, u);
-        near_x_z[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, 1.0), 0.0, u);
+        near_x[ghost] = shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), excess, u);
+        near_xy[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), excess, u);
+        near_xz[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), excess, u);
+        near_x_y[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 1.0, 0.0), excess, u);
+        near_x_z[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, 1.0), excess, u);
     }
 }
 

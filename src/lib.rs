@@ -48,6 +48,7 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
+//! | [`validate`] | problems with known answers, through the public interface | lattice, simulation, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
 //! A test (`tests/architecture.rs`) holds these arrows.
@@ -87,3 +88,4 @@ pub mod simulation;
 pub mod solve;
 pub mod steady;
 pub mod units;
+pub mod validate;

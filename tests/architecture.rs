@@ -29,7 +29,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 22] = [
+const ALLOWED: [(&str, &[&str]); 23] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -125,7 +125,11 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "steady",
         ],
     ),
-    ("cli", &["case", "gpu", "plan", "run"]),
+    (
+        "validate",
+        &["gpu", "lattice", "output", "plan", "run", "simulation"],
+    ),
+    ("cli", &["case", "gpu", "plan", "run", "validate"]),
     ("main.rs", &[]),
 ];
 

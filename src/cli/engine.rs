@@ -19,7 +19,7 @@ pub const DEVICE_CLOTH_NODES: u64 = 20_000;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Engine {
+pub(super) enum Engine {
     /// A real GPU if there is one, else CPU threads.
     Auto,
     /// CPU threads.
@@ -215,4 +215,38 @@ fn fits(
         }
     }
     Ok(())
+}
+
+/// Engine for flows that are no case: the air alone, without a question of size. `auto` takes a real GPU if there is one.
+pub(super) fn air_alone(
+    engine: Engine,
+    adapter: Option<&str>,
+    precision: Precision,
+) -> Result<(AirPlacement, Option<Arc<Device>>), Failure> {
+    let on_cpu = (AirPlacement::Cpu(precision), None);
+    let choice = match (engine, adapter) {
+        (Engine::Cpu, None) => return Ok(on_cpu),
+        (Engine::Cpu, Some(_)) => {
+            return Err(Failure::Other(
+                exit::BAD_CASE,
+                "--adapter has no use with --engine cpu".to_owned(),
+            ));
+        }
+        (Engine::Auto, None) if precision == Precision::F64 => return Ok(on_cpu),
+        (Engine::Auto, None) => {
+            return Ok(match Device::open(&AdapterChoice::Hardware) {
+                Ok(device) => (AirPlacement::Gpu, Some(device)),
+                Err(_) => on_cpu,
+            });
+        }
+        (Engine::Gpu | Engine::Auto, Some(name)) => AdapterChoice::Named(name.to_owned()),
+        (Engine::Gpu, None) => AdapterChoice::Any,
+    };
+    if precision == Precision::F64 {
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            "--precision f64 needs --engine cpu: devices compute in f32".to_owned(),
+        ));
+    }
+    Ok((AirPlacement::Gpu, Some(Device::open(&choice)?)))
 }

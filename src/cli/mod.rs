@@ -6,6 +6,7 @@ mod engine;
 mod new;
 mod progress;
 mod run;
+mod validate;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,6 +21,8 @@ use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// Exit codes.
 pub mod exit {
+    /// A gate of `ripstop validate` fails.
+    pub const GATE_FAILED: u8 = 1;
     /// Bad case or usage.
     pub const BAD_CASE: u8 = 2;
     /// No usable device.
@@ -50,6 +53,8 @@ enum Command {
     New(new::NewArguments),
     /// List the adapters of this machine, and which one `auto` takes.
     Devices,
+    /// Compute problems with known answers; exit code 1 if a gate fails.
+    Validate(validate::ValidateArguments),
 }
 
 /// How a case is read; shared by the commands that take one.
@@ -189,6 +194,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
         Command::Devices => devices::devices(),
+        Command::Validate(arguments) => validate::validate(arguments),
     };
     match result {
         Ok(code) => ExitCode::from(code),

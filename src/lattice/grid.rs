@@ -18,21 +18,51 @@ use super::{DIRECTIONS, Operator};
 pub type Initial<'a> = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync + 'a;
 
 /// What lies upstream (−x) and downstream (+x).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StreamwiseEnds {
     /// The domain repeats along x.
     Periodic,
     /// Velocity inlet at −x, pressure outlet at +x.
     InletOutlet,
+    /// A wall at −x and one at +x.
+    Walls([Wall; 2]),
 }
 
 /// What lies beside (±y), below and above (±z).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sides {
     /// The domain repeats along y and z.
     Periodic,
     /// Frictionless impermeable walls.
     FreeSlip,
+    /// Each of y and z by itself.
+    Each([Faces; 2]),
+}
+
+/// What lies at both ends of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Faces {
+    /// The domain repeats.
+    Periodic,
+    /// Walls at the lower and the upper end.
+    Walls([Wall; 2]),
+}
+
+/// An impermeable wall midway between the outermost cells and their ghosts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wall {
+    /// Frictionless.
+    FreeSlip,
+    /// The air sticks to it.
+    NoSlip {
+        /// Velocity of the wall, in its own plane [cells per step].
+        velocity: [f64; 3],
+    },
+}
+
+impl Wall {
+    /// A wall at rest to which the air sticks.
+    pub const AT_REST: Self = Self::NoSlip { velocity: [0.0; 3] };
 }
 
 /// All that defines the air, in lattice units.
@@ -75,6 +105,10 @@ impl Setup {
 
 /// Relaxation time at the very end of the sponge (ν = 1/6).
 pub const SPONGE_RELAXATION_TIME: f64 = 1.0;
+
+/// Share of its density excess that an outlet loses per step, times the cells between inlet and outlet (see
+/// [`crate::cpu::fluid::boundaries`]).
+pub const OUTLET_RELAXATION: f64 = 1.0;
 
 /// A cell whose state is no longer finite, or faster than the method allows.
 #[derive(Debug, Clone, Copy, PartialEq)]

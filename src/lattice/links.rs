@@ -1,11 +1,13 @@
 //! Populations that enter through the faces of the domain, as copies from slots of outgoing to slots of incoming ones.
 //!
 //! For cell n and direction d with n − c_d outside: periodic, what left through the opposite face; free slip (half-way specular
-//! reflection), what left mirrored at the wall midway between cell and ghost. Ghosts at inlet and outlet stream for themselves;
-//! only their mirror images beyond the sides are copied.
+//! reflection), what left mirrored at the wall midway between cell and ghost; no slip (half-way bounce-back), what left in the opposite
+//! direction, plus 6 w c·u_w for a wall that moves in its own plane (Ladd 1994, doi:10.1017/S0022112094001771, with ρ = 1, so that the
+//! wall adds no mass). A link through a no-slip wall and any other face at once bounces back; the velocities of two no-slip walls add.
+//! Ghosts at inlet and outlet stream for themselves; only their mirror images beyond the sides are copied.
 
-use super::grid::{Grid, Sides, StreamwiseEnds};
-use super::{DIRECTION_COUNT, DIRECTIONS, direction_of};
+use super::grid::{Faces, Grid, Sides, StreamwiseEnds, Wall};
+use super::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, direction_of, opposite};
 
 /// A run of consecutive slots copied from outgoing to incoming.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +22,8 @@ pub struct Run {
     pub from: u32,
     /// Number of elements.
     pub length: u32,
+    /// Added to each, by a wall that moves.
+    pub added: f64,
 }
 
 /// Links through the faces, worked out once.
@@ -29,44 +33,95 @@ pub struct Boundaries {
     pub copies: [Vec<Run>; 2],
 }
 
-/// Where the population that enters `cell` along `direction` from outside left, and in which direction; `None` if nothing has
-/// to be copied because a ghost at inlet or outlet sends it.
+/// Where a population that enters from outside comes from.
+struct Source {
+    cell: [i64; 3],
+    /// The direction in which it left there.
+    direction: usize,
+    /// What a moving wall adds.
+    added: f64,
+}
+
+/// What a link meets at one face.
+enum Met {
+    Ghost,
+    Repeats,
+    Wall(Wall),
+}
+
+fn met(ends: StreamwiseEnds, sides: Sides, axis: usize, upper: bool) -> Met {
+    let faces = match (axis, ends, sides) {
+        (0, StreamwiseEnds::Periodic, _) | (1 | 2, _, Sides::Periodic) => Faces::Periodic,
+        // Inlet and outlet ghosts stream for themselves; only their mirror images beyond the sides are copied.
+        (0, StreamwiseEnds::InletOutlet, _) => return Met::Ghost,
+        (0, StreamwiseEnds::Walls(walls), _) => Faces::Walls(walls),
+        (_, _, Sides::FreeSlip) => Faces::Walls([Wall::FreeSlip; 2]),
+        (_, _, Sides::Each(faces)) => faces[axis - 1],
+        (_, _, Sides::Periodic) => Faces::Periodic,
+    };
+    match faces {
+        Faces::Periodic => Met::Repeats,
+        Faces::Walls(walls) => Met::Wall(walls[usize::from(upper)]),
+    }
+}
+
+/// Where the population that enters `cell` along `direction` from outside left; `None` if nothing has to be copied because a ghost at
+/// inlet or outlet sends it.
 fn source(
     grid: &Grid,
     ends: StreamwiseEnds,
     sides: Sides,
     cell: [i64; 3],
     direction: usize,
-) -> Option<([i64; 3], usize)> {
-    let mut from: [i64; 3] = std::array::from_fn(|a| cell[a] - i64::from(DIRECTIONS[direction][a]));
-    let mut velocity = DIRECTIONS[direction];
+) -> Option<Source> {
+    let c = DIRECTIONS[direction];
+    let mut from: [i64; 3] = std::array::from_fn(|a| cell[a] - i64::from(c[a]));
+    let mut velocity = c;
     let mut crosses_copied_face = false;
+    let mut wall_velocity = None;
     for a in 0..3 {
         let n = grid.cells[a] as i64;
         if (0..n).contains(&from[a]) {
             continue;
         }
-        let reflects = if a == 0 {
-            if ends == StreamwiseEnds::InletOutlet {
-                // Inlet and outlet ghosts stream for themselves; only their mirror images beyond the sides are copied.
-                continue;
+        match met(ends, sides, a, from[a] >= n) {
+            Met::Ghost => continue,
+            Met::Repeats => from[a] = from[a].rem_euclid(n),
+            Met::Wall(Wall::FreeSlip) => {
+                from[a] = from[a].clamp(0, n - 1);
+                velocity[a] = -velocity[a];
             }
-            false
-        } else {
-            sides == Sides::FreeSlip
-        };
-        crosses_copied_face = true;
-        if reflects {
-            from[a] = if from[a] < 0 { 0 } else { n - 1 };
-            velocity[a] = -velocity[a];
-        } else {
-            from[a] = from[a].rem_euclid(n);
+            Met::Wall(Wall::NoSlip { velocity }) => {
+                let sum: &mut [f64; 3] = wall_velocity.get_or_insert([0.0; 3]);
+                for b in 0..3 {
+                    sum[b] += velocity[b];
+                }
+            }
         }
+        crosses_copied_face = true;
     }
-    crosses_copied_face.then(|| (from, direction_of(velocity).unwrap_or(direction)))
+    if let Some(wall) = wall_velocity {
+        let along: f64 = (0..3).map(|a| f64::from(c[a]) * wall[a]).sum();
+        return Some(Source {
+            cell,
+            direction: opposite(direction),
+            added: 6.0 * WEIGHTS[direction] * along,
+        });
+    }
+    crosses_copied_face.then(|| Source {
+        cell: from,
+        direction: direction_of(velocity).unwrap_or(direction),
+        added: 0.0,
+    })
 }
 
 impl Boundaries {
+    /// True if a wall moves: then copies carry an addend.
+    #[must_use]
+    pub fn moving(&self) -> bool {
+        self.copies.iter().flatten().any(|run| run.added != 0.0)
+    }
+
     /// The copies after a step, by the parity of the step to come.
     #[must_use]
     pub fn new(grid: &Grid, ends: StreamwiseEnds, sides: Sides) -> Self {
@@ -94,16 +149,16 @@ impl Boundaries {
                             if !outside {
                                 continue;
                             }
-                            let Some((cell, leaving)) = source(grid, ends, sides, link, direction)
-                            else {
+                            let Some(source) = source(grid, ends, sides, link, direction) else {
                                 continue;
                             };
-                            let (to_array, to) = grid.slot(grid.index(link), direction, odd);
+                            let leaving = source.direction;
+                            let to = grid.slot(grid.index(link), direction, odd);
                             let target: [i64; 3] = std::array::from_fn(|a| {
-                                cell[a] + i64::from(DIRECTIONS[leaving][a])
+                                source.cell[a] + i64::from(DIRECTIONS[leaving][a])
                             });
-                            let (from_array, from) = grid.slot(grid.index(target), leaving, odd);
-                            push(runs, to_array, to, from_array, from);
+                            let from = grid.slot(grid.index(target), leaving, odd);
+                            push(runs, to, from, source.added);
                         }
                     }
                 }
@@ -113,12 +168,18 @@ impl Boundaries {
     }
 }
 
-fn push(runs: &mut Vec<Run>, to_array: usize, to: usize, from_array: usize, from: usize) {
+fn push(
+    runs: &mut Vec<Run>,
+    (to_array, to): (usize, usize),
+    (from_array, from): (usize, usize),
+    added: f64,
+) {
     if let Some(last) = runs.last_mut()
         && usize::from(last.to_array) == to_array
         && usize::from(last.from_array) == from_array
         && (last.to + last.length) as usize == to
         && (last.from + last.length) as usize == from
+        && last.added.to_bits() == added.to_bits()
     {
         last.length += 1;
         return;
@@ -129,5 +190,6 @@ fn push(runs: &mut Vec<Run>, to_array: usize, to: usize, from_array: usize, from
         to: to as u32,
         from: from as u32,
         length: 1,
+        added,
     });
 }

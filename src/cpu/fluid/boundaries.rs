@@ -4,15 +4,23 @@
 //! For cell n and direction d with n − c_d outside:
 //! * periodic: what left through the opposite face;
 //! * free slip (half-way specular reflection): what left mirrored at the wall midway between cell and ghost;
+//! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
 //! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell (zero pressure gradient), both as after the
 //!   collision of the step, like every cell that streams;
-//! * pressure outlet: equilibrium with ρ = 1 and the velocity of the last cell but one after its collision; a viscous sponge before it
-//!   (see [`super::Setup::sponge_cells`]) damps vortices that leave.
+//! * pressure outlet: equilibrium with the velocity of the last cell but one after its collision and 1 − a times its density excess; a
+//!   viscous sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
-//! Beyond the sides the ghosts of inlet and outlet are mirrored (or repeated). *Limit*: an inlet of given velocity and an outlet of given
-//! pressure reflect sound; only vortices are damped by the sponge.
+//! Beyond the sides the ghosts of inlet and outlet are mirrored (or repeated).
+//!
+//! The outlet lets sound pass: the outgoing wave ½ (δρ + u/c_s) is taken over from within, and so is the incoming one, ½ (δρ − u/c_s),
+//! which the outlet itself sent in the steps before. With the loss a it therefore adds up −(a/2) δρ: the relaxation towards the target
+//! pressure of a characteristic outlet (LODI with L₁ = K δp; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2; Rudy & Strikwerda
+//! 1980, doi:10.1016/0021-9991(80)90174-6), without a state of its own. a = [`OUTLET_RELAXATION`] / cells, so that the pressure settles
+//! within some passages of sound through the tunnel, while waves shorter than the tunnel leave. *Limits*: waves that meet the
+//! outlet at an angle are reflected in part, and an inlet of given velocity reflects sound whole.
 
 use super::Fluid;
+use crate::lattice::grid::OUTLET_RELAXATION;
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, WEIGHTS, opposite};
 
@@ -27,6 +35,12 @@ impl<T: Real> Fluid<T> {
                 }
                 Err(_) => self.populations[to_array].copy_within(from..from + length, to),
             }
+            if run.added != 0.0 {
+                let added = T::of(run.added);
+                for population in &mut self.populations[to_array][to..to + length] {
+                    *population += added;
+                }
+            }
         }
     }
 }
@@ -36,6 +50,7 @@ impl<T: Real> Fluid<T> {
 pub(super) struct RowEnds<T> {
     inlet_density_excess: T,
     inlet_velocity: [T; 3],
+    outlet_density_excess: T,
     outlet_velocity: [T; 3],
 }
 
@@ -54,7 +69,9 @@ impl<T: Real> RowEnds<T> {
         let (inlet_density_excess, _) = bare_moments(&states[0]);
         let (excess, momentum) = bare_moments(&states[1]);
         let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
+        let kept = T::of(1.0 - OUTLET_RELAXATION / nx as f64);
         Self {
+            outlet_density_excess: kept * excess,
             inlet_density_excess,
             inlet_velocity,
             outlet_velocity: momentum.map(|j| j * inverse_density),
@@ -69,8 +86,11 @@ impl<T: Real> RowEnds<T> {
             // As for any cell, f_i goes to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
             arrays[direction + 1][start - 1] =
                 shifted_equilibrium(direction, self.inlet_density_excess, &self.inlet_velocity);
-            arrays[direction][start + nx] =
-                shifted_equilibrium(direction + 1, T::default(), &self.outlet_velocity);
+            arrays[direction][start + nx] = shifted_equilibrium(
+                direction + 1,
+                self.outlet_density_excess,
+                &self.outlet_velocity,
+            );
         }
     }
 }

@@ -18,7 +18,7 @@ use super::immersed::ForceBox;
 use super::pipeline::{Bound, Pipeline, WORKGROUP, compute_pass};
 use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, OUTLET_RELAXATION, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::{DIRECTION_COUNT, Operator, equilibrium};
 use collide_stream::StepParameters;
@@ -61,8 +61,8 @@ parameters! {
         to_slot: u32,
         /// Element read.
         from_slot: u32,
-        /// Unused: keeps the list's length exact, since buffers are multiples of 16 bytes.
-        padding: u32,
+        /// What a moving wall adds.
+        added: f32,
     }
 }
 
@@ -231,6 +231,7 @@ fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
             f64::from(u8::from(setup.ends == StreamwiseEnds::InletOutlet)),
         ),
         ("SPONGE_LENGTH", setup.sponge_cells.unwrap_or(0.0)),
+        ("OUTLET_RELAXATION", OUTLET_RELAXATION),
     ]
 }
 
@@ -296,7 +297,12 @@ fn boundaries(
     if links.copies.iter().all(Vec::is_empty) {
         return Ok(None);
     }
-    let [pipeline] = device.pipelines(&shaders::BOUNDARIES, ["boundaries"], &[])?;
+    let moving = f64::from(u8::from(links.moving()));
+    let [pipeline] = device.pipelines(
+        &shaders::BOUNDARIES,
+        ["boundaries"],
+        &[("MOVING_WALLS", moving)],
+    )?;
     let bound = |runs: &[crate::lattice::links::Run]| -> Result<_, DeviceError> {
         let mut copies: Vec<BoundaryCopy> = runs
             .iter()
@@ -305,7 +311,7 @@ fn boundaries(
                     arrays: u32::from(run.to_array) + 32 * u32::from(run.from_array),
                     to_slot: run.to + k,
                     from_slot: run.from + k,
-                    padding: 0,
+                    added: run.added as f32,
                 })
             })
             .collect();

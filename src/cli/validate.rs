@@ -1,0 +1,86 @@
+//! `ripstop validate [FILTER]`
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+
+use super::engine::{self, Engine};
+use super::progress::Progress;
+use super::{Failure, emit, exit};
+use crate::plan::Precision;
+use crate::validate::{self, Order, PROBLEMS, Stop};
+
+#[derive(Debug, Args)]
+pub(super) struct ValidateArguments {
+    /// Compute only problems whose name contains this text.
+    filter: Option<String>,
+    /// Real sizes and the gates meant for them, instead of the quick set of a minute or two.
+    #[arg(long)]
+    full: bool,
+    /// Engine for the air.
+    #[arg(long, value_enum, default_value = "auto")]
+    engine: Engine,
+    /// Take the adapter whose name contains this text (see `ripstop devices`); implies --engine gpu.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Floating-point type of the air on the CPU; devices compute in f32.
+    #[arg(long, value_enum, default_value = "f32")]
+    precision: Precision,
+    /// Also write the rows as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
+    let problems = validate::chosen(arguments.filter.as_deref());
+    if problems.is_empty() {
+        let names: Vec<&str> = PROBLEMS.iter().map(|problem| problem.name).collect();
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            format!(
+                "no problem has `{}` in its name; there are {}",
+                arguments.filter.as_deref().unwrap_or_default(),
+                names.join(", ")
+            ),
+        ));
+    }
+    let (placement, device) = engine::air_alone(
+        arguments.engine,
+        arguments.adapter.as_deref(),
+        arguments.precision,
+    )?;
+    let order = Order {
+        problems,
+        full: arguments.full,
+        placement,
+        device,
+    };
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupt);
+    // The first interrupt ends the validation with the rows so far, the second at once.
+    let handler = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(exit::INTERRUPTED));
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        eprintln!("warning: an interrupt will stop the validation without its table: {error}");
+    }
+    let mut progress = Progress::new();
+    let (report, end) = validate::validate(&order, &interrupt, &mut progress);
+    progress.finish();
+    emit(&report.table())?;
+    if let Some(path) = &arguments.out {
+        report
+            .write(path)
+            .map_err(|error| Failure::Other(exit::OUTPUT_FAILED, error.to_string()))?;
+    }
+    match end {
+        Err(Stop::Device(error)) => Err(error.into()),
+        Err(Stop::Interrupted) => Ok(exit::INTERRUPTED),
+        Ok(()) if report.holds() => Ok(0),
+        Ok(()) => Ok(exit::GATE_FAILED),
+    }
+}

@@ -1,0 +1,328 @@
+//! Validation: problems with known answers, computed through the public interface of the crate, one file per problem.
+//!
+//! Each problem computes a few flows and adds rows to a [`Report`]: a quantity, its reference, its error, and the gate that it must pass.
+//! The quick set takes a minute or two on two CPU cores; coarse grids have gates of their own there, which the row says. `--full` takes
+//! the sizes for which the reference gates are meant.
+
+mod acoustic_pulse;
+mod beltrami;
+mod cavity;
+mod couette;
+mod poiseuille;
+mod report;
+mod shear_layer;
+mod soak;
+mod taylor_green;
+mod taylor_green_vortex;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+pub use report::{Gate, Machine, Report, Row};
+
+use crate::gpu::{Device, DeviceError};
+use crate::lattice::Operator;
+use crate::lattice::grid::{Initial, Setup, Sides, StreamwiseEnds};
+use crate::plan::AirPlacement;
+use crate::run::Observer;
+use crate::simulation::AirEngine;
+
+/// Steps between looks at the interrupt flag and reports of progress.
+const STEPS_AT_ONCE: usize = 64;
+
+/// A validation problem.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Cell updates of the quick and of the full set [millions], for progress.
+    updates: [f64; 2],
+    compute: fn(&mut Session) -> Result<(), Stop>,
+}
+
+/// All problems, cheap ones first.
+pub const PROBLEMS: [Problem; 9] = [
+    Problem {
+        name: "poiseuille",
+        updates: [92.0, 800.0],
+        compute: poiseuille::compute,
+    },
+    Problem {
+        name: "couette",
+        updates: [7.0, 60.0],
+        compute: couette::compute,
+    },
+    Problem {
+        name: "taylor-green",
+        updates: [18.0, 290.0],
+        compute: taylor_green::compute,
+    },
+    Problem {
+        name: "beltrami",
+        updates: [280.0, 8_900.0],
+        compute: beltrami::compute,
+    },
+    Problem {
+        name: "acoustic-pulse",
+        updates: [30.0, 30.0],
+        compute: acoustic_pulse::compute,
+    },
+    Problem {
+        name: "soak",
+        updates: [41.0, 410.0],
+        compute: soak::compute,
+    },
+    Problem {
+        name: "shear-layer",
+        updates: [130.0, 73_000.0],
+        compute: shear_layer::compute,
+    },
+    Problem {
+        name: "taylor-green-vortex",
+        updates: [170.0, 8_500.0],
+        compute: taylor_green_vortex::compute,
+    },
+    Problem {
+        name: "cavity",
+        updates: [1_000.0, 60_000.0],
+        compute: cavity::compute,
+    },
+];
+
+/// Problems whose name contains `filter`; all without one.
+#[must_use]
+pub fn chosen(filter: Option<&str>) -> Vec<Problem> {
+    PROBLEMS
+        .into_iter()
+        .filter(|problem| filter.is_none_or(|text| problem.name.contains(text)))
+        .collect()
+}
+
+/// What ends a validation early.
+#[derive(Debug, thiserror::Error)]
+pub enum Stop {
+    /// The user interrupted it; the rows so far are in the report.
+    #[error("interrupted")]
+    Interrupted,
+    /// The device failed.
+    #[error("{0}")]
+    Device(#[from] DeviceError),
+}
+
+/// What to compute, and where.
+#[derive(Debug)]
+pub struct Order {
+    /// The problems.
+    pub problems: Vec<Problem>,
+    /// Real sizes.
+    pub full: bool,
+    /// Who computes the air.
+    pub placement: AirPlacement,
+    /// The device, if one does.
+    pub device: Option<Arc<Device>>,
+}
+
+/// Computes the problems of an order; also returns what ended it early.
+pub fn validate(
+    order: &Order,
+    interrupt: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> (Report, Result<(), Stop>) {
+    let size = usize::from(order.full);
+    let mut session = Session {
+        order,
+        interrupt,
+        observer,
+        report: Report::new(order),
+        problem: "",
+        planned: order.problems.iter().map(|p| p.updates[size]).sum(),
+        done: 0.0,
+        problem_end: 0.0,
+        began: Instant::now(),
+    };
+    let mut end = Ok(());
+    for problem in &order.problems {
+        let start = session.problem_end;
+        session.problem = problem.name;
+        session.done = start;
+        session.problem_end = start + problem.updates[size];
+        session.began = Instant::now();
+        end = (problem.compute)(&mut session);
+        if end.is_err() {
+            break;
+        }
+    }
+    let mut report = session.report;
+    report.interrupted = matches!(end, Err(Stop::Interrupted));
+    (report, end)
+}
+
+/// A validation under way.
+struct Session<'a> {
+    order: &'a Order,
+    interrupt: &'a AtomicBool,
+    observer: &'a mut dyn Observer,
+    report: Report,
+    problem: &'static str,
+    /// Cell updates planned and done [millions].
+    planned: f64,
+    done: f64,
+    /// Updates done once the present problem is.
+    problem_end: f64,
+    /// When the next row's flow began.
+    began: Instant,
+}
+
+impl Session<'_> {
+    /// One of two sizes.
+    fn size<T>(&self, quick: T, full: T) -> T {
+        if self.order.full { full } else { quick }
+    }
+
+    /// Whether the air is computed in double precision.
+    fn is_double(&self) -> bool {
+        self.order.placement == AirPlacement::Cpu(crate::plan::Precision::F64)
+    }
+
+    /// Air at its start.
+    fn air(&self, setup: Setup, initial: &Initial) -> Result<AirEngine, Stop> {
+        Ok(AirEngine::build(
+            setup,
+            Some(initial),
+            self.order.placement,
+            self.order.device.as_ref(),
+        )?)
+    }
+
+    /// Some steps of the air under a uniform acceleration, if there is one.
+    fn advance(
+        &mut self,
+        air: &mut AirEngine,
+        steps: usize,
+        acceleration: Option<[f64; 3]>,
+    ) -> Result<(), Stop> {
+        let cells = air.grid().cell_count() as f64;
+        let mut left = steps;
+        while left > 0 {
+            if self.interrupt.load(Ordering::Relaxed) {
+                return Err(Stop::Interrupted);
+            }
+            let count = left.min(STEPS_AT_ONCE);
+            match (&mut *air, acceleration) {
+                (AirEngine::Gpu(fluid), None) => fluid.collide_stream_steps(count)?,
+                _ => {
+                    for _ in 0..count {
+                        air.collide_stream(acceleration, None)?;
+                    }
+                }
+            }
+            if let Some(device) = &self.order.device {
+                device.wait()?;
+            }
+            left -= count;
+            self.done = (self.done + 1e-6 * cells * count as f64).min(self.problem_end);
+            self.observer.progress(
+                self.done.ceil().max(1.0) as u64,
+                self.planned.ceil().max(1.0) as u64,
+                self.problem,
+            );
+        }
+        Ok(())
+    }
+
+    /// Adds a row; its time is that since the row before.
+    fn row(&mut self, cells: [usize; 3], quantity: impl Into<String>, value: f64) -> &mut Row {
+        let now = Instant::now();
+        let seconds = now.duration_since(self.began).as_secs_f64();
+        self.began = now;
+        self.report.add(Row::new(
+            self.problem,
+            quantity.into(),
+            value,
+            cells,
+            seconds,
+        ))
+    }
+
+    /// Adds a row of errors on ever finer grids per coarser one, gated by the order of convergence, and one with the error at 32 cells.
+    fn orders(&mut self, what: &str, errors: &[([usize; 3], usize, f64)]) {
+        for &(cells, n, error) in errors {
+            let row = self.row(cells, format!("{what}: L2 error, N = {n}"), error);
+            if n == 32 {
+                row.gate(Gate::AtMost(5e-3));
+            }
+        }
+        for pair in errors.windows(2) {
+            let [(_, coarse, e0), (cells, fine, e1)] = [pair[0], pair[1]];
+            let order = (e0 / e1).ln() / (fine as f64 / coarse as f64).ln();
+            self.row(
+                cells,
+                format!("{what}: order, N = {coarse} to {fine}"),
+                order,
+            )
+            .reference(2.0, "second order, exact solution")
+            .gate(Gate::AtLeast(1.9));
+        }
+    }
+}
+
+/// Air in a periodic box.
+fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setup {
+    Setup {
+        cells,
+        ends: StreamwiseEnds::Periodic,
+        sides: Sides::Periodic,
+        relaxation_time,
+        sponge_cells: None,
+        operator,
+        smagorinsky_constant: None,
+    }
+}
+
+/// ν = (τ − ½)/3.
+fn viscosity(relaxation_time: f64) -> f64 {
+    (relaxation_time - 0.5) / 3.0
+}
+
+/// τ = ½ + 3 ν.
+fn relaxation_time(viscosity: f64) -> f64 {
+    0.5 + 3.0 * viscosity
+}
+
+const OPERATORS: [(Operator, &str); 2] = [
+    (Operator::TwoRelaxationTimes, "TRT"),
+    (Operator::RecursiveRegularised, "regularised"),
+];
+
+/// Density excess and bare velocity of all cells, x fastest, in the engine's precision.
+fn states(air: &AirEngine) -> Result<Vec<(f64, [f64; 3])>, Stop> {
+    let [nx, ny, nz] = air.grid().cells;
+    let cells = (0..nx * ny * nz).map(|i| [i % nx, i / nx % ny, i / nx / ny]);
+    Ok(match air {
+        AirEngine::CpuF64(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
+        AirEngine::CpuF32(_) | AirEngine::Gpu(_) => air
+            .macroscopic()?
+            .into_iter()
+            .map(|(excess, u)| (f64::from(excess), u.map(f64::from)))
+            .collect(),
+    })
+}
+
+/// Relative L2 error of the velocity against `exact(cell)`; `shift` is added to the computed velocity first.
+fn velocity_error(
+    air: &AirEngine,
+    shift: [f64; 3],
+    exact: impl Fn([usize; 3]) -> [f64; 3],
+) -> Result<f64, Stop> {
+    let [nx, ny, _] = air.grid().cells;
+    let (mut off, mut whole) = (0.0, 0.0);
+    for (i, (_, u)) in states(air)?.into_iter().enumerate() {
+        let e = exact([i % nx, i / nx % ny, i / nx / ny]);
+        for a in 0..3 {
+            off += (u[a] + shift[a] - e[a]).powi(2);
+            whole += e[a] * e[a];
+        }
+    }
+    Ok((off / whole).sqrt())
+}

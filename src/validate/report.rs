@@ -1,0 +1,275 @@
+//! The rows of a validation, as a table and as JSON.
+
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::Order;
+use crate::output::{OutputError, write_atomically};
+
+/// Version of the layout of the JSON file.
+const SCHEMA_VERSION: u32 = 1;
+
+/// What a quantity must keep to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gate {
+    /// The value itself is an error: at most so large.
+    AtMost(f64),
+    /// The value is at least so large.
+    AtLeast(f64),
+    /// The value lies within this relative distance of the reference.
+    Within(f64),
+}
+
+/// One quantity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Name of the problem.
+    pub problem: &'static str,
+    /// The quantity, a plain number.
+    pub quantity: String,
+    /// Its value; not finite where the flow broke down (`null` in the file).
+    pub value: f64,
+    /// What it should be.
+    pub reference: Option<f64>,
+    /// Where the reference comes from.
+    pub source: Option<&'static str>,
+    /// (value − reference)/|reference|; `None` without a reference or for one of zero.
+    pub error: Option<f64>,
+    /// What it must keep to; `None` for a number that is only stated.
+    pub gate: Option<Gate>,
+    /// Whether it does; `None` without a gate.
+    pub holds: Option<bool>,
+    /// Time since the row before [s].
+    pub seconds: f64,
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+}
+
+impl Row {
+    pub(super) fn new(
+        problem: &'static str,
+        quantity: String,
+        value: f64,
+        cells: [usize; 3],
+        seconds: f64,
+    ) -> Self {
+        Self {
+            problem,
+            quantity,
+            value,
+            reference: None,
+            source: None,
+            error: None,
+            gate: None,
+            holds: None,
+            seconds,
+            cells,
+        }
+    }
+
+    /// Adds what the value should be, and who says so.
+    pub(super) fn reference(&mut self, reference: f64, source: &'static str) -> &mut Self {
+        self.reference = Some(reference);
+        self.source = Some(source);
+        self.error = (reference != 0.0).then(|| (self.value - reference) / reference.abs());
+        self
+    }
+
+    /// Adds what the value must keep to. A value that is not a number keeps to nothing.
+    pub(super) fn gate(&mut self, gate: Gate) -> &mut Self {
+        self.gate = Some(gate);
+        self.holds = Some(match gate {
+            Gate::AtMost(limit) => self.value.abs() <= limit,
+            Gate::AtLeast(limit) => self.value >= limit,
+            Gate::Within(limit) => self.error.is_some_and(|error| error.abs() <= limit),
+        });
+        self
+    }
+}
+
+/// The machine that computed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// Operating system and architecture.
+    pub system: String,
+    /// Processor, as it names itself, if it does.
+    pub processor: Option<String>,
+    /// Threads used.
+    pub threads: usize,
+    /// Device, if one computed.
+    pub device: Option<String>,
+}
+
+/// All rows, and what computed them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of the layout; raised when a field changes its meaning or goes away.
+    pub schema_version: u32,
+    /// Version of Ripstop.
+    pub ripstop_version: &'static str,
+    /// Commit, where the build was told (`RIPSTOP_COMMIT`).
+    pub commit: Option<&'static str>,
+    /// The machine.
+    pub machine: Machine,
+    /// `cpu` or `gpu`.
+    pub engine: &'static str,
+    /// Floating-point type of the air.
+    pub precision: &'static str,
+    /// `quick` or `full`.
+    pub set: &'static str,
+    /// True if it was interrupted: problems are missing.
+    pub interrupted: bool,
+    /// The rows.
+    pub rows: Vec<Row>,
+}
+
+impl Report {
+    pub(super) fn new(order: &Order) -> Self {
+        let placement = crate::plan::Placement {
+            air: order.placement,
+            ..crate::plan::Placement::from(crate::plan::Precision::F32)
+        };
+        let processor = sysinfo::System::new().ok().and_then(|mut system| {
+            system.refresh_cpu_all();
+            let brand = system.cpus().first()?.brand().trim().to_owned();
+            (!brand.is_empty()).then_some(brand)
+        });
+        Self {
+            schema_version: SCHEMA_VERSION,
+            ripstop_version: env!("CARGO_PKG_VERSION"),
+            commit: option_env!("RIPSTOP_COMMIT"),
+            machine: Machine {
+                system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+                processor,
+                threads: rayon::current_num_threads(),
+                device: order.device.as_ref().map(|d| d.info().name.clone()),
+            },
+            engine: placement.engine(),
+            precision: placement.precision().name(),
+            set: if order.full { "full" } else { "quick" },
+            interrupted: false,
+            rows: Vec::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, row: Row) -> &mut Row {
+        self.rows.push(row);
+        let last = self.rows.len() - 1;
+        &mut self.rows[last]
+    }
+
+    /// True if no gate fails.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.rows.iter().all(|row| row.holds != Some(false))
+    }
+
+    /// The rows as an aligned table, one line each, and a line that sums up.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let head = [
+            "problem",
+            "quantity",
+            "value",
+            "reference",
+            "error",
+            "gate",
+            "verdict",
+            "s",
+            "cells",
+            "engine",
+        ];
+        let engine = format!("{} {}", self.engine, self.precision);
+        let mut lines = vec![head.map(str::to_owned)];
+        lines.extend(self.rows.iter().map(|row| {
+            [
+                row.problem.to_owned(),
+                row.quantity.clone(),
+                number(row.value),
+                row.reference.map_or_else(dash, number),
+                row.error
+                    .map_or_else(dash, |e| format!("{:+.2} %", 100.0 * e)),
+                row.gate.map_or_else(dash, |gate| match gate {
+                    Gate::AtMost(limit) => format!("<= {}", number(limit)),
+                    Gate::AtLeast(limit) => format!(">= {}", number(limit)),
+                    Gate::Within(limit) => format!("+-{} %", number(100.0 * limit)),
+                }),
+                match row.holds {
+                    Some(true) => "holds".to_owned(),
+                    Some(false) => "FAILS".to_owned(),
+                    None => dash(),
+                },
+                format!("{:.1}", row.seconds),
+                format!("{}x{}x{}", row.cells[0], row.cells[1], row.cells[2]),
+                engine.clone(),
+            ]
+        }));
+        let widths: [usize; 10] = std::array::from_fn(|column| {
+            let lengths = lines.iter().map(|line| line[column].chars().count());
+            lengths.max().unwrap_or(0)
+        });
+        let mut text = String::new();
+        for line in &lines {
+            let padded: Vec<String> = line
+                .iter()
+                .zip(widths)
+                .enumerate()
+                .map(|(column, (entry, width))| match column {
+                    2..=5 | 7 => format!("{entry:>width$}"),
+                    _ => format!("{entry:<width$}"),
+                })
+                .collect();
+            text.push_str(padded.join("  ").trim_end());
+            text.push('\n');
+        }
+        let gated = self.rows.iter().filter(|row| row.holds.is_some()).count();
+        let failing = self.rows.iter().filter(|row| row.holds == Some(false));
+        text.push_str(&format!(
+            "{gated} gates, {} fail; {} set, {:.0} s{}\n",
+            failing.count(),
+            self.set,
+            self.rows.iter().map(|row| row.seconds).sum::<f64>(),
+            if self.interrupted {
+                "; interrupted, problems are missing"
+            } else {
+                ""
+            }
+        ));
+        text
+    }
+
+    /// Writes the report as JSON.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        write_atomically(path, |out| {
+            serde_json::to_writer_pretty(&mut *out, self).map_err(io::Error::other)?;
+            out.write_all(b"\n")
+        })
+    }
+}
+
+fn dash() -> String {
+    "-".to_owned()
+}
+
+/// Four digits, with an exponent where they would be lost in zeros.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if !value.is_finite() {
+        "not finite".to_owned()
+    } else if (1e-3..1e4).contains(&size) {
+        let digits = 3 - size.log10().floor() as i32;
+        let text = format!("{value:.*}", digits.max(0) as usize);
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
+    } else {
+        format!("{value:.2e}")
+    }
+}
