@@ -16,15 +16,12 @@ use std::time::{Duration, Instant};
 use ripstop::case::{self, Choices, SHIPPED};
 use ripstop::gpu::{AdapterChoice, Device, bandwidth::copy_bandwidth};
 use ripstop::immersed::touched::TouchedCells;
-use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision};
+use ripstop::lattice::{DIRECTION_COUNT, Operator};
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
 use ripstop::run::without_files;
 use ripstop::simulation::{AirEngine, MarkerEngine, Simulation};
 use serde_json::{Value, json};
-
-/// Bytes that a step moves per cell: 19 populations read and written in f32.
-const BYTES_PER_CELL: f64 = 152.0;
 
 fn load(name: &str, overrides: &[String]) -> case::Case {
     let (_, source) = SHIPPED.iter().find(|(n, _)| *n == name).unwrap();
@@ -56,17 +53,37 @@ impl Budget {
 /// Taylor–Green vortices in a periodic box of n³ cells: updates per second, bandwidth, and the error of their energy after the steps
 /// timed, against its exact decay.
 fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> {
-    println!("\nbare air, periodic, no eddy viscosity: 152 B per cell and step at most");
     println!(
-        "{:>5} {:>22} {:>9} {:>9} {:>9} {:>12}",
+        "\nbare air, periodic, no eddy viscosity: 152 B per cell and step at most, 76 B with 16-bit storage"
+    );
+    println!(
+        "{:>5} {:>28} {:>9} {:>9} {:>9} {:>12}",
         "side", "operator", "MLUPS", "GB/s", "of copy", "energy error"
     );
     let mut rows = Vec::new();
     let mut rate = 4e6;
     for side in [64usize, 128, 192, 256, 384, 512] {
-        for (operator, name) in [
-            (Operator::TwoRelaxationTimes, "two_relaxation_times"),
-            (Operator::RecursiveRegularised, "recursive_regularised"),
+        for (operator, storage, name) in [
+            (
+                Operator::TwoRelaxationTimes,
+                Storage::F32,
+                "two_relaxation_times",
+            ),
+            (
+                Operator::TwoRelaxationTimes,
+                Storage::F16,
+                "two_relaxation_times 16-bit",
+            ),
+            (
+                Operator::RecursiveRegularised,
+                Storage::F32,
+                "recursive_regularised",
+            ),
+            (
+                Operator::RecursiveRegularised,
+                Storage::F16,
+                "recursive_regularised 16-bit",
+            ),
         ] {
             let cells = (side as f64).powi(3);
             let what = format!("bare air {side}^3 {name}");
@@ -94,11 +111,16 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
                     [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
                 )
             };
-            let air = AirEngine::build(setup, Some(&initial), AirPlacement::Gpu, Some(device));
+            let air = AirEngine::build(
+                setup,
+                Some(&initial),
+                AirPlacement::Gpu(storage),
+                Some(device),
+            );
             let mut air = match air {
                 Ok(air) => air,
                 Err(error) => {
-                    println!("{side:>5} {name:>22} not possible: {error}");
+                    println!("{side:>5} {name:>28} not possible: {error}");
                     rows.push(json!({"side": side, "operator": name, "error": error.to_string()}));
                     continue;
                 }
@@ -122,9 +144,9 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
             let exact = 4.0 * (tau - 0.5) / 3.0 * k * k * (steps + 4) as f64;
             let error = after / before / (-exact).exp() - 1.0;
             rate = cells * steps as f64 / seconds;
-            let bytes = rate * BYTES_PER_CELL;
+            let bytes = rate * (2 * DIRECTION_COUNT) as f64 * storage.bytes() as f64;
             println!(
-                "{side:>5} {name:>22} {:>9.0} {:>9.1} {:>8.1}% {error:>12.1e}",
+                "{side:>5} {name:>28} {:>9.0} {:>9.1} {:>8.1}% {error:>12.1e}",
                 rate / 1e6,
                 bytes / 1e9,
                 100.0 * bytes / copy
@@ -175,7 +197,8 @@ fn marker_lists(device: &Arc<Device>) -> Vec<Value> {
             smagorinsky_constant: None,
         };
         let cells = setup.cells;
-        let air = AirEngine::build(setup, None, AirPlacement::Gpu, Some(device)).unwrap();
+        let air =
+            AirEngine::build(setup, None, AirPlacement::Gpu(Storage::F32), Some(device)).unwrap();
         let mut markers = MarkerEngine::new(&air, vec![1.0; count], 1.6).unwrap();
         let mut lists = TouchedCells::default();
         let mut best = [f64::INFINITY; 2];
@@ -241,12 +264,12 @@ fn canopy(device: &Arc<Device>, budget: &mut Budget) -> Vec<Value> {
         for (name, air, cloth) in [
             (
                 "device, cloth on host",
-                AirPlacement::Gpu,
+                AirPlacement::Gpu(Storage::F32),
                 ClothPlacement::Host,
             ),
             (
                 "device, cloth on device",
-                AirPlacement::Gpu,
+                AirPlacement::Gpu(Storage::F32),
                 ClothPlacement::Device,
             ),
             (
@@ -258,20 +281,22 @@ fn canopy(device: &Arc<Device>, budget: &mut Budget) -> Vec<Value> {
             let plan = Plan::new(&case.scene, placement(air, cloth, device));
             let updates = plan.sizes.cells as f64 * (plan.start_steps + plan.steps) as f64;
             let rate = match air {
-                AirPlacement::Gpu => device_rate,
+                AirPlacement::Gpu(_) => device_rate,
                 AirPlacement::Cpu(_) => 4e7 * rayon::current_num_threads() as f64,
             };
             let what = format!("canopy {cells_per_diameter} cells per D_0, {name}");
             if !budget.allows(&what, 1.5 * updates / rate) {
                 continue;
             }
-            let taken = Some(device).filter(|_| air == AirPlacement::Gpu).cloned();
+            let taken = Some(device)
+                .filter(|_| air == AirPlacement::Gpu(Storage::F32))
+                .cloned();
             let cells = plan.sizes.cells;
             let start = Instant::now();
             let (simulation, record) = without_files(&case, plan, taken).unwrap();
             let seconds = start.elapsed().as_secs_f64();
             let steps = simulation.step_count() as f64;
-            if air == AirPlacement::Gpu {
+            if air == AirPlacement::Gpu(Storage::F32) {
                 device_rate = updates / seconds;
             }
             let diameter = record.latest("projected_diameter_ratio").unwrap();

@@ -77,22 +77,22 @@ fn send_ghosts(p: Place, out: Populations) {
         let excess = moments(out).density_excess;
         let u = step.inlet_velocity.xyz;
         let ghost = n - p.cell.x - 1u;
-        far_x[ghost + 1u] = shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u);
-        far_xy[ghost + 1u + STRIDE_Y] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u);
-        far_xz[ghost + 1u + STRIDE_Z] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u);
-        far_x_y[ghost + 1u - STRIDE_Y] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u);
-        far_x_z[ghost + 1u - STRIDE_Z] = shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u);
+        far_x[ghost + 1u] = packed(shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
+        far_xy[ghost + 1u + STRIDE_Y] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
+        far_xz[ghost + 1u + STRIDE_Z] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));
+        far_x_y[ghost + 1u - STRIDE_Y] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u));
+        far_x_z[ghost + 1u - STRIDE_Z] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u));
     }
     if p.cell.x == max(CELLS_X, 2u) - 2u {
         let state = bare_state(out);
         let u = state.xyz;
         let excess = (1.0 - OUTLET_RELAXATION / f32(CELLS_X)) * state.w;
         let ghost = n + CELLS_X - p.cell.x;
-        near_x[ghost] = shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), excess, u);
-        near_xy[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), excess, u);
-        near_xz[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), excess, u);
-        near_x_y[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 1.0, 0.0), excess, u);
-        near_x_z[ghost] = shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, 1.0), excess, u);
+        near_x[ghost] = packed(shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), excess, u));
+        near_xy[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), excess, u));
+        near_xz[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), excess, u));
+        near_x_y[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 1.0, 0.0), excess, u));
+        near_x_z[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, 1.0), excess, u));
     }
 }
 

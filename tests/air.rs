@@ -6,13 +6,15 @@ use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::lattice::{Operator, Real};
 use ripstop::simulation::AirEngine;
 
-use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, plain, states};
+use crate::engines::{
+    Body, Engine, mass_and_momentum, on_every_engine, on_every_storage, plain, states,
+};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
     [
-        on_every_engine("air::taylor_green_decay", Decay),
-        on_every_engine("air::conservation", Conservation),
+        on_every_storage("air::taylor_green_decay", Decay),
+        on_every_storage("air::conservation", Conservation),
         plain("air::forced_cells_add_their_force::cpu_f64", || {
             forced::<f64>(Engine::CpuF64)
         }),
@@ -22,7 +24,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("air::free_slip_is_a_mirror", Mirror),
         on_every_engine("air::uniform_wind_passes_unchanged", Wind),
         on_every_engine("air::an_empty_tunnel_starts_without_sound", TunnelStart),
-        on_every_engine("air::shear_layer_at_reynolds_2e6", ShearLayer),
+        on_every_storage("air::shear_layer_at_reynolds_2e6", ShearLayer),
         on_every_engine("air::eddy_viscosity_of_a_shear_wave", EddyViscosity),
         plain("air::taylor_green_order", order),
         plain("air::same_bits_on_any_number_of_threads", threads),

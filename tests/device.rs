@@ -10,7 +10,7 @@ use ripstop::gpu::{AdapterChoice, Device, DeviceError};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision};
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
 use ripstop::render;
 use ripstop::run::without_files;
 use ripstop::simulation::{AirEngine, Balance, Failure, MarkerEngine, Simulation};
@@ -50,7 +50,7 @@ pub fn trials() -> Vec<Trial> {
 }
 
 fn orphans() {
-    let registered: BTreeSet<&str> = shaders::ALL
+    let registered: BTreeSet<&str> = shaders::all()
         .iter()
         .flat_map(|shader| shader.parts.iter().map(|(file, _)| *file))
         .collect();
@@ -73,7 +73,7 @@ fn orphans() {
 }
 
 fn every_shader() {
-    for shader in shaders::ALL {
+    for shader in &shaders::all() {
         let (module, info) = validate(shader).unwrap_or_else(|e| panic!("{}: {e}", shader.name));
         assert!(
             !module.entry_points.is_empty(),
@@ -106,7 +106,7 @@ fn every_shader() {
 fn structs() {
     let layouts = shaders::layouts();
     let mut seen = BTreeSet::new();
-    for shader in shaders::ALL {
+    for shader in &shaders::all() {
         let (module, _) = validate(shader).unwrap();
         for (_, kind) in module.types.iter() {
             let (Some(name), naga::TypeInner::Struct { members, span }) = (&kind.name, &kind.inner)
@@ -160,7 +160,7 @@ fn names() {
         host.push_str(&std::fs::read_to_string(file).unwrap());
     }
     let (mut declared, mut used) = (BTreeSet::new(), BTreeSet::new());
-    for shader in shaders::ALL {
+    for shader in &shaders::all() {
         let (module, info) = validate(shader).unwrap();
         for point in &module.entry_points {
             if point.stage != naga::ShaderStage::Compute {
@@ -201,7 +201,7 @@ fn names() {
 /// What an adapter must offer is what the widest entry point takes.
 fn storage_buffers() {
     let mut widest = 0;
-    for shader in shaders::ALL {
+    for shader in &shaders::all() {
         let (module, info) = validate(shader).unwrap();
         for (index, point) in module.entry_points.iter().enumerate() {
             let uses = info.get_entry_point(index);
@@ -450,7 +450,7 @@ fn first_steps() {
     let (cpu, cpu_record) = run(Precision::F32.into());
     let cell = case.scene.air.unwrap().units.cell_size_m;
     for cloth in [ClothPlacement::Host, ClothPlacement::Device] {
-        let (gpu, gpu_record) = run(placed(AirPlacement::Gpu, cloth));
+        let (gpu, gpu_record) = run(placed(AirPlacement::Gpu(Storage::F32), cloth));
         let (a, b) = (cpu.cloth().unwrap(), gpu.cloth().unwrap());
         let farthest = a
             .positions_m
@@ -483,7 +483,10 @@ fn canopy() {
         ]
     };
     let cpu = run(Precision::F32.into());
-    let gpu = run(placed(AirPlacement::Gpu, ClothPlacement::Host));
+    let gpu = run(placed(
+        AirPlacement::Gpu(Storage::F32),
+        ClothPlacement::Host,
+    ));
     for (a, b) in cpu.iter().zip(gpu) {
         assert!(
             (b / a - 1.0).abs() < tolerances::DEVICE_OPENING,
@@ -497,7 +500,7 @@ fn same_bits() {
     let bits = || {
         let plan = Plan::new(
             &case.scene,
-            placed(AirPlacement::Gpu, ClothPlacement::Device),
+            placed(AirPlacement::Gpu(Storage::F32), ClothPlacement::Device),
         );
         let (simulation, _) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
         let sheet: Vec<u64> = simulation
@@ -519,7 +522,10 @@ fn same_bits() {
 /// The first frame of the canopy in its tunnel, drawn by both rasterisers.
 fn pictures() {
     let case = small_case(&["time.end_s=0.0005"]);
-    let plan = Plan::new(&case.scene, placed(AirPlacement::Gpu, ClothPlacement::Host));
+    let plan = Plan::new(
+        &case.scene,
+        placed(AirPlacement::Gpu(Storage::F32), ClothPlacement::Host),
+    );
     let (simulation, _) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
     let frame = simulation.frame(true).unwrap();
     let picture = render::picture_of(&frame, &render::PictureOptions::default());
@@ -541,7 +547,10 @@ fn pictures() {
 fn lost() {
     let device = Device::open(&AdapterChoice::Any).unwrap();
     let case = small_case(&["time.end_s=0.004"]);
-    let plan = Plan::new(&case.scene, placed(AirPlacement::Gpu, ClothPlacement::Host));
+    let plan = Plan::new(
+        &case.scene,
+        placed(AirPlacement::Gpu(Storage::F32), ClothPlacement::Host),
+    );
     let mut simulation = Simulation::new(case.scene.clone(), plan, Some(device.clone())).unwrap();
     for _ in 0..3 {
         simulation.advance().unwrap();
@@ -568,7 +577,8 @@ fn too_large() {
         cells: [side; 3],
         ..setups().remove(0)
     };
-    let error = AirEngine::build(setup, None, AirPlacement::Gpu, Some(&device)).unwrap_err();
+    let error =
+        AirEngine::build(setup, None, AirPlacement::Gpu(Storage::F32), Some(&device)).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, DeviceError::Limit { .. }), "{text}");
     let allowed = format!("{:.1} MB", limit as f64 / 1e6);

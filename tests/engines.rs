@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use libtest_mimic::Trial;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
 use ripstop::lattice::grid::{Initial, Setup};
-use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Precision};
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Precision, Storage};
 use ripstop::simulation::AirEngine;
 
 /// Where the air is computed.
@@ -14,6 +14,8 @@ pub enum Engine {
     CpuF64,
     CpuF32,
     Gpu,
+    /// The device with populations in 16 bits; not for every test.
+    GpuF16,
 }
 
 impl Engine {
@@ -24,6 +26,7 @@ impl Engine {
             Self::CpuF64 => "cpu_f64",
             Self::CpuF32 => "cpu_f32",
             Self::Gpu => "gpu",
+            Self::GpuF16 => "gpu_f16",
         }
     }
 
@@ -31,7 +34,8 @@ impl Engine {
         match self {
             Self::CpuF64 => AirPlacement::Cpu(Precision::F64),
             Self::CpuF32 => AirPlacement::Cpu(Precision::F32),
-            Self::Gpu => AirPlacement::Gpu,
+            Self::Gpu => AirPlacement::Gpu(Storage::F32),
+            Self::GpuF16 => AirPlacement::Gpu(Storage::F16),
         }
     }
 
@@ -41,13 +45,18 @@ impl Engine {
             air: self.placement(),
             cloth: ClothPlacement::Host,
             device: self.device().map(|device| device.info().name.clone()),
-            shared_memory: self == Self::Gpu,
+            shared_memory: self.on_device(),
         }
     }
 
     /// The device that this engine needs.
     pub fn device(self) -> Option<Arc<Device>> {
-        (self == Self::Gpu).then(|| Arc::clone(device().as_ref().unwrap()))
+        self.on_device()
+            .then(|| Arc::clone(device().as_ref().unwrap()))
+    }
+
+    const fn on_device(self) -> bool {
+        matches!(self, Self::Gpu | Self::GpuF16)
     }
 
     /// Air of a set-up.
@@ -126,11 +135,21 @@ pub trait Body: Send + Copy + 'static {
 
 /// Trials of `body` on every engine.
 pub fn on_every_engine(name: &str, body: impl Body) -> Vec<Trial> {
-    Engine::ALL
-        .into_iter()
+    on_engines(&Engine::ALL, name, body)
+}
+
+/// Trials of `body` on every engine, 16-bit storage included.
+pub fn on_every_storage(name: &str, body: impl Body) -> Vec<Trial> {
+    on_engines(&[&Engine::ALL[..], &[Engine::GpuF16]].concat(), name, body)
+}
+
+fn on_engines(engines: &[Engine], name: &str, body: impl Body) -> Vec<Trial> {
+    engines
+        .iter()
+        .copied()
         .map(|engine| {
             let name = format!("{name}::{}", engine.name());
-            if engine == Engine::Gpu {
+            if engine.on_device() {
                 return needs_device(name, move || body.run(engine));
             }
             Trial::test(name, move || {

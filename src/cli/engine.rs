@@ -10,7 +10,7 @@ use crate::case::Scene;
 use crate::gpu::adapters::{adapters, chosen};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
-use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes};
+use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage};
 
 /// Nodes from which `--cloth auto` puts the fabric on a real GPU: an estimate, for no GPU has been at hand. On a software adapter the
 /// host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`). What weighs
@@ -39,6 +39,40 @@ enum ClothChoice {
     Device,
 }
 
+/// Floating-point type of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrecisionChoice {
+    /// Double precision, on the CPU only: the reference.
+    F64,
+    /// Single precision.
+    F32,
+    /// Single precision, but populations kept in 16 bits, on a device only: half the memory and traffic, larger error.
+    F16Storage,
+}
+
+impl PrecisionChoice {
+    /// On CPU threads.
+    pub const fn on_cpu(self) -> Precision {
+        match self {
+            Self::F64 => Precision::F64,
+            Self::F32 | Self::F16Storage => Precision::F32,
+        }
+    }
+
+    /// On a device.
+    const fn storage(self) -> Storage {
+        match self {
+            Self::F64 | Self::F32 => Storage::F32,
+            Self::F16Storage => Storage::F16,
+        }
+    }
+}
+
+const F64_ON_DEVICE: &str = "--precision f64 needs --engine cpu: devices compute in f32";
+
+const F16_ON_CPU: &str =
+    "--precision f16-storage needs a device (--engine gpu): the CPU gains nothing from 16 bits";
+
 /// Choice of engines.
 #[derive(Debug, Args)]
 pub(super) struct EngineArguments {
@@ -51,9 +85,9 @@ pub(super) struct EngineArguments {
     /// Take the adapter whose name contains this text (see `ripstop devices`); implies --engine gpu.
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     adapter: Option<String>,
-    /// Floating-point type of the air on the CPU; devices compute in f32.
+    /// Floating-point type of the air.
     #[arg(long, value_enum, default_value = "f32")]
-    pub precision: Precision,
+    pub precision: PrecisionChoice,
 }
 
 impl From<DeviceError> for Failure {
@@ -82,8 +116,11 @@ impl EngineArguments {
             (engine, _) => engine,
         };
         let misuse = |what: &str| Err(Failure::Other(exit::BAD_CASE, what.to_owned()));
-        if engine == Engine::Gpu && self.precision == Precision::F64 {
-            return misuse("--precision f64 needs --engine cpu: devices compute in f32");
+        if engine == Engine::Gpu && self.precision == PrecisionChoice::F64 {
+            return misuse(F64_ON_DEVICE);
+        }
+        if engine == Engine::Cpu && self.precision == PrecisionChoice::F16Storage {
+            return misuse(F16_ON_CPU);
         }
         if engine == Engine::Cpu && named.is_some() && self.cloth != ClothChoice::Device {
             return misuse(
@@ -107,12 +144,16 @@ impl EngineArguments {
             _ if scene.air.is_none() => None,
             Engine::Cpu => None,
             Engine::Gpu => Some(Device::open(&on_request)?),
-            Engine::Auto if self.precision == Precision::F64 => None,
-            Engine::Auto => automatic(scene),
+            Engine::Auto => match self.precision {
+                PrecisionChoice::F64 => None,
+                PrecisionChoice::F32 => automatic(scene),
+                // Only a device can.
+                PrecisionChoice::F16Storage => Some(Device::open(&AdapterChoice::Hardware)?),
+            },
         };
         let air = match device {
-            Some(_) => AirPlacement::Gpu,
-            None => AirPlacement::Cpu(self.precision),
+            Some(_) => AirPlacement::Gpu(self.precision.storage()),
+            None => AirPlacement::Cpu(self.precision.on_cpu()),
         };
         let nodes = scene
             .body
@@ -147,15 +188,19 @@ impl EngineArguments {
             device: device.as_ref().map(|d| d.info().name.clone()),
             shared_memory: matches!(kind, Some(AdapterKind::Software | AdapterKind::Integrated)),
         };
-        if let (AirPlacement::Gpu, Some(device)) = (air, &device) {
+        if let (AirPlacement::Gpu(_), Some(device)) = (air, &device) {
+            stores(self.precision, device)?;
             air_fits(scene, &placement, device)?;
         }
         if let (true, Some(device)) = (cloth_on_device, &device) {
             fabric_fits(nodes, device)?;
         }
-        let chosen_by_itself = engine == Engine::Auto && self.cloth != ClothChoice::Device;
+        let chosen_by_itself = engine == Engine::Auto
+            && self.cloth != ClothChoice::Device
+            && self.precision != PrecisionChoice::F16Storage;
         Ok(Placed {
-            fallback: (chosen_by_itself && device.is_some()).then(|| self.precision.into()),
+            fallback: (chosen_by_itself && device.is_some())
+                .then(|| self.precision.on_cpu().into()),
             placement,
             device,
         })
@@ -166,7 +211,7 @@ impl EngineArguments {
 fn automatic(scene: &Scene) -> Option<Arc<Device>> {
     chosen(&adapters(), &AdapterChoice::Hardware)?;
     let placement = Placement {
-        air: AirPlacement::Gpu,
+        air: AirPlacement::Gpu(Storage::F32),
         ..Placement::from(Precision::F32)
     };
     let opened = Device::open(&AdapterChoice::Hardware)
@@ -174,6 +219,14 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
     opened
         .inspect_err(|error| eprintln!("note: the CPU computes the air, since {error}"))
         .ok()
+}
+
+/// Whether the device can keep populations as asked for.
+fn stores(precision: PrecisionChoice, device: &Device) -> Result<(), DeviceError> {
+    if precision == PrecisionChoice::F16Storage {
+        device.require_f16()?;
+    }
+    Ok(())
 }
 
 /// Whether the largest buffer of the air is within the device's limits.
@@ -221,10 +274,13 @@ fn fits(
 pub(super) fn air_alone(
     engine: Engine,
     adapter: Option<&str>,
-    precision: Precision,
+    precision: PrecisionChoice,
 ) -> Result<(AirPlacement, Option<Arc<Device>>), Failure> {
-    let on_cpu = (AirPlacement::Cpu(precision), None);
+    let on_cpu = (AirPlacement::Cpu(precision.on_cpu()), None);
     let choice = match (engine, adapter) {
+        (Engine::Cpu, None) if precision == PrecisionChoice::F16Storage => {
+            return Err(Failure::Other(exit::BAD_CASE, F16_ON_CPU.to_owned()));
+        }
         (Engine::Cpu, None) => return Ok(on_cpu),
         (Engine::Cpu, Some(_)) => {
             return Err(Failure::Other(
@@ -232,21 +288,21 @@ pub(super) fn air_alone(
                 "--adapter has no use with --engine cpu".to_owned(),
             ));
         }
-        (Engine::Auto, None) if precision == Precision::F64 => return Ok(on_cpu),
+        (Engine::Auto, None) if precision == PrecisionChoice::F64 => return Ok(on_cpu),
+        (Engine::Auto, None) if precision == PrecisionChoice::F16Storage => AdapterChoice::Hardware,
         (Engine::Auto, None) => {
             return Ok(match Device::open(&AdapterChoice::Hardware) {
-                Ok(device) => (AirPlacement::Gpu, Some(device)),
+                Ok(device) => (AirPlacement::Gpu(precision.storage()), Some(device)),
                 Err(_) => on_cpu,
             });
         }
         (Engine::Gpu | Engine::Auto, Some(name)) => AdapterChoice::Named(name.to_owned()),
         (Engine::Gpu, None) => AdapterChoice::Any,
     };
-    if precision == Precision::F64 {
-        return Err(Failure::Other(
-            exit::BAD_CASE,
-            "--precision f64 needs --engine cpu: devices compute in f32".to_owned(),
-        ));
+    if precision == PrecisionChoice::F64 {
+        return Err(Failure::Other(exit::BAD_CASE, F64_ON_DEVICE.to_owned()));
     }
-    Ok((AirPlacement::Gpu, Some(Device::open(&choice)?)))
+    let device = Device::open(&choice)?;
+    stores(precision, &device)?;
+    Ok((AirPlacement::Gpu(precision.storage()), Some(device)))
 }

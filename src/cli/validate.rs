@@ -6,10 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
-use super::engine::{self, Engine};
+use super::engine::{self, Engine, PrecisionChoice};
 use super::progress::Progress;
 use super::{Failure, emit, exit};
-use crate::plan::Precision;
 use crate::validate::{self, Order, PROBLEMS, Stop};
 
 #[derive(Debug, Args)]
@@ -25,9 +24,9 @@ pub(super) struct ValidateArguments {
     /// Take the adapter whose name contains this text (see `ripstop devices`); implies --engine gpu.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Floating-point type of the air on the CPU; devices compute in f32.
+    /// Floating-point type of the air.
     #[arg(long, value_enum, default_value = "f32")]
-    precision: Precision,
+    precision: PrecisionChoice,
     /// Also write the rows as JSON.
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,

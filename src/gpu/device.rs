@@ -53,6 +53,7 @@ impl Device {
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("ripstop"),
+            required_features: adapter.features() & wgpu::Features::SHADER_F16,
             required_limits: limits.clone(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..wgpu::DeviceDescriptor::default()
@@ -99,6 +100,18 @@ impl Device {
     #[must_use]
     pub const fn workgroup_limit(&self) -> u32 {
         self.limits.max_compute_workgroups_per_dimension
+    }
+
+    /// Fails where populations cannot be stored in 16 bits.
+    pub fn require_f16(&self) -> Result<(), DeviceError> {
+        if self.raw.features().contains(wgpu::Features::SHADER_F16) {
+            return Ok(());
+        }
+        Err(DeviceError::Feature {
+            what: "store numbers of 16 bits",
+            device: self.info.name.clone(),
+            remedy: "use --precision f32",
+        })
     }
 
     /// Gives the device up; what follows fails with [`DeviceError::Lost`]. For tests of that failure.

@@ -33,6 +33,16 @@ pub enum DeviceError {
         /// What to do.
         remedy: &'static str,
     },
+    /// Something that the device cannot do.
+    #[error("{device} cannot {what}; {remedy}")]
+    Feature {
+        /// What it lacks, as a verb.
+        what: &'static str,
+        /// The device.
+        device: String,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The device has no memory left.
     #[error(
         "the device is out of memory ({what}); make the case coarser or smaller, or compute it on the CPU (--engine cpu, --cloth host)"

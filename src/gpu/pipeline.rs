@@ -32,7 +32,8 @@ pub fn validate(shader: &Shader) -> Result<(naga::Module, ModuleInfo), String> {
     let source = shader.source();
     let module =
         naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    // Needed by populations in 16 bits; a device without them is refused before.
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16)
         .validate(&module)
         .map_err(|error| error.emit_to_string(&source))?;
     Ok((module, info))

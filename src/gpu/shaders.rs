@@ -21,27 +21,50 @@ impl Shader {
     }
 }
 
+macro_rules! parts {
+    ($($file:literal),+) => { &[$(($file, include_str!(concat!("../../shaders/", $file)))),+] };
+}
+
 macro_rules! shaders {
     ($($constant:ident = $name:literal: $($file:literal),+;)*) => {
         $(
             #[doc = concat!("The shader `", $name, "`.")]
-            pub const $constant: Shader = Shader {
-                name: $name,
-                parts: &[$(($file, include_str!(concat!("../../shaders/", $file)))),+],
-            };
+            pub const $constant: Shader = Shader { name: $name, parts: parts!($($file),+) };
         )*
-        /// All shaders.
-        pub const ALL: &[Shader] = &[$($constant),*];
+        const INDEPENDENT: &[Shader] = &[$($constant),*];
     };
 }
 
-shaders! {
+/// Shaders that touch populations, in the order of [`Storage`].
+macro_rules! stored_shaders {
+    ($($constant:ident = $name:literal: $($file:literal),+;)*) => {
+        $(
+            #[doc = concat!("The shader `", $name, "`, by how populations are stored.")]
+            pub const $constant: [Shader; 2] = [
+                Shader { name: $name, parts: parts!("storage_f32.wgsl", $($file),+) },
+                Shader { name: concat!($name, "_f16"), parts: parts!("storage_f16.wgsl", $($file),+) },
+            ];
+        )*
+        const STORED: &[[Shader; 2]] = &[$($constant),*];
+    };
+}
+
+/// All shaders.
+#[must_use]
+pub fn all() -> Vec<Shader> {
+    [STORED.concat(), INDEPENDENT.to_vec()].concat()
+}
+
+stored_shaders! {
     COLLIDE_STREAM = "collide_stream": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl", "collide_stream.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
-    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
+}
+
+shaders! {
+    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     RASTER = "raster": "raster.wgsl";
     NODAL_FORCES = "nodal_forces":

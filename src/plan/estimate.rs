@@ -80,9 +80,9 @@ impl Sizes {
                 .map(|&n| n as u64 + 2)
                 .fold(1, u64::saturating_mul);
             sizes.padded_cells = padded;
-            sizes.population_bytes = padded.saturating_mul(4);
+            sizes.population_bytes = padded.saturating_mul(placement.population_bytes());
             sizes.air_bytes =
-                padded.saturating_mul(DIRECTION_COUNT as u64 * placement.precision().bytes());
+                padded.saturating_mul(DIRECTION_COUNT as u64 * placement.population_bytes());
             sizes.air_on_device = placement.air_on_device();
             sizes.shared_memory = placement.shared_memory;
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.

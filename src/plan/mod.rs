@@ -5,6 +5,7 @@ mod placement;
 mod report;
 pub mod stages;
 
+pub use crate::lattice::Storage;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
@@ -60,8 +61,6 @@ pub struct Plan {
     pub start_steps: u64,
     /// Steps from release to the end.
     pub steps: u64,
-    /// Floating-point type of the air.
-    pub precision: Precision,
     /// Who computes what.
     pub placement: Placement,
     /// Sizes and bytes.
@@ -75,7 +74,6 @@ impl Plan {
     #[must_use]
     pub fn new(scene: &Scene, placement: impl Into<Placement>) -> Self {
         let placement: Placement = placement.into();
-        let precision = placement.precision();
         let (start_steps, steps) = match (scene.time, scene.air.map(|air| air.flow)) {
             (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
                 (start_time_s / time.step_s).ceil() as u64,
@@ -89,7 +87,6 @@ impl Plan {
             stages: stages::stages(scene, &placement),
             start_steps,
             steps,
-            precision,
             sizes,
             skips: skips(scene),
             placement,

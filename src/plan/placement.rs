@@ -1,14 +1,15 @@
 //! Who computes what: air and fabric are placed separately.
 
 use super::Precision;
+use crate::lattice::Storage;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AirPlacement {
     /// CPU threads, in this precision.
     Cpu(Precision),
-    /// A device, in single precision.
-    Gpu,
+    /// A device: arithmetic in single precision, populations stored as given.
+    Gpu(Storage),
 }
 
 /// Where the fabric is solved. L-BFGS itself always runs on the host; this says where its vectors are.
@@ -46,19 +47,38 @@ impl From<Precision> for Placement {
 }
 
 impl Placement {
-    /// Floating-point type of the air.
+    /// Bytes of a population.
     #[must_use]
-    pub const fn precision(&self) -> Precision {
+    pub const fn population_bytes(&self) -> u64 {
         match self.air {
-            AirPlacement::Cpu(precision) => precision,
-            AirPlacement::Gpu => Precision::F32,
+            AirPlacement::Cpu(precision) => precision.bytes(),
+            AirPlacement::Gpu(storage) => storage.bytes(),
+        }
+    }
+
+    /// Precision of the air in a word.
+    #[must_use]
+    pub const fn precision_name(&self) -> &'static str {
+        match self.air {
+            AirPlacement::Cpu(precision) => precision.name(),
+            AirPlacement::Gpu(Storage::F32) => "f32",
+            AirPlacement::Gpu(Storage::F16) => "f16-storage",
+        }
+    }
+
+    /// Engine of the air in a word.
+    #[must_use]
+    pub const fn engine(&self) -> &'static str {
+        match self.air {
+            AirPlacement::Cpu(_) => "cpu",
+            AirPlacement::Gpu(_) => "gpu",
         }
     }
 
     /// True if the air is on a device.
     #[must_use]
     pub fn air_on_device(&self) -> bool {
-        self.air == AirPlacement::Gpu
+        matches!(self.air, AirPlacement::Gpu(_))
     }
 
     /// True if the fabric is on a device.

@@ -33,7 +33,7 @@ impl Plan {
         if scene.air.is_some() {
             let place = match self.placement.air {
                 AirPlacement::Cpu(_) => format!("CPU, {threads} threads"),
-                AirPlacement::Gpu => self.device_name(),
+                AirPlacement::Gpu(_) => self.device_name(),
             };
             writeln!(out, "  air                 {place}")?;
         }
@@ -80,7 +80,7 @@ impl Plan {
                 out,
                 "  memory              {} ({}{})",
                 megabytes(sizes.air_bytes),
-                self.precision.name(),
+                self.placement.precision_name(),
                 if sizes.air_on_device {
                     ", on the device"
                 } else {

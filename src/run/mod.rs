@@ -235,7 +235,7 @@ fn identity(case: &Case, plan: &Plan) -> String {
     format!(
         "case {} in {}, air on {}, fabric on {}",
         case.hash,
-        plan.precision.name(),
+        plan.placement.precision_name(),
         device(plan.placement.air_on_device()),
         device(plan.placement.cloth_on_device())
     )

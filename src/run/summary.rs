@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::measure::{Record, results};
 use crate::output::{CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StopInfo, Summary};
-use crate::plan::Placement;
+use crate::plan::{ClothPlacement, Placement};
 use crate::simulation::Simulation;
 
 /// Difference of the force routes beyond which a run says so.
@@ -12,18 +12,18 @@ const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
 /// Motion of a marker between two solves beyond which the coupling is no longer trusted [cells].
 const MARKER_MOTION_LIMIT: f64 = 0.25;
 
-/// Names who computes: the device, in f32, or the host, in `host_precision`.
-fn processor(placement: &Placement, on_device: bool, host_precision: &str) -> Processor {
+/// Names who computes in that precision: the device, or the host.
+fn processor(placement: &Placement, on_device: bool, precision: &str) -> Processor {
     match &placement.device {
         Some(device) if on_device => Processor {
             engine: "gpu".to_owned(),
             device: device.clone(),
-            precision: "f32".to_owned(),
+            precision: precision.to_owned(),
         },
         _ => Processor {
             engine: "cpu".to_owned(),
             device: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            precision: host_precision.to_owned(),
+            precision: precision.to_owned(),
         },
     }
 }
@@ -75,17 +75,20 @@ pub(super) fn summarise(
         ));
     }
     let placement = &plan.placement;
-    let fabric = scene
-        .body
-        .is_some()
-        .then(|| processor(placement, placement.cloth_on_device(), "f64"));
-    let air = scene
-        .air
-        .is_some()
-        .then(|| processor(placement, placement.air_on_device(), plan.precision.name()));
+    let fabric = scene.body.is_some().then(|| match placement.cloth {
+        ClothPlacement::Host => processor(placement, false, "f64"),
+        ClothPlacement::Device => processor(placement, true, "f32"),
+    });
+    let air = scene.air.is_some().then(|| {
+        processor(
+            placement,
+            placement.air_on_device(),
+            placement.precision_name(),
+        )
+    });
     let main = air
         .or_else(|| fabric.clone())
-        .unwrap_or_else(|| processor(placement, false, plan.precision.name()));
+        .unwrap_or_else(|| processor(placement, false, placement.precision_name()));
     let results = results(simulation, record);
     if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
         && imbalance > FORCE_IMBALANCE_LIMIT

@@ -19,7 +19,7 @@ pub enum AirEngine {
     CpuF32(Box<Fluid<f32>>),
     /// CPU, double precision.
     CpuF64(Box<Fluid<f64>>),
-    /// Device, single precision.
+    /// Device, arithmetic in single precision.
     Gpu(Box<gpu::fluid::Fluid>),
 }
 
@@ -77,9 +77,11 @@ impl AirEngine {
         Ok(match placement {
             AirPlacement::Cpu(Precision::F32) => Self::CpuF32(Box::new(Fluid::new(setup, start))),
             AirPlacement::Cpu(Precision::F64) => Self::CpuF64(Box::new(Fluid::new(setup, start))),
-            AirPlacement::Gpu => {
+            AirPlacement::Gpu(storage) => {
                 let device = needed(device)?;
-                Self::Gpu(Box::new(gpu::fluid::Fluid::new(device, setup, initial)?))
+                Self::Gpu(Box::new(gpu::fluid::Fluid::new(
+                    device, setup, storage, initial,
+                )?))
             }
         })
     }

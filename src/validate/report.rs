@@ -148,7 +148,7 @@ impl Report {
                 device: order.device.as_ref().map(|d| d.info().name.clone()),
             },
             engine: placement.engine(),
-            precision: placement.precision().name(),
+            precision: placement.precision_name(),
             set: if order.full { "full" } else { "quick" },
             interrupted: false,
             rows: Vec::new(),

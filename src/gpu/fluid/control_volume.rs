@@ -61,7 +61,11 @@ impl Fluid {
     /// Begins to watch a box.
     pub fn watch_volume(&self, volume: &ControlVolume) -> Result<VolumeWatch, DeviceError> {
         let device = &self.device;
-        let [pipeline] = device.pipelines(&shaders::CONTROL_VOLUME, ["outflow"], &[])?;
+        let [pipeline] = device.pipelines(
+            &shaders::CONTROL_VOLUME[self.population_storage() as usize],
+            ["outflow"],
+            &[],
+        )?;
         let lists = [0, 1].map(|parity| portions(volume, parity));
         let most = lists[0].1.len().max(lists[1].1.len());
         let sums = device.storage("outflow sums", (4 * most * RING_STEPS) as u64)?;

@@ -5,6 +5,7 @@ use crate::gpu::device::{Device, TRANSFER_BYTES};
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::WORKGROUP;
 use crate::gpu::shaders::{self, parameters};
+use crate::lattice::Storage;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::grid::{Breakdown, Grid};
 
@@ -57,6 +58,7 @@ impl Macroscopic {
     pub(super) fn new(
         device: &Device,
         grid: &Grid,
+        storage: Storage,
         populations: &[wgpu::Buffer],
         constants: &[(&str, f64)],
     ) -> Result<Self, DeviceError> {
@@ -71,7 +73,7 @@ impl Macroscopic {
         )?;
         let first_unsound = device.storage("first unsound cell", 4)?;
         let pipelines = device.pipelines(
-            &shaders::MACROSCOPIC,
+            &shaders::MACROSCOPIC[storage as usize],
             ["macroscopic", "totals", "breakdown"],
             constants,
         )?;

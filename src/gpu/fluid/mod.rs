@@ -1,4 +1,4 @@
-//! The air on the device, in single precision: one buffer per direction, streamed in place (see [`crate::lattice::grid`]).
+//! The air on the device, computed in single precision and stored in 32 or 16 bits: one buffer per direction, streamed in place (see [`crate::lattice::grid`]).
 //!
 //! A storage binding is capped at 2³¹ bytes on many drivers, hence one buffer per direction: 5·10⁸ cells. The parity of a step is
 //! a choice between two bind groups.
@@ -10,6 +10,7 @@ pub mod macroscopic;
 use std::sync::Arc;
 use std::time::Duration;
 
+use half::f16;
 use rayon::prelude::*;
 
 use super::device::Device;
@@ -20,10 +21,13 @@ use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::grid::{Grid, Initial, OUTLET_RELAXATION, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
-use crate::lattice::{DIRECTION_COUNT, Operator, equilibrium};
+use crate::lattice::{DIRECTION_COUNT, Operator, Storage, equilibrium};
 use collide_stream::StepParameters;
 pub use control_volume::VolumeWatch;
 use macroscopic::Macroscopic;
+
+/// Scale of populations in 16 bits (`storage_f16.wgsl`).
+const F16_SCALE: f32 = 32768.0;
 
 /// A pipeline with the workgroups that it needs.
 type Counted = (Bound, [u32; 2]);
@@ -34,6 +38,7 @@ pub struct Fluid {
     device: Arc<Device>,
     setup: Setup,
     grid: Grid,
+    storage: Storage,
     populations: Vec<wgpu::Buffer>,
     step_parameters: wgpu::Buffer,
     /// Without a force, and under a uniform acceleration; by parity.
@@ -72,10 +77,14 @@ impl Fluid {
     pub fn new(
         device: &Arc<Device>,
         setup: Setup,
+        storage: Storage,
         initial: Option<&Initial>,
     ) -> Result<Self, DeviceError> {
         let grid = Grid::new(setup.cells);
-        let bytes = 4 * grid.total as u64;
+        if storage == Storage::F16 {
+            device.require_f16()?;
+        }
+        let bytes = storage.bytes() * grid.total as u64;
         let groups = grid.stride_z.div_ceil(WORKGROUP as usize) as u64;
         if groups > u64::from(device.workgroup_limit()) {
             return Err(DeviceError::Limit {
@@ -93,7 +102,7 @@ impl Fluid {
         let step_parameters = device.uniform::<StepParameters>("step")?;
         let constants = constants(&setup, &grid);
         let [free, accelerated, forced_pipeline] = device.pipelines(
-            &shaders::COLLIDE_STREAM,
+            &shaders::COLLIDE_STREAM[storage as usize],
             [
                 "collide_stream",
                 "collide_stream_accelerated",
@@ -112,11 +121,12 @@ impl Fluid {
             ])
         };
         let (free, accelerated) = (both(&free)?, both(&accelerated)?);
-        let boundaries = boundaries(device, &setup, &grid, &populations)?;
-        let macroscopic = Macroscopic::new(device, &grid, &populations, &constants)?;
+        let boundaries = boundaries(device, &setup, &grid, storage, &populations)?;
+        let macroscopic = Macroscopic::new(device, &grid, storage, &populations, &constants)?;
         let mut fluid = Self {
             device: Arc::clone(device),
             grid,
+            storage,
             populations,
             step_parameters,
             free,
@@ -162,7 +172,18 @@ impl Fluid {
                         }
                     }
                 });
-            self.device.write(&self.populations[array], 0, &data);
+            self.write_populations(array, &data);
+        }
+    }
+
+    fn write_populations(&self, array: usize, data: &[f32]) {
+        let buffer = &self.populations[array];
+        match self.storage {
+            Storage::F32 => self.device.write(buffer, 0, data),
+            Storage::F16 => {
+                let packed: Vec<f16> = data.iter().map(|&f| f16::from_f32(f * F16_SCALE)).collect();
+                self.device.write(buffer, 0, &packed);
+            }
         }
     }
 
@@ -176,6 +197,12 @@ impl Fluid {
     #[must_use]
     pub const fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// How populations are stored.
+    #[must_use]
+    pub const fn population_storage(&self) -> Storage {
+        self.storage
     }
 
     /// The device.
@@ -291,6 +318,7 @@ fn boundaries(
     device: &Device,
     setup: &Setup,
     grid: &Grid,
+    storage: Storage,
     populations: &[wgpu::Buffer],
 ) -> Result<Option<[Counted; 2]>, DeviceError> {
     let links = Boundaries::new(grid, setup.ends, setup.sides);
@@ -299,7 +327,7 @@ fn boundaries(
     }
     let moving = f64::from(u8::from(links.moving()));
     let [pipeline] = device.pipelines(
-        &shaders::BOUNDARIES,
+        &shaders::BOUNDARIES[storage as usize],
         ["boundaries"],
         &[("MOVING_WALLS", moving)],
     )?;
@@ -328,16 +356,23 @@ fn boundaries(
 }
 
 impl Fluid {
-    /// Writes populations, parity and step count; the same sections as the CPU engine in single precision.
+    /// Writes populations, parity and step count; in 32 bits the same sections as the CPU engine in single precision.
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
         out.put("inlet_velocity", &self.inlet_velocity)?;
         for (array, buffer) in self.populations.iter().enumerate() {
-            let data: Vec<f32> = self
-                .device
-                .read(buffer, 0, self.grid.total)
-                .map_err(std::io::Error::other)?;
-            out.put(&format!("populations_{array:02}"), &data)?;
+            let name = format!("populations_{array:02}");
+            let (device, count) = (&self.device, self.grid.total);
+            match self.storage {
+                Storage::F32 => {
+                    let data = device.read::<f32>(buffer, 0, count);
+                    out.put(&name, &data.map_err(std::io::Error::other)?)?;
+                }
+                Storage::F16 => {
+                    let data = device.read::<f16>(buffer, 0, count);
+                    out.put(&name, &data.map_err(std::io::Error::other)?)?;
+                }
+            }
         }
         Ok(())
     }
@@ -350,9 +385,16 @@ impl Fluid {
         self.inlet_velocity
             .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
         for (array, buffer) in self.populations.iter().enumerate() {
-            let data: Vec<f32> =
-                from.take_exactly(&format!("populations_{array:02}"), self.grid.total)?;
-            self.device.write(buffer, 0, &data);
+            let name = format!("populations_{array:02}");
+            let (device, count) = (&self.device, self.grid.total);
+            match self.storage {
+                Storage::F32 => {
+                    device.write::<f32>(buffer, 0, &from.take_exactly(&name, count)?);
+                }
+                Storage::F16 => {
+                    device.write::<f16>(buffer, 0, &from.take_exactly(&name, count)?);
+                }
+            }
         }
         Ok(())
     }

@@ -124,7 +124,7 @@ impl Immersed {
         let count = areas.len();
         let constants = fluid.constants();
         let [place_markers, touched_cells, interpolate] = device.pipelines(
-            &shaders::INTERPOLATE,
+            &shaders::INTERPOLATE[fluid.population_storage() as usize],
             ["place_markers", "touched_cells", "interpolate"],
             &constants,
         )?;
