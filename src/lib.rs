@@ -49,6 +49,7 @@
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
 //! | [`validate`] | problems with known answers, through the public interface | lattice, simulation, plan, gpu, output, run |
+//! | [`bench`] | error against seconds, and the map of stability | lattice, simulation, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
 //! A test (`tests/architecture.rs`) holds these arrows.
@@ -67,6 +68,7 @@
 //! Each file names its sources and departures in its header; `docs/papers.md` collects those from the five papers.
 //! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
 
+pub mod bench;
 pub mod case;
 pub mod checkpoint;
 pub mod cli;

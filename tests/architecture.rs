@@ -129,7 +129,14 @@ const ALLOWED: [(&str, &[&str]); 23] = [
         "validate",
         &["gpu", "lattice", "output", "plan", "run", "simulation"],
     ),
-    ("cli", &["case", "gpu", "plan", "run", "validate"]),
+    (
+        "bench",
+        &["gpu", "lattice", "output", "plan", "run", "simulation"],
+    ),
+    (
+        "cli",
+        &["bench", "case", "gpu", "output", "plan", "run", "validate"],
+    ),
     ("main.rs", &[]),
 ];
 

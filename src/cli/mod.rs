@@ -1,5 +1,6 @@
 //! The command line: one file per command, exit codes in one place.
 
+mod bench;
 mod check;
 mod devices;
 mod engine;
@@ -12,6 +13,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, Parser, Subcommand};
 
@@ -51,6 +53,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Print a shipped case to start from.
     New(new::NewArguments),
+    /// Measure error against seconds over resolution, Mach number, operator, storage and engine.
+    Bench(bench::BenchArguments),
     /// List the adapters of this machine, and which one `auto` takes.
     Devices,
     /// Compute problems with known answers; exit code 1 if a gate fails.
@@ -161,6 +165,22 @@ impl CaseArguments {
     }
 }
 
+/// A flag that the first interrupt sets, so that `what` ends with what it has after the present step; the second one ends it at once.
+/// Files are never half written.
+fn interrupt_flag(what: &str) -> Arc<AtomicBool> {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupt);
+    let handler = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(exit::INTERRUPTED));
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        eprintln!("warning: an interrupt will stop {what} without its results: {error}");
+    }
+    interrupt
+}
+
 /// Writes to standard output. A reader that has gone away is no failure; a full disk behind a redirection is.
 fn emit(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
@@ -193,6 +213,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Bench(arguments) => bench::bench(arguments),
         Command::Devices => devices::devices(),
         Command::Validate(arguments) => validate::validate(arguments),
     };

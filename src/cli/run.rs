@@ -1,13 +1,11 @@
 //! `ripstop run CASE.toml`
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
 use super::progress::Progress;
-use super::{CaseArguments, Failure, Prepared, emit, exit};
+use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -29,17 +27,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         device,
         fallback,
     } = arguments.case.prepare()?;
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupt);
-    // The first interrupt ends the run with its results after the present step, the second at once; files are never half written.
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(exit::INTERRUPTED));
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: an interrupt will stop the run without its results: {error}");
-    }
+    let interrupt = interrupt_flag("the run");
     let mut progress = Progress::new();
     let result = run::run(
         Order {

@@ -1,0 +1,84 @@
+//! Benchmarks with two numbers each: what a flow costs, and how wrong it is.
+//!
+//! [`work_precision`] computes flows with known answers over resolution, Mach number, operator, storage and engine, and says which
+//! settings no other beats in both time and error. [`stability`] looks for the fastest flow that every operator survives at vanishing
+//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`.
+//!
+//! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
+
+mod front;
+mod plots;
+pub mod stability;
+mod taylor_green;
+pub mod work_precision;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::gpu::{Device, DeviceError};
+use crate::output::OutputError;
+use crate::plan::{AirPlacement, Placement, Precision};
+use crate::run::Observer;
+
+/// Who computes the air.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    /// Where, and in which precision.
+    pub placement: AirPlacement,
+    /// The device, if one computes.
+    pub device: Option<Arc<Device>>,
+}
+
+impl Engine {
+    /// CPU threads in that precision.
+    #[must_use]
+    pub const fn cpu(precision: Precision) -> Self {
+        Self {
+            placement: AirPlacement::Cpu(precision),
+            device: None,
+        }
+    }
+
+    /// Engine and precision in words.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let placement = Placement {
+            air: self.placement,
+            ..Placement::from(Precision::F32)
+        };
+        format!("{} {}", placement.engine(), placement.precision_name())
+    }
+}
+
+/// What ends a benchmark early.
+#[derive(Debug, thiserror::Error)]
+pub enum Stop {
+    /// The user interrupted it.
+    #[error("interrupted")]
+    Interrupted,
+    /// The device failed.
+    #[error("{0}")]
+    Device(#[from] DeviceError),
+    /// A file could not be written.
+    #[error("{0}")]
+    Output(#[from] OutputError),
+    /// A plot could not be drawn.
+    #[error("cannot draw a plot: {0}")]
+    Plot(String),
+}
+
+/// Who watches, and may end it.
+pub struct Watch<'a> {
+    /// Turns true to end the benchmark.
+    pub interrupt: &'a AtomicBool,
+    /// Told of the progress.
+    pub observer: &'a mut dyn Observer,
+}
+
+fn go_on(interrupt: &AtomicBool) -> Result<(), Stop> {
+    if interrupt.load(Ordering::Relaxed) {
+        Err(Stop::Interrupted)
+    } else {
+        Ok(())
+    }
+}

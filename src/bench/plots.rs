@@ -1,0 +1,126 @@
+//! Plots of the benchmarks.
+
+use std::path::Path;
+
+use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
+
+use super::work_precision::operator_name;
+use super::{Stop, stability, work_precision};
+use crate::output::write_atomically;
+
+/// Colours that differ also in grey and for colour-blind readers (Okabe & Ito).
+const COLOURS: [&str; 8] = [
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442",
+];
+
+/// Resolution of the pictures against the plot's own units.
+const SCALE: f32 = 1.5;
+
+fn write(path: &Path, plots: Vec<Plot>, layout: Layout) -> Result<(), Stop> {
+    let bytes = kuva::render_to_png(plots, layout, SCALE).map_err(Stop::Plot)?;
+    write_atomically(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// Error against seconds, one series per engine and operator, the front as a line.
+pub(super) fn work_precision(
+    path: &Path,
+    name: &str,
+    error: &str,
+    points: &[work_precision::Point],
+) -> Result<(), Stop> {
+    let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for point in points.iter().filter(|p| p.error.is_finite()) {
+        let label = format!("{}, {}", point.engine, operator_name(point.operator));
+        let place = (point.seconds, point.error);
+        match series.iter_mut().find(|(known, _)| *known == label) {
+            Some((_, data)) => data.push(place),
+            None => series.push((label, vec![place])),
+        }
+    }
+    let mut front: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|p| p.pareto)
+        .map(|p| (p.seconds, p.error))
+        .collect();
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut plots: Vec<Plot> = vec![
+        LinePlot::new()
+            .with_data(front)
+            .with_color("#888888")
+            .with_legend("none beats these")
+            .into(),
+    ];
+    for (i, (label, data)) in series.into_iter().enumerate() {
+        let shape = if i % 2 == 0 {
+            MarkerShape::Circle
+        } else {
+            MarkerShape::Triangle
+        };
+        plots.push(
+            ScatterPlot::new()
+                .with_data(data)
+                .with_color(COLOURS[i % COLOURS.len()])
+                .with_marker(shape)
+                .with_size(4.0)
+                .with_legend(label)
+                .into(),
+        );
+    }
+    let layout = Layout::auto_from_plots(&plots)
+        .with_log_scale()
+        .with_title(name)
+        .with_x_label("seconds")
+        .with_y_label(error);
+    write(path, plots, layout)
+}
+
+/// Largest Mach number survived at every angle, over τ − ½.
+pub(super) fn stability(path: &Path, points: &[stability::Point]) -> Result<(), Stop> {
+    let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for point in points {
+        let label = format!(
+            "{}, {}{}",
+            point.engine,
+            point.operator,
+            if point.eddy_viscosity {
+                " + eddy viscosity"
+            } else {
+                ""
+            }
+        );
+        let index = series.iter().position(|(known, _)| *known == label);
+        let data = match index {
+            Some(i) => &mut series[i].1,
+            None => {
+                series.push((label, Vec::new()));
+                let last = series.len() - 1;
+                &mut series[last].1
+            }
+        };
+        match data.iter_mut().find(|(tau, _)| *tau == point.viscous_part) {
+            Some((_, mach)) => *mach = mach.min(point.mach),
+            None => data.push((point.viscous_part, point.mach)),
+        }
+    }
+    let plots: Vec<Plot> = series
+        .into_iter()
+        .enumerate()
+        .map(|(i, (label, data))| {
+            // Lines that coincide must all be seen.
+            let width = 9.0 - i as f64;
+            LinePlot::new()
+                .with_data(data)
+                .with_color(COLOURS[i % COLOURS.len()])
+                .with_stroke_width(width.max(1.5))
+                .with_legend(label)
+                .into()
+        })
+        .collect();
+    let layout = Layout::auto_from_plots(&plots)
+        .with_log_x()
+        .with_title("Largest Mach number survived")
+        .with_x_label("relaxation time - 1/2")
+        .with_y_label("Mach number");
+    write(path, plots, layout)
+}

@@ -1,0 +1,203 @@
+//! The fastest flow that every operator survives, over viscosity and flow angle.
+//!
+//! The flow: a three-dimensional Taylor–Green vortex of amplitude U/3, carried through its periodic box of 16³ cells by a uniform wind of
+//! 2U/3 at an angle to the x axis, for twenty turnovers L/(U/3). Far below the cell size the grid resolves nothing of the cascade, which
+//! is where operators break down. A flow counts as survived if every cell is finite, slower than 1.5 U, and the kinetic energy has not
+//! grown.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::work_precision::{advance, operator_name};
+use super::{Engine, Stop, Watch, go_on, plots};
+use crate::lattice::Operator;
+use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::output::write_atomically;
+use crate::plan::AirPlacement;
+use crate::simulation::AirEngine;
+
+const CELLS: usize = 16;
+
+const TURNOVERS: f64 = 20.0;
+
+/// Mach numbers of U that are tried, in order, until one breaks down.
+pub const MACH_NUMBERS: [f64; 8] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
+
+/// τ − ½.
+const VISCOUS_PARTS: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+
+/// Between wind and x axis [°].
+const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
+
+/// The constant of high-Reynolds cases; without it the eddy viscosity is left out.
+const SMAGORINSKY_CONSTANT: f64 = 0.15;
+
+/// Looks at the flow during a run.
+const LOOKS: usize = 40;
+
+/// One line of the map.
+#[derive(Debug, Clone, Serialize)]
+pub struct Point {
+    /// Engine and precision.
+    pub engine: String,
+    /// Collision operator.
+    pub operator: &'static str,
+    /// Whether Smagorinsky's eddy viscosity (constant 0.15) is on.
+    pub eddy_viscosity: bool,
+    /// τ − ½.
+    pub viscous_part: f64,
+    /// Between wind and x axis [°].
+    pub angle_deg: f64,
+    /// Largest Mach number of [`MACH_NUMBERS`] that was survived, with all below it; zero if none was.
+    pub mach: f64,
+}
+
+/// Computes the map on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
+pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
+    let mut points = Vec::new();
+    let planned = (engines.len() * 4 * VISCOUS_PARTS.len()) as u64;
+    for engine in engines {
+        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
+            for eddy_viscosity in [false, true] {
+                for viscous_part in VISCOUS_PARTS {
+                    let interrupt = watch.interrupt;
+                    go_on(interrupt)?;
+                    let one = |&angle_deg: &f64| -> Result<Point, Stop> {
+                        let mut point = Point {
+                            engine: engine.name(),
+                            operator: operator_name(operator),
+                            eddy_viscosity,
+                            viscous_part,
+                            angle_deg,
+                            mach: 0.0,
+                        };
+                        for mach in MACH_NUMBERS {
+                            if !survives(engine, operator, &point, mach, interrupt)? {
+                                break;
+                            }
+                            point.mach = mach;
+                        }
+                        Ok(point)
+                    };
+                    let found: Result<Vec<Point>, Stop> = match engine.placement {
+                        AirPlacement::Cpu(_) => ANGLES_DEG.par_iter().map(one).collect(),
+                        AirPlacement::Gpu(_) => ANGLES_DEG.iter().map(one).collect(),
+                    };
+                    points.extend(found?);
+                    watch.observer.progress(
+                        (points.len() / ANGLES_DEG.len()) as u64,
+                        planned,
+                        "stability",
+                    );
+                }
+            }
+        }
+    }
+    write_atomically(&folder.join("stability.csv"), |out| {
+        let mut table = csv::Writer::from_writer(out);
+        for point in &points {
+            table.serialize(point).map_err(std::io::Error::other)?;
+        }
+        table.flush()
+    })?;
+    plots::stability(&folder.join("stability.png"), &points)?;
+    Ok(points)
+}
+
+/// Largest Mach number survived at every angle: one line per setting, one column per τ − ½.
+#[must_use]
+pub fn table(points: &[Point]) -> String {
+    let mut text = format!("{:<58}", "largest Mach number survived; tau - 1/2 =");
+    for part in VISCOUS_PARTS {
+        text.push_str(&format!("{part:>7.0e}"));
+    }
+    let mut lines: Vec<(String, [f64; VISCOUS_PARTS.len()])> = Vec::new();
+    for point in points {
+        let name = format!(
+            "{}, {}{}",
+            point.engine,
+            point.operator,
+            if point.eddy_viscosity {
+                " + eddy viscosity"
+            } else {
+                ""
+            }
+        );
+        if lines.last().is_none_or(|(last, _)| *last != name) {
+            lines.push((name, [f64::INFINITY; VISCOUS_PARTS.len()]));
+        }
+        if let (Some((_, mach)), Some(i)) = (
+            lines.last_mut(),
+            VISCOUS_PARTS.iter().position(|p| *p == point.viscous_part),
+        ) {
+            mach[i] = mach[i].min(point.mach);
+        }
+    }
+    for (name, mach) in lines {
+        text.push_str(&format!("\n{name:<58}"));
+        for value in mach {
+            text.push_str(&format!("{value:>7}"));
+        }
+    }
+    text + "\n"
+}
+
+fn survives(
+    engine: &Engine,
+    operator: Operator,
+    point: &Point,
+    mach: f64,
+    interrupt: &AtomicBool,
+) -> Result<bool, Stop> {
+    let speed = mach / 3f64.sqrt();
+    let (wind, vortex) = (2.0 / 3.0 * speed, speed / 3.0);
+    let angle = point.angle_deg.to_radians();
+    let k = TAU / CELLS as f64;
+    let initial = move |cell: [usize; 3]| {
+        let [x, y, z] = cell.map(|c| k * (c as f64 + 0.5));
+        // p = (ρ V²/16)(cos 2x + cos 2y)(cos 2z + 2); δρ = 3 p.
+        let excess = 3.0 / 16.0
+            * vortex
+            * vortex
+            * ((2.0 * x).cos() + (2.0 * y).cos())
+            * ((2.0 * z).cos() + 2.0);
+        let u = [
+            wind * angle.cos() + vortex * x.sin() * y.cos() * z.cos(),
+            wind * angle.sin() - vortex * x.cos() * y.sin() * z.cos(),
+            0.0,
+        ];
+        (excess, u)
+    };
+    let setup = Setup {
+        cells: [CELLS; 3],
+        ends: StreamwiseEnds::Periodic,
+        sides: Sides::Periodic,
+        relaxation_time: 0.5 + point.viscous_part,
+        sponge_cells: None,
+        operator,
+        smagorinsky_constant: point.eddy_viscosity.then_some(SMAGORINSKY_CONSTANT),
+    };
+    let mut air = AirEngine::build(
+        setup,
+        Some(&initial),
+        engine.placement,
+        engine.device.as_ref(),
+    )?;
+    let (_, before) = air.mass_and_energy()?;
+    let steps = (TURNOVERS * CELLS as f64 / vortex).ceil() as usize;
+    for _ in 0..LOOKS {
+        go_on(interrupt)?;
+        advance(&mut air, steps.div_ceil(LOOKS))?;
+        let (_, energy) = air.mass_and_energy()?;
+        // Sound from the start moves energy to and fro between motion and pressure.
+        let grown = !energy.is_finite() || energy > 1.02 * before;
+        if grown || air.breakdown(1.5 * speed)?.is_some() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

@@ -1,0 +1,124 @@
+//! `ripstop bench [FILTER]`
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
+
+use super::engine::Engine;
+use super::progress::Progress;
+use super::{Failure, emit, exit, interrupt_flag};
+use crate::bench::{self, Stop, Watch, stability, work_precision};
+use crate::gpu::{AdapterChoice, Device};
+use crate::output::prepare_directory;
+use crate::plan::{AirPlacement, Precision, Storage};
+
+#[derive(Debug, Args)]
+pub(super) struct BenchArguments {
+    /// Only problems with this text in their name; `stability` maps where operators break down, and runs only when named.
+    filter: Option<String>,
+    /// More and larger sizes.
+    #[arg(long)]
+    full: bool,
+    /// Engines to compare: CPU threads, a device, or both where there is a real GPU.
+    #[arg(long, value_enum, default_value = "auto")]
+    engine: Engine,
+    /// Take the adapter whose name contains this text (see `ripstop devices`).
+    #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
+    adapter: Option<String>,
+    /// Folder for tables and plots.
+    #[arg(long, default_value = "bench")]
+    out: PathBuf,
+}
+
+const STABILITY: &str = "stability";
+
+impl From<Stop> for Failure {
+    fn from(stop: Stop) -> Self {
+        match stop {
+            Stop::Interrupted => Self::Other(exit::INTERRUPTED, "interrupted".to_owned()),
+            Stop::Device(error) => error.into(),
+            Stop::Output(_) | Stop::Plot(_) => Self::Other(exit::OUTPUT_FAILED, stop.to_string()),
+        }
+    }
+}
+
+pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
+    let engines = engines(arguments)?;
+    let maps_stability = arguments
+        .filter
+        .as_deref()
+        .is_some_and(|filter| STABILITY.contains(filter));
+    let filter = arguments.filter.as_deref();
+    let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
+    if !maps_stability && !measures {
+        let names: Vec<&str> = work_precision::names().chain([STABILITY]).collect();
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            format!(
+                "no benchmark has `{}` in its name; there are {}",
+                filter.unwrap_or_default(),
+                names.join(", ")
+            ),
+        ));
+    }
+    prepare_directory(&arguments.out).map_err(Stop::Output)?;
+    let interrupt = interrupt_flag("the benchmark");
+    let mut progress = Progress::new();
+    let mut watch = Watch {
+        interrupt: &interrupt,
+        observer: &mut progress,
+    };
+    let mut text = String::new();
+    if measures {
+        let (points, summary) =
+            work_precision::measure(filter, arguments.full, &engines, &arguments.out, &mut watch)?;
+        text.push_str(&summary);
+        text.push_str(&format!("{} settings measured\n", points.len()));
+    }
+    if maps_stability {
+        let points = stability::map(&engines, &arguments.out, &mut watch)?;
+        text.push_str(&stability::table(&points));
+    }
+    progress.finish();
+    text.push_str(&format!("tables and plots: {}\n", arguments.out.display()));
+    emit(&text)?;
+    Ok(0)
+}
+
+/// Every precision of every engine asked for.
+fn engines(arguments: &BenchArguments) -> Result<Vec<bench::Engine>, Failure> {
+    let choice = match (arguments.engine, &arguments.adapter) {
+        (Engine::Cpu, Some(_)) => {
+            return Err(Failure::Other(
+                exit::BAD_CASE,
+                "--adapter has no use with --engine cpu".to_owned(),
+            ));
+        }
+        (Engine::Cpu, None) => None,
+        (_, Some(name)) => Some(AdapterChoice::Named(name.clone())),
+        (Engine::Gpu, None) => Some(AdapterChoice::Any),
+        (Engine::Auto, None) => Some(AdapterChoice::Hardware),
+    };
+    let mut engines = Vec::new();
+    if arguments.engine != Engine::Gpu {
+        engines.extend([Precision::F64, Precision::F32].map(bench::Engine::cpu));
+    }
+    let device = match choice.map(|choice| Device::open(&choice)) {
+        None => return Ok(engines),
+        // Only what was asked for has to be there.
+        Some(Err(_)) if arguments.engine == Engine::Auto && arguments.adapter.is_none() => {
+            return Ok(engines);
+        }
+        Some(opened) => opened?,
+    };
+    let mut storages = vec![Storage::F32];
+    if device.require_f16().is_ok() {
+        storages.push(Storage::F16);
+    }
+    engines.extend(storages.into_iter().map(|storage| bench::Engine {
+        placement: AirPlacement::Gpu(storage),
+        device: Some(device.clone()),
+    }));
+    Ok(engines)
+}
