@@ -16,6 +16,7 @@ import pystencils as ps
 from lbmpy import ForceModel, LBMConfig, LBMOptimisation, LBStencil, Method, Stencil
 from lbmpy.advanced_streaming import Timestep
 from lbmpy.advanced_streaming.communication import LBMPeriodicityHandling
+from lbmpy.enums import SubgridScaleModel
 from lbmpy.creationfunctions import create_lb_method, create_lb_update_rule
 from lbmpy.macroscopic_value_kernels import macroscopic_values_getter, macroscopic_values_setter
 from pystencils import CreateKernelConfig, Target
@@ -44,7 +45,8 @@ class Kernel:
         if setup == "canopy":
             force = data.add_array("force", values_per_cell=3, dtype=dtype, alignment=True, layout="fzyx")
             data.fill("force", 1e-7, ghost_layers=True)
-            extra = dict(smagorinsky=0.15, force=force.center_vector, force_model=ForceModel.GUO, output={"velocity": u})
+            extra = dict(
+                subgrid_scale_model=(SubgridScaleModel.SMAGORINSKY, 0.15), force=force.center_vector, force_model=ForceModel.GUO, output={"velocity": u})
             self.arrays |= {"force": "force", "u": "u"}
             method, rates = Method.SRT, RATES[:1]
         else:
@@ -91,8 +93,8 @@ class Kernel:
         last = Timestep.ODD
         common = dict(streaming_pattern=self.pattern, previous_timestep=last)
         plain = CreateKernelConfig(target=Target.CPU, ghost_layers=1, **typed)
-        setter = ps.create_kernel(macroscopic_values_setter(method, 1.0, u.center_vector, f.center_vector, **common), config=plain).compile()
-        getter = ps.create_kernel(macroscopic_values_getter(method, None, u.center_vector, f.center_vector, **common), config=plain).compile()
+        setter = ps.create_kernel(macroscopic_values_setter(method, 1.0, u.center_vector, f, **common), config=plain).compile()
+        getter = ps.create_kernel(macroscopic_values_getter(method, None, u.center_vector, f, **common), config=plain).compile()
         exchange = LBMPeriodicityHandling(stencil, self.data, "f", streaming_pattern=self.pattern)
         a = self.data.cpu_arrays
         y = (np.arange(self.side + 2) - 0.5) * 2 * np.pi / self.side
