@@ -1,7 +1,8 @@
 //! Stage `collide_stream`: one in-place step of the whole grid.
 //!
 //! f*(x, t) = C(f(x, t), F), f_i(x + c_i, t + 1) = f*_i(x, t). The operator C is chosen at run time, its forced variant
-//! only for rows that hold cells touched by markers (or under a uniform acceleration); see [`super`] for the slots.
+//! only for cache lines of cells that markers touch (or under a uniform acceleration); see [`super`] for the slots. The vector
+//! instructions of the CPU are chosen at run time, with the same bits under all of them; `benches/README.md` tells how it was measured.
 
 use std::marker::PhantomData;
 use std::ops::Range;
