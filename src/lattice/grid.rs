@@ -137,15 +137,24 @@ pub struct Grid {
     pub stride_z: usize,
     /// Elements of an array, ghost layer included.
     pub total: usize,
+    /// Elements before the first ghost cell.
+    lead: usize,
     pair_shifts: [isize; 9],
 }
 
 impl Grid {
-    /// Grid of `cells` with one ghost layer around it.
+    /// Grid of `cells` with one ghost layer around it, without gaps: the layout of the device and of checkpoints.
     #[must_use]
     pub const fn new(cells: [usize; 3]) -> Self {
-        let stride_y = cells[0] + 2;
+        Self::aligned(cells, 1)
+    }
+
+    /// The same grid with rows padded, so that the element of the first cell (x = 0) of every row is a multiple of `alignment`.
+    #[must_use]
+    pub const fn aligned(cells: [usize; 3], alignment: usize) -> Self {
+        let stride_y = (cells[0] + 2).next_multiple_of(alignment);
         let stride_z = stride_y * (cells[1] + 2);
+        let lead = alignment - 1;
         let mut pair_shifts = [0; 9];
         let mut pair = 0;
         while pair < 9 {
@@ -158,9 +167,24 @@ impl Grid {
             cells,
             stride_y,
             stride_z,
-            total: stride_z * (cells[2] + 2),
+            total: lead + stride_z * (cells[2] + 2),
+            lead,
             pair_shifts,
         }
+    }
+
+    /// Elements of every row, ghost cells at its ends included, row after row.
+    pub fn rows(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+        let Self {
+            cells,
+            stride_y,
+            lead,
+            ..
+        } = *self;
+        (0..(cells[1] + 2) * (cells[2] + 2)).map(move |row| {
+            let first = lead + row * stride_y;
+            first..first + cells[0] + 2
+        })
     }
 
     /// Shifts of elements along the first directions of the nine pairs.
@@ -181,7 +205,7 @@ impl Grid {
     #[must_use]
     pub fn index(&self, cell: [i64; 3]) -> usize {
         let [x, y, z] = cell.map(|c| (c + 1) as usize);
-        x + y * self.stride_y + z * self.stride_z
+        self.lead + x + y * self.stride_y + z * self.stride_z
     }
 
     /// Array and element that hold the population of `direction` about to be read by the cell at array index

@@ -11,7 +11,7 @@ pub mod links;
 pub mod operators;
 mod real;
 
-pub use real::Real;
+pub use real::{Lanes, Number, Real};
 
 /// Collision operator of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

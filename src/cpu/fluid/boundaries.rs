@@ -1,5 +1,5 @@
 //! Populations that enter through the faces of the domain: through the sides they are copied after each sweep, at inlet and
-//! outlet ghost cells stream them within the sweep.
+//! outlet (or from end to end) they are filled in within the sweep, row by row.
 //!
 //! For cell n and direction d with n − c_d outside:
 //! * periodic: what left through the opposite face;
@@ -19,79 +19,130 @@
 //! within some passages of sound through the tunnel, while waves shorter than the tunnel leave. *Limits*: waves that meet the
 //! outlet at an angle are reflected in part, and an inlet of given velocity reflects sound whole.
 
+use rayon::prelude::*;
+
 use super::Fluid;
 use crate::lattice::grid::OUTLET_RELAXATION;
+use crate::lattice::links::{Boundaries, Run};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, WEIGHTS, opposite};
 
+/// Arrays that reflection at walls exchanges only among themselves: directions alike but for their signs.
+const FAMILIES: [&[usize]; 6] = [
+    &[1, 2],
+    &[3, 4],
+    &[5, 6],
+    &[7, 8, 13, 14],
+    &[9, 10, 15, 16],
+    &[11, 12, 17, 18],
+];
+
+/// Copies through the sides, and through walls at the ends.
+#[derive(Debug, Clone)]
+pub(super) struct Sides {
+    /// For even and odd steps, by family.
+    runs: [[Vec<Run>; FAMILIES.len()]; 2],
+}
+
+impl Sides {
+    pub(super) fn new(links: &Boundaries) -> Self {
+        let runs = links.copies.each_ref().map(|runs| {
+            FAMILIES.map(|family| {
+                let mine = |run: &&Run| family.contains(&usize::from(run.to_array));
+                runs.iter().filter(mine).copied().collect()
+            })
+        });
+        Self { runs }
+    }
+}
+
 impl<T: Real> Fluid<T> {
     pub(super) fn apply_boundaries(&mut self) {
-        for run in &self.boundaries.copies[usize::from(self.odd)] {
-            let (to, from, length) = (run.to as usize, run.from as usize, run.length as usize);
-            let (to_array, from_array) = (usize::from(run.to_array), usize::from(run.from_array));
-            match self.populations.get_disjoint_mut([to_array, from_array]) {
-                Ok([target, origin]) => {
-                    target[to..to + length].copy_from_slice(&origin[from..from + length])
-                }
-                Err(_) => self.populations[to_array].copy_within(from..from + length, to),
+        let runs = &self.sides.runs[usize::from(self.odd)];
+        let mut arrays = self.populations.arrays_mut();
+        let families = FAMILIES.map(|family| {
+            let mut members: [&mut [T]; DIRECTION_COUNT] =
+                std::array::from_fn(|_| Default::default());
+            for &array in family {
+                members[array] = std::mem::take(&mut arrays[array]);
             }
-            if run.added != 0.0 {
-                let added = T::of(run.added);
-                for population in &mut self.populations[to_array][to..to + length] {
-                    *population += added;
+            members
+        });
+        families
+            .into_par_iter()
+            .zip(runs.par_iter())
+            .for_each(|(mut arrays, runs)| {
+                for run in runs {
+                    let (to, from) = (run.to as usize, run.from as usize);
+                    let length = run.length as usize;
+                    let pair = [usize::from(run.to_array), usize::from(run.from_array)];
+                    match arrays.get_disjoint_mut(pair) {
+                        Ok([target, origin]) => {
+                            target[to..to + length].copy_from_slice(&origin[from..from + length]);
+                        }
+                        Err(_) => arrays[pair[0]].copy_within(from..from + length, to),
+                    }
+                    if run.added != 0.0 {
+                        let added = T::of(run.added);
+                        for population in &mut arrays[pair[0]][to..to + length] {
+                            *population += added;
+                        }
+                    }
                 }
-            }
-        }
+            });
     }
 }
 
-/// The ghost cells at both ends of a row: they are at equilibrium and stream like any cell.
+/// What lies at both ends of a row.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RowEnds<T> {
-    inlet_density_excess: T,
-    inlet_velocity: [T; 3],
-    outlet_density_excess: T,
-    outlet_velocity: [T; 3],
+pub(super) enum RowEnds<T> {
+    /// The row repeats.
+    Periodic,
+    /// Inlet, with its velocity, and outlet.
+    InletOutlet([T; 3]),
+    /// Walls: among the copies.
+    Walls,
 }
 
-impl<T: Real> RowEnds<T> {
-    /// Reads what they take from their neighbours off a row just collided, while it is in the cache; the momentum after the collision
-    /// is what a streaming cell carries.
-    #[inline(always)]
-    pub(super) fn read(rows: &[&mut [T]; DIRECTION_COUNT], inlet_velocity: [T; 3]) -> Self {
-        let nx = rows[0].len();
-        let (inlet, outlet) = (1.min(nx - 1), nx.saturating_sub(2));
-        let mut states = [[T::default(); DIRECTION_COUNT]; 2];
+/// Fills in what enters a row through its ends, right after the row was collided, while it is in the cache. `arrays` are the slab's, by
+/// direction read in this step, and the row's cells are the elements `start..start + nx`. Ghost cells stream like any cell: f_i goes
+/// to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
+#[inline(always)]
+pub(super) fn fill_row_ends<T: Real>(
+    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+    start: usize,
+    nx: usize,
+    ends: &RowEnds<T>,
+) {
+    let inlet_velocity = match ends {
+        RowEnds::Walls => return,
+        RowEnds::Periodic => {
+            for direction in DOWNSTREAM {
+                arrays[direction + 1][start - 1] = arrays[direction + 1][start + nx - 1];
+                arrays[direction][start + nx] = arrays[direction][start];
+            }
+            return;
+        }
+        RowEnds::InletOutlet(inlet_velocity) => inlet_velocity,
+    };
+    // The momentum after the collision is what a streaming cell carries.
+    let state = |x: usize| {
+        let mut f = [T::default(); DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            states[0][direction] = rows[opposite(direction)][inlet];
-            states[1][direction] = rows[opposite(direction)][outlet];
+            f[direction] = arrays[opposite(direction)][start + x];
         }
-        let (inlet_density_excess, _) = bare_moments(&states[0]);
-        let (excess, momentum) = bare_moments(&states[1]);
-        let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
-        let kept = T::of(1.0 - OUTLET_RELAXATION / nx as f64);
-        Self {
-            outlet_density_excess: kept * excess,
-            inlet_density_excess,
-            inlet_velocity,
-            outlet_velocity: momentum.map(|j| j * inverse_density),
-        }
-    }
-
-    /// Streams their populations into the domain: `arrays` are the slab's, by direction read in this step, and the row's cells
-    /// are the elements `start..start + nx`.
-    #[inline(always)]
-    pub(super) fn write(&self, arrays: &mut [&mut [T]; DIRECTION_COUNT], start: usize, nx: usize) {
-        for direction in DOWNSTREAM {
-            // As for any cell, f_i goes to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
-            arrays[direction + 1][start - 1] =
-                shifted_equilibrium(direction, self.inlet_density_excess, &self.inlet_velocity);
-            arrays[direction][start + nx] = shifted_equilibrium(
-                direction + 1,
-                self.outlet_density_excess,
-                &self.outlet_velocity,
-            );
-        }
+        bare_moments(&f)
+    };
+    let (inlet_excess, _) = state(1.min(nx - 1));
+    let (excess, momentum) = state(nx.saturating_sub(2));
+    let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
+    let outlet_velocity = momentum.map(|j| j * inverse_density);
+    let outlet_excess = T::of(1.0 - OUTLET_RELAXATION / nx as f64) * excess;
+    for direction in DOWNSTREAM {
+        arrays[direction + 1][start - 1] =
+            shifted_equilibrium(direction, inlet_excess, inlet_velocity);
+        arrays[direction][start + nx] =
+            shifted_equilibrium(direction + 1, outlet_excess, &outlet_velocity);
     }
 }
 

@@ -1,19 +1,22 @@
 //! Stage `collide_stream`: one in-place step of the whole grid.
 //!
 //! f*(x, t) = C(f(x, t), F), f_i(x + c_i, t + 1) = f*_i(x, t). The operator C is chosen at run time, its forced variant
-//! only for rows that hold cells touched by markers (or under a uniform acceleration); see [`super`] for the slots.
+//! only for cache lines of cells that markers touch (or under a uniform acceleration); see [`super`] for the slots. The vector
+//! instructions of the CPU are chosen at run time, with the same bits under all of them; `benches/README.md` tells how it was measured.
 
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::Fluid;
-use super::boundaries::RowEnds;
+use super::boundaries::{RowEnds, fill_row_ends};
+use super::storage::LINE_BYTES;
 use crate::lattice::Operator;
 use crate::lattice::grid::{Grid, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
-use crate::lattice::{DIRECTION_COUNT, Real, opposite};
-
-/// Cells handled at once; the compiler turns loops of this width into vector instructions.
-const LANES: usize = 8;
+use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real, opposite};
 
 /// Slabs of planes per thread, to balance the load of rows with and without force.
 const SLABS_PER_THREAD: usize = 4;
@@ -38,35 +41,44 @@ pub struct ForcedCells<'a> {
     pub force: &'a [[f64; 3]],
 }
 
-trait Collision<T: Real> {
-    fn collide<const FORCED: bool>(f: &Populations<T>, local: &Local<T>) -> Populations<T>;
+trait Collision {
+    fn collide<N: Number, const FORCED: bool>(
+        f: &Populations<N>,
+        local: &Local<N>,
+    ) -> Populations<N>;
 }
 
 struct TwoRelaxationTimes<const EDDY: bool>;
 
-impl<T: Real, const EDDY: bool> Collision<T> for TwoRelaxationTimes<EDDY> {
+impl<const EDDY: bool> Collision for TwoRelaxationTimes<EDDY> {
     #[inline(always)]
-    fn collide<const FORCED: bool>(f: &Populations<T>, local: &Local<T>) -> Populations<T> {
-        operators::two_relaxation_times::<T, FORCED, EDDY>(f, local)
+    fn collide<N: Number, const FORCED: bool>(
+        f: &Populations<N>,
+        local: &Local<N>,
+    ) -> Populations<N> {
+        operators::two_relaxation_times::<N, FORCED, EDDY>(f, local)
     }
 }
 
 struct RecursiveRegularised<const EDDY: bool>;
 
-impl<T: Real, const EDDY: bool> Collision<T> for RecursiveRegularised<EDDY> {
+impl<const EDDY: bool> Collision for RecursiveRegularised<EDDY> {
     #[inline(always)]
-    fn collide<const FORCED: bool>(f: &Populations<T>, local: &Local<T>) -> Populations<T> {
-        operators::recursive_regularised::<T, FORCED, EDDY>(f, local)
+    fn collide<N: Number, const FORCED: bool>(
+        f: &Populations<N>,
+        local: &Local<N>,
+    ) -> Populations<N> {
+        operators::recursive_regularised::<N, FORCED, EDDY>(f, local)
     }
 }
 
 /// What all rows of a step share.
 struct Common<'a, T> {
     relaxation_time: T,
-    relaxation_profile: Option<&'a [T]>,
+    /// Relaxation time of every x, and the first block with a value of its own; `None` without a sponge.
+    sponge: Option<(&'a [T], usize)>,
     eddy_factor: T,
-    /// Velocity at the inlet; `None` in periodic scenes.
-    inlet_velocity: Option<[T; 3]>,
+    ends: RowEnds<T>,
 }
 
 impl<T: Real> Fluid<T> {
@@ -92,17 +104,26 @@ impl<T: Real> Fluid<T> {
         self.apply_boundaries();
     }
 
-    fn sweep<C: Collision<T>>(&mut self, body_force: &BodyForce) {
+    fn sweep<C: Collision>(&mut self, body_force: &BodyForce) {
         let nz = self.setup.cells[2];
         let grid = self.grid;
         let odd = self.odd;
+        let instructions = self.instructions;
         let smagorinsky = self.setup.smagorinsky_constant.unwrap_or(0.0);
+        let relaxation_time = T::of(self.setup.relaxation_time);
+        let block = LINE_BYTES / size_of::<T>();
         let common = Common {
-            relaxation_time: T::of(self.setup.relaxation_time),
-            relaxation_profile: self.relaxation_profile.as_deref(),
+            relaxation_time,
+            sponge: self.relaxation_profile.as_deref().map(|profile| {
+                let first = profile.partition_point(|tau| *tau <= relaxation_time);
+                (profile, first / block * block)
+            }),
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
-            inlet_velocity: (self.setup.ends == StreamwiseEnds::InletOutlet)
-                .then(|| self.inlet_velocity.map(T::of)),
+            ends: match self.setup.ends {
+                StreamwiseEnds::Periodic => RowEnds::Periodic,
+                StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(self.inlet_velocity.map(T::of)),
+                StreamwiseEnds::Walls(_) => RowEnds::Walls,
+            },
         };
         let planes = nz
             .div_ceil(SLABS_PER_THREAD * rayon::current_num_threads())
@@ -115,7 +136,7 @@ impl<T: Real> Fluid<T> {
                 arrays: std::array::from_fn(|_| Default::default()),
             })
             .collect();
-        for (array, data) in self.populations.iter_mut().enumerate() {
+        for (array, data) in self.populations.arrays_mut().into_iter().enumerate() {
             // The direction that reads this array in this step: 'local' slots are read by the first of a pair.
             let direction = if array == 0 || odd {
                 array
@@ -137,74 +158,15 @@ impl<T: Real> Fluid<T> {
                 rest = tail;
             }
         }
-        slabs.into_par_iter().for_each(|mut slab| {
-            vectorised(
-                #[inline(always)]
-                || sweep_slab::<T, C>(&grid, &mut slab, body_force, &common),
-            );
+        slabs.into_par_iter().for_each(|slab| {
+            instructions.dispatch(SweepSlab::<T, C> {
+                grid: &grid,
+                slab,
+                body_force,
+                common: &common,
+                operator: PhantomData,
+            });
         });
-    }
-}
-
-/// Calls `work` compiled for AVX2 where the CPU has it: twice the lanes of the baseline, the same bits (no fused operations).
-/// AVX-512 is left alone: the same loops compiled for it were measured three times slower.
-#[inline(always)]
-fn vectorised(work: impl FnOnce()) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = pulp::x86::V3::try_new() {
-        avx2.vectorize(work);
-        return;
-    }
-    work();
-}
-
-#[inline(always)]
-fn sweep_slab<T: Real, C: Collision<T>>(
-    grid: &Grid,
-    slab: &mut Slab<T>,
-    body_force: &BodyForce,
-    common: &Common<T>,
-) {
-    let [nx, ny, _] = grid.cells;
-    let first_row = (slab.first_plane * ny) as u32;
-    let forced = body_force.cells;
-    let mut next = forced.rows.partition_point(|row| row.0 < first_row);
-    let acceleration = body_force.acceleration.map(|a| a.map(T::of));
-    let mut force = [const { Vec::new() }; 3];
-    for plane in 0..slab.planes {
-        for y in 0..ny {
-            let row = ((slab.first_plane + plane) * ny + y) as u32;
-            let here = forced.rows.get(next).filter(|entry| entry.0 == row);
-            let start = plane * grid.stride_z + y * grid.stride_y + 1;
-            let mut rows = slab
-                .arrays
-                .each_mut()
-                .map(|array| &mut array[start..start + nx]);
-            if here.is_none() && acceleration.is_none() {
-                collide_row::<T, C, false>(&mut rows, common, None);
-                if let Some(inlet) = common.inlet_velocity {
-                    RowEnds::read(&rows, inlet).write(&mut slab.arrays, start, nx);
-                }
-                continue;
-            }
-            for (a, component) in force.iter_mut().enumerate() {
-                component.clear();
-                component.resize(nx, acceleration.map_or(T::default(), |g| g[a]));
-            }
-            if let Some(&(_, first, end)) = here {
-                next += 1;
-                for entry in first as usize..end as usize {
-                    let x = forced.x[entry] as usize;
-                    for (a, component) in force.iter_mut().enumerate() {
-                        component[x] += T::of(forced.force[entry][a]);
-                    }
-                }
-            }
-            collide_row::<T, C, true>(&mut rows, common, Some(&force));
-            if let Some(inlet) = common.inlet_velocity {
-                RowEnds::read(&rows, inlet).write(&mut slab.arrays, start, nx);
-            }
-        }
     }
 }
 
@@ -215,68 +177,203 @@ struct Slab<'a, T> {
     arrays: [&'a mut [T]; DIRECTION_COUNT],
 }
 
+/// The work on one slab, compiled once per instruction set.
+struct SweepSlab<'a, T, C> {
+    grid: &'a Grid,
+    slab: Slab<'a, T>,
+    body_force: &'a BodyForce<'a>,
+    common: &'a Common<'a, T>,
+    operator: PhantomData<C>,
+}
+
+impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let grid = self.grid;
+        let [nx, ny, _] = grid.cells;
+        let first_row = (self.slab.first_plane * ny) as u32;
+        let forced = self.body_force.cells;
+        let mut next = forced.rows.partition_point(|row| row.0 < first_row);
+        let acceleration = self.body_force.acceleration.map(|a| a.map(T::of));
+        // Force of every cell of a row; where nothing acts it stays zero (or the acceleration).
+        let resting = acceleration.unwrap_or_default();
+        let mut force = resting.map(|component| vec![component; nx]);
+        for plane in 0..self.slab.planes {
+            for y in 0..ny {
+                let row = ((self.slab.first_plane + plane) * ny + y) as u32;
+                let mut touched: &[u32] = &[];
+                let mut entries = 0..0;
+                if let Some(&(_, first, end)) = forced.rows.get(next).filter(|entry| entry.0 == row)
+                {
+                    next += 1;
+                    entries = first as usize..end as usize;
+                    touched = &forced.x[entries.clone()];
+                }
+                for entry in entries.clone() {
+                    let x = forced.x[entry] as usize;
+                    for a in 0..3 {
+                        force[a][x] += T::of(forced.force[entry][a]);
+                    }
+                }
+                let start = plane * grid.stride_z + y * grid.stride_y + 1;
+                collide_row::<S, T, C>(
+                    simd,
+                    &mut self.slab.arrays,
+                    start..start + nx,
+                    self.common,
+                    &force,
+                    touched,
+                    acceleration.is_some(),
+                );
+                fill_row_ends(&mut self.slab.arrays, start, nx, &self.common.ends);
+                for &x in touched {
+                    for a in 0..3 {
+                        force[a][x as usize] = resting[a];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Collides one row in runs of blocks that are alike: with or without force, before or in the sponge. A block is a cache line of cells,
+/// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
+/// their own, ascending.
 #[inline(always)]
-fn collide_row<T: Real, C: Collision<T>, const FORCED: bool>(
-    rows: &mut [&mut [T]; DIRECTION_COUNT],
+fn collide_row<S: Simd, T: Real, C: Collision>(
+    simd: S,
+    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+    row: Range<usize>,
     common: &Common<T>,
-    force: Option<&[Vec<T>; 3]>,
+    force: &[Vec<T>; 3],
+    touched: &[u32],
+    accelerated: bool,
 ) {
-    let nx = rows[0].len();
+    let nx = row.len();
+    let block = LINE_BYTES / size_of::<T>();
+    let sponge_start = common.sponge.map_or(nx, |(_, start)| start);
+    let mut touched = touched
+        .iter()
+        .map(|&x| x as usize / block * block)
+        .peekable();
     let mut x = 0;
     while x < nx {
-        let count = LANES.min(nx - x);
-        let mut block = [[T::default(); LANES]; DIRECTION_COUNT];
-        let mut tau = [common.relaxation_time; LANES];
-        let mut body = [[T::default(); LANES]; 3];
-        for direction in 0..DIRECTION_COUNT {
-            load(&mut block[direction], &rows[direction][x..]);
-        }
-        if let Some(profile) = common.relaxation_profile {
-            load(&mut tau, &profile[x..]);
-        }
-        if FORCED && let Some(force) = force {
-            for a in 0..3 {
-                load(&mut body[a], &force[a][x..]);
+        let mut end = if x < sponge_start { sponge_start } else { nx };
+        let mut forced = accelerated;
+        if !accelerated && let Some(&first) = touched.peek() {
+            if first > x {
+                end = end.min(first);
+            } else {
+                forced = true;
+                let mut last = x + block;
+                while let Some(&another) = touched.peek()
+                    && another < end
+                    && another <= last
+                {
+                    last = another + block;
+                    touched.next();
+                }
+                end = end.min(last);
             }
         }
-        collide_block::<T, C, FORCED>(&mut block, &tau, &body, common.eddy_factor);
-        for direction in 0..DIRECTION_COUNT {
-            let target = &mut rows[opposite(direction)][x..x + count];
-            match target.first_chunk_mut::<LANES>() {
-                Some(chunk) => *chunk = block[direction],
-                None => target.copy_from_slice(&block[direction][..count]),
-            }
-        }
-        x += count;
-    }
-}
-
-/// Fills the lanes from the start of `source`, as far as it reaches.
-#[inline(always)]
-fn load<T: Copy>(lanes: &mut [T; LANES], source: &[T]) {
-    match source.first_chunk::<LANES>() {
-        Some(chunk) => *lanes = *chunk,
-        None => lanes[..source.len()].copy_from_slice(source),
-    }
-}
-
-#[inline(always)]
-fn collide_block<T: Real, C: Collision<T>, const FORCED: bool>(
-    block: &mut [[T; LANES]; DIRECTION_COUNT],
-    tau: &[T; LANES],
-    body: &[[T; LANES]; 3],
-    eddy_factor: T,
-) {
-    for lane in 0..LANES {
-        let f: Populations<T> = std::array::from_fn(|direction| block[direction][lane]);
-        let local = Local {
-            relaxation_time: tau[lane],
-            force: [body[0][lane], body[1][lane], body[2][lane]],
-            eddy_factor,
+        let cells = row.start + x..row.start + end;
+        let profile = common.sponge.filter(|_| x >= sponge_start);
+        let tau = profile.map_or(&[][..], |(profile, _)| &profile[x..end]);
+        let body = if forced {
+            [&force[0][x..end], &force[1][x..end], &force[2][x..end]]
+        } else {
+            [&[][..]; 3]
         };
-        let out = C::collide::<FORCED>(&f, &local);
-        for direction in 0..DIRECTION_COUNT {
-            block[direction][lane] = out[direction];
+        match (profile.is_some(), forced) {
+            (false, false) => {
+                collide_run::<S, T, C, false, false>(simd, arrays, cells, common, tau, body);
+            }
+            (false, true) => {
+                collide_run::<S, T, C, true, false>(simd, arrays, cells, common, tau, body);
+            }
+            (true, false) => {
+                collide_run::<S, T, C, false, true>(simd, arrays, cells, common, tau, body);
+            }
+            (true, true) => {
+                collide_run::<S, T, C, true, true>(simd, arrays, cells, common, tau, body);
+            }
         }
+        x = end;
     }
 }
+
+/// Collides neighbouring cells. `tau` is read only where `SPONGE`, `force` only where `FORCED`.
+#[inline(always)]
+fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE: bool>(
+    simd: S,
+    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+    cells: Range<usize>,
+    common: &Common<T>,
+    tau: &[T],
+    force: [&[T]; 3],
+) {
+    let constant = Lanes::<S, T>::splat(simd, common.relaxation_time);
+    let zero = Lanes::splat(simd, T::default());
+    let eddy_factor = Lanes::splat(simd, common.eddy_factor);
+    let local = |tau: Option<T::Vector<S>>, force: [Option<T::Vector<S>>; 3]| Local {
+        relaxation_time: tau.map_or(constant, |tau| Lanes::new(simd, tau)),
+        force: force.map(|component| component.map_or(zero, |f| Lanes::new(simd, f))),
+        eddy_factor,
+    };
+    let lanes = T::lanes::<S>();
+    let whole = cells.len() / lanes;
+    let (tau, tau_part) = T::vectors::<S>(tau);
+    let tau = &tau[..if SPONGE { whole } else { 0 }];
+    let (force, force_part) = {
+        let split = force.map(|component| T::vectors::<S>(component));
+        let whole = if FORCED { whole } else { 0 };
+        (
+            split.map(|(vectors, _)| &vectors[..whole]),
+            split.map(|(_, part)| part),
+        )
+    };
+    let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
+        std::array::from_fn(|_| Default::default());
+    let mut parts: [&mut [T]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
+    // A plain loop: the compiler unrolls it, sees that all slices are of one length and leaves out the checks in the loop over cells.
+    for (direction, array) in arrays.iter_mut().enumerate() {
+        let (all, part) = T::vectors_mut::<S>(&mut array[cells.clone()]);
+        vectors[direction] = &mut all[..whole];
+        parts[direction] = part;
+    }
+    for i in 0..whole {
+        let mut f = [zero; DIRECTION_COUNT];
+        for direction in 0..DIRECTION_COUNT {
+            f[direction] = Lanes::new(simd, vectors[direction][i]);
+        }
+        let local = local(
+            SPONGE.then(|| tau[i]),
+            force.map(|component| FORCED.then(|| component[i])),
+        );
+        let out = C::collide::<_, FORCED>(&f, &local);
+        for direction in 0..DIRECTION_COUNT {
+            vectors[opposite(direction)][i] = out[direction].vector;
+        }
+    }
+    if parts[0].is_empty() {
+        return;
+    }
+    let mut f = [zero; DIRECTION_COUNT];
+    for direction in 0..DIRECTION_COUNT {
+        f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
+    }
+    let local = local(
+        SPONGE.then(|| T::load_part(simd, tau_part)),
+        force_part.map(|component| FORCED.then(|| T::load_part(simd, component))),
+    );
+    let out = C::collide::<_, FORCED>(&f, &local);
+    for direction in 0..DIRECTION_COUNT {
+        T::store_part(simd, parts[opposite(direction)], out[direction].vector);
+    }
+}
+
+#[cfg(test)]
+#[path = "collide_stream_tests.rs"]
+mod tests;

@@ -1,18 +1,22 @@
 //! The air on CPU threads: D3Q19 streamed in place (see [`crate::lattice::grid`] for the slots).
 //!
 //! Each array is touched at one fixed shift in a step, so slabs of planes are split off each array with safe borrows.
-//! Arrays carry one layer of ghost cells; [`boundaries`] fills in after each step what flows in from there.
+//! Arrays carry one layer of ghost cells; [`boundaries`] fills in after each step what flows in from there. Rows begin on a cache line
+//! ([`storage`]).
 
 pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
 mod macroscopic;
+mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Setup};
+use crate::lattice::grid::{Grid, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::{DIRECTION_COUNT, Real, equilibrium, operators};
+use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
+use storage::{LINE_BYTES, Storage};
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
@@ -20,21 +24,23 @@ pub struct Fluid<T: Real> {
     setup: Setup,
     grid: Grid,
     /// One array per direction, shifted populations, ghost layer included.
-    populations: Vec<Vec<T>>,
-    boundaries: Boundaries,
+    populations: Storage<T>,
+    sides: Sides,
     /// Relaxation time per x [cells]; `None` without a sponge.
     relaxation_profile: Option<Vec<T>>,
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
+    /// Vector instructions of this CPU.
+    instructions: pulp::Arch,
 }
 
 impl<T: Real> Fluid<T> {
     /// Air at equilibrium with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units.
     #[must_use]
     pub fn new(setup: Setup, initial: impl Fn([usize; 3]) -> (f64, [f64; 3])) -> Self {
-        let grid = Grid::new(setup.cells);
-        let mut populations = vec![vec![T::default(); grid.total]; DIRECTION_COUNT];
+        let grid = Grid::aligned(setup.cells, LINE_BYTES / size_of::<T>());
+        let mut populations = Storage::<T>::new(grid.total);
         let [nx, ny, nz] = setup.cells;
         for z in 0..nz {
             for y in 0..ny {
@@ -55,11 +61,22 @@ impl<T: Real> Fluid<T> {
         Self {
             grid,
             populations,
-            boundaries: Boundaries::new(&grid, setup.ends, setup.sides),
+            // The ends of rows are filled in while a row is at hand, in periodic scenes too.
+            sides: Sides::new(&Boundaries::new(
+                &grid,
+                match setup.ends {
+                    StreamwiseEnds::Periodic | StreamwiseEnds::InletOutlet => {
+                        StreamwiseEnds::InletOutlet
+                    }
+                    walls @ StreamwiseEnds::Walls(_) => walls,
+                },
+                setup.sides,
+            )),
             relaxation_profile,
             inlet_velocity: [0.0; 3],
             odd: false,
             steps: 0,
+            instructions: pulp::Arch::new(),
             setup,
         }
     }
@@ -97,12 +114,17 @@ impl<T: Real> Fluid<T> {
 }
 
 impl<T: Real> Fluid<T> {
-    /// Writes populations, parity and step count.
+    /// Writes populations, parity and step count; arrays without the padding of rows, as every engine does.
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
         out.put("inlet_velocity", &self.inlet_velocity)?;
-        for (array, data) in self.populations.iter().enumerate() {
-            out.put(&format!("populations_{array:02}"), data)?;
+        let mut packed = Vec::with_capacity(Grid::new(self.setup.cells).total);
+        for array in 0..DIRECTION_COUNT {
+            packed.clear();
+            for row in self.grid.rows() {
+                packed.extend_from_slice(&self.populations[array][row]);
+            }
+            out.put(&format!("populations_{array:02}"), &packed)?;
         }
         Ok(())
     }
@@ -114,8 +136,13 @@ impl<T: Real> Fluid<T> {
         self.odd = counters[1] == 1;
         self.inlet_velocity
             .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
-        for (array, data) in self.populations.iter_mut().enumerate() {
-            *data = from.take_exactly(&format!("populations_{array:02}"), data.len())?;
+        let packed_grid = Grid::new(self.setup.cells);
+        for array in 0..DIRECTION_COUNT {
+            let packed: Vec<T> =
+                from.take_exactly(&format!("populations_{array:02}"), packed_grid.total)?;
+            for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
+                self.populations[array][row].copy_from_slice(&packed[packed_row]);
+            }
         }
         Ok(())
     }
