@@ -82,6 +82,7 @@ pub mod measure;
 pub mod output;
 pub mod plan;
 pub mod render;
+pub mod rigid;
 pub mod run;
 pub mod simulation;
 pub mod solve;

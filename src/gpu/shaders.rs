@@ -41,6 +41,7 @@ shaders! {
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
     SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
+    REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "repeat_forcing.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     RASTER = "raster": "raster.wgsl";

@@ -52,6 +52,7 @@ fn frame(fluid: Option<FluidFrame>, structure: Option<StructureFrame>) -> Frame 
         step: 1,
         fluid,
         structure,
+        bodies: None,
     }
 }
 
