@@ -1,4 +1,4 @@
-//! The immersed boundary on the device: stages `interpolate` and `spread` (formulas in [`crate::immersed`] and
+//! The immersed boundary on the device: stages `interpolate`, `spread` and `repeat_forcing` (formulas in [`crate::immersed`] and
 //! [`crate::cpu::immersed`]).
 //!
 //! Work is confined to the box of cells that holds the kernels of all markers. The host, which knows the markers' positions in
