@@ -77,8 +77,9 @@ pub const fn symmetry(engine: Engine) -> f64 {
 /// the lattice's own dependence on the frame, of order Ma².
 pub const GALILEI: f64 = 0.03;
 
-/// Impulse of a sphere of 12 cells set in motion quickly, in masses of displaced air: 0.5 exactly without viscosity, and up to 0.7 more for
-/// a layer of a cell that the kernel drags along (1.14 measured). Without taking off the air inside it would be larger by 1.
+/// Impulse of a sphere of 12 cells set in motion quickly, in masses of displaced air: 0.5 exactly without viscosity; 1.14 measured, since
+/// the kernel drags a layer of some cells along and the air inside, taken for rigid, lags (`docs/rigid-bodies.md`). A wrong sign of
+/// the air inside would be off by 2, leaving it out by 1.
 pub const ADDED_MASS: [f64; 2] = [0.5, 1.3];
 
 /// Air on a device against the CPU in f32 after some ten steps: both round to 2⁻²⁴ of values near 0.1, in another order.
