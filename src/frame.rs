@@ -13,6 +13,21 @@ pub struct Frame {
     pub fluid: Option<FluidFrame>,
     /// Fabric and cables; `None` in a scene without a structure.
     pub structure: Option<StructureFrame>,
+    /// Rigid bodies; `None` in a scene without.
+    pub bodies: Option<BodiesFrame>,
+}
+
+/// Surfaces of all rigid bodies.
+#[derive(Debug, Clone, Default)]
+pub struct BodiesFrame {
+    /// Node positions [m], `[node_count]`.
+    pub positions_m: Vec<DVec3>,
+    /// Node velocities [m/s], `[node_count]`.
+    pub velocities_m_s: Vec<DVec3>,
+    /// Node indices of every triangle, `[triangle_count]`.
+    pub triangles: Vec<[u32; 3]>,
+    /// Number of the body that a triangle belongs to, in the order of names, `[triangle_count]`.
+    pub numbers: Vec<u32>,
 }
 
 /// The air on its regular grid, x fastest, then y, then z.

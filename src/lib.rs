@@ -21,6 +21,7 @@
 //! | `solve_cloth` | u*, loads | node positions and velocities | `cloth/solve_cloth.rs` |
 //! | *`send_marker_forces`* | marker forces | device | `immersed/spread.rs` |
 //! | `spread` | marker velocities, u* | body force near the sheet | `immersed/spread.rs` |
+//! | `repeat_forcing`, *`fetch_marker_forces`* | slip left at rigid bodies | more body force | `immersed/repeat_forcing.rs` |
 //! | `measure`, `output` | impulses, frames | history, results, files | `measure/`, `run/` |
 //!
 //! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
@@ -35,7 +36,8 @@
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of | laws, extents of triangles |
-//! | [`geometry`] | canopies, sheets, cables, mesh files | cloth |
+//! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
+//! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`solve`] | L-BFGS; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
@@ -61,7 +63,8 @@
 //! K_k (v_k − u*_k). The reaction is convex and the exchange of momentum exact (the fabric's own balance holds to the solver's
 //! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
-//! ([`cpu::immersed`]).
+//! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
+//! (`docs/rigid-bodies.md`).
 //!
 //! ## Departures from the published schemes
 //!
@@ -85,6 +88,7 @@ pub mod measure;
 pub mod output;
 pub mod plan;
 pub mod render;
+pub mod rigid;
 pub mod run;
 pub mod simulation;
 pub mod solve;

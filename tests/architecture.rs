@@ -29,7 +29,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 24] = [
+const ALLOWED: [(&str, &[&str]); 25] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -37,11 +37,12 @@ const ALLOWED: [(&str, &[&str]); 24] = [
     ("frame.rs", &[]),
     ("units.rs", &[]),
     ("fabric", &["frame"]),
+    ("rigid", &["immersed"]),
     ("output", &["frame"]),
     ("render", &["frame"]),
     ("checkpoint", &["output"]),
     ("cloth", &["fabric", "frame", "immersed", "lines"]),
-    ("geometry", &["cloth", "fabric", "frame", "lines"]),
+    ("geometry", &["cloth", "fabric", "frame", "lines", "rigid"]),
     (
         "cpu",
         &[
@@ -73,7 +74,7 @@ const ALLOWED: [(&str, &[&str]); 24] = [
     (
         "case",
         &[
-            "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "units",
+            "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "rigid", "units",
         ],
     ),
     ("plan", &["case", "immersed", "lattice", "solve"]),
@@ -90,6 +91,7 @@ const ALLOWED: [(&str, &[&str]); 24] = [
             "immersed",
             "lattice",
             "plan",
+            "rigid",
             "solve",
             "units",
         ],
@@ -104,6 +106,7 @@ const ALLOWED: [(&str, &[&str]); 24] = [
             "geometry",
             "gpu",
             "output",
+            "rigid",
             "simulation",
             "steady",
         ],

@@ -11,6 +11,7 @@
 mod air;
 mod architecture;
 mod bad_cases;
+mod bodies;
 mod canopy;
 mod cases;
 mod cloth;
@@ -33,6 +34,7 @@ fn main() -> std::process::ExitCode {
         device::trials(),
         device_cloth::trials(),
         canopy::trials(),
+        bodies::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
+use super::{Problem, bodies};
 use crate::units::Units;
 
 /// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
@@ -12,6 +12,9 @@ const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 
 /// Smallest number of cells along any axis of the air.
 const SMALLEST_AXIS_CELLS: usize = 4;
+
+/// Most passes of forcing.
+const PASSES_LIMIT: u32 = 20;
 
 /// Largest lattice speed allowed: Mach 0.26, where the error of weak compressibility, of order Ma², reaches 7 %.
 pub const LATTICE_SPEED_LIMIT: f64 = 0.15;
@@ -29,6 +32,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         BodyKind::Canopy(canopy) => Some(canopy.nominal_diameter_m),
         _ => None,
     });
+    let diameter = diameter.or_else(|| bodies::only_diameter_m(file));
     let cell_size_m = match (
         resolution.cells_per_diameter,
         resolution.cell_size_m,
@@ -47,7 +51,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         (Some(_), None, None) => {
             return Err(Problem::new(
                 "resolution.cells_per_diameter",
-                "cells_per_diameter needs a canopy with a nominal diameter",
+                "cells_per_diameter needs a canopy with a nominal diameter, or one rigid body with a diameter",
                 "give resolution.cell_size_m instead",
             ));
         }
@@ -207,23 +211,117 @@ pub(super) fn check_coupling(
     air: Option<&Air>,
     body: Option<&mut Body>,
 ) -> Result<Option<Coupling>, Problem> {
-    let (Some(air), Some(body)) = (air, body) else {
+    let has_fabric = body.is_some();
+    let has_bodies = !file.bodies.is_empty();
+    let (Some(air), true) = (air, has_fabric || has_bodies) else {
         if file.coupling.is_some() {
             return Err(Problem::new(
                 "coupling",
-                "[coupling] needs both air and a structure",
+                "[coupling] needs both air and a structure or a rigid body",
                 "remove [coupling], or add what is missing",
             ));
         }
         return Ok(None);
     };
     let written = file.coupling.as_ref().ok_or_else(|| {
+        if has_fabric {
+            return Problem::new(
+                "structure",
+                "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
+                "add [coupling] with over_relaxation = 1.6 and structure_every = 1",
+            );
+        }
         Problem::new(
-            "structure",
-            "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
-            "add [coupling] with over_relaxation = 1.6 and structure_every = 1",
+            "bodies",
+            "[coupling] is missing: the case has air and rigid bodies, but does not say how they are coupled",
+            "add [coupling] with over_relaxation = 1.6",
         )
     })?;
+    let structure_every = match body {
+        Some(body) => check_fabric_coupling(written, air, body)?,
+        None => {
+            for (key, given) in [
+                (
+                    "coupling.structure_every",
+                    written.structure_every.is_some(),
+                ),
+                ("coupling.mass_factor", written.mass_factor.is_some()),
+            ] {
+                if given {
+                    return Err(Problem::new(
+                        key,
+                        format!("{key} has no effect: it needs [structure]"),
+                        format!("remove {key}"),
+                    ));
+                }
+            }
+            1
+        }
+    };
+    for (key, given) in [
+        ("coupling.surface_inset_cells", written.surface_inset_cells),
+        ("coupling.rim_inset_cells", written.rim_inset_cells),
+    ] {
+        if given.is_some() && !has_bodies {
+            return Err(Problem::new(
+                key,
+                format!("{key} has no effect: it needs [bodies]"),
+                format!("remove {key}"),
+            ));
+        }
+    }
+    let passes = written.passes.unwrap_or(1);
+    if !(1..=PASSES_LIMIT).contains(&passes) {
+        return Err(Problem::new(
+            "coupling.passes",
+            format!("coupling.passes = {passes} is out of range"),
+            format!(
+                "allowed are 1 to {PASSES_LIMIT} passes of forcing; 1 is usual with over_relaxation = 1.6, 5 with 1.0"
+            ),
+        ));
+    }
+    if passes > 1 && has_fabric {
+        return Err(Problem::new(
+            "coupling.passes",
+            format!(
+                "coupling.passes = {passes}, but the case has fabric, which feels the air inside its own implicit step, once"
+            ),
+            "remove coupling.passes; several passes are for rigid bodies alone",
+        ));
+    }
+    if air.cells.iter().any(|&n| n < SMALLEST_COUPLED_AXIS_CELLS) {
+        return Err(Problem::new(
+            "resolution",
+            format!(
+                "the air has only {} x {} x {} cells: too few around a {}",
+                air.cells[0],
+                air.cells[1],
+                air.cells[2],
+                if has_fabric { "structure" } else { "body" }
+            ),
+            format!(
+                "at least {SMALLEST_COUPLED_AXIS_CELLS} cells are needed along every axis: choose smaller cells"
+            ),
+        ));
+    }
+    Ok(Some(Coupling {
+        over_relaxation: within(
+            "coupling.over_relaxation",
+            written.over_relaxation,
+            0.1,
+            8.0 / 3.0 + 1e-9,
+        )?,
+        structure_every,
+        passes,
+    }))
+}
+
+/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric.
+fn check_fabric_coupling(
+    written: &file::Coupling,
+    air: &Air,
+    body: &mut Body,
+) -> Result<u32, Problem> {
     if body.structure.triangles.is_empty() {
         return Err(Problem::new(
             "structure",
@@ -237,26 +335,14 @@ pub(super) fn check_coupling(
             *mass *= factor;
         }
     }
-    if !(1..=10).contains(&written.structure_every) {
+    let structure_every = written
+        .structure_every
+        .ok_or_else(|| absent("coupling.structure_every", "the case has fabric"))?;
+    if !(1..=10).contains(&structure_every) {
         return Err(Problem::new(
             "coupling.structure_every",
-            format!(
-                "coupling.structure_every = {} is out of range",
-                written.structure_every
-            ),
+            format!("coupling.structure_every = {structure_every} is out of range"),
             "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest",
-        ));
-    }
-    if air.cells.iter().any(|&n| n < SMALLEST_COUPLED_AXIS_CELLS) {
-        return Err(Problem::new(
-            "resolution",
-            format!(
-                "the air has only {} x {} x {} cells: too few around a structure",
-                air.cells[0], air.cells[1], air.cells[2]
-            ),
-            format!(
-                "at least {SMALLEST_COUPLED_AXIS_CELLS} cells are needed along every axis: choose smaller cells"
-            ),
         ));
     }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
@@ -277,13 +363,5 @@ pub(super) fn check_coupling(
             ));
         }
     }
-    Ok(Some(Coupling {
-        over_relaxation: within(
-            "coupling.over_relaxation",
-            written.over_relaxation,
-            0.1,
-            8.0 / 3.0 + 1e-9,
-        )?,
-        structure_every: written.structure_every,
-    }))
+    Ok(structure_every)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+pub use super::file_bodies::*;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 
@@ -21,6 +22,9 @@ pub struct File {
     pub resolution: Option<Resolution>,
     /// What hangs or flies.
     pub structure: Option<StructureTable>,
+    /// Rigid bodies, by name.
+    #[serde(default)]
+    pub bodies: BTreeMap<String, BodyTable>,
     /// Fabric of the structure.
     pub fabric: Option<Fabric>,
     /// Suspension lines.
@@ -253,7 +257,14 @@ pub struct Gravity {
 )]
 pub struct Coupling {
     pub over_relaxation: f64,
-    pub structure_every: u32,
+    /// Only with fabric.
+    pub structure_every: Option<u32>,
+    /// Passes of multi-direct forcing; only without fabric.
+    pub passes: Option<u32>,
+    /// How far markers stand inside closed rigid surfaces.
+    pub surface_inset_cells: Option<f64>,
+    /// How far markers stand inside the rims of open ones.
+    pub rim_inset_cells: Option<f64>,
     /// Multiplies the mass of fabric and cables, to study light and heavy sheets.
     pub mass_factor: Option<f64>,
 }
@@ -317,6 +328,7 @@ pub struct Steady {
 pub struct Output {
     pub sample_interval_s: Option<f64>,
     pub canopy_interval_s: Option<f64>,
+    pub bodies_interval_s: Option<f64>,
     pub flow_interval_s: Option<f64>,
     pub picture_times_s: Option<Vec<f64>>,
 }

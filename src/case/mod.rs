@@ -1,7 +1,9 @@
 //! Case files: TOML text → [`file::File`] (what is written) → [`scene::Scene`] (checked, SI, absent = `None`).
 
 mod air;
+mod bodies;
 pub mod file;
+mod file_bodies;
 pub mod locate;
 pub mod scene;
 mod structure;
@@ -13,7 +15,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 4] = [
+pub const SHIPPED: [(&str, &str); 5] = [
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
@@ -26,6 +28,7 @@ pub const SHIPPED: [(&str, &str); 4] = [
         "hanging-chain",
         include_str!("../../cases/hanging-chain.toml"),
     ),
+    ("sphere", include_str!("../../cases/sphere.toml")),
     (
         "taylor-green",
         include_str!("../../cases/taylor-green.toml"),

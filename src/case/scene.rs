@@ -5,10 +5,11 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::file::File;
-use super::{Problem, air, structure};
+use super::{Problem, air, bodies, structure};
 use crate::cloth::Structure;
 use crate::geometry::mesh::quality::Quality;
 use crate::lattice::Operator;
+use crate::rigid::{PrescribedMotion, Surface};
 use crate::units::Units;
 
 /// Everything that a run needs to know.
@@ -20,7 +21,9 @@ pub struct Scene {
     pub air: Option<Air>,
     /// Fabric and cables.
     pub body: Option<Body>,
-    /// Coupling of the two; present if both are.
+    /// Rigid bodies in the air, by name.
+    pub rigid_bodies: Vec<RigidBody>,
+    /// Coupling of the air with fabric and bodies; present if there is something to couple.
     pub coupling: Option<Coupling>,
     /// Gravity [m/s²].
     pub gravity_m_s2: Option<DVec3>,
@@ -135,13 +138,71 @@ pub struct Canopy {
     pub loading_pressure_pa: f64,
 }
 
-/// Coupling of air and fabric.
+/// A rigid body.
+#[derive(Debug, Clone)]
+pub struct RigidBody {
+    /// Its name in the case.
+    pub name: String,
+    /// What it is.
+    pub shape: Shape,
+    /// Normal of a disk or plate before it moves.
+    pub normal: DVec3,
+    /// Its surface before it moves.
+    pub surface: Surface,
+    /// The surface that markers stand on, a little inside; the same triangles.
+    pub marker_surface: Surface,
+    /// How it moves.
+    pub motion: PrescribedMotion,
+    /// Volume and its centroid before the body moves, if the surface is closed [m³, m].
+    pub volume_m3: Option<(f64, DVec3)>,
+    /// Area that coefficients refer to [m²].
+    pub reference_area_m2: f64,
+    /// Length that the Reynolds number and coefficients of moments refer to [m].
+    pub reference_length_m: f64,
+    /// Point of the body that moments are about, before it moves [m].
+    pub moment_point_m: DVec3,
+}
+
+/// Shape of a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A sphere.
+    Sphere {
+        /// Diameter [m].
+        diameter_m: f64,
+    },
+    /// A disk without thickness.
+    Disk {
+        /// Diameter [m].
+        diameter_m: f64,
+    },
+    /// A rectangle without thickness.
+    Plate {
+        /// Width and height [m].
+        size_m: [f64; 2],
+    },
+    /// A circular cylinder.
+    Cylinder {
+        /// Diameter [m].
+        diameter_m: f64,
+        /// Length [m].
+        length_m: f64,
+        /// True if its ends are closed.
+        closed: bool,
+    },
+    /// A surface from a file.
+    Mesh,
+}
+
+/// Coupling of air with fabric and rigid bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// Over-relaxation a on a flat sheet.
     pub over_relaxation: f64,
     /// Fluid steps per cloth step.
     pub structure_every: u32,
+    /// Passes of multi-direct forcing; 1 unless all is rigid.
+    pub passes: u32,
 }
 
 /// Solver of the fabric.
@@ -180,6 +241,8 @@ pub struct Output {
     pub sample_interval_s: f64,
     /// Time between `canopy_*.vtp` files; absent: only the last.
     pub canopy_interval_s: Option<f64>,
+    /// Time between `bodies_*.vtp` files; absent: only the last.
+    pub bodies_interval_s: Option<f64>,
     /// Time between `flow_*.vti` files; absent: only the last.
     pub flow_interval_s: Option<f64>,
     /// Times of pictures besides the last [s].
@@ -338,16 +401,17 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .as_ref()
         .map(|air| air::check_air(file, air, body.as_ref()))
         .transpose()?;
-    if air.is_none() && body.is_none() {
+    if air.is_none() && body.is_none() && file.bodies.is_empty() {
         return Err(Problem::new(
             "version",
             "the case holds neither air nor a structure: there is nothing to simulate",
             "add an [air] table, a [structure] table, or both",
         ));
     }
-    let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
     let solver = check_solver(file)?;
     let time = check_time(file, air.as_ref())?;
+    let rigid_bodies = bodies::check(file, folder, air.as_ref(), time.as_ref())?;
+    let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
     let equilibrium = file
         .equilibrium
         .as_ref()
@@ -378,6 +442,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         sample_interval_s: optional("output.sample_interval_s", written.sample_interval_s)?
             .unwrap_or(end_s / 500.0),
         canopy_interval_s: optional("output.canopy_interval_s", written.canopy_interval_s)?,
+        bodies_interval_s: optional("output.bodies_interval_s", written.bodies_interval_s)?,
         flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
         picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
     };
@@ -391,6 +456,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         title,
         air,
         body,
+        rigid_bodies,
         coupling,
         gravity_m_s2,
         solver,

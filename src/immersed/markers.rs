@@ -3,6 +3,13 @@
 /// Largest spacing of markers [cells]; a sheet with gaps beyond about 1.5 cells lets air through.
 pub const SPACING_LIMIT_CELLS: f64 = 1.0;
 
+/// How far inside a closed rigid surface its markers stand [cells]. The kernel reaches two cells beyond a marker and makes a body act
+/// larger than its surface of markers; calibrated with the drag of a sphere and a disk, see `docs/rigid-bodies.md` for the calibration.
+pub const SURFACE_INSET_CELLS: f64 = 0.5;
+
+/// How far inside the rim of an open rigid surface its outermost markers' triangles end [cells].
+pub const RIM_INSET_CELLS: f64 = 0.65;
+
 /// Rest size of a triangle, as far as markers care.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {

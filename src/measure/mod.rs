@@ -1,5 +1,6 @@
 //! Read-outs: time series, statistics and named results.
 
+pub mod bodies;
 pub mod catenary;
 mod record;
 mod results;

@@ -2,19 +2,24 @@
 
 use glam::DVec3;
 
+use super::bodies;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
 use crate::geometry::parachute::shape;
 use crate::gpu::DeviceError;
-use crate::simulation::Simulation;
+use crate::simulation::{BodyImpulse, Simulation};
 
 /// Samples of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Record {
-    columns: Vec<&'static str>,
+    columns: Vec<String>,
     rows: Vec<Vec<f64>>,
     last: Option<LastImpulses>,
+    /// Impulse and angular impulse of every rigid body at the last two samples.
+    body_impulses: [Vec<BodyImpulse>; 2],
+    /// Time between the last two samples [s].
+    interval_s: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -88,19 +93,24 @@ impl Record {
             (Some(body), Some(_)) if matches!(body.kind, BodyKind::Canopy(_)) => &CANOPY,
             (Some(_), Some(_)) => &FABRIC_IN_WIND,
             (Some(_), None) => &FABRIC,
+            (None, Some(_)) if !scene.rigid_bodies.is_empty() => &bodies::SCENE_COLUMNS,
             (None, _) => &AIR,
         };
+        let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        for body in &scene.rigid_bodies {
+            let prefix = bodies::prefix(scene, body);
+            columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
+        }
         Self {
-            columns: columns.to_vec(),
-            rows: Vec::new(),
-            last: None,
+            columns,
+            ..Self::default()
         }
     }
 
     /// Names of the columns, units included.
     #[must_use]
-    pub fn columns(&self) -> &[&'static str] {
-        &self.columns
+    pub fn columns(&self) -> Vec<&str> {
+        self.columns.iter().map(String::as_str).collect()
     }
 
     /// One column.
@@ -124,12 +134,17 @@ impl Record {
         let scene = simulation.scene();
         let in_air = scene.air.is_some();
         let kind = scene.body.as_ref().map(|body| body.kind);
-        let row = match kind {
+        let has_bodies = !scene.rigid_bodies.is_empty();
+        let mut row = match kind {
             Some(BodyKind::Canopy(canopy)) if in_air => self.canopy_row(simulation, &canopy)?,
             Some(_) if in_air => self.fabric_in_wind_row(simulation)?,
             Some(_) => fabric_row(simulation),
+            None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
+        if has_bodies {
+            row.extend(self.body_columns(simulation));
+        }
         self.rows.push(row);
         Ok(self.rows.last().map_or(&[], Vec::as_slice))
     }
@@ -144,11 +159,15 @@ impl Record {
         let unknown = DVec3::NAN;
         let now = LastImpulses {
             time_s: simulation.time_s(),
-            markers: sample.map_or(unknown, |s| s.markers),
-            momentum_box: sample.and_then(|s| s.momentum_box).unwrap_or(unknown),
-            supports: sample.and_then(|s| s.supports).unwrap_or(unknown),
+            markers: sample.as_ref().map_or(unknown, |s| s.markers),
+            momentum_box: sample
+                .as_ref()
+                .and_then(|s| s.momentum_box)
+                .unwrap_or(unknown),
+            supports: sample.as_ref().and_then(|s| s.supports).unwrap_or(unknown),
         };
         let last = self.last;
+        self.interval_s = last.map_or(f64::NAN, |last| now.time_s - last.time_s);
         let force = |pick: fn(&LastImpulses) -> DVec3| {
             last.map_or(unknown, |last| {
                 (pick(&now) - pick(&last)) / (now.time_s - last.time_s)
@@ -159,8 +178,55 @@ impl Record {
             force(|i| i.momentum_box),
             force(|i| i.supports),
         ];
-        self.last = sample.map(|_| now);
-        Ok((now, forces, sample.map_or(f64::NAN, |s| s.mass_defect)))
+        self.last = sample.as_ref().map(|_| now);
+        let mass_defect = sample.as_ref().map_or(f64::NAN, |s| s.mass_defect);
+        let bodies = sample.map_or_else(Vec::new, |sample| sample.bodies);
+        self.body_impulses = [std::mem::take(&mut self.body_impulses[1]), bodies];
+        Ok((now, forces, mass_defect))
+    }
+
+    /// A scene of rigid bodies alone; the drag is that of the first body's direction.
+    fn bodies_row(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>, DeviceError> {
+        let (now, [markers, momentum_box, _], mass_defect) = self.forces(simulation)?;
+        let scene = simulation.scene();
+        let (Some(air), Some(body), Some(coupled)) =
+            (&scene.air, scene.rigid_bodies.first(), simulation.coupled())
+        else {
+            return Ok(vec![f64::NAN; bodies::SCENE_COLUMNS.len()]);
+        };
+        let along = bodies::drag_direction(air, body);
+        Ok(vec![
+            simulation.time_s(),
+            simulation.wind_speed_m_s(),
+            markers.dot(along),
+            momentum_box.dot(along),
+            now.markers.dot(along),
+            now.momentum_box.dot(along),
+            coupled.slip_m_s()? / bodies::reference_speed_m_s(air, body),
+            mass_defect,
+        ])
+    }
+
+    /// Mean forces on every rigid body since the last sample.
+    fn body_columns(&self, simulation: &Simulation) -> Vec<f64> {
+        let scene = simulation.scene();
+        let Some(air) = &scene.air else {
+            return Vec::new();
+        };
+        let [last, now] = &self.body_impulses;
+        let span_s = self.interval_s;
+        let mut columns = Vec::new();
+        for (number, body) in scene.rigid_bodies.iter().enumerate() {
+            let (force, moment) = match (now.get(number), last.get(number)) {
+                (Some(now), Some(last)) => (
+                    (now.force - last.force) / span_s,
+                    (now.moment - last.moment) / span_s,
+                ),
+                _ => (DVec3::NAN, DVec3::NAN),
+            };
+            columns.extend(bodies::row(air, body, force, moment));
+        }
+        columns
     }
 
     fn fabric_in_wind_row(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>, DeviceError> {
@@ -324,7 +390,12 @@ impl Record {
                 ]
             })
             .collect();
-        out.put("record_last", &last)
+        out.put("record_last", &last)?;
+        let bodies: Vec<DVec3> = self.body_impulses[1]
+            .iter()
+            .flat_map(|body| [body.force, body.moment])
+            .collect();
+        out.put("record_last_bodies", &bodies)
     }
 
     /// Takes them from a checkpoint of the same case.
@@ -344,6 +415,14 @@ impl Record {
             }),
             _ => None,
         };
+        let bodies: Vec<DVec3> = from.take("record_last_bodies")?;
+        self.body_impulses[1] = bodies
+            .chunks_exact(2)
+            .map(|pair| BodyImpulse {
+                force: pair[0],
+                moment: pair[1],
+            })
+            .collect();
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
-use super::{Record, catenary};
+use super::{Record, bodies, catenary};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::frame::{CableKind, StructureFrame};
 use crate::output::{Quantity, Results};
@@ -38,8 +38,14 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
                 body_results(&mut results, &body.kind, structure, weight);
             }
         }
+        (None, Some(air)) if !scene.rigid_bodies.is_empty() => {
+            bodies::scene_results(&mut results, record, scene, air);
+        }
         (None, Some(air)) => air_results(&mut results, record, air),
         (None, None) => {}
+    }
+    if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
+        bodies::body_results(&mut results, record, scene, air);
     }
     results
 }

@@ -20,4 +20,4 @@ pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StopInfo, Summary,
     write_summary,
 };
-pub use vtk::{write_canopy_vtp, write_flow_vti};
+pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::atomic::{OutputError, invalid_data};
 use super::vtk_data::{Appended, write_file};
-use crate::frame::{CableKind, FabricState, FluidFrame, StructureFrame};
+use crate::frame::{BodiesFrame, CableKind, FabricState, FluidFrame, StructureFrame};
 
 /// Code of a cell to which a code array does not apply.
 const NO_CODE: i8 = -1;
@@ -60,6 +60,40 @@ pub fn write_canopy_vtp(
     xml += "</Points>\n";
     xml += &topology(&mut data, "Lines", &structure.cables);
     xml += &topology(&mut data, "Polys", &structure.triangles);
+    xml += "</Piece>\n</PolyData>\n";
+    write_file(path, "PolyData", &xml, data)
+}
+
+/// Writes rigid bodies at the time `time_s` (seconds) as VTK `PolyData`: triangles with the array `body` (number of the body, in the
+/// order of names) on cells and `velocity_m_s` (3 x f64) on points, which are in metres.
+///
+/// # Errors
+///
+/// When the arrays of `bodies` do not fit together or the file cannot be written; `path` is then unchanged.
+pub fn write_bodies_vtp(path: &Path, bodies: &BodiesFrame, time_s: f64) -> Result<(), OutputError> {
+    let (nodes, polys) = (bodies.positions_m.len(), bodies.triangles.len());
+    check_length("node velocities", bodies.velocities_m_s.len(), nodes)
+        .and_then(|()| check_length("numbers of bodies", bodies.numbers.len(), polys))
+        .and_then(|()| check_nodes(bodies.triangles.as_flattened(), nodes))
+        .map_err(|cause| OutputError::new("write", path, cause))?;
+    let mut data = Appended::default();
+    let mut xml = String::from("<PolyData>\n");
+    xml += &data.time(time_s);
+    xml += &format!(
+        "<Piece NumberOfPoints=\"{nodes}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"{polys}\">\n"
+    );
+    xml += "<PointData Vectors=\"velocity_m_s\">\n";
+    let velocities = bodies.velocities_m_s.iter().map(|v| v.to_array());
+    xml += &data.array("velocity_m_s", nodes, velocities);
+    xml += "</PointData>\n<CellData Scalars=\"body\">\n";
+    let numbers = bodies.numbers.iter().map(|&number| [i64::from(number)]);
+    xml += &data.array("body", polys, numbers);
+    xml += "</CellData>\n<Points>\n";
+    let positions = bodies.positions_m.iter().map(|p| p.to_array());
+    xml += &data.array("points_m", nodes, positions);
+    xml += "</Points>\n";
+    xml += &topology(&mut data, "Polys", &bodies.triangles);
     xml += "</Piece>\n</PolyData>\n";
     write_file(path, "PolyData", &xml, data)
 }
@@ -130,10 +164,13 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     check_length("fabric states", structure.states.len(), triangles)?;
     check_length("cable kinds", structure.cable_kinds.len(), cables)?;
     check_length("cable tensions", structure.cable_tensions_n.len(), cables)?;
-    let mut used = structure.cables.as_flattened().iter();
-    let mut used_by_fabric = structure.triangles.as_flattened().iter();
+    check_nodes(structure.cables.as_flattened(), nodes)?;
+    check_nodes(structure.triangles.as_flattened(), nodes)
+}
+
+fn check_nodes(used: &[u32], nodes: usize) -> io::Result<()> {
     let outside = |node: &&u32| usize::try_from(**node).is_ok_and(|node| node >= nodes);
-    match used.find(outside).or_else(|| used_by_fabric.find(outside)) {
+    match used.iter().find(outside) {
         Some(node) => Err(invalid_data(format!(
             "a cell joins node {node}, but there are only {nodes} nodes"
         ))),

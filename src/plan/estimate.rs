@@ -98,8 +98,15 @@ impl Sizes {
                 sizes.structure_device_bytes = sizes.structure_bytes / 2;
             }
         }
-        if let (Some(air), Some(body), Some(_)) = (&scene.air, &scene.body, &scene.coupling) {
-            sizes.markers = markers::count(body.structure.extents(), air.units.cell_size_m);
+        if let (Some(air), Some(_)) = (&scene.air, &scene.coupling) {
+            let cell_size_m = air.units.cell_size_m;
+            if let Some(body) = &scene.body {
+                sizes.markers = markers::count(body.structure.extents(), cell_size_m);
+            }
+            for body in &scene.rigid_bodies {
+                let own = markers::count(body.marker_surface.extents(), cell_size_m);
+                sizes.markers = sizes.markers.saturating_add(own);
+            }
             // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.
             sizes.marker_bytes = sizes.markers.saturating_mul(64 * 24 + 160);
         }

@@ -94,7 +94,7 @@ impl Plan {
     }
 }
 
-/// Markers of the scene; empty unless air and fabric are coupled.
+/// Markers of the fabric; empty unless it is coupled with air.
 #[must_use]
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     match (&scene.air, &scene.body, &scene.coupling) {
@@ -119,7 +119,7 @@ fn skips(scene: &Scene) -> Vec<Skip> {
                 "there is no air to couple with".into(),
             );
         }
-        Some(air) => skip_air(air, scene.body.is_some(), &mut skip),
+        Some(air) => skip_air(scene, air, &mut skip),
     }
     match &scene.body {
         None => skip(
@@ -168,12 +168,16 @@ fn skips(scene: &Scene) -> Vec<Skip> {
     skips
 }
 
-fn skip_air(air: &Air, has_structure: bool, skip: &mut impl FnMut(&'static str, String)) {
-    if !has_structure {
+fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String)) {
+    if scene.coupling.is_none() {
         skip(
             "markers, interpolation, spreading, body force",
-            "the case has no [structure]".into(),
+            "the case has neither [structure] nor [bodies]".into(),
         );
+    } else if scene.rigid_bodies.is_empty() {
+        skip("rigid bodies", "the case has no [bodies]".into());
+    } else if scene.coupling.is_some_and(|c| c.passes == 1) {
+        skip("further passes of forcing", "no coupling.passes".into());
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),
@@ -191,9 +195,9 @@ fn skip_air(air: &Air, has_structure: bool, skip: &mut impl FnMut(&'static str, 
             "no resolution.smagorinsky_constant".into(),
         );
     }
-    if has_structure {
+    if scene.coupling.is_some() {
         skip(
-            "body force away from the sheet",
+            "body force away from markers",
             "it is read only near the cells under a marker's kernel".into(),
         );
     }

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use super::{AirPlacement, ClothPlacement, Plan};
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Flow};
+use crate::case::scene::{BodyKind, Flow, RigidBody};
+use crate::immersed::markers;
 
 /// Shape quality below which triangles slow the solver down.
 const POOR_SHAPE: f64 = 0.1;
@@ -168,6 +169,7 @@ impl Plan {
             }
             self.write_canopy(out, scene)?;
         }
+        self.write_bodies(out, scene)?;
         if self.steps > 0 {
             writeln!(
                 out,
@@ -259,4 +261,86 @@ impl Plan {
         }
         Ok(())
     }
+
+    fn write_bodies(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
+        let (Some(air), Some(coupling), false) =
+            (&scene.air, &scene.coupling, scene.rigid_bodies.is_empty())
+        else {
+            return Ok(());
+        };
+        let cell = air.units.cell_size_m;
+        let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
+        writeln!(out, "\nrigid bodies")?;
+        if scene.body.is_none() {
+            writeln!(
+                out,
+                "  markers             {} ({})",
+                self.sizes.markers,
+                megabytes(self.sizes.marker_bytes)
+            )?;
+            writeln!(
+                out,
+                "  forcing             over-relaxation a = {}, {} pass(es)",
+                coupling.over_relaxation, coupling.passes
+            )?;
+        }
+        for body in &scene.rigid_bodies {
+            let own = markers::count(body.marker_surface.extents(), cell);
+            writeln!(
+                out,
+                "  {}: {own} markers on {} triangles, {}",
+                body.name,
+                body.surface.triangles.len(),
+                if body.volume_m3.is_some() {
+                    "closed"
+                } else {
+                    "open"
+                }
+            )?;
+            writeln!(
+                out,
+                "    cells across      {:.1} (L = {:.4} m)",
+                body.reference_length_m / cell,
+                body.reference_length_m
+            )?;
+            writeln!(
+                out,
+                "    blockage          S/section = {:.2} % (S = {:.4e} m2)",
+                100.0 * body.reference_area_m2 / section,
+                body.reference_area_m2
+            )?;
+            writeln!(
+                out,
+                "    Reynolds number   {:.3e}",
+                air.wind_or_reference_m_s() * body.reference_length_m
+                    / air.kinematic_viscosity_m2_s
+            )?;
+            if body.motion.moves() {
+                let fastest = fastest_m_s(body, scene.time.map_or(0.0, |t| t.end_s));
+                writeln!(
+                    out,
+                    "    moves             at most {fastest:.3} m/s, {:.3} cells per step",
+                    fastest / air.units.speed_m_s()
+                )?;
+            } else {
+                writeln!(out, "    moves             not at all")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Instants at which a prescribed motion is looked at.
+const LOOKS: u32 = 400;
+
+/// Fastest point of a body on its way [m/s].
+fn fastest_m_s(body: &RigidBody, end_s: f64) -> f64 {
+    let mut fastest: f64 = 0.0;
+    for look in 0..=LOOKS {
+        let placement = body.motion.at(end_s * f64::from(look) / f64::from(LOOKS));
+        for &point in &body.surface.positions_m {
+            fastest = fastest.max(placement.velocity_m_s(point).length());
+        }
+    }
+    fastest
 }

@@ -24,6 +24,10 @@ pub enum Stage {
     SendMarkerForces,
     /// Exact opposite of that reaction, as a body force near the sheet.
     Spread,
+    /// Further passes of multi-direct forcing: what slip is left is forced again.
+    RepeatForcing,
+    /// Transfer: marker forces after the last pass from device to host.
+    FetchMarkerForces,
     /// Impulses of the three force routes; samples at their own cadence.
     Measure,
     /// Files and pictures, at their own cadence.
@@ -44,6 +48,8 @@ impl Stage {
             Self::FetchNodes => "fetch_nodes",
             Self::SendMarkerForces => "send_marker_forces",
             Self::Spread => "spread",
+            Self::RepeatForcing => "repeat_forcing",
+            Self::FetchMarkerForces => "fetch_marker_forces",
             Self::Measure => "measure",
             Self::Output => "output",
         }
@@ -64,6 +70,10 @@ impl Stage {
                 "loads, air velocity at markers if any -> node positions and velocities"
             }
             Self::Spread => "marker velocities, air velocity -> body force near the sheet",
+            Self::RepeatForcing => {
+                "body force, air velocity at markers -> marker forces, body force (every further pass)"
+            }
+            Self::FetchMarkerForces => "marker forces, device -> host",
             Self::Measure => "impulses, shape, tensions -> history",
             Self::Output => "frame -> files, pictures",
         }
@@ -115,6 +125,12 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         }
         if coupled {
             add(Stage::Spread, 1);
+        }
+        if scene.coupling.is_some_and(|c| c.passes > 1) {
+            add(Stage::RepeatForcing, 1);
+            if air_on_device {
+                add(Stage::FetchMarkerForces, 1);
+            }
         }
     }
     add(Stage::Measure, 1);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::colour::{ColourScale, Rgb};
 use super::picture::{LineStyle, Polyline, Slice, SliceDepth, Surface};
-use crate::frame::{CableKind, FluidFrame, StructureFrame};
+use crate::frame::{BodiesFrame, CableKind, FluidFrame, StructureFrame};
 
 /// Colours of tension.
 pub(super) const TENSION_SCALE: ColourScale = ColourScale::Plasma;
@@ -93,6 +93,25 @@ pub(super) fn fabric(
         mesh_edges: mesh_edges.then(|| style(0.6, 0.22)),
         boundary: Some(style(1.4, 0.9)),
     })
+}
+
+/// Rigid bodies, in one grey.
+pub(super) fn bodies(bodies: &BodiesFrame, zoom: f64) -> Surface {
+    let style = |width: f64, opacity| LineStyle {
+        width_px: width * zoom,
+        colour: INK,
+        opacity,
+    };
+    Surface {
+        vertices_m: bodies.positions_m.clone(),
+        triangles: bodies.triangles.clone(),
+        // What has no value is grey.
+        values: vec![f64::NAN; bodies.triangles.len()],
+        range: [0.0, 1.0],
+        scale: SPEED_SCALE,
+        mesh_edges: Some(style(0.4, 0.12)),
+        boundary: Some(style(1.4, 0.9)),
+    }
 }
 
 /// Values of triangles as means over their nodes' means: linear triangles alternate around the true tension, which hides its

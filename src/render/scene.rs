@@ -9,15 +9,15 @@ use glam::DVec3;
 use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
 use super::colour::{ColourScale, Rgb};
 use super::content::{
-    Axis, SPEED_SCALE, TENSION_SCALE, air_box, cables, fabric, range_from_zero, speed_slice,
-    tensions, thinnest_axis,
+    Axis, SPEED_SCALE, TENSION_SCALE, air_box, bodies, cables, fabric, range_from_zero,
+    speed_slice, tensions, thinnest_axis,
 };
 use super::picture::{
     Camera, ColourBar, Label, Picture, PixelRect, Slice, SliceDepth, TextAlign, TextSize,
     nice_ticks,
 };
 use super::text::{line_height, text_width};
-use crate::frame::{FluidFrame, Frame, StructureFrame};
+use crate::frame::{FluidFrame, Frame};
 
 /// Colour of the page.
 const PAGE: Rgb = [255, 255, 255];
@@ -92,12 +92,18 @@ impl Default for PictureOptions {
 pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     let structure = frame.structure.as_ref();
     let zoom = zoom(options);
-    let normal = match (structure, &frame.fluid) {
-        (None, Some(fluid)) => thinnest_axis(fluid),
+    let solid: Vec<DVec3> = structure
+        .iter()
+        .flat_map(|s| &s.positions_m)
+        .chain(frame.bodies.iter().flat_map(|b| &b.positions_m))
+        .copied()
+        .collect();
+    let normal = match &frame.fluid {
+        Some(fluid) if solid.is_empty() => thinnest_axis(fluid),
         _ => Axis::Y,
     };
     let slice = frame.fluid.as_ref().and_then(|fluid| {
-        let place = structure.and_then(centre_y).filter(|_| normal == Axis::Y);
+        let place = centre_y(&solid).filter(|_| normal == Axis::Y);
         let [low, high] = air_box(fluid);
         let middle = 0.5 * (low + high)[normal as usize];
         let depth = options.slice_depth;
@@ -121,10 +127,10 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     }
     let titles: Vec<&str> = bars.iter().map(|bar| bar.0).collect();
     let mut layout = Layout::new(options, zoom, &titles);
-    let camera = match (structure, &slice) {
-        (None, Some(slice)) => square_camera(slice, normal, &mut layout.viewport),
+    let camera = match &slice {
+        Some(slice) if solid.is_empty() => square_camera(slice, normal, &mut layout.viewport),
         _ => camera(
-            structure,
+            &solid,
             frame.fluid.as_ref(),
             &slice,
             options,
@@ -138,7 +144,10 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         viewport: layout.viewport,
         background: BACKGROUND,
         camera,
-        surfaces: surface.into_iter().collect(),
+        surfaces: surface
+            .into_iter()
+            .chain(frame.bodies.as_ref().map(|b| bodies(b, zoom)))
+            .collect(),
         polylines: structure.map_or_else(Vec::new, |structure| cables(structure, zoom)),
         slices: slice.into_iter().collect(),
         labels: layout.labels(frame.time_s, options),
@@ -152,9 +161,9 @@ fn zoom(options: &PictureOptions) -> f64 {
     zoom.clamp(0.3, 4.0)
 }
 
-/// Mean y of the structure's nodes [m].
-fn centre_y(structure: &StructureFrame) -> Option<f64> {
-    let (sum, count) = (structure.positions_m.iter())
+/// Mean y of places [m].
+fn centre_y(places: &[DVec3]) -> Option<f64> {
+    let (sum, count) = (places.iter())
         .filter(|p| p.is_finite())
         .fold((0.0, 0usize), |(sum, count), p| (sum + p.y, count + 1));
     (count > 0).then(|| sum / count as f64)
@@ -191,14 +200,14 @@ fn square_camera(slice: &Slice, normal: Axis, viewport: &mut PixelRect) -> Camer
 
 /// A camera that shows the structure, with air also some wake, or all of the air if so asked.
 fn camera(
-    structure: Option<&StructureFrame>,
+    solid: &[DVec3],
     fluid: Option<&FluidFrame>,
     slice: &Option<Slice>,
     options: &PictureOptions,
     aspect: f64,
 ) -> Camera {
     let air = fluid.map(air_box);
-    let bodies = structure.and_then(|s| bounds(s.positions_m.iter().copied()));
+    let bodies = bounds(solid.iter().copied());
     let body = options
         .framing_box_m
         .or(bodies.map(|(low, high)| [low, high]));

@@ -1,4 +1,5 @@
 use super::*;
+use crate::frame::StructureFrame;
 use crate::frame::{CableKind, FabricState};
 use crate::render::picture::Projection;
 use crate::render::{rasterise, snapshot_png_bytes};
@@ -52,6 +53,7 @@ fn frame(fluid: Option<FluidFrame>, structure: Option<StructureFrame>) -> Frame 
         step: 1,
         fluid,
         structure,
+        bodies: None,
     }
 }
 

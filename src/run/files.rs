@@ -13,7 +13,9 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
-use crate::output::{OutputError, Pvd, write_atomically, write_canopy_vtp, write_flow_vti};
+use crate::output::{
+    OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow_vti,
+};
 use crate::render::{self, Picture, PictureOptions, RenderError};
 use crate::simulation::Simulation;
 
@@ -22,6 +24,7 @@ use crate::simulation::Simulation;
 pub(super) struct Written {
     canopy_times_s: Vec<f64>,
     flow_times_s: Vec<f64>,
+    bodies_times_s: Vec<f64>,
     timed_pictures: usize,
 }
 
@@ -30,6 +33,7 @@ impl Written {
         Ok(Self {
             canopy_times_s: from.take("canopy_times")?,
             flow_times_s: from.take("flow_times")?,
+            bodies_times_s: from.take("bodies_times")?,
             timed_pictures: from.take_exactly::<u64>("timed_pictures", 1)?[0] as usize,
         })
     }
@@ -44,6 +48,7 @@ pub(super) struct Files<'a> {
     pub(super) notes: Vec<String>,
     canopies: Option<Pvd>,
     flows: Option<Pvd>,
+    bodies: Option<Pvd>,
     /// Pictures drawn at the times that the case asks for.
     pub(super) timed_pictures: usize,
     pub(super) last_picture: Option<PathBuf>,
@@ -51,6 +56,10 @@ pub(super) struct Files<'a> {
 
 fn canopy_name(index: usize) -> String {
     format!("canopy_{index:05}.vtp")
+}
+
+fn bodies_name(index: usize) -> String {
+    format!("bodies_{index:05}.vtp")
 }
 
 fn flow_name(index: usize) -> String {
@@ -72,12 +81,14 @@ pub(super) fn remove_stale(folder: &Path) {
                 })
         };
         let ours = numbered("canopy_", ".vtp")
+            || numbered("bodies_", ".vtp")
             || numbered("flow_", ".vti")
             || numbered("snapshot_", ".png")
             || [
                 "summary.json",
                 "canopy_last_good.vtp",
                 "canopy.pvd",
+                "bodies.pvd",
                 "flow.pvd",
             ]
             .contains(&name.as_str());
@@ -133,6 +144,15 @@ impl<'a> Files<'a> {
                 Some(_) => Some(collection("flow.pvd", &written.flow_times_s, flow_name)?),
                 None => None,
             },
+            bodies: if scene.rigid_bodies.is_empty() {
+                None
+            } else {
+                Some(collection(
+                    "bodies.pvd",
+                    &written.bodies_times_s,
+                    bodies_name,
+                )?)
+            },
             timed_pictures: written.timed_pictures,
             last_picture: None,
         })
@@ -147,6 +167,7 @@ impl<'a> Files<'a> {
         };
         out.put("canopy_times", &times(&self.canopies))?;
         out.put("flow_times", &times(&self.flows))?;
+        out.put("bodies_times", &times(&self.bodies))?;
         out.put("timed_pictures", &[self.timed_pictures as u64])
     }
 
@@ -164,6 +185,23 @@ impl<'a> Files<'a> {
         if let Some(structure) = frame.structure.as_ref().filter(|_| !written) {
             let name = canopy_name(collection.entries().len());
             write_canopy_vtp(&self.folder.join(&name), structure, frame.time_s)?;
+            collection.append(frame.time_s, &name)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn bodies(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        let Some(collection) = &mut self.bodies else {
+            return Ok(());
+        };
+        let frame = simulation.structure_frame();
+        let written = collection
+            .entries()
+            .last()
+            .is_some_and(|e| e.time_s == frame.time_s);
+        if let Some(bodies) = frame.bodies.as_ref().filter(|_| !written) {
+            let name = bodies_name(collection.entries().len());
+            write_bodies_vtp(&self.folder.join(&name), bodies, frame.time_s)?;
             collection.append(frame.time_s, &name)?;
         }
         Ok(())
@@ -238,6 +276,10 @@ impl<'a> Files<'a> {
         {
             // A plane curve, seen squarely.
             (options.azimuth_deg, options.elevation_deg) = (0.0, 0.0);
+        }
+        if scene.body.is_none() {
+            // A body is small in its tunnel: its wake matters.
+            options.whole_domain = !scene.rigid_bodies.is_empty();
         }
         if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)
             && let BodyKind::Canopy(canopy) = &body.kind

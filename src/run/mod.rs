@@ -170,6 +170,7 @@ pub fn run(
         ));
     } else {
         run.files.canopy(&run.simulation)?;
+        run.files.bodies(&run.simulation)?;
         run.files.flow(&run.simulation)?;
         run.files.picture(&run.simulation, &run.record)?;
         if !interrupted {
@@ -293,7 +294,7 @@ impl<'a> Run<'a> {
                 }
             }
         }
-        let mut history = HistoryWriter::create(&folder.join("history.csv"), record.columns())?;
+        let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
         for row in record.rows() {
             history.push(row)?;
         }
@@ -340,6 +341,7 @@ impl<'a> Run<'a> {
         let sample_every = every(scene.output.sample_interval_s);
         let canopy_every = scene.output.canopy_interval_s.map(every);
         let flow_every = scene.output.flow_interval_s.map(every);
+        let bodies_every = scene.output.bodies_interval_s.map(every);
         let start_steps = self.simulation.plan().start_steps;
         let planned = start_steps.saturating_add(self.simulation.plan().steps);
         let mut picture_times = scene.output.picture_times_s.clone();
@@ -366,6 +368,9 @@ impl<'a> Run<'a> {
                 let since = self.simulation.step_count() - start_steps;
                 if canopy_every.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.canopy(&self.simulation)?;
+                }
+                if bodies_every.is_some_and(|n| since.is_multiple_of(n)) {
+                    self.files.bodies(&self.simulation)?;
                 }
                 if flow_every.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.flow(&self.simulation)?;

@@ -1,8 +1,9 @@
-//! Markers between air and fabric: SI on the fabric's side, lattice units on the air's.
+//! Markers between the air and fabric or rigid bodies: SI on their side, lattice units on the air's.
 
 use glam::DVec3;
 
 use super::air::AirEngine;
+use super::bodies::{BodyMarkers, Load};
 use super::markers::MarkerEngine;
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
@@ -14,11 +15,14 @@ use crate::immersed::touched::OutOfDomain;
 use crate::plan::place_markers;
 use crate::units::Units;
 
-/// Markers on a structure in the air.
+/// Markers in the air: first those of the fabric, then those of the rigid bodies.
 #[derive(Debug)]
 pub struct Coupled {
     units: Units,
     markers: Vec<Marker>,
+    bodies: Vec<BodyMarkers>,
+    /// Passes of forcing.
+    passes: u32,
     immersed: MarkerEngine,
     /// [cells]
     positions: Vec<[f64; 3]>,
@@ -40,11 +44,20 @@ impl Coupled {
     ) -> Result<Self, DeviceError> {
         let markers = place_markers(scene);
         let cell_area = air.units.cell_size_m * air.units.cell_size_m;
-        let areas = markers.iter().map(|m| m.area_m2 / cell_area).collect();
-        let count = markers.len();
+        let (bodies, body_areas_m2) =
+            BodyMarkers::place_all(scene, air.units.cell_size_m, markers.len());
+        let areas: Vec<f64> = markers
+            .iter()
+            .map(|m| m.area_m2)
+            .chain(body_areas_m2)
+            .map(|area_m2| area_m2 / cell_area)
+            .collect();
+        let count = areas.len();
         Ok(Self {
             units: air.units,
             markers,
+            bodies,
+            passes: coupling.passes,
             immersed: MarkerEngine::new(engine, areas, coupling.over_relaxation)?,
             positions: vec![[0.0; 3]; count],
             velocities: vec![[0.0; 3]; count],
@@ -79,11 +92,38 @@ impl Coupled {
         &self.markers
     }
 
-    fn place(&mut self, cloth: &Cloth) {
-        for (position, marker) in self.positions.iter_mut().zip(&self.markers) {
-            *position =
-                self.units
-                    .position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
+    /// Force on the air by the fabric alone in the last `spread` [lattice units].
+    #[must_use]
+    pub fn fabric_force_on_air(&self) -> [f64; 3] {
+        if self.bodies.is_empty() {
+            return self.force_on_air;
+        }
+        (0..self.markers.len()).fold([0.0; 3], |sum, k| {
+            let force = self.immersed.force(k);
+            std::array::from_fn(|a| sum[a] + force[a])
+        })
+    }
+
+    /// What the air does to every rigid body by the last `spread`, at `time_s` [lattice units].
+    #[must_use]
+    pub fn body_loads(&self, time_s: f64) -> Vec<Load> {
+        let force = |k| self.immersed.force(k);
+        self.bodies
+            .iter()
+            .map(|body| body.load(time_s, &self.units, &self.positions, force))
+            .collect()
+    }
+
+    fn place(&mut self, cloth: Option<&Cloth>, time_s: f64) {
+        if let Some(cloth) = cloth {
+            for (position, marker) in self.positions.iter_mut().zip(&self.markers) {
+                *position =
+                    self.units
+                        .position_to_lattice(at_marker(cloth, marker, &cloth.positions_m));
+            }
+        }
+        for body in &self.bodies {
+            body.positions(time_s, &self.units, &mut self.positions);
         }
     }
 
@@ -91,9 +131,10 @@ impl Coupled {
     pub(super) fn send_markers(
         &mut self,
         air: &AirEngine,
-        cloth: &Cloth,
+        cloth: Option<&Cloth>,
+        time_s: f64,
     ) -> Result<Result<(), OutOfDomain>, DeviceError> {
-        self.place(cloth);
+        self.place(cloth, time_s);
         self.immersed.send_markers(air, &self.positions)
     }
 
@@ -101,11 +142,12 @@ impl Coupled {
     pub(super) fn interpolate(
         &mut self,
         air: &AirEngine,
-        cloth: &Cloth,
+        cloth: Option<&Cloth>,
+        time_s: f64,
     ) -> Result<Result<(), OutOfDomain>, DeviceError> {
         let on_host = matches!(self.immersed, MarkerEngine::Cpu(_));
         if on_host {
-            self.place(cloth);
+            self.place(cloth, time_s);
         }
         if let Err(left) = self.immersed.interpolate(air, &self.positions)? {
             return Ok(Err(left));
@@ -160,14 +202,21 @@ impl Coupled {
         self.sums = 0;
     }
 
-    fn take_velocities(&mut self, cloth: &Cloth, released: bool) {
-        for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
-            *velocity = if released {
-                self.units
-                    .velocity_to_lattice(at_marker(cloth, marker, &cloth.velocities_m_s))
-            } else {
-                [0.0; 3]
-            };
+    /// Velocities for a step that ends at `time_s`; before release all is held.
+    fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
+        if let Some(cloth) = cloth.filter(|_| released) {
+            for (velocity, marker) in self.velocities.iter_mut().zip(&self.markers) {
+                *velocity =
+                    self.units
+                        .velocity_to_lattice(at_marker(cloth, marker, &cloth.velocities_m_s));
+            }
+        }
+        if released {
+            for body in &self.bodies {
+                body.velocities(time_s, &self.units, &mut self.velocities);
+            }
+        } else {
+            self.velocities.fill([0.0; 3]);
         }
         if !released {
             self.air_velocity_sums.fill([0.0; 3]);
@@ -176,21 +225,44 @@ impl Coupled {
     }
 
     /// Stage `send_marker_forces`.
-    pub(super) fn send_marker_forces(&mut self, cloth: &Cloth, released: bool) {
-        self.take_velocities(cloth, released);
+    pub(super) fn send_marker_forces(
+        &mut self,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+        released: bool,
+    ) {
+        self.take_velocities(cloth, time_s, released);
         if let Some(total) = self.immersed.send_marker_forces(&self.velocities) {
             self.force_on_air = total;
         }
     }
 
     /// Stage `spread`.
-    pub(super) fn spread(&mut self, cloth: &Cloth, released: bool) {
+    pub(super) fn spread(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
         if matches!(self.immersed, MarkerEngine::Cpu(_)) {
-            self.take_velocities(cloth, released);
+            self.take_velocities(cloth, time_s, released);
         }
         if let Some(total) = self.immersed.spread(&self.velocities) {
             self.force_on_air = total;
         }
+    }
+
+    /// Stage `repeat_forcing`: all passes after the first.
+    pub(super) fn repeat_forcing(&mut self) -> Result<(), DeviceError> {
+        for _ in 1..self.passes {
+            if let Some(total) = self.immersed.repeat_forcing(&self.velocities)? {
+                self.force_on_air = total;
+            }
+        }
+        Ok(())
+    }
+
+    /// Stage `fetch_marker_forces`.
+    pub(super) fn fetch_marker_forces(&mut self) -> Result<(), DeviceError> {
+        if let Some(total) = self.immersed.fetch_marker_forces()? {
+            self.force_on_air = total;
+        }
+        Ok(())
     }
 
     /// Root mean square slip of the air at the markers [m/s].
@@ -234,7 +306,7 @@ impl Coupled {
         from: &Reader,
         air: &AirEngine,
     ) -> Result<(), CheckpointError> {
-        let count = self.markers.len();
+        let count = self.positions.len();
         self.positions = from.take_exactly("marker_positions", count)?;
         self.velocities = from.take_exactly("marker_velocities", count)?;
         self.air_velocity_sums = from.take_exactly("air_velocity_sums", count)?;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Simulation;
 use crate::cpu::cloth::{Cloth, nodal_forces};
-use crate::frame::{FluidFrame, Frame, StructureFrame};
+use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
 
 impl Simulation {
@@ -25,7 +25,28 @@ impl Simulation {
             step: self.step,
             fluid: None,
             structure: self.cloth.as_ref().map(structure_frame),
+            bodies: self.bodies_frame(),
         }
+    }
+
+    fn bodies_frame(&self) -> Option<BodiesFrame> {
+        if self.scene.rigid_bodies.is_empty() {
+            return None;
+        }
+        let mut frame = BodiesFrame::default();
+        for (number, body) in self.scene.rigid_bodies.iter().enumerate() {
+            let placement = body.motion.at(self.time_s());
+            let first = frame.positions_m.len() as u32;
+            for &point in &body.surface.positions_m {
+                frame.positions_m.push(placement.position_m(point));
+                frame.velocities_m_s.push(placement.velocity_m_s(point));
+            }
+            for nodes in &body.surface.triangles {
+                frame.triangles.push(nodes.map(|node| first + node));
+                frame.numbers.push(number as u32);
+            }
+        }
+        Some(frame)
     }
 
     fn fluid_frame(&self) -> Result<Option<FluidFrame>, DeviceError> {

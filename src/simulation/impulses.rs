@@ -9,8 +9,10 @@
 use glam::DVec3;
 
 use super::air::{AirEngine, Balance};
+use super::bodies::{Load, inner_momentum};
 use super::coupled::Coupled;
-use crate::case::scene::{Air, BodyKind};
+use crate::case::Scene;
+use crate::case::scene::{Air, BodyKind, RigidBody};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::CableSegment;
 use crate::cpu::cloth::{Cloth, nodal_forces};
@@ -21,6 +23,12 @@ use crate::units::Units;
 /// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
 const LATERAL_REACH: f64 = 0.7;
 
+/// Least margin of the momentum box around rigid bodies [cells]: the kernel reaches two.
+const BODY_MARGIN_CELLS: f64 = 4.0;
+
+/// Instants at which the way of a rigid body is looked at.
+const LOOKS: u32 = 200;
+
 /// Impulses of the air on the structure since release.
 #[derive(Debug)]
 pub struct Impulses {
@@ -29,6 +37,8 @@ pub struct Impulses {
     /// Cells touched by markers stayed inside the box so far.
     contained: bool,
     markers: [f64; 3],
+    /// Of every rigid body.
+    bodies: Vec<Load>,
     initial: MassMomentum,
     supports: DVec3,
     initial_momentum: DVec3,
@@ -37,12 +47,23 @@ pub struct Impulses {
     supported_by_cables: bool,
 }
 
+/// Impulse on a rigid body and its moment, since release.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyImpulse {
+    /// Impulse of the air outside [N·s].
+    pub force: DVec3,
+    /// Angular impulse about the moment point [N·m·s]; that of the air inside a closed body is not taken off.
+    pub moment: DVec3,
+}
+
 /// Impulses at one instant [N·s], and the mass balance of the box.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct ImpulseSample {
-    /// Route 1.
+    /// Route 1: on the fabric, or without any on all rigid bodies.
     pub markers: DVec3,
-    /// Route 2; `None` if the fabric left the box.
+    /// On every rigid body, by its markers.
+    pub bodies: Vec<BodyImpulse>,
+    /// Route 2, of the same; `None` if markers left the box.
     pub momentum_box: Option<DVec3>,
     /// Route 3; `None` where fabric itself is held.
     pub supports: Option<DVec3>,
@@ -53,12 +74,24 @@ pub struct ImpulseSample {
 impl Impulses {
     pub(super) fn new(
         air: &Air,
-        kind: Option<&BodyKind>,
+        scene: &Scene,
         engine: &AirEngine,
-        cloth: &Cloth,
+        cloth: Option<&Cloth>,
     ) -> Result<Self, DeviceError> {
-        let structure = &cloth.structure;
-        let (low, high) = reach(kind, cloth);
+        let kind = scene.body.as_ref().map(|body| &body.kind);
+        let mut reaches: Vec<(DVec3, DVec3)> =
+            cloth.iter().map(|cloth| reach(kind, cloth)).collect();
+        let end_s = scene.time.map_or(0.0, |time| time.end_s);
+        let bodies = &scene.rigid_bodies;
+        reaches.extend(
+            bodies
+                .iter()
+                .map(|body| body_reach(body, end_s, air.units.cell_size_m)),
+        );
+        let (low, high) = reaches.into_iter().fold(
+            (DVec3::INFINITY, DVec3::NEG_INFINITY),
+            |(low, high), reach| (low.min(reach.0), high.max(reach.1)),
+        );
         let cell = air.units.cell_size_m;
         let first = std::array::from_fn(|a| {
             ((low[a] / cell).floor() as i64).clamp(3, air.cells[a] as i64 / 2 - 1) as usize
@@ -67,23 +100,25 @@ impl Impulses {
             ((high[a] / cell).ceil() as i64)
                 .clamp(air.cells[a] as i64 / 2 + 1, air.cells[a] as i64 - 3) as usize
         });
-        let support_cables = structure
-            .cables
-            .iter()
-            .copied()
-            .filter(|c| c.nodes.iter().any(|&n| structure.held[n as usize]))
-            .collect();
-        let supported_by_cables = !structure
-            .triangles
-            .iter()
-            .flat_map(|t| t.nodes)
-            .chain(structure.springs.iter().flat_map(|s| s.nodes))
-            .any(|n| structure.held[n as usize]);
+        let structure = cloth.map(|cloth| &cloth.structure);
+        let support_cables = structure.map_or_else(Vec::new, |structure| {
+            let held = |c: &CableSegment| c.nodes.iter().any(|&n| structure.held[n as usize]);
+            structure.cables.iter().copied().filter(held).collect()
+        });
+        let supported_by_cables = structure.is_some_and(|structure| {
+            !structure
+                .triangles
+                .iter()
+                .flat_map(|t| t.nodes)
+                .chain(structure.springs.iter().flat_map(|s| s.nodes))
+                .any(|n| structure.held[n as usize])
+        });
         Ok(Self {
             units: air.units,
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
             contained: true,
             markers: [0.0; 3],
+            bodies: vec![Load::default(); bodies.len()],
             initial: MassMomentum::default(),
             supports: DVec3::ZERO,
             initial_momentum: DVec3::ZERO,
@@ -93,26 +128,35 @@ impl Impulses {
     }
 
     /// Begins at release.
-    pub(super) fn start(&mut self, air: &AirEngine, cloth: &Cloth) -> Result<(), DeviceError> {
+    pub(super) fn start(
+        &mut self,
+        air: &AirEngine,
+        cloth: Option<&Cloth>,
+    ) -> Result<(), DeviceError> {
         self.initial = air.storage(self.balance.volume())?;
-        self.initial_momentum = cloth.momentum_kg_m_s();
+        self.initial_momentum = cloth.map_or(DVec3::ZERO, Cloth::momentum_kg_m_s);
         self.markers = [0.0; 3];
+        self.bodies.fill(Load::default());
         self.balance.restart(air, MassMomentum::default())?;
         self.supports = DVec3::ZERO;
         Ok(())
     }
 
-    /// The air has just been collided under `force` [lattice units].
-    pub(super) fn add_delivered(&mut self, force: [f64; 3]) {
+    /// The air has just been collided under the forces of the last `spread`, which took place at `time_s`.
+    pub(super) fn add_delivered(&mut self, coupled: &Coupled, time_s: f64) {
+        let force = coupled.fabric_force_on_air();
         for a in 0..3 {
             self.markers[a] -= force[a];
+        }
+        for (sum, load) in self.bodies.iter_mut().zip(coupled.body_loads(time_s)) {
+            sum.add(&load);
         }
     }
 
     pub(super) fn add_step(
         &mut self,
         air: &AirEngine,
-        cloth: &Cloth,
+        cloth: Option<&Cloth>,
         gravity: Option<DVec3>,
         damping_1_s: f64,
         coupled: &Coupled,
@@ -120,6 +164,9 @@ impl Impulses {
         self.balance.add_step(air)?;
         let volume = self.balance.volume();
         self.contained &= coupled.immersed().touches_only(volume.first, volume.end);
+        let Some(cloth) = cloth else {
+            return Ok(());
+        };
         let mut pull = DVec3::ZERO;
         let structure = &cloth.structure;
         for cable in &self.support_cables {
@@ -151,27 +198,71 @@ impl Impulses {
     pub(super) fn sample(
         &mut self,
         air: &AirEngine,
-        cloth: &Cloth,
+        cloth: Option<&Cloth>,
+        bodies: &[RigidBody],
+        time_s: f64,
     ) -> Result<ImpulseSample, DeviceError> {
         let stored = air.storage(self.balance.volume())?;
         let outflow = self.balance.outflow(air)?;
         let scale = self.units.impulse_n_s();
-        let momentum_box = self.contained.then(|| {
+        let mut momentum_box = self.contained.then(|| {
             DVec3::from_array(std::array::from_fn(|a| {
                 -scale * (stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a])
             }))
         });
+        let mut markers = DVec3::from_array(self.markers) * scale;
+        let mut inner = DVec3::ZERO;
+        let on_bodies: Vec<BodyImpulse> = bodies
+            .iter()
+            .zip(&self.bodies)
+            .map(|(body, load)| {
+                // What the air inside has taken up is not the outer air's doing.
+                let own = inner_momentum(body, self.units.density_kg_m3, time_s);
+                inner += own;
+                BodyImpulse {
+                    force: DVec3::from_array(load.force) * scale + own,
+                    moment: DVec3::from_array(load.moment) * (scale * self.units.cell_size_m),
+                }
+            })
+            .collect();
+        let on_all: DVec3 = on_bodies.iter().map(|body| body.force).sum();
+        if cloth.is_some() {
+            // The box holds fabric and bodies.
+            momentum_box = momentum_box.map(|all| all + inner - on_all);
+        } else {
+            markers = on_all;
+            momentum_box = momentum_box.map(|all| all + inner);
+        }
         let mass = self.balance.volume().cell_count() as f64 + self.initial.mass_excess;
         Ok(ImpulseSample {
-            markers: DVec3::from_array(self.markers) * scale,
+            markers,
+            bodies: on_bodies,
             momentum_box,
-            supports: self
-                .supported_by_cables
-                .then(|| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
+            supports: cloth
+                .filter(|_| self.supported_by_cables)
+                .map(|cloth| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
             mass_defect: (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess)
                 / mass,
         })
     }
+}
+
+/// Corners of the box that a rigid body stays in on its way, with a margin [m].
+fn body_reach(body: &RigidBody, end_s: f64, cell_m: f64) -> (DVec3, DVec3) {
+    let (low, high) = body.surface.bounds_m();
+    let margin = (0.5 * (high - low).max_element()).max(BODY_MARGIN_CELLS * cell_m);
+    let looks = if body.motion.moves() { LOOKS } else { 0 };
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for look in 0..=looks {
+        let placement = body
+            .motion
+            .at(end_s * f64::from(look) / f64::from(looks.max(1)));
+        for &point in &body.surface.positions_m {
+            let place = placement.position_m(point);
+            (low, high) = (low.min(place), high.max(place));
+        }
+    }
+    (low - margin, high + margin)
 }
 
 /// Corners of the box that the structure is expected to stay in [m].
@@ -211,6 +302,12 @@ impl Impulses {
             |m: &MassMomentum| [m.mass_excess, m.momentum[0], m.momentum[1], m.momentum[2]];
         out.put("impulse_contained", &[u64::from(self.contained)])?;
         out.put("impulse_markers", &self.markers)?;
+        let bodies: Vec<[f64; 3]> = self
+            .bodies
+            .iter()
+            .flat_map(|load| [load.force, load.moment])
+            .collect();
+        out.put("impulse_bodies", &bodies)?;
         out.put("impulse_outflow", &balance(&outflow))?;
         out.put("impulse_initial", &balance(&self.initial))?;
         out.put("impulse_supports", &[self.supports, self.initial_momentum])
@@ -231,6 +328,10 @@ impl Impulses {
         self.contained = from.take_exactly::<u64>("impulse_contained", 1)?[0] == 1;
         self.markers
             .copy_from_slice(&from.take_exactly::<f64>("impulse_markers", 3)?);
+        let bodies: Vec<[f64; 3]> = from.take_exactly("impulse_bodies", 2 * self.bodies.len())?;
+        for (load, pair) in self.bodies.iter_mut().zip(bodies.chunks_exact(2)) {
+            (load.force, load.moment) = (pair[0], pair[1]);
+        }
         let outflow = balance("impulse_outflow")?;
         self.balance
             .restart(air, outflow)

@@ -130,6 +130,31 @@ impl MarkerEngine {
         }
     }
 
+    /// Stage `repeat_forcing`: one more pass of multi-direct forcing; returns the sum of the forces on the air where this stage knows it.
+    pub fn repeat_forcing(
+        &mut self,
+        velocities: &[[f64; 3]],
+    ) -> Result<Option<[f64; 3]>, DeviceError> {
+        match self {
+            Self::Cpu(markers) => Ok(Some(markers.repeat_forcing(velocities))),
+            Self::Gpu(markers) => markers.repeat_forcing(velocities).map(|()| None),
+        }
+    }
+
+    /// Stage `fetch_marker_forces`: the sum of the forces on the air after the last pass; nothing on the CPU.
+    pub fn fetch_marker_forces(&mut self) -> Result<Option<[f64; 3]>, DeviceError> {
+        match self {
+            Self::Cpu(_) => Ok(None),
+            Self::Gpu(markers) => markers.fetch_marker_forces().map(Some),
+        }
+    }
+
+    /// Force of marker `k` on the air by the last `spread` [lattice units].
+    #[must_use]
+    pub fn force(&self, k: usize) -> [f64; 3] {
+        both!(self, markers => markers.force(k))
+    }
+
     /// Slip left after the half force at every marker [cells per step].
     pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Result<Vec<f64>, DeviceError> {
         match self {

@@ -1,6 +1,7 @@
 //! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
 
 mod air;
+mod bodies;
 mod checkpoint;
 mod cloth;
 mod coupled;
@@ -16,9 +17,10 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 
 pub use air::{AirEngine, Balance};
+pub use bodies::Load;
 pub use coupled::Coupled;
 pub use failure::{Diverged, Failure};
-pub use impulses::{ImpulseSample, Impulses};
+pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
 
@@ -123,13 +125,10 @@ impl Simulation {
             }
             _ => None,
         };
-        let impulses = match (&scene.air, &air, &cloth, &coupled) {
-            (Some(settings), Some(engine), Some(cloth), Some(_)) => Some(Impulses::new(
-                settings,
-                scene.body.as_ref().map(|b| &b.kind),
-                engine,
-                cloth,
-            )?),
+        let impulses = match (&scene.air, &air, &coupled) {
+            (Some(settings), Some(engine), Some(_)) => {
+                Some(Impulses::new(settings, &scene, engine, cloth.as_ref())?)
+            }
             _ => None,
         };
         let mut simulation = Self {
@@ -155,21 +154,22 @@ impl Simulation {
 
     /// Impulses and balances count from release.
     fn start_impulses(&mut self) -> Result<(), DeviceError> {
-        if let (Some(air), Some(cloth), Some(impulses)) =
-            (&self.air, &self.cloth, &mut self.impulses)
-        {
-            impulses.start(air, cloth)?;
+        if let (Some(air), Some(impulses)) = (&self.air, &mut self.impulses) {
+            impulses.start(air, self.cloth.as_ref())?;
         }
         Ok(())
     }
 
     /// Impulses of the three force routes now; `None` before release and where nothing is coupled.
     pub fn impulse_sample(&mut self) -> Result<Option<ImpulseSample>, DeviceError> {
-        let released = self.released();
-        match (&mut self.impulses, &self.air, &self.cloth) {
-            (Some(impulses), Some(air), Some(cloth)) if released => {
-                Ok(Some(impulses.sample(air, cloth)?))
-            }
+        let (released, time_s) = (self.released(), self.time_s());
+        match (&mut self.impulses, &self.air) {
+            (Some(impulses), Some(air)) if released => Ok(Some(impulses.sample(
+                air,
+                self.cloth.as_ref(),
+                &self.scene.rigid_bodies,
+                time_s,
+            )?)),
             _ => Ok(None),
         }
     }
@@ -195,8 +195,12 @@ impl Simulation {
     /// Time since release; negative while the wind rises [s].
     #[must_use]
     pub fn time_s(&self) -> f64 {
+        self.time_at(self.step)
+    }
+
+    fn time_at(&self, step: u64) -> f64 {
         let step_s = self.scene.time.map_or(0.0, |t| t.step_s);
-        (self.step as f64 - self.plan.start_steps as f64) * step_s
+        (step as f64 - self.plan.start_steps as f64) * step_s
     }
 
     /// True once the sheet moves freely.
@@ -294,6 +298,8 @@ impl Simulation {
                 Stage::FetchNodes => self.fetch_nodes(planned.every)?,
                 Stage::SendMarkerForces => self.send_marker_forces(),
                 Stage::Spread => self.spread(),
+                Stage::RepeatForcing => self.repeat_forcing()?,
+                Stage::FetchMarkerForces => self.fetch_marker_forces()?,
                 Stage::Measure => self.accumulate()?,
                 // Files belong to the caller, which sees frames.
                 Stage::Output => {}
@@ -311,7 +317,9 @@ impl Simulation {
                 | Stage::Interpolate
                 | Stage::FetchAirVelocities
                 | Stage::SendMarkerForces
-                | Stage::Spread => self.cost.coupling += elapsed,
+                | Stage::Spread
+                | Stage::RepeatForcing
+                | Stage::FetchMarkerForces => self.cost.coupling += elapsed,
                 Stage::SendNodes | Stage::SolveCloth | Stage::FetchNodes => {
                     self.cost.cloth += elapsed;
                 }
@@ -353,29 +361,30 @@ impl Simulation {
             }
         }
         air.collide_stream(acceleration, self.coupled.as_ref().map(Coupled::immersed))?;
+        let time_s = self.time_s();
         if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
             && self.step >= start_steps
         {
-            impulses.add_delivered(coupled.force_on_air());
+            impulses.add_delivered(coupled, time_s);
         }
         Ok(())
     }
 
     fn send_markers(&mut self) -> Result<(), Failure> {
-        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled)
-        else {
+        let time_s = self.time_at(self.step + 1);
+        let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
             return Ok(());
         };
-        let sent = coupled.send_markers(air, cloth)?;
+        let sent = coupled.send_markers(air, self.cloth.as_ref(), time_s)?;
         self.still_inside(sent)
     }
 
     fn interpolate(&mut self) -> Result<(), Failure> {
-        let (Some(air), Some(cloth), Some(coupled)) = (&self.air, &self.cloth, &mut self.coupled)
-        else {
+        let time_s = self.time_at(self.step + 1);
+        let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
             return Ok(());
         };
-        let done = coupled.interpolate(air, cloth)?;
+        let done = coupled.interpolate(air, self.cloth.as_ref(), time_s)?;
         self.still_inside(done)
     }
 
@@ -395,39 +404,55 @@ impl Simulation {
         self.watch()?;
         let place = coupled.units().position_m(left.position);
         let what = format!(
-            "a marker of the fabric left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
+            "a marker left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
             place.x, place.y, place.z
         );
         Err(self.diverged(what).into())
     }
 
     fn send_marker_forces(&mut self) {
-        if let (Some(cloth), Some(coupled)) = (&self.cloth, &mut self.coupled) {
-            coupled.send_marker_forces(cloth, self.step >= self.plan.start_steps);
+        let time_s = self.time_at(self.step + 1);
+        if let Some(coupled) = &mut self.coupled {
+            let released = self.step >= self.plan.start_steps;
+            coupled.send_marker_forces(self.cloth.as_ref(), time_s, released);
         }
     }
 
     fn spread(&mut self) {
-        if let (Some(cloth), Some(coupled)) = (&self.cloth, &mut self.coupled) {
-            coupled.spread(cloth, self.step >= self.plan.start_steps);
+        let time_s = self.time_at(self.step + 1);
+        if let Some(coupled) = &mut self.coupled {
+            let released = self.step >= self.plan.start_steps;
+            coupled.spread(self.cloth.as_ref(), time_s, released);
             let every = self.scene.coupling.map_or(1, |c| c.structure_every);
             let motion = coupled.fastest_marker() * f64::from(every);
             self.largest_marker_motion = self.largest_marker_motion.max(motion);
         }
     }
 
+    fn repeat_forcing(&mut self) -> Result<(), DeviceError> {
+        self.coupled
+            .as_mut()
+            .map_or(Ok(()), Coupled::repeat_forcing)
+    }
+
+    fn fetch_marker_forces(&mut self) -> Result<(), DeviceError> {
+        self.coupled
+            .as_mut()
+            .map_or(Ok(()), Coupled::fetch_marker_forces)
+    }
+
     fn accumulate(&mut self) -> Result<(), DeviceError> {
         if self.step < self.plan.start_steps {
             return Ok(());
         }
-        let (Some(air), Some(cloth), Some(coupled), Some(impulses)) =
-            (&self.air, &self.cloth, &self.coupled, &mut self.impulses)
+        let (Some(air), Some(coupled), Some(impulses)) =
+            (&self.air, &self.coupled, &mut self.impulses)
         else {
             return Ok(());
         };
         impulses.add_step(
             air,
-            cloth,
+            self.cloth.as_ref(),
             self.scene.gravity_m_s2,
             self.scene.solver.damping_1_s,
             coupled,

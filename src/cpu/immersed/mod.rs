@@ -1,4 +1,4 @@
-//! The immersed boundary on the CPU: stages `interpolate` and `spread` (DESIGN of the coupling in the crate's documentation).
+//! The immersed boundary on the CPU: stages `interpolate`, `spread` and `repeat_forcing` (DESIGN of the coupling in the crate's documentation).
 //!
 //! All in lattice units. A marker k of area A_k [cells²] with locally normalised over-relaxation a_k gives the air the force
 //! g_k = 2 a_k A_k (v_k − u*_k) [per step], where
@@ -7,9 +7,11 @@
 //!
 //! On a flat sheet D_k = 3/8 and a_k = a; where folds put several layers under one kernel D_k grows and a_k falls, which
 //! keeps a_k D_k ≤ 1 and with it the exchange stable. *Departure from Inamuro's multi-direct forcing (paper P0)*: one pass, over-relaxed,
-//! with the reaction inside the implicit step of the cloth instead of a prescribed marker velocity.
+//! with the reaction inside the implicit step of the cloth instead of a prescribed marker velocity. Rigid bodies, whose markers' velocities
+//! are prescribed, may have several passes (stage `repeat_forcing`).
 
 mod interpolate;
+mod repeat_forcing;
 mod spread;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -74,6 +76,12 @@ impl Immersed {
     #[must_use]
     pub fn stiffness(&self, k: usize) -> f64 {
         2.0 * self.strengths[k] * self.areas[k][0]
+    }
+
+    /// Force of marker `k` on the air by the last `spread` [lattice units].
+    #[must_use]
+    pub fn force(&self, k: usize) -> [f64; 3] {
+        self.marker_forces[k]
     }
 
     /// The body force for the next collision.

@@ -2,3 +2,4 @@
 
 pub mod obj;
 pub mod quality;
+pub mod surface;

@@ -79,6 +79,9 @@ impl Immersed {
         keys.par_sort_unstable();
         self.order.clear();
         self.order.extend(keys.iter().map(|&key| key as u32));
+        for (place, &marker) in self.order.iter().enumerate() {
+            self.places[marker as usize] = place as u32;
+        }
         let sorted: Vec<Marker> = keys
             .iter()
             .map(|&key| {

@@ -1,4 +1,4 @@
-//! The immersed boundary on the device: stages `interpolate` and `spread` (formulas in [`crate::immersed`] and
+//! The immersed boundary on the device: stages `interpolate`, `spread` and `repeat_forcing` (formulas in [`crate::immersed`] and
 //! [`crate::cpu::immersed`]).
 //!
 //! Work is confined to the box of cells that holds the kernels of all markers. The host, which knows the markers' positions in
@@ -8,6 +8,7 @@
 //! more than 500 (see `benches/results/`), and the sums run over the markers in another, equally fixed, order.
 
 mod interpolate;
+mod repeat_forcing;
 mod spread;
 
 use std::sync::Arc;
@@ -85,6 +86,10 @@ pub struct Immersed {
     marker_states: wgpu::Buffer,
     marker_forces: wgpu::Buffer,
     marker_velocities: wgpu::Buffer,
+    /// Velocities of the markers themselves, sorted.
+    target_velocities: wgpu::Buffer,
+    /// Place of every marker in the sorted order.
+    places: Vec<u32>,
     boxed: Option<Boxed>,
     /// Way back of the marker states.
     staging: Staging,
@@ -100,6 +105,7 @@ struct Pipelines {
     interpolate: Pipeline,
     spread: Pipeline,
     half_forced_velocity: Pipeline,
+    repeat_forcing: Pipeline,
 }
 
 /// What belongs to the cells of the box; made anew when the box outgrows it.
@@ -115,6 +121,7 @@ struct Boxed {
     interpolate: Bound,
     spread: Bound,
     half_forced_velocity: Bound,
+    repeat_forcing: Bound,
 }
 
 impl Immersed {
@@ -130,6 +137,8 @@ impl Immersed {
         )?;
         let [spread, half_forced_velocity] =
             device.pipelines(&shaders::SPREAD, ["spread", "half_forced_velocity"], &[])?;
+        let [repeat_forcing] =
+            device.pipelines(&shaders::REPEAT_FORCING, ["repeat_forcing"], &[])?;
         let n = count as u64;
         Ok(Self {
             over_relaxation,
@@ -143,6 +152,7 @@ impl Immersed {
                 interpolate,
                 spread,
                 half_forced_velocity,
+                repeat_forcing,
             },
             markers: device.storage("markers", 32 * n)?,
             weights: device.storage("kernel weights", 48 * n)?,
@@ -150,6 +160,8 @@ impl Immersed {
             marker_states: device.storage("marker states", 16 * n)?,
             marker_forces: device.storage("marker forces", 16 * n)?,
             marker_velocities: device.storage("marker velocities", 16 * n)?,
+            target_velocities: device.storage("target velocities", 16 * n)?,
+            places: vec![0; count],
             boxed: None,
             staging: Staging::new(&device, 16 * n.max(1))?,
             active: false,
@@ -177,6 +189,13 @@ impl Immersed {
         2.0 * self.strengths[k] * self.areas[k]
     }
 
+    /// Force of marker `k` on the air by the last `spread` [lattice units].
+    #[must_use]
+    pub fn force(&self, k: usize) -> [f64; 3] {
+        let [x, y, z, _] = self.forces[self.places[k] as usize].map(f64::from);
+        [x, y, z]
+    }
+
     /// The body force for the next collision.
     #[must_use]
     pub fn force_box(&self) -> Option<&ForceBox> {
@@ -200,7 +219,7 @@ impl Immersed {
     /// Bytes on the device for markers and the box of cells.
     #[must_use]
     pub fn device_bytes(&self) -> u64 {
-        self.areas.len() as u64 * 128 + self.boxed.as_ref().map_or(0, |b| b.capacity * 36)
+        self.areas.len() as u64 * 144 + self.boxed.as_ref().map_or(0, |b| b.capacity * 36)
     }
 
     fn boxed(&mut self, fluid: &Fluid, cells: u64) -> Result<(), DeviceError> {
@@ -227,6 +246,7 @@ impl Immersed {
             ("marker_forces", &self.marker_forces),
             ("cell_forces", &cell_forces),
             ("marker_velocities", &self.marker_velocities),
+            ("target_velocities", &self.target_velocities),
         ];
         let bind = |pipeline: &Pipeline| device.bind(pipeline, &buffers);
         let touched = |odd| {
@@ -241,6 +261,7 @@ impl Immersed {
             interpolate: bind(&self.pipelines.interpolate)?,
             spread: bind(&self.pipelines.spread)?,
             half_forced_velocity: bind(&self.pipelines.half_forced_velocity)?,
+            repeat_forcing: bind(&self.pipelines.repeat_forcing)?,
             marks,
             cell_states,
             forces: ForceBox {

@@ -1,0 +1,490 @@
+//! Checks of `[bodies.NAME]`, and the building of their surfaces.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::{DQuat, DVec3};
+
+use super::Problem;
+use super::file::{self, BodyTable, File};
+use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
+use crate::geometry::mesh::surface;
+use crate::geometry::surfaces;
+use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
+use crate::rigid::motion::Table;
+use crate::rigid::{self, Motion, PrescribedMotion, Surface};
+
+/// Edges of the triangles that shapes are divided into [cells]: one marker each, some 0.7 cells apart.
+const EDGE_CELLS: f64 = 1.2;
+
+/// Farthest that a marker may move in a step [cells].
+pub const MARKER_MOTION_LIMIT: f64 = 0.25;
+
+/// Most triangles that a shape is divided into.
+const TRIANGLE_LIMIT: f64 = 2e7;
+
+/// Instants at which a prescribed motion is looked at.
+const LOOKS: u32 = 400;
+
+/// Diameter of the only body, if it has one.
+pub(super) fn only_diameter_m(file: &File) -> Option<f64> {
+    let mut bodies = file.bodies.values();
+    let (Some(body), None) = (bodies.next(), bodies.next()) else {
+        return None;
+    };
+    let sphere = body.sphere.as_ref().map(|s| s.diameter_m);
+    let disk = body.disk.as_ref().map(|d| d.diameter_m);
+    let cylinder = body.cylinder.as_ref().map(|c| c.diameter_m);
+    sphere.or(disk).or(cylinder).filter(|d| *d > 0.0)
+}
+
+/// Checks all bodies.
+pub(super) fn check(
+    file: &File,
+    folder: &Path,
+    air: Option<&Air>,
+    time: Option<&Time>,
+) -> Result<Vec<RigidBody>, Problem> {
+    let Some(first) = file.bodies.keys().next() else {
+        return Ok(Vec::new());
+    };
+    let (Some(air), Some(time)) = (air, time) else {
+        return Err(Problem::new(
+            format!("bodies.{first}"),
+            "rigid bodies do nothing without air",
+            "add [air], or remove [bodies]",
+        ));
+    };
+    if !matches!(air.flow, Flow::WindTunnel { .. }) {
+        return Err(Problem::new(
+            "air.taylor_green",
+            "Taylor–Green vortices are a test of the air alone, but the case has rigid bodies",
+            "remove [bodies], or use [air.wind_tunnel]",
+        ));
+    }
+    file.bodies
+        .iter()
+        .map(|(name, table)| check_body(file, name, table, folder, air, time))
+        .collect()
+}
+
+/// A body's name and table, for messages.
+struct Written<'a> {
+    key: String,
+    table: &'a BodyTable,
+}
+
+impl Written<'_> {
+    fn key(&self, name: &str) -> String {
+        format!("{}.{name}", self.key)
+    }
+
+    fn direction(&self, name: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
+        let key = self.key(name);
+        vector(&key, value)?.try_normalize().ok_or_else(|| {
+            Problem::new(
+                key.as_str(),
+                format!("{key} = {value:?} has no direction"),
+                "give a vector that is not zero; its length does not matter",
+            )
+        })
+    }
+}
+
+fn check_body(
+    file: &File,
+    name: &str,
+    table: &BodyTable,
+    folder: &Path,
+    air: &Air,
+    time: &Time,
+) -> Result<RigidBody, Problem> {
+    let written = Written {
+        key: format!("bodies.{name}"),
+        table,
+    };
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if name.is_empty() || !name.chars().all(plain) {
+        return Err(Problem::new(
+            "bodies",
+            format!("`{name}` cannot be the name of a body: columns and results carry it"),
+            "use letters, digits, - and _",
+        ));
+    }
+    let position_m = vector(&written.key("position_m"), table.position_m)?;
+    let cell = air.units.cell_size_m;
+    let (shape, mut surface) = check_shape(&written, folder, EDGE_CELLS * cell)?;
+    let rotation = match &table.rotation {
+        Some(rotation) => DQuat::from_axis_angle(
+            written.direction("rotation.axis", rotation.axis)?,
+            vector(&written.key("rotation.angle_deg"), [rotation.angle_deg; 3])?
+                .x
+                .to_radians(),
+        ),
+        None => DQuat::IDENTITY,
+    };
+    for place in &mut surface.positions_m {
+        *place = position_m + rotation * *place;
+    }
+    let coupling = file.coupling.as_ref();
+    let inset = |key: &str, value: Option<f64>, usual: f64| {
+        value.map_or(Ok(usual), |cells| within(key, cells, -1.0, 1.0))
+    };
+    let marker_surface = rigid::inset(
+        &surface,
+        cell * inset(
+            "coupling.surface_inset_cells",
+            coupling.and_then(|c| c.surface_inset_cells),
+            SURFACE_INSET_CELLS,
+        )?,
+        cell * inset(
+            "coupling.rim_inset_cells",
+            coupling.and_then(|c| c.rim_inset_cells),
+            RIM_INSET_CELLS,
+        )?,
+    )
+    .ok_or_else(|| {
+        Problem::new(
+            written.key.as_str(),
+            format!("cells of {cell} m are too large for the body `{name}`: its parts are about as thin as a cell"),
+            "choose smaller cells, or model thin parts as open surfaces",
+        )
+    })?;
+    let motion = check_motion(&written, position_m, time)?;
+    let closed = surface.is_closed();
+    let body = RigidBody {
+        name: name.to_owned(),
+        normal: rotation * DVec3::X,
+        shape,
+        volume_m3: closed.then(|| {
+            let (volume, centroid) = surface.volume_m3();
+            (volume.abs(), centroid)
+        }),
+        surface,
+        marker_surface,
+        motion,
+        reference_area_m2: reference(&written, "area_m2", |r| r.area_m2, shape.area_m2())?,
+        reference_length_m: reference(&written, "length_m", |r| r.length_m, shape.length_m())?,
+        moment_point_m: match table.reference.as_ref().and_then(|r| r.moment_point_m) {
+            Some(point) => vector(&written.key("reference.moment_point_m"), point)?,
+            None => position_m,
+        },
+    };
+    check_way(&written, &body, air, time)?;
+    Ok(body)
+}
+
+fn reference(
+    written: &Written,
+    name: &str,
+    pick: fn(&file::Reference) -> Option<f64>,
+    usual: Option<f64>,
+) -> Result<f64, Problem> {
+    let key = written.key(&format!("reference.{name}"));
+    match (written.table.reference.as_ref().and_then(pick), usual) {
+        (Some(value), _) => positive(&key, value),
+        (None, Some(usual)) => Ok(usual),
+        (None, None) => Err(Problem::new(
+            key.as_str(),
+            format!("{key} is missing: a mesh has no area or length of its own to refer to"),
+            format!("add [{}.reference] with area_m2 and length_m", written.key),
+        )),
+    }
+}
+
+fn check_shape(written: &Written, folder: &Path, edge_m: f64) -> Result<(Shape, Surface), Problem> {
+    let table = written.table;
+    let size = |name: &str, value: f64| positive(&written.key(name), value);
+    let shape = match (
+        &table.sphere,
+        &table.disk,
+        &table.plate,
+        &table.cylinder,
+        &table.mesh,
+    ) {
+        (Some(sphere), None, None, None, None) => Shape::Sphere {
+            diameter_m: size("sphere.diameter_m", sphere.diameter_m)?,
+        },
+        (None, Some(disk), None, None, None) => Shape::Disk {
+            diameter_m: size("disk.diameter_m", disk.diameter_m)?,
+        },
+        (None, None, Some(plate), None, None) => Shape::Plate {
+            size_m: [
+                size("plate.size_m", plate.size_m[0])?,
+                size("plate.size_m", plate.size_m[1])?,
+            ],
+        },
+        (None, None, None, Some(cylinder), None) => Shape::Cylinder {
+            diameter_m: size("cylinder.diameter_m", cylinder.diameter_m)?,
+            length_m: size("cylinder.length_m", cylinder.length_m)?,
+            closed: cylinder.closed,
+        },
+        (None, None, None, None, Some(mesh)) => {
+            let path = folder.join(&mesh.file);
+            let scale = size("mesh.scale", mesh.scale)?;
+            let surface = surface::read(&path, scale).map_err(|why| {
+                Problem::new(
+                    written.key("mesh.file"),
+                    format!("cannot read the mesh {}: {why}", path.display()),
+                    "give an OBJ, STL or PLY file with triangles or polygons, relative to the case file",
+                )
+            })?;
+            return Ok((Shape::Mesh, surface));
+        }
+        _ => {
+            return Err(Problem::new(
+                written.key.as_str(),
+                format!("[{}] needs exactly one shape", written.key),
+                "keep or add just one of sphere, disk, plate, cylinder, mesh",
+            ));
+        }
+    };
+    let area_m2 = shape.surface_area_m2().unwrap_or(0.0);
+    if area_m2 / (edge_m * edge_m) > 0.5 * TRIANGLE_LIMIT {
+        return Err(Problem::new(
+            written.key.as_str(),
+            format!(
+                "the surface of {area_m2} m² is too large for cells of {:e} m",
+                edge_m / EDGE_CELLS
+            ),
+            "choose larger cells or a smaller body",
+        ));
+    }
+    let surface = match shape {
+        Shape::Sphere { diameter_m } => surfaces::sphere(0.5 * diameter_m, edge_m),
+        Shape::Disk { diameter_m } => surfaces::disk(0.5 * diameter_m, edge_m),
+        Shape::Plate { size_m } => surfaces::plate(size_m, edge_m),
+        Shape::Cylinder {
+            diameter_m,
+            length_m,
+            closed,
+        } => surfaces::cylinder(0.5 * diameter_m, length_m, closed, edge_m),
+        Shape::Mesh => Surface::default(),
+    };
+    Ok((shape, surface))
+}
+
+fn check_motion(
+    written: &Written,
+    position_m: DVec3,
+    time: &Time,
+) -> Result<PrescribedMotion, Problem> {
+    let Some(table) = &written.table.motion else {
+        return Ok(PrescribedMotion::held());
+    };
+    let number = |name: &str, value: f64| Ok(vector(&written.key(name), [value; 3])?.x);
+    let rise = |name: &str, value: Option<f64>| {
+        value.map_or(Ok(0.0), |time| positive(&written.key(name), time))
+    };
+    let centre = |name: &str, value: Option<[f64; 3]>| {
+        value.map_or(Ok(position_m), |point| vector(&written.key(name), point))
+    };
+    // An axis is needed only where something turns.
+    let axis = |name: &str, value: Option<[f64; 3]>, turns: bool| match value {
+        Some(axis) => written.direction(name, axis),
+        None if turns => Err(Problem::new(
+            written.key(name),
+            format!("{} is missing: the body turns", written.key(name)),
+            "add the axis of rotation, e.g. axis = [0.0, 1.0, 0.0]",
+        )),
+        None => Ok(DVec3::X),
+    };
+    match (
+        &table.constant_velocity,
+        &table.constant_rotation,
+        &table.oscillation,
+        &table.table,
+    ) {
+        (Some(given), None, None, None) => Ok(PrescribedMotion {
+            motion: Motion::ConstantVelocity {
+                velocity_m_s: vector(
+                    &written.key("motion.constant_velocity.velocity_m_s"),
+                    given.velocity_m_s,
+                )?,
+                rise_s: rise("motion.constant_velocity.start_time_s", given.start_time_s)?,
+            },
+            centre_m: position_m,
+            axis: DVec3::X,
+        }),
+        (None, Some(given), None, None) => Ok(PrescribedMotion {
+            motion: Motion::ConstantRotation {
+                rate_rad_s: number("motion.constant_rotation.rate_rad_s", given.rate_rad_s)?,
+                rise_s: rise("motion.constant_rotation.start_time_s", given.start_time_s)?,
+            },
+            centre_m: centre("motion.constant_rotation.centre_m", given.centre_m)?,
+            axis: written.direction("motion.constant_rotation.axis", given.axis)?,
+        }),
+        (None, None, Some(given), None) => {
+            let displacement = given.displacement_m.unwrap_or([0.0; 3]);
+            let angle_deg = given.angle_deg.unwrap_or(0.0);
+            Ok(PrescribedMotion {
+                motion: Motion::Oscillation {
+                    frequency_hz: positive(
+                        &written.key("motion.oscillation.frequency_hz"),
+                        given.frequency_hz,
+                    )?,
+                    phase_rad: number(
+                        "motion.oscillation.phase_deg",
+                        given.phase_deg.unwrap_or(0.0),
+                    )?
+                    .to_radians(),
+                    displacement_m: vector(
+                        &written.key("motion.oscillation.displacement_m"),
+                        displacement,
+                    )?,
+                    angle_rad: number("motion.oscillation.angle_deg", angle_deg)?.to_radians(),
+                },
+                centre_m: centre("motion.oscillation.centre_m", given.centre_m)?,
+                axis: axis("motion.oscillation.axis", given.axis, angle_deg != 0.0)?,
+            })
+        }
+        (None, None, None, Some(rows)) => {
+            let spline = check_table(written, rows, time)?;
+            Ok(PrescribedMotion {
+                motion: Motion::Table(spline),
+                centre_m: centre("motion.table.centre_m", rows.centre_m)?,
+                axis: axis("motion.table.axis", rows.axis, rows.angles_deg.is_some())?,
+            })
+        }
+        _ => Err(Problem::new(
+            written.key("motion"),
+            format!("[{}] needs exactly one motion", written.key("motion")),
+            "keep or add just one of constant_velocity, constant_rotation, oscillation, table; a held body has no [motion]",
+        )),
+    }
+}
+
+fn check_table(written: &Written, rows: &file::MotionRows, time: &Time) -> Result<Table, Problem> {
+    let count = rows.times_s.len();
+    let lengths = [
+        (
+            "displacements_m",
+            rows.displacements_m.as_ref().map(Vec::len),
+        ),
+        ("angles_deg", rows.angles_deg.as_ref().map(Vec::len)),
+    ];
+    for (name, length) in lengths {
+        if let Some(length) = length.filter(|length| *length != count) {
+            let key = written.key(&format!("motion.table.{name}"));
+            return Err(Problem::new(
+                key.as_str(),
+                format!("{key} has {length} entries for {count} times"),
+                "give one entry for each of times_s",
+            ));
+        }
+    }
+    let values = (0..count)
+        .map(|i| {
+            let [x, y, z] = rows.displacements_m.as_ref().map_or([0.0; 3], |d| d[i]);
+            let angle = rows.angles_deg.as_ref().map_or(0.0, |a| a[i]);
+            [x, y, z, angle.to_radians()]
+        })
+        .collect();
+    let key = written.key("motion.table.times_s");
+    let table = Table::new(rows.times_s.clone(), values).ok_or_else(|| {
+        Problem::new(
+            key.as_str(),
+            format!("{key} does not make a motion: fewer than two times, not ascending, or values that are not finite"),
+            "give two or more times in ascending order",
+        )
+    })?;
+    let [first, last] = table.range_s();
+    if first > 0.0 || last < time.end_s {
+        return Err(Problem::new(
+            key.as_str(),
+            format!(
+                "{key} goes from {first} to {last} s, the run from 0 to {} s",
+                time.end_s
+            ),
+            "let the table cover the whole run: a body has no velocity beyond its table",
+        ));
+    }
+    Ok(table)
+}
+
+/// Refuses bodies that leave the air or outrun the coupling.
+fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Result<(), Problem> {
+    let cell = air.units.cell_size_m;
+    let size = DVec3::from_array(air.cells.map(|n| n as f64)) * cell;
+    let margin = 2.0 * cell;
+    let looks = if body.motion.moves() { LOOKS } else { 0 };
+    let (mut fastest, mut when) = (0.0, 0.0);
+    for look in 0..=looks {
+        let t = time.end_s * f64::from(look) / f64::from(looks.max(1));
+        let placement = body.motion.at(t);
+        for &point in &body.surface.positions_m {
+            let place = placement.position_m(point);
+            if place.min_element() < margin || (size - place).min_element() < margin {
+                return Err(Problem::new(
+                    written.key("position_m"),
+                    format!(
+                        "the body `{}` does not fit: at t = {t:.4} s it reaches ({:.4}, {:.4}, {:.4}) m, outside or within two \
+                         cells of the walls of the tunnel of {:.4} × {:.4} × {:.4} m",
+                        body.name, place.x, place.y, place.z, size.x, size.y, size.z
+                    ),
+                    "move the body, enlarge the tunnel (air.wind_tunnel.size_m), or end sooner (time.end_s)",
+                ));
+            }
+            let speed = placement.velocity_m_s(point).length();
+            if speed > fastest {
+                (fastest, when) = (speed, t);
+            }
+        }
+    }
+    let motion = fastest / air.units.speed_m_s();
+    if motion >= MARKER_MOTION_LIMIT {
+        return Err(Problem::new(
+            written.key("motion"),
+            format!(
+                "the body `{}` moves {motion:.3} cells in a step at t = {when:.4} s ({fastest:.3} m/s): the coupling is meant for less \
+                 than {MARKER_MOTION_LIMIT}",
+                body.name
+            ),
+            format!(
+                "lower resolution.lattice_speed to {:.3} or less, or raise resolution.reference_speed_m_s, or move the body slower",
+                0.99 * air.lattice_speed * MARKER_MOTION_LIMIT / motion
+            ),
+        ));
+    }
+    Ok(())
+}
+
+impl Shape {
+    /// Usual reference area: what the shape shows to the wind at its largest [m²]; `None` for a mesh.
+    #[must_use]
+    pub fn area_m2(self) -> Option<f64> {
+        match self {
+            Self::Sphere { diameter_m } | Self::Disk { diameter_m } => {
+                Some(0.25 * PI * diameter_m * diameter_m)
+            }
+            Self::Plate { size_m } => Some(size_m[0] * size_m[1]),
+            Self::Cylinder {
+                diameter_m,
+                length_m,
+                ..
+            } => Some(diameter_m * length_m),
+            Self::Mesh => None,
+        }
+    }
+
+    /// Usual reference length: diameter, or the plate's smaller side [m]; `None` for a mesh.
+    #[must_use]
+    pub fn length_m(self) -> Option<f64> {
+        match self {
+            Self::Sphere { diameter_m }
+            | Self::Disk { diameter_m }
+            | Self::Cylinder { diameter_m, .. } => Some(diameter_m),
+            Self::Plate { size_m } => Some(size_m[0].min(size_m[1])),
+            Self::Mesh => None,
+        }
+    }
+
+    fn surface_area_m2(self) -> Option<f64> {
+        match self {
+            Self::Cylinder { diameter_m, .. } => self
+                .area_m2()
+                .map(|a| PI * a + 0.5 * PI * diameter_m * diameter_m),
+            _ => self.area_m2().map(|a| 4.0 * a),
+        }
+    }
+}

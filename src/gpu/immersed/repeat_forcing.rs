@@ -1,0 +1,46 @@
+//! Stage `repeat_forcing`: one more pass of multi-direct forcing (formula in [`crate::cpu::immersed`]), all on the device; and stage
+//! `fetch_marker_forces`.
+
+use super::Immersed;
+use crate::gpu::error::DeviceError;
+use crate::gpu::pipeline::compute_pass;
+
+impl Immersed {
+    /// Forces again what slip is left at markers moving with `velocities` [cells per step].
+    pub fn repeat_forcing(&mut self, velocities: &[[f64; 3]]) -> Result<(), DeviceError> {
+        let count = self.order.len();
+        let Some(boxed) = self.boxed.as_ref().filter(|_| count > 0) else {
+            return Ok(());
+        };
+        let sorted: Vec<[f32; 4]> = self
+            .order
+            .iter()
+            .map(|&marker| {
+                let [x, y, z] = velocities[marker as usize].map(|v| v as f32);
+                [x, y, z, 0.0]
+            })
+            .collect();
+        self.device.write(&self.target_velocities, 0, &sorted);
+        let mut commands = self.device.record("repeat_forcing");
+        {
+            let mut pass = compute_pass(&mut commands, "repeat_forcing");
+            boxed
+                .repeat_forcing
+                .dispatch(&mut pass, self.device.workgroups(count as u64));
+        }
+        self.device.submit(commands);
+        self.spread();
+        Ok(())
+    }
+
+    /// Fetches the forces after the last pass; returns their sum on the air [lattice units].
+    pub fn fetch_marker_forces(&mut self) -> Result<[f64; 3], DeviceError> {
+        let count = self.order.len();
+        if count > 0 {
+            self.forces = self.device.read(&self.marker_forces, 0, count)?;
+        }
+        Ok(self.forces.iter().fold([0.0; 3], |sum, force| {
+            std::array::from_fn(|a| sum[a] + f64::from(force[a]))
+        }))
+    }
+}
