@@ -28,7 +28,7 @@ const REYNOLDS: f64 = 1600.0;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     // Half the cells resolve half as much; the band of 48 cells is what was measured there, with a margin.
-    let (n, band): (usize, f64) = session.size((48, 0.20), (128, 0.05));
+    let (n, band): (usize, f64) = session.size((64, 0.20), (128, 0.05));
     let cells = [n; 3];
     let length = n as f64 / TAU;
     let mut setup = periodic(
