@@ -108,7 +108,7 @@ pub const SPONGE_RELAXATION_TIME: f64 = 1.0;
 
 /// Share of its density excess that an outlet loses per step, times the cells between inlet and outlet (see
 /// [`crate::cpu::fluid::boundaries`]).
-pub const OUTLET_RELAXATION: f64 = 0.1;
+pub const OUTLET_RELAXATION: f64 = 0.4;
 
 /// Delay of sound between the last cell and the ghost of an outlet [steps]. A wave needs 1/(c_s + U) = 1.5 to 1.7; the rest makes up for the
 /// viscous stress of the wave, which a ghost at equilibrium lacks. Found by `ripstop validate acoustic-pulse` for the regularised

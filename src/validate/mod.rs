@@ -69,7 +69,7 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "acoustic-pulse",
-        updates: [30.0, 30.0],
+        updates: [110.0, 110.0],
         compute: acoustic_pulse::compute,
     },
     Problem {
@@ -84,12 +84,12 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "taylor-green-vortex",
-        updates: [170.0, 8_500.0],
+        updates: [1_070.0, 17_100.0],
         compute: taylor_green_vortex::compute,
     },
     Problem {
         name: "cavity",
-        updates: [1_000.0, 60_000.0],
+        updates: [800.0, 80_000.0],
         compute: cavity::compute,
     },
 ];
