@@ -57,7 +57,7 @@ pub const fn mass_closure(engine: Engine) -> f64 {
 }
 
 /// Mean density excess of an empty tunnel after the wind has risen: every cell, ghosts included, was accelerated alike. What is
-/// left, some 5e-6 (a thousandth of the dynamic pressure), comes from the density of the second cell that the inlet takes over; the
+/// left, up to 8e-6 (a thousandth of the dynamic pressure), comes from the density of the second cell that the inlet takes over; the
 /// outlet lets it settle within half a passage of the wind. A lag of one step leaves 7e-4.
 pub const TUNNEL_START: f64 = 1e-5;
 
