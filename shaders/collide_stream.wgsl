@@ -13,6 +13,9 @@ override SPONGE_LENGTH: f32 = 0.0;
 const SPONGE_RELAXATION_TIME: f32 = 1.0;
 // Share of its density excess that the outlet loses per step, times CELLS_X.
 override OUTLET_RELAXATION: f32 = 0.0;
+// Delay of sound between the last cell and the outlet's ghost [steps].
+override OUTLET_DELAY: f32 = 0.0;
+const SOUND_SPEED: f32 = 0.57735026919;
 
 struct StepParameters {
     inlet_velocity: vec4<f32>,
@@ -69,8 +72,9 @@ fn advance(p: Place, force: vec3<f32>, forced: bool) {
     }
 }
 
-// The second cell of a row lends the inlet's ghost its density, the last but one the outlet's its velocity and most of its density
-// excess; both ghosts are at equilibrium and stream like any cell (src/cpu/fluid/boundaries.rs).
+// The second cell of a row lends the inlet's ghost its density, the last one the outlet's its state, delayed like sound that leaves; both
+// ghosts are at equilibrium and stream like any cell (src/cpu/fluid/boundaries.rs). The ghost's population at rest is the memory of
+// the last cell's density excess.
 fn send_ghosts(p: Place, out: Populations) {
     let n = p.element;
     if p.cell.x == min(1u, CELLS_X - 1u) {
@@ -83,11 +87,13 @@ fn send_ghosts(p: Place, out: Populations) {
         far_x_y[ghost + 1u - STRIDE_Y] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u));
         far_x_z[ghost + 1u - STRIDE_Z] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u));
     }
-    if p.cell.x == max(CELLS_X, 2u) - 2u {
+    if p.cell.x == CELLS_X - 1u {
         let state = bare_state(out);
-        let u = state.xyz;
-        let excess = (1.0 - OUTLET_RELAXATION / f32(CELLS_X)) * state.w;
-        let ghost = n + CELLS_X - p.cell.x;
+        let ghost = n + 1u;
+        let late = -(OUTLET_DELAY * (state.w - unpacked(rest[ghost])));
+        rest[ghost] = packed(state.w);
+        let excess = (1.0 - OUTLET_RELAXATION / f32(CELLS_X)) * (state.w + late);
+        let u = vec3<f32>(state.x + SOUND_SPEED * late, state.yz);
         near_x[ghost] = packed(shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), excess, u));
         near_xy[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), excess, u));
         near_xz[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), excess, u));

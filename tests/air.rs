@@ -24,6 +24,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("air::free_slip_is_a_mirror", Mirror),
         on_every_engine("air::uniform_wind_passes_unchanged", Wind),
         on_every_engine("air::an_empty_tunnel_starts_without_sound", TunnelStart),
+        on_every_engine("air::sound_leaves_through_the_outlet", Pulse),
         on_every_storage("air::shear_layer_at_reynolds_2e6", ShearLayer),
         on_every_engine("air::eddy_viscosity_of_a_shear_wave", EddyViscosity),
         plain("air::taylor_green_order", order),
@@ -299,6 +300,37 @@ impl Body for TunnelStart {
         let energy = record.latest("kinetic_energy_j").unwrap() / (0.5 * mass * 900.0);
         assert!((energy - 1.0).abs() < 1e-5, "{energy}");
         assert!(simulation.released());
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Pulse;
+
+impl Body for Pulse {
+    /// A plane pulse of sound meets the outlet in wind, with an edge of frictionless walls around it (F7).
+    fn run(self, engine: Engine) {
+        let n = 160;
+        let (wind, sound) = (0.08, (1f64 / 3.0).sqrt());
+        let setup = Setup {
+            cells: [n, 5, 4],
+            ends: StreamwiseEnds::InletOutlet,
+            sides: Sides::FreeSlip,
+            ..periodic([1; 3], 0.501, Operator::RecursiveRegularised)
+        };
+        let pulse = |[x, _, _]: [usize; 3]| {
+            let excess = 1e-3 * (-0.5 * ((x as f64 + 0.5 - 90.0) / 10.0).powi(2)).exp();
+            (excess, [wind + sound * excess, 0.0, 0.0])
+        };
+        let mut air = engine.air(setup, &pulse);
+        air.set_inlet_velocity([wind, 0.0, 0.0]);
+        // At the outlet after 70 cells, back in the middle after 80 more.
+        let steps = 70.0 / (sound + wind) + 80.0 / (sound - wind);
+        advance(&mut air, steps as usize);
+        let back = states(&air)
+            .iter()
+            .map(|(excess, u)| (0.5 * (excess - (u[0] - wind) / sound)).abs())
+            .fold(0.0, f64::max);
+        assert!(back / 1e-3 < tolerances::OUTLET_REFLECTION, "{back:e}");
     }
 }
 

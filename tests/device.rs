@@ -9,7 +9,7 @@ use ripstop::gpu::shaders;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
-use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
 use ripstop::render;
 use ripstop::run::without_files;
@@ -237,6 +237,9 @@ fn rough([x, y, z]: [usize; 3]) -> (f64, [f64; 3]) {
 
 fn setups() -> Vec<Setup> {
     let mut setups = Vec::new();
+    let lid = Wall::NoSlip {
+        velocity: [0.0, 0.05, 0.0],
+    };
     for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
         for smagorinsky_constant in [None, Some(0.15)] {
             for (ends, sides, sponge_cells) in [
@@ -244,6 +247,20 @@ fn setups() -> Vec<Setup> {
                 (StreamwiseEnds::Periodic, Sides::FreeSlip, None),
                 (StreamwiseEnds::InletOutlet, Sides::FreeSlip, Some(5.0)),
                 (StreamwiseEnds::InletOutlet, Sides::Periodic, None),
+                // Walls, with all kinds of edges and corners; one moves.
+                (
+                    StreamwiseEnds::Walls([lid, Wall::AT_REST]),
+                    Sides::Each([
+                        Faces::Walls([Wall::FreeSlip, Wall::AT_REST]),
+                        Faces::Walls([lid, Wall::FreeSlip]),
+                    ]),
+                    None,
+                ),
+                (
+                    StreamwiseEnds::InletOutlet,
+                    Sides::Each([Faces::Walls([Wall::AT_REST; 2]), Faces::Periodic]),
+                    Some(5.0),
+                ),
             ] {
                 setups.push(Setup {
                     cells: [19, 12, 11],

@@ -21,6 +21,8 @@ mod device;
 mod device_cloth;
 mod engines;
 mod tolerances;
+mod validate;
+mod walls;
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -30,6 +32,7 @@ fn main() -> std::process::ExitCode {
         architecture::trials(),
         air::trials(),
         cloth::trials(),
+        walls::trials(),
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),
@@ -38,6 +41,7 @@ fn main() -> std::process::ExitCode {
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),
+        validate::trials(),
     ]
     .into_iter()
     .flatten()

@@ -21,6 +21,10 @@ use crate::case::{self, Case, CaseError, Choices, Problem};
 use crate::gpu::Device;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
+/// What `--help` says about them.
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails, 2 bad case or usage, 3 no usable device, \
+    20 diverged or not in balance, 74 output failed, 75 interrupted";
+
 /// Exit codes.
 pub mod exit {
     /// A gate of `ripstop validate` fails.
@@ -39,7 +43,7 @@ pub mod exit {
 
 /// Fluid–structure solver for parachutes and paragliders.
 #[derive(Debug, Parser)]
-#[command(version, about, arg_required_else_help = true)]
+#[command(version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

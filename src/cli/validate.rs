@@ -9,7 +9,7 @@ use clap::Args;
 use super::engine::{self, Engine, PrecisionChoice};
 use super::progress::Progress;
 use super::{Failure, emit, exit};
-use crate::validate::{self, Order, PROBLEMS, Stop};
+use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
 pub(super) struct ValidateArguments {
@@ -67,15 +67,19 @@ pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
     if let Err(error) = ctrlc::set_handler(handler) {
         eprintln!("warning: an interrupt will stop the validation without its table: {error}");
     }
+    let write = |report: &Report| match &arguments.out {
+        Some(path) => report
+            .write(path)
+            .map_err(|error| Failure::Other(exit::OUTPUT_FAILED, error.to_string())),
+        None => Ok(()),
+    };
+    // A file that cannot be written is noticed before anything is computed.
+    write(&Report::new(&order))?;
     let mut progress = Progress::new();
     let (report, end) = validate::validate(&order, &interrupt, &mut progress);
     progress.finish();
     emit(&report.table())?;
-    if let Some(path) = &arguments.out {
-        report
-            .write(path)
-            .map_err(|error| Failure::Other(exit::OUTPUT_FAILED, error.to_string()))?;
-    }
+    write(&report)?;
     match end {
         Err(Stop::Device(error)) => Err(error.into()),
         Err(Stop::Interrupted) => Ok(exit::INTERRUPTED),

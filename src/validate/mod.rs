@@ -31,6 +31,10 @@ use crate::simulation::AirEngine;
 /// Steps between looks at the interrupt flag and reports of progress.
 const STEPS_AT_ONCE: usize = 64;
 
+/// Relative errors of the velocity below which round-off in f32 shows: velocities of 1e-2 next to populations of 1e-2 to 1e-1, over up to
+/// ten thousand steps.
+const SINGLE_PRECISION_ERROR: f64 = 2e-4;
+
 /// A validation problem.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem {
@@ -65,7 +69,7 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "acoustic-pulse",
-        updates: [30.0, 30.0],
+        updates: [110.0, 110.0],
         compute: acoustic_pulse::compute,
     },
     Problem {
@@ -80,12 +84,12 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "taylor-green-vortex",
-        updates: [170.0, 8_500.0],
+        updates: [1_070.0, 17_100.0],
         compute: taylor_green_vortex::compute,
     },
     Problem {
         name: "cavity",
-        updates: [1_000.0, 60_000.0],
+        updates: [800.0, 80_000.0],
         compute: cavity::compute,
     },
 ];
@@ -245,7 +249,8 @@ impl Session<'_> {
         ))
     }
 
-    /// Adds a row of errors on ever finer grids per coarser one, gated by the order of convergence, and one with the error at 32 cells.
+    /// Adds rows of errors on ever finer grids, that at 32 cells gated, and rows of the order between them. An order has no gate where
+    /// round-off of single precision hides the finer error.
     fn orders(&mut self, what: &str, errors: &[([usize; 3], usize, f64)]) {
         for &(cells, n, error) in errors {
             let row = self.row(cells, format!("{what}: L2 error, N = {n}"), error);
@@ -253,16 +258,23 @@ impl Session<'_> {
                 row.gate(Gate::AtMost(5e-3));
             }
         }
+        let hidden = if self.is_double() {
+            0.0
+        } else {
+            SINGLE_PRECISION_ERROR
+        };
         for pair in errors.windows(2) {
             let [(_, coarse, e0), (cells, fine, e1)] = [pair[0], pair[1]];
             let order = (e0 / e1).ln() / (fine as f64 / coarse as f64).ln();
-            self.row(
+            let row = self.row(
                 cells,
                 format!("{what}: order, N = {coarse} to {fine}"),
                 order,
-            )
-            .reference(2.0, "second order, exact solution")
-            .gate(Gate::AtLeast(1.9));
+            );
+            row.reference(2.0, "second order, exact solution");
+            if e1 > hidden || e1.is_nan() {
+                row.gate(Gate::AtLeast(1.9));
+            }
         }
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let sizes: &[usize] = session.size(&[16, 32, 64], &[16, 32, 64, 128]);
     let mut errors = Vec::new();
     for &n in sizes {
-        let (cells, error) = profile_error(session, Operator::RecursiveRegularised, n, 0.8, 0.5)?;
+        let (cells, error) = profile_error(session, Operator::RecursiveRegularised, n, 1.2, 0.5)?;
         errors.push((cells, n, error));
     }
     session.orders("regularised", &errors);

@@ -127,7 +127,9 @@ pub struct Report {
 }
 
 impl Report {
-    pub(super) fn new(order: &Order) -> Self {
+    /// A report without rows, as of a validation that has not got anywhere yet.
+    #[must_use]
+    pub fn new(order: &Order) -> Self {
         let placement = crate::plan::Placement {
             air: order.placement,
             ..crate::plan::Placement::from(crate::plan::Precision::F32)
@@ -150,7 +152,7 @@ impl Report {
             engine: placement.engine(),
             precision: placement.precision_name(),
             set: if order.full { "full" } else { "quick" },
-            interrupted: false,
+            interrupted: true,
             rows: Vec::new(),
         }
     }
@@ -271,5 +273,65 @@ fn number(value: f64) -> String {
         }
     } else {
         format!("{value:.2e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(value: f64) -> Row {
+        Row::new("couette", "error".to_owned(), value, [4; 3], 0.0)
+    }
+
+    #[test]
+    fn gates_judge() {
+        let mut exact = row(1.04);
+        exact.reference(1.0, "theory");
+        assert_eq!(exact.gate(Gate::Within(0.05)).holds, Some(true));
+        assert_eq!(exact.gate(Gate::Within(0.03)).holds, Some(false));
+        assert_eq!(row(1.95).gate(Gate::AtLeast(1.9)).holds, Some(true));
+        assert_eq!(row(1.85).gate(Gate::AtLeast(1.9)).holds, Some(false));
+        assert_eq!(row(-2e-6).gate(Gate::AtMost(1e-6)).holds, Some(false));
+        for gate in [Gate::Within(1.0), Gate::AtLeast(0.0), Gate::AtMost(1.0)] {
+            let mut broken = row(f64::NAN);
+            broken.reference(1.0, "theory");
+            assert_eq!(broken.gate(gate).holds, Some(false), "{gate:?}");
+        }
+    }
+
+    #[test]
+    fn one_failing_gate_fails_the_report() {
+        let order = Order {
+            problems: Vec::new(),
+            full: false,
+            placement: crate::plan::AirPlacement::Gpu(crate::plan::Storage::F32),
+            device: None,
+        };
+        let mut report = Report::new(&order);
+        report.add(row(0.1)).gate(Gate::AtMost(1.0));
+        report.add(row(7.0));
+        assert!(report.holds());
+        report.add(row(0.1)).gate(Gate::AtMost(0.01));
+        assert!(!report.holds());
+        let table = report.table();
+        assert!(table.contains("2 gates, 1 fail"), "{table}");
+        assert_eq!(table.matches("FAILS").count(), 1, "{table}");
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.9, "1.9"),
+            (2.0, "2"),
+            (0.118_435_75, "0.1184"),
+            (1234.56, "1235"),
+            (100.0, "100"),
+            (3.2e-7, "3.20e-7"),
+            (f64::NAN, "not finite"),
+        ] {
+            assert_eq!(number(value), text);
+        }
     }
 }

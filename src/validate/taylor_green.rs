@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use super::{OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
 
-const RELAXATION_TIME: f64 = 0.65;
+const RELAXATION_TIME: f64 = 0.6;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     for (operator, name) in OPERATORS {

@@ -7,25 +7,29 @@
 //! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
 //! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell (zero pressure gradient), both as after the
 //!   collision of the step, like every cell that streams;
-//! * pressure outlet: equilibrium with the velocity of the last cell but one after its collision and 1 − a times its density excess; a
-//!   viscous sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
+//! * pressure outlet: equilibrium with the density and velocity of the last cell, delayed like an outgoing sound wave; a viscous
+//!   sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
 //! Beyond the sides the ghosts of inlet and outlet are mirrored (or repeated).
 //!
-//! The outlet lets sound pass: the outgoing wave ½ (δρ + u/c_s) is taken over from within, and so is the incoming one, ½ (δρ − u/c_s),
-//! which the outlet itself sent in the steps before. With the loss a it therefore adds up −(a/2) δρ: the relaxation towards the target
-//! pressure of a characteristic outlet (LODI with L₁ = K δp; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2; Rudy & Strikwerda
-//! 1980, doi:10.1016/0021-9991(80)90174-6), without a state of its own. a = [`OUTLET_RELAXATION`] / cells, so that the pressure settles
-//! within some passages of sound through the tunnel, while waves shorter than the tunnel leave. *Limits*: waves that meet the
-//! outlet at an angle are reflected in part, and an inlet of given velocity reflects sound whole.
+//! The outlet lets sound pass. The density excess at the ghost is that of the last cell a little earlier, δρ_g = δρ − d (δρ − δρ'), where
+//! δρ' is that of the step before (kept in the ghost's place among the populations at rest) and d = [`OUTLET_DELAY`]. What changes on
+//! the way is an outgoing wave: the incoming one, ½ (δρ − u/c_s), which the outlet itself sent, is taken over by u_g = u + c_s (δρ_g − δρ).
+//! Then the ghost loses a share a = [`OUTLET_RELAXATION`] / (cells between inlet and outlet) of its excess, so that the incoming wave adds
+//! up −(a/2) δρ per step: the relaxation towards the target pressure of a characteristic outlet (L₁ = K δp: Rudy & Strikwerda 1980,
+//! doi:10.1016/0021-9991(80)90174-6; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2). Our departure: only changes of density, not of
+//! velocity, count as sound, so that vortices make no pressure. *Limits*: waves that meet the outlet at an angle are reflected in
+//! part, and an inlet of given velocity reflects most of a wave.
 
 use rayon::prelude::*;
 
 use super::Fluid;
-use crate::lattice::grid::OUTLET_RELAXATION;
+use crate::lattice::grid::{OUTLET_DELAY, OUTLET_RELAXATION};
 use crate::lattice::links::{Boundaries, Run};
 use crate::lattice::operators::bare_moments;
-use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, WEIGHTS, opposite};
+use crate::lattice::{
+    DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
+};
 
 /// Arrays that reflection at walls exchanges only among themselves: directions alike but for their signs.
 const FAMILIES: [&[usize]; 6] = [
@@ -134,10 +138,13 @@ pub(super) fn fill_row_ends<T: Real>(
         bare_moments(&f)
     };
     let (inlet_excess, _) = state(1.min(nx - 1));
-    let (excess, momentum) = state(nx.saturating_sub(2));
+    let (excess, momentum) = state(nx - 1);
     let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
-    let outlet_velocity = momentum.map(|j| j * inverse_density);
-    let outlet_excess = T::of(1.0 - OUTLET_RELAXATION / nx as f64) * excess;
+    let [u, v, w] = momentum.map(|j| j * inverse_density);
+    let late = -(T::of(OUTLET_DELAY) * (excess - arrays[0][start + nx]));
+    arrays[0][start + nx] = excess;
+    let outlet_excess = T::of(1.0 - OUTLET_RELAXATION / nx as f64) * (excess + late);
+    let outlet_velocity = [u + T::of(SOUND_SPEED_SQUARED.sqrt()) * late, v, w];
     for direction in DOWNSTREAM {
         arrays[direction + 1][start - 1] =
             shifted_equilibrium(direction, inlet_excess, inlet_velocity);

@@ -52,6 +52,10 @@ impl<T: Real> Fluid<T> {
                         populations[array][element] =
                             T::of(equilibrium(direction, density_excess, velocity));
                     }
+                    if x + 1 == nx {
+                        // An outlet's ghost remembers the density excess of the last cell.
+                        populations[0][index + 1] = T::of(density_excess);
+                    }
                 }
             }
         }

@@ -19,7 +19,7 @@ use super::immersed::ForceBox;
 use super::pipeline::{Bound, Pipeline, WORKGROUP, compute_pass};
 use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, OUTLET_RELAXATION, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::{DIRECTION_COUNT, Operator, Storage, equilibrium};
 use collide_stream::StepParameters;
@@ -169,6 +169,10 @@ impl Fluid {
                             let (density_excess, velocity) = initial([x, y, z]);
                             plane[1 + x + y * grid.stride_y] =
                                 equilibrium(direction, density_excess, velocity) as f32;
+                            if direction == 0 && x + 1 == nx {
+                                // An outlet's ghost remembers the density excess of the last cell.
+                                plane[2 + x + y * grid.stride_y] = density_excess as f32;
+                            }
                         }
                     }
                 });
@@ -259,6 +263,7 @@ fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
         ),
         ("SPONGE_LENGTH", setup.sponge_cells.unwrap_or(0.0)),
         ("OUTLET_RELAXATION", OUTLET_RELAXATION),
+        ("OUTLET_DELAY", OUTLET_DELAY),
     ]
 }
 

@@ -1,0 +1,97 @@
+//! `ripstop validate` as a user meets it, and its fastest problems on every engine.
+
+use std::process::{Command, Stdio};
+
+use libtest_mimic::Trial;
+
+use crate::command_line::{ripstop, root};
+use crate::engines::{needs_device, plain};
+
+/// Problems that take some seconds on any engine.
+const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
+
+pub fn trials() -> Vec<Trial> {
+    let mut trials = plain("validate::fast_problems::cpu_f32", || fast("cpu"));
+    trials.push(needs_device(
+        "validate::fast_problems::gpu".to_owned(),
+        || fast("gpu"),
+    ));
+    trials.extend(plain("validate::usage_errors", usage));
+    if cfg!(unix) {
+        trials.extend(plain("validate::interrupt", interrupt));
+    }
+    trials
+}
+
+fn fast(engine: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    for problem in FAST {
+        let out = folder.path().join(problem);
+        let output = ripstop(&[
+            "validate",
+            problem,
+            "--engine",
+            engine,
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(output.code, 0, "{}{}", output.printed, output.errors);
+        assert!(output.printed.contains(" 0 fail"), "{}", output.printed);
+        let report: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(out).unwrap()).unwrap();
+        assert_eq!(report["schema_version"], 1);
+        assert_eq!(report["engine"], engine);
+        assert_eq!(report["interrupted"], false);
+        let rows = report["rows"].as_array().unwrap();
+        let gated = rows.iter().filter(|row| row["holds"] == true).count();
+        assert!(gated >= 2, "{report}");
+        for row in rows {
+            assert_eq!(row["problem"], problem);
+            assert!(row["value"].is_number(), "{row}");
+            assert_ne!(row["holds"], false, "{row}");
+        }
+    }
+}
+
+fn usage() {
+    let output = ripstop(&["validate", "warp-drive"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("poiseuille"), "{}", output.errors);
+    let output = ripstop(&["validate", "soak", "--engine", "gpu", "--precision", "f64"]);
+    assert_eq!(output.code, 2, "{}", output.errors);
+    // An unwritable file is noticed before anything is computed.
+    let output = ripstop(&["validate", "--full", "--out", "no/such/folder/rows.json"]);
+    assert_eq!(output.code, 74, "{}", output.errors);
+}
+
+fn interrupt() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("rows.json");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ripstop"))
+        .args([
+            "validate",
+            "beltrami",
+            "--full",
+            "--precision",
+            "f64",
+            "--out",
+        ])
+        .arg(&out)
+        .current_dir(root())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !out.exists() {
+        assert!(child.try_wait().unwrap().is_none());
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out).unwrap()).unwrap();
+    assert_eq!(report["interrupted"], true);
+}
