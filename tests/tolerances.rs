@@ -63,6 +63,9 @@ pub const fn mass_closure(engine: Engine) -> f64 {
 /// outlet lets it settle within half a passage of the wind. A lag of one step leaves 7e-4.
 pub const TUNNEL_START: f64 = 1e-5;
 
+/// Kinetic energy of that wind: the density's excess, and twice as much from the speed that goes with it (2.4e-5).
+pub const TUNNEL_START_ENERGY: f64 = 5e-5;
+
 /// Catenary of 100 segments (gate C2).
 pub const CATENARY: f64 = 1e-3;
 
