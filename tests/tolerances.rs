@@ -35,7 +35,7 @@ pub const fn exact_wall(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-12,
         // Measured: 6e-7; the force of a step is a thousandth of the populations that it is added to.
-        Engine::CpuF32 | Engine::Gpu => 2e-5,
+        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 2e-5,
     }
 }
 
