@@ -31,7 +31,8 @@ pub fn sphere(radius_m: f64, edge_m: f64) -> Surface {
     }
     // The edge of the icosahedron is 2, its circumradius √(1 + φ²).
     let unit = 1.0 / (1.0 + golden * golden).sqrt();
-    let n = parts(1.2 * radius_m * 2.0 * unit, edge_m, 1);
+    // Edges near the middle of a face are stretched the most, by circumradius over inradius.
+    let n = parts(1.26 * radius_m * 2.0 * unit, edge_m, 1);
     let mut surface = Surface::default();
     let mut numbers: HashMap<[i64; 3], u32> = HashMap::new();
     let mut node = |place: DVec3, positions: &mut Vec<DVec3>| {
