@@ -109,11 +109,14 @@ impl<T: Real> Bench<T> {
             smagorinsky_constant: eddy.then_some(SMAGORINSKY_CONSTANT),
         };
         let k = std::f64::consts::TAU / side as f64;
-        let mut air = Fluid::new(setup, |[_, y, _]| {
-            let wave = (k * (y as f64 + 0.5)).sin();
-            let speed = if periodic { SPEED * wave } else { SPEED };
-            (0.0, [speed, 0.0, 0.0])
-        });
+        let mut air = Fluid::new(
+            setup,
+            Some(&|[_, y, _]: [usize; 3]| {
+                let wave = (k * (y as f64 + 0.5)).sin();
+                let speed = if periodic { SPEED * wave } else { SPEED };
+                (0.0, [speed, 0.0, 0.0])
+            }),
+        );
         air.set_inlet_velocity([SPEED, 0.0, 0.0]);
         let mut bench = Self {
             scene,

@@ -161,9 +161,10 @@ impl Body for Conservation {
 /// A force on two cells, one in a middle row, must add exactly its momentum per step and nothing else.
 fn forced<T: Real>(engine: Engine) {
     for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-        let mut fluid = Fluid::<T>::new(periodic([11, 6, 9], 0.55, operator), |_| {
-            (0.0, [0.03, 0.0, 0.01])
-        });
+        let mut fluid = Fluid::<T>::new(
+            periodic([11, 6, 9], 0.55, operator),
+            Some(&|_: [usize; 3]| (0.0, [0.03, 0.0, 0.01])),
+        );
         let force = [[1e-3, -2e-3, 3e-3], [0.0, 1e-3, 0.0], [-2e-3, 0.0, 0.0]];
         let rows = [(3 + 2 * 6, 0, 2), (5 + 7 * 6, 2, 3)];
         let x = [4, 10, 0];

@@ -73,10 +73,9 @@ impl AirEngine {
         placement: AirPlacement,
         device: Option<&Arc<Device>>,
     ) -> Result<Self, DeviceError> {
-        let start = |cell: [usize; 3]| initial.map_or((0.0, [0.0; 3]), |state| state(cell));
         Ok(match placement {
-            AirPlacement::Cpu(Precision::F32) => Self::CpuF32(Box::new(Fluid::new(setup, start))),
-            AirPlacement::Cpu(Precision::F64) => Self::CpuF64(Box::new(Fluid::new(setup, start))),
+            AirPlacement::Cpu(Precision::F32) => Self::CpuF32(Box::new(Fluid::new(setup, initial))),
+            AirPlacement::Cpu(Precision::F64) => Self::CpuF64(Box::new(Fluid::new(setup, initial))),
             AirPlacement::Gpu(storage) => {
                 let device = needed(device)?;
                 Self::Gpu(Box::new(gpu::fluid::Fluid::new(

@@ -43,10 +43,13 @@ fn populations<T: Real>(
     instructions: pulp::Arch,
     acceleration: Option<[f64; 3]>,
 ) -> Vec<Vec<T>> {
-    let mut air = Fluid::<T>::new(setup.clone(), |[x, y, z]| {
-        let wave = |a: usize, b: usize| 0.03 * ((3 * a + 5 * b + 1) as f64).sin();
-        (wave(x, z), [wave(x, y), wave(y, z), wave(z, x)])
-    });
+    let mut air = Fluid::<T>::new(
+        setup.clone(),
+        Some(&|[x, y, z]: [usize; 3]| {
+            let wave = |a: usize, b: usize| 0.03 * ((3 * a + 5 * b + 1) as f64).sin();
+            (wave(x, z), [wave(x, y), wave(y, z), wave(z, x)])
+        }),
+    );
     air.instructions = instructions;
     air.set_inlet_velocity([0.02, 0.0, 0.0]);
     // Rows 10 and 31: touched blocks apart, side by side, and in the rest behind whole vectors.

@@ -11,9 +11,10 @@ mod macroscopic;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
-use crate::lattice::{DIRECTION_COUNT, Real, equilibrium, operators};
+use crate::lattice::start::Start;
+use crate::lattice::{DIRECTION_COUNT, Real, operators};
 use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
 use storage::{LINE_BYTES, Storage};
@@ -36,25 +37,29 @@ pub struct Fluid<T: Real> {
 }
 
 impl<T: Real> Fluid<T> {
-    /// Air at equilibrium with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units.
+    /// Air that begins with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units
+    /// ([`crate::lattice::start`]); at rest where it is `None`.
     #[must_use]
-    pub fn new(setup: Setup, initial: impl Fn([usize; 3]) -> (f64, [f64; 3])) -> Self {
+    pub fn new(setup: Setup, initial: Option<&Initial>) -> Self {
         let grid = Grid::aligned(setup.cells, LINE_BYTES / size_of::<T>());
         let mut populations = Storage::<T>::new(grid.total);
         let [nx, ny, nz] = setup.cells;
-        for z in 0..nz {
-            for y in 0..ny {
-                for x in 0..nx {
-                    let (density_excess, velocity) = initial([x, y, z]);
-                    let index = grid.index([x as i64, y as i64, z as i64]);
-                    for direction in 0..DIRECTION_COUNT {
-                        let (array, element) = grid.slot(index, direction, false);
-                        populations[array][element] =
-                            T::of(equilibrium(direction, density_excess, velocity));
-                    }
-                    if x + 1 == nx {
-                        // An outlet's ghost remembers the density excess of the last cell.
-                        populations[0][index + 1] = T::of(density_excess);
+        let start = initial.map(|initial| Start::new(&setup, initial));
+        // Populations of air at rest are zero, as they are made.
+        if let Some(start) = &start {
+            for z in 0..nz {
+                for y in 0..ny {
+                    for x in 0..nx {
+                        let cell = [x, y, z];
+                        let index = grid.index(cell.map(|c| c as i64));
+                        for direction in 0..DIRECTION_COUNT {
+                            let (array, element) = grid.slot(index, direction, false);
+                            populations[array][element] = T::of(start.population(cell, direction));
+                        }
+                        if x + 1 == nx {
+                            // An outlet's ghost remembers the density excess of the last cell.
+                            populations[0][index + 1] = T::of(start.density_excess(cell));
+                        }
                     }
                 }
             }

@@ -21,7 +21,8 @@ use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::grid::{Grid, Initial, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
-use crate::lattice::{DIRECTION_COUNT, Operator, Storage, equilibrium};
+use crate::lattice::start::Start;
+use crate::lattice::{DIRECTION_COUNT, Operator, Storage};
 use collide_stream::StepParameters;
 pub use control_volume::VolumeWatch;
 use macroscopic::Macroscopic;
@@ -72,8 +73,8 @@ parameters! {
 }
 
 impl Fluid {
-    /// Air at equilibrium with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units; air at rest where it
-    /// is `None`.
+    /// Air that begins with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units
+    /// ([`crate::lattice::start`]); at rest where it is `None`.
     pub fn new(
         device: &Arc<Device>,
         setup: Setup,
@@ -143,13 +144,13 @@ impl Fluid {
             setup,
         };
         if let Some(initial) = initial {
-            fluid.fill(initial);
+            fluid.fill(&Start::new(&fluid.setup, initial));
         }
         fluid.device.check()?;
         Ok(fluid)
     }
 
-    fn fill(&mut self, initial: &Initial) {
+    fn fill(&mut self, start: &Start) {
         let grid = self.grid;
         let [nx, ny, _] = grid.cells;
         for array in 0..DIRECTION_COUNT {
@@ -166,12 +167,13 @@ impl Fluid {
                 .for_each(|(z, plane)| {
                     for y in 0..ny {
                         for x in 0..nx {
-                            let (density_excess, velocity) = initial([x, y, z]);
+                            let cell = [x, y, z];
                             plane[1 + x + y * grid.stride_y] =
-                                equilibrium(direction, density_excess, velocity) as f32;
+                                start.population(cell, direction) as f32;
                             if direction == 0 && x + 1 == nx {
                                 // An outlet's ghost remembers the density excess of the last cell.
-                                plane[2 + x + y * grid.stride_y] = density_excess as f32;
+                                plane[2 + x + y * grid.stride_y] =
+                                    start.density_excess(cell) as f32;
                             }
                         }
                     }

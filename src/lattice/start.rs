@@ -1,0 +1,161 @@
+//! Populations at the start of a flow: equilibrium plus the non-equilibrium part that the flow's own shear makes,
+//!
+//! f_i = f_i^eq − 3 w_i ρ τ (c_i c_i − I/3) : ∇u,
+//!
+//! the first order of the Chapman–Enskog expansion (Krüger et al. 2017, The Lattice Boltzmann Method, eqs. 4.35 and 5.88), with
+//! differences of the given velocity. At equilibrium alone the stress would build up during the first steps, and all decay lag behind.
+
+use rayon::prelude::*;
+
+use super::grid::{Faces, Initial, Setup, Sides, StreamwiseEnds};
+use super::{DIRECTIONS, WEIGHTS, equilibrium};
+
+/// Density excess and velocity of every cell, and how cells neighbour each other.
+#[derive(Debug)]
+pub struct Start {
+    cells: [usize; 3],
+    periodic: [bool; 3],
+    relaxation_time: f64,
+    states: Vec<(f64, [f64; 3])>,
+}
+
+impl Start {
+    /// Asks `initial` for the state of every cell.
+    #[must_use]
+    pub fn new(setup: &Setup, initial: &Initial) -> Self {
+        let [nx, ny, nz] = setup.cells;
+        let repeats = |faces: Faces| faces == Faces::Periodic;
+        let [y, z] = match setup.sides {
+            Sides::Periodic => [true; 2],
+            Sides::FreeSlip => [false; 2],
+            Sides::Each(faces) => faces.map(repeats),
+        };
+        let states = (0..nx * ny * nz)
+            .into_par_iter()
+            .map(|i| initial([i % nx, i / nx % ny, i / nx / ny]))
+            .collect();
+        Self {
+            cells: setup.cells,
+            periodic: [setup.ends == StreamwiseEnds::Periodic, y, z],
+            relaxation_time: setup.relaxation_time,
+            states,
+        }
+    }
+
+    fn state(&self, [x, y, z]: [usize; 3]) -> (f64, [f64; 3]) {
+        self.states[x + self.cells[0] * (y + self.cells[1] * z)]
+    }
+
+    /// Density excess of a cell.
+    #[must_use]
+    pub fn density_excess(&self, cell: [usize; 3]) -> f64 {
+        self.state(cell).0
+    }
+
+    /// ∂u_b/∂x_a as [a][b]: central differences of fourth order, of second order next to a face that does not repeat, one-sided at it.
+    fn velocity_gradient(&self, cell: [usize; 3]) -> [[f64; 3]; 3] {
+        std::array::from_fn(|a| {
+            let n = self.cells[a];
+            // Velocity `distance` cells further along the axis, if there is such a cell.
+            let at = |distance: isize| {
+                let place = cell[a].wrapping_add_signed(distance);
+                let mut neighbour = cell;
+                neighbour[a] = if self.periodic[a] {
+                    (cell[a] as isize + distance).rem_euclid(n as isize) as usize
+                } else if place < n {
+                    place
+                } else {
+                    return None;
+                };
+                Some(self.state(neighbour).1)
+            };
+            let here = self.state(cell).1;
+            std::array::from_fn(|b| match (at(-2), at(-1), at(1), at(2)) {
+                (Some(below_2), Some(below), Some(above), Some(above_2)) => {
+                    (8.0 * (above[b] - below[b]) - (above_2[b] - below_2[b])) / 12.0
+                }
+                (_, Some(below), Some(above), _) => (above[b] - below[b]) / 2.0,
+                (_, None, Some(above), _) => above[b] - here[b],
+                (_, Some(below), None, _) => here[b] - below[b],
+                (_, None, None, _) => 0.0,
+            })
+        })
+    }
+
+    /// Shifted population of a cell.
+    #[must_use]
+    pub fn population(&self, cell: [usize; 3], direction: usize) -> f64 {
+        let (density_excess, velocity) = self.state(cell);
+        let gradient = self.velocity_gradient(cell);
+        let c = DIRECTIONS[direction].map(f64::from);
+        let mut strain = 0.0;
+        for a in 0..3 {
+            for b in 0..3 {
+                let isotropic = if a == b { 1.0 / 3.0 } else { 0.0 };
+                strain += (c[a] * c[b] - isotropic) * gradient[a][b];
+            }
+        }
+        let density = 1.0 + density_excess;
+        equilibrium(direction, density_excess, velocity)
+            - 3.0 * WEIGHTS[direction] * density * self.relaxation_time * strain
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DIRECTION_COUNT, Operator};
+    use super::*;
+
+    /// The stress beyond equilibrium is −2/3 ρ τ S for a flow without divergence; density and momentum are untouched.
+    #[test]
+    fn the_stress_is_that_of_the_strain() {
+        let setup = Setup {
+            cells: [6, 5, 4],
+            ends: StreamwiseEnds::InletOutlet,
+            sides: Sides::FreeSlip,
+            relaxation_time: 0.8,
+            sponge_cells: None,
+            operator: Operator::TwoRelaxationTimes,
+            smagorinsky_constant: None,
+        };
+        // Linear, so that differences are exact everywhere.
+        let velocity = |[x, y, z]: [usize; 3]| {
+            let [x, y, z] = [x as f64, y as f64, z as f64];
+            [
+                0.01 * x + 0.002 * y,
+                -0.004 * y + 0.003 * z,
+                -0.006 * z + 0.001 * x,
+            ]
+        };
+        let start = Start::new(&setup, &|cell| (0.02, velocity(cell)));
+        for cell in [[0, 0, 0], [2, 2, 1], [5, 4, 3]] {
+            let f: [f64; DIRECTION_COUNT] =
+                std::array::from_fn(|direction| start.population(cell, direction));
+            let c = |i: usize, a: usize| f64::from(DIRECTIONS[i][a]);
+            let mass: f64 = f.iter().sum();
+            assert!((mass - 0.02).abs() < 1e-15);
+            let u = velocity(cell);
+            let strain = [
+                [0.01, 0.001, 0.0005],
+                [0.001, -0.004, 0.0015],
+                [0.0005, 0.0015, -0.006],
+            ];
+            for a in 0..3 {
+                let momentum: f64 = (0..DIRECTION_COUNT).map(|i| f[i] * c(i, a)).sum();
+                assert!((momentum - 1.02 * u[a]).abs() < 1e-15);
+                for b in 0..3 {
+                    let stress: f64 = (0..DIRECTION_COUNT)
+                        .map(|i| (f[i] + WEIGHTS[i]) * c(i, a) * c(i, b))
+                        .sum();
+                    let isotropic = if a == b { 1.0 / 3.0 } else { 0.0 };
+                    let beyond = stress - 1.02 * (u[a] * u[b] + isotropic);
+                    let expected = -2.0 / 3.0 * 1.02 * 0.8 * strain[a][b];
+                    assert!(
+                        (beyond - expected).abs() < 1e-15,
+                        "{a}{b}: {beyond} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
