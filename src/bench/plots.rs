@@ -4,8 +4,10 @@ use std::path::Path;
 
 use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 
+use super::stability::describe;
 use super::work_precision::operator_name;
-use super::{Stop, stability, work_precision};
+use super::{Stop, work_precision};
+use crate::lattice::stability::Point;
 use crate::output::write_atomically;
 
 /// Colours that differ also in grey and for colour-blind readers (Okabe & Ito).
@@ -76,50 +78,60 @@ pub(super) fn work_precision(
 }
 
 /// Largest Mach number survived at every angle, over τ − ½.
-pub(super) fn stability(path: &Path, points: &[stability::Point]) -> Result<(), Stop> {
-    let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+pub(super) fn stability(path: &Path, points: &[Point]) -> Result<(), Stop> {
+    struct Series {
+        operator: String,
+        engines: Vec<String>,
+        data: Vec<(f64, f64)>,
+    }
+    let mut series: Vec<Series> = Vec::new();
     for point in points {
-        let label = format!(
-            "{}, {}{}",
-            point.engine,
-            point.operator,
-            if point.eddy_viscosity {
-                " + eddy viscosity"
-            } else {
-                ""
-            }
-        );
-        let index = series.iter().position(|(known, _)| *known == label);
-        let data = match index {
-            Some(i) => &mut series[i].1,
-            None => {
-                series.push((label, Vec::new()));
-                let last = series.len() - 1;
-                &mut series[last].1
-            }
-        };
+        let operator = describe(point);
+        let known = series
+            .iter()
+            .position(|s| s.operator == operator && s.engines == [point.engine.as_str()]);
+        let index = known.unwrap_or_else(|| {
+            series.push(Series {
+                operator,
+                engines: vec![point.engine.clone()],
+                data: Vec::new(),
+            });
+            series.len() - 1
+        });
+        let data = &mut series[index].data;
         match data.iter_mut().find(|(tau, _)| *tau == point.viscous_part) {
             Some((_, mach)) => *mach = mach.min(point.mach),
             None => data.push((point.viscous_part, point.mach)),
         }
     }
-    let plots: Vec<Plot> = series
+    // Engines that agree share a line.
+    let mut lines: Vec<Series> = Vec::new();
+    for one in series {
+        match lines
+            .iter_mut()
+            .find(|line| line.operator == one.operator && line.data == one.data)
+        {
+            Some(line) => line.engines.extend(one.engines),
+            None => lines.push(one),
+        }
+    }
+    let plots: Vec<Plot> = lines
         .into_iter()
         .enumerate()
-        .map(|(i, (label, data))| {
+        .map(|(i, line)| {
             // Lines that coincide must all be seen.
-            let width = 9.0 - i as f64;
+            let width = 8.0 - 1.5 * i as f64;
             LinePlot::new()
-                .with_data(data)
+                .with_data(line.data)
                 .with_color(COLOURS[i % COLOURS.len()])
                 .with_stroke_width(width.max(1.5))
-                .with_legend(label)
+                .with_legend(format!("{} ({})", line.operator, line.engines.join(", ")))
                 .into()
         })
         .collect();
     let layout = Layout::auto_from_plots(&plots)
         .with_log_x()
-        .with_title("Largest Mach number survived")
+        .with_title("Largest Mach number survived at every flow angle")
         .with_x_label("relaxation time - 1/2")
         .with_y_label("Mach number");
     write(path, plots, layout)
