@@ -6,7 +6,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::cloth::{CableSegment, Guide, Structure};
-use ripstop::cpu::cloth::{Cloth, MarkerReaction, Probe, SolverSettings, StepInput};
+use ripstop::cpu::cloth::gather::Gather;
+use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
+use ripstop::cpu::cloth::{
+    Cloth, InitialHessian, MarkerReaction, Probe, SolverSettings, StepInput,
+};
 use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
 use ripstop::geometry::cable;
@@ -51,6 +55,7 @@ const SETTINGS: SolverSettings = SolverSettings {
     evaluation_limit: 2000,
     history: 8,
     refresh_every: None,
+    initial_hessian: InitialHessian::BlockJacobi,
 };
 
 fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Fabric {
@@ -527,9 +532,11 @@ fn hanging_sheet(device: &Arc<Device>) {
         let masses = &cloth.structure.masses_kg;
         let free: f64 = 9.81 * (masses.iter().sum::<f64>() - masses[0] - masses[8]);
         let mut gradient = vec![DVec3::ZERO; masses.len()];
-        ripstop::cpu::cloth::nodal_forces::add_elastic_gradient(
+        elastic_gradient(
             &cloth.structure,
+            &Gather::new(&cloth.structure),
             &cloth.positions_m,
+            &mut Pulls::default(),
             &mut gradient,
         );
         let carried = gradient[0] + gradient[8];

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::coupled::Coupled;
 use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
-use crate::cpu::cloth::{SolverSettings, StepInput};
+use crate::cpu::cloth::{InitialHessian, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
 
@@ -124,7 +124,8 @@ impl Simulation {
             displacement_floor_m: 0.0,
             evaluation_limit: equilibrium.evaluation_limit,
             history: HISTORY,
-            refresh_every: Some(1),
+            refresh_every: Some(10),
+            initial_hessian: InitialHessian::Multigrid,
         };
         let outcome = match &mut self.device_cloth {
             Some(device_cloth) => match device_cloth.solve(cloth, &input, &settings, watch) {
@@ -172,6 +173,7 @@ pub(super) fn step_settings(scene: &Scene) -> SolverSettings {
         evaluation_limit: scene.solver.evaluation_limit,
         history: HISTORY,
         refresh_every: None,
+        initial_hessian: InitialHessian::BlockJacobi,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Minimisation: knows vectors and an objective, nothing of cloth.
 
 pub mod lbfgs;
+pub mod multigrid;
 
 /// What a minimiser needs of the space it works in: the objective with its gradient and an approximate inverse Hessian H₀,
 /// asked for in few, large operations.

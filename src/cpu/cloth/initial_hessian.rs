@@ -13,7 +13,7 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-fn axial_block(edge: DVec3, stiffness: f64, transverse: f64) -> DMat3 {
+pub(super) fn axial_block(edge: DVec3, stiffness: f64, transverse: f64) -> DMat3 {
     let n = edge.normalize_or_zero();
     DMat3::from_diagonal(DVec3::splat(transverse)) + outer(n, n) * (stiffness - transverse)
 }

@@ -1,17 +1,26 @@
 //! Fabric and cables on the CPU, in `f64`.
 //!
+//! * [`gather`]: which elements meet at every node;
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
+//! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
 
+pub mod gather;
 pub mod initial_hessian;
 pub mod nodal_forces;
 pub mod solve_cloth;
+pub mod stiffness;
+mod vectors;
 
 use glam::DVec3;
 
+use gather::Gather;
+use nodal_forces::Pulls;
+
 use crate::cloth::Structure;
-pub use solve_cloth::{MarkerReaction, Probe, SolverSettings, StepInput};
+use crate::solve::multigrid::Multigrid;
+pub use solve_cloth::{InitialHessian, MarkerReaction, Probe, SolverSettings, StepInput};
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]
@@ -22,6 +31,17 @@ pub struct Cloth {
     pub positions_m: Vec<DVec3>,
     /// Velocities [m/s], `[node_count]`.
     pub velocities_m_s: Vec<DVec3>,
+    /// What can be prepared once for the structure.
+    prepared: Prepared,
+}
+
+/// What serves all solves of a structure.
+#[derive(Debug, Clone, Default)]
+struct Prepared {
+    gather: Gather,
+    pulls: Pulls,
+    /// Made when first asked for.
+    multigrid: Option<Multigrid>,
 }
 
 impl Cloth {
@@ -31,6 +51,10 @@ impl Cloth {
         Self {
             positions_m: structure.positions_m.clone(),
             velocities_m_s: vec![DVec3::ZERO; structure.node_count()],
+            prepared: Prepared {
+                gather: Gather::new(&structure),
+                ..Prepared::default()
+            },
             structure,
         }
     }

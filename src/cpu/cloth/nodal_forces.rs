@@ -1,82 +1,171 @@
-//! Part of stage `solve_cloth`: elastic energy E(x) and its gradient ∇E = −f, gathered from elements to nodes.
+//! Part of stage `solve_cloth`: elastic energy E(x) and its gradient ∇E = −f, element by element, then gathered at the nodes.
+//!
+//! Sums run over chunks of fixed size, so that results do not depend on the number of threads.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::gather::Gather;
 use crate::cloth::elements::EDGES;
 use crate::cloth::{CableSegment, Structure, Triangle};
-use crate::fabric::membrane::principal;
+use crate::fabric::membrane::{Membrane, principal};
 use crate::frame::FabricState;
 use crate::lines;
 
-/// Adds the gradient of the elastic energy to `gradient` [N] and returns the energy [J].
-pub fn add_elastic_gradient(
+/// Elements or nodes that one task works on; part of the result, since sums are rounded chunk by chunk.
+pub(super) const CHUNK: usize = 1024;
+
+/// What elements pull with, before it is gathered at the nodes.
+#[derive(Debug, Clone, Default)]
+pub struct Pulls {
+    /// ∂E/∂s of the three edges of every triangle [N/m].
+    triangles: Vec<[f64; 3]>,
+    /// Force over length of every spring [N/m].
+    springs: Vec<f64>,
+    /// The same of every cable segment [N/m].
+    cables: Vec<f64>,
+}
+
+/// Writes what `of` finds for every element, and returns the sum of the energies.
+fn fill<E: Sync, P: Send + Clone + Default>(
+    elements: &[E],
+    pulls: &mut Vec<P>,
+    of: impl Fn(&E) -> (P, f64) + Sync,
+) -> f64 {
+    pulls.resize(elements.len(), P::default());
+    let energies: Vec<f64> = elements
+        .par_chunks(CHUNK)
+        .zip(pulls.par_chunks_mut(CHUNK))
+        .map(|(elements, pulls)| {
+            let mut sum = 0.0;
+            for (element, pull) in elements.iter().zip(pulls) {
+                let (found, energy) = of(element);
+                *pull = found;
+                sum += energy;
+            }
+            sum
+        })
+        .collect();
+    energies.iter().sum()
+}
+
+/// ∂E/∂s of the three squared elongations [N/m], and the energy [J].
+fn triangle_pull(membrane: &Membrane, triangle: &Triangle, positions: &[DVec3]) -> ([f64; 3], f64) {
+    let response = membrane.respond(&triangle.strain(&triangle.edge_vectors(positions)));
+    let (b, t) = (&triangle.strain_from_squares, &response.tension);
+    let area = triangle.rest_area_m2;
+    let pull = [0, 1, 2].map(|i| area * (b[0][i] * t[0] + b[1][i] * t[1] + b[2][i] * t[2]));
+    (pull, area * response.energy)
+}
+
+/// Writes the gradient of the elastic energy [N], `[node_count]`, and returns the energy [J].
+pub fn elastic_gradient(
     structure: &Structure,
+    gather: &Gather,
     positions: &[DVec3],
+    pulls: &mut Pulls,
     gradient: &mut [DVec3],
 ) -> f64 {
     let mut energy = 0.0;
     if let Some(membrane) = &structure.membrane {
-        for triangle in &structure.triangles {
-            let edges = triangle.edge_vectors(positions);
-            let response = membrane.respond(&triangle.strain(&edges));
-            energy += triangle.rest_area_m2 * response.energy;
-            let b = &triangle.strain_from_squares;
-            let t = response.tension;
-            for (i, [from, to]) in EDGES.into_iter().enumerate() {
-                // ∂W/∂s_i, times ∂s_i/∂x = ±2 (x_to − x_from).
-                let q = triangle.rest_area_m2 * (b[0][i] * t[0] + b[1][i] * t[1] + b[2][i] * t[2]);
-                let pull = edges[i] * (2.0 * q);
-                gradient[triangle.nodes[to] as usize] += pull;
-                gradient[triangle.nodes[from] as usize] -= pull;
-            }
-        }
+        energy += fill(&structure.triangles, &mut pulls.triangles, |triangle| {
+            triangle_pull(membrane, triangle, positions)
+        });
     }
-    for spring in &structure.springs {
-        let [a, b] = spring.nodes.map(|n| n as usize);
-        let edge = positions[b] - positions[a];
-        let length = edge.length();
+    energy += fill(&structure.springs, &mut pulls.springs, |spring| {
+        let [a, b] = spring.nodes.map(|n| positions[n as usize]);
+        let length = a.distance(b);
         let elongation = length - spring.rest_length_m;
         let stiffness = if elongation < 0.0 {
             spring.compressive_stiffness_n_m
         } else {
             spring.stiffness_n_m
         };
-        energy += 0.5 * stiffness * elongation * elongation;
-        if length > 0.0 {
-            let pull = edge * (stiffness * elongation / length);
-            gradient[b] += pull;
-            gradient[a] -= pull;
-        }
-    }
-    for bending in &structure.bendings {
-        let [a, b, c] = bending.nodes.map(|n| n as usize);
-        let second_difference = positions[a] - 2.0 * positions[b] + positions[c];
-        energy += 0.5 * bending.stiffness_n_m * second_difference.length_squared();
-        let pull = second_difference * bending.stiffness_n_m;
-        gradient[a] += pull;
-        gradient[b] -= 2.0 * pull;
-        gradient[c] += pull;
-    }
-    for cable in &structure.cables {
-        let [a, b] = cable.nodes.map(|n| n as usize);
-        let edge = positions[b] - positions[a];
-        let length = edge.length();
+        let pull = if length > 0.0 {
+            stiffness * elongation / length
+        } else {
+            0.0
+        };
+        (pull, 0.5 * stiffness * elongation * elongation)
+    });
+    energy += fill(&structure.cables, &mut pulls.cables, |cable| {
+        let [a, b] = cable.nodes.map(|n| positions[n as usize]);
+        let length = a.distance(b);
         let elongation = length - cable.rest_length_m;
         if elongation > 0.0 {
             let tension = lines::tension_n(cable.axial_stiffness_n, cable.rest_length_m, length);
-            energy += 0.5 * tension * elongation;
-            let pull = edge * (tension / length);
-            gradient[b] += pull;
-            gradient[a] -= pull;
+            (tension / length, 0.5 * tension * elongation)
+        } else {
+            (0.0, 0.0)
         }
+    });
+    for bending in &structure.bendings {
+        energy += 0.5
+            * bending.stiffness_n_m
+            * second_difference(&bending.nodes, positions).length_squared();
     }
     for guide in &structure.guides {
-        let node = guide.node as usize;
-        let offset = positions[node] - guide.anchor_m;
+        let offset = positions[guide.node as usize] - guide.anchor_m;
         energy += 0.5 * (guide.stiffness_n_m * offset).dot(offset);
-        gradient[node] += guide.stiffness_n_m * offset;
     }
+    let pulls = &*pulls;
+    gradient
+        .par_iter_mut()
+        .with_min_len(CHUNK)
+        .enumerate()
+        .for_each(|(node, gradient)| {
+            *gradient = at_node(structure, gather, positions, pulls, node);
+        });
     energy
+}
+
+fn second_difference(nodes: &[u32; 3], positions: &[DVec3]) -> DVec3 {
+    let [a, b, c] = nodes.map(|n| positions[n as usize]);
+    a - 2.0 * b + c
+}
+
+/// Gradient at one node [N].
+fn at_node(
+    structure: &Structure,
+    gather: &Gather,
+    positions: &[DVec3],
+    pulls: &Pulls,
+    node: usize,
+) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    if structure.membrane.is_some() {
+        for (t, corner) in gather.triangles.at(node) {
+            let corners = structure.triangles[t].nodes.map(|n| positions[n as usize]);
+            for (i, [from, to]) in EDGES.into_iter().enumerate() {
+                // ∂s_i/∂x = ±2 (x_to − x_from).
+                let pull = 2.0 * pulls.triangles[t][i];
+                if corner == to {
+                    sum += (corners[to] - corners[from]) * pull;
+                } else if corner == from {
+                    sum -= (corners[to] - corners[from]) * pull;
+                }
+            }
+        }
+    }
+    for (s, corner) in gather.springs.at(node) {
+        let other = structure.springs[s].nodes[1 - corner] as usize;
+        sum += (positions[node] - positions[other]) * pulls.springs[s];
+    }
+    for (b, corner) in gather.bendings.at(node) {
+        const FACTORS: [f64; 3] = [1.0, -2.0, 1.0];
+        let bending = &structure.bendings[b];
+        let factor = FACTORS[corner] * bending.stiffness_n_m;
+        sum += second_difference(&bending.nodes, positions) * factor;
+    }
+    for (c, corner) in gather.cables.at(node) {
+        let other = structure.cables[c].nodes[1 - corner] as usize;
+        sum += (positions[node] - positions[other]) * pulls.cables[c];
+    }
+    for (g, _) in gather.guides.at(node) {
+        let guide = &structure.guides[g];
+        sum += guide.stiffness_n_m * (positions[node] - guide.anchor_m);
+    }
+    sum
 }
 
 /// Adds the follower load of a pressure jump (positive along the triangle normals) to `forces` [N].

@@ -12,10 +12,14 @@
 use std::convert::Infallible;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
-use super::{Cloth, initial_hessian, nodal_forces};
+use super::nodal_forces::CHUNK;
+use super::vectors::{chunked_sum, dot, dot_both, fill, longest_m};
+use super::{Cloth, Prepared, initial_hessian, nodal_forces, stiffness};
 use crate::cloth::Structure;
 use crate::solve::lbfgs::{self, Options, Outcome, Watch};
+use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 /// How hard the minimiser tries.
@@ -31,6 +35,18 @@ pub struct SolverSettings {
     pub history: usize,
     /// Iterations between refreshes of the initial Hessian within one solve.
     pub refresh_every: Option<usize>,
+    /// Kind of the initial Hessian on the host.
+    pub initial_hessian: InitialHessian,
+}
+
+/// Approximate inverse of the Hessian that L-BFGS starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InitialHessian {
+    /// Inverses of the diagonal blocks: cheap; enough for steps so short that inertia holds every node.
+    #[default]
+    BlockJacobi,
+    /// One multigrid cycle on the whole projected Hessian: evaluations hardly grow with the mesh.
+    Multigrid,
 }
 
 /// One marker as the cloth feels it.
@@ -79,11 +95,14 @@ pub struct Probe {
 /// The objective, on host vectors.
 struct Objective<'a> {
     structure: &'a Structure,
+    prepared: &'a mut Prepared,
     start: &'a [DVec3],
     velocities: &'a [DVec3],
     input: &'a StepInput<'a>,
     /// Dead loads [N].
     loads: Vec<DVec3>,
+    kind: InitialHessian,
+    /// Of block-Jacobi.
     inverse_blocks: Vec<DMat3>,
 }
 
@@ -96,46 +115,59 @@ const ROUND_OFF: f64 = 1e-10;
 impl<'a> Objective<'a> {
     fn new(
         structure: &'a Structure,
-        start: &'a [DVec3],
-        velocities: &'a [DVec3],
+        prepared: &'a mut Prepared,
+        [start, velocities]: [&'a [DVec3]; 2],
         input: &'a StepInput<'a>,
+        kind: InitialHessian,
     ) -> Self {
         Self {
             structure,
+            prepared,
             start,
             velocities,
             input,
             loads: dead_loads(structure, start, input),
+            kind,
             inverse_blocks: Vec::new(),
         }
     }
 
-    fn evaluate(&self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
-        gradient.fill(DVec3::ZERO);
+    fn evaluate(&mut self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         let structure = self.structure;
-        let mut value = nodal_forces::add_elastic_gradient(structure, point, gradient);
-        for (i, load) in self.loads.iter().enumerate() {
-            value -= load.dot(point[i] - self.start[i]);
-            gradient[i] -= *load;
-        }
+        let Prepared { gather, pulls, .. } = &mut *self.prepared;
+        let mut value = nodal_forces::elastic_gradient(structure, gather, point, pulls, gradient);
+        let (start, loads) = (self.start, &self.loads);
+        let [work] = chunked_sum(point.len(), |range| {
+            [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
+        });
+        value -= work;
         if let Some(dt) = self.input.time_step_s {
-            for i in 0..point.len() {
-                let mass = structure.masses_kg[i];
-                let velocity = (point[i] - self.start[i]) / dt;
-                let change = velocity - self.velocities[i];
-                let damping = self.input.damping_1_s;
-                value += 0.5
-                    * mass
-                    * (change.length_squared() + dt * damping * velocity.length_squared());
-                gradient[i] += (change / dt + velocity * damping) * mass;
-            }
+            let damping = self.input.damping_1_s;
+            let velocities = self.velocities;
+            let motion = |i: usize| {
+                let velocity = (point[i] - start[i]) / dt;
+                (velocity, velocity - velocities[i])
+            };
+            let [inertia] = chunked_sum(point.len(), |range| {
+                let energy = |i: usize| {
+                    let (velocity, change) = motion(i);
+                    let square = change.length_squared() + dt * damping * velocity.length_squared();
+                    0.5 * structure.masses_kg[i] * square
+                };
+                [range.map(energy).sum()]
+            });
+            value += inertia;
+            add_to(gradient, |i| {
+                let (velocity, change) = motion(i);
+                (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
+            });
             for marker in self.input.markers {
                 let nodes = structure.triangles[marker.triangle as usize]
                     .nodes
                     .map(|n| n as usize);
                 let mut displacement = DVec3::ZERO;
                 for (&node, weight) in nodes.iter().zip(marker.weights) {
-                    displacement += (point[node] - self.start[node]) * weight;
+                    displacement += (point[node] - start[node]) * weight;
                 }
                 let slip = displacement / dt - marker.air_velocity_m_s;
                 value += 0.5 * dt * marker.stiffness_kg_s * slip.length_squared();
@@ -144,6 +176,8 @@ impl<'a> Objective<'a> {
                     gradient[node] += force * weight;
                 }
             }
+        } else {
+            add_to(gradient, |i| -loads[i]);
         }
         for (g, &held) in gradient.iter_mut().zip(&structure.held) {
             if held {
@@ -151,6 +185,23 @@ impl<'a> Objective<'a> {
             }
         }
         value
+    }
+
+    fn rebuild(&mut self, point: &[DVec3]) {
+        match self.kind {
+            InitialHessian::BlockJacobi => self.rebuild_blocks(point),
+            InitialHessian::Multigrid => {
+                let structure = self.structure;
+                let Prepared {
+                    gather, multigrid, ..
+                } = &mut *self.prepared;
+                let multigrid =
+                    multigrid.get_or_insert_with(|| Multigrid::new(stiffness::graph(structure)));
+                multigrid.refresh(|matrix| {
+                    stiffness::assemble(structure, gather, self.input, point, matrix);
+                });
+            }
+        }
     }
 
     fn rebuild_blocks(&mut self, point: &[DVec3]) {
@@ -180,50 +231,37 @@ impl<'a> Objective<'a> {
         );
     }
 
-    fn precondition(&self, vector: &[DVec3], result: &mut [DVec3]) {
-        for ((r, v), block) in result.iter_mut().zip(vector).zip(&self.inverse_blocks) {
-            *r = *block * *v;
+    fn precondition(&mut self, vector: &[DVec3], result: &mut [DVec3]) {
+        match (self.kind, &mut self.prepared.multigrid) {
+            (InitialHessian::Multigrid, Some(multigrid)) => multigrid.apply(vector, result),
+            _ => {
+                let blocks = &self.inverse_blocks;
+                fill(result, |i| blocks[i] * vector[i]);
+            }
         }
     }
 
     /// √(bᵀ H₀ b) of the applied loads b: dead loads plus the pull of the air on a sheet at rest.
-    fn load_norm(&self) -> f64 {
+    fn load_norm(&mut self) -> f64 {
         let mut loads = self.loads.clone();
         add_pull_of_the_air(self.structure, self.input.markers, &mut loads);
-        loads
-            .iter()
-            .zip(&self.inverse_blocks)
-            .map(|(b, h)| b.dot(*h * *b))
-            .sum::<f64>()
-            .max(0.0)
-            .sqrt()
-    }
-}
-
-fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
-}
-
-/// Dot products of two vectors with a third, in one pass.
-fn dot_both(a: &[DVec3], b: &[DVec3], with: &[DVec3]) -> [f64; 2] {
-    let mut sums = [0.0; 2];
-    for ((a, b), v) in a.iter().zip(b).zip(with) {
-        sums[0] += a.dot(*v);
-        sums[1] += b.dot(*v);
-    }
-    sums
-}
-
-/// Longest displacement [m]; NaN if an element is not finite.
-fn longest_m(step: &[DVec3]) -> f64 {
-    let mut longest: f64 = 0.0;
-    for v in step {
-        if !v.is_finite() {
-            return f64::NAN;
+        for (load, &held) in loads.iter_mut().zip(&self.structure.held) {
+            if held {
+                *load = DVec3::ZERO;
+            }
         }
-        longest = longest.max(v.length_squared());
+        let mut displacements = vec![DVec3::ZERO; loads.len()];
+        self.precondition(&loads, &mut displacements);
+        dot(&loads, &displacements).max(0.0).sqrt()
     }
-    longest.sqrt()
+}
+
+fn add_to(result: &mut [DVec3], of: impl Fn(usize) -> DVec3 + Sync) {
+    result
+        .par_iter_mut()
+        .with_min_len(CHUNK)
+        .enumerate()
+        .for_each(|(i, r)| *r += of(i));
 }
 
 impl VectorSpace for Objective<'_> {
@@ -245,7 +283,7 @@ impl VectorSpace for Objective<'_> {
         gradient: &mut Vec<DVec3>,
         preconditioned: &mut Vec<DVec3>,
     ) -> Result<Start, Infallible> {
-        self.rebuild_blocks(point);
+        self.rebuild(point);
         let objective = self.evaluate(point, gradient);
         self.precondition(gradient, preconditioned);
         Ok(Start {
@@ -269,22 +307,16 @@ impl VectorSpace for Objective<'_> {
         } else {
             from.length
         };
-        for ((new, old), d) in to.point.iter_mut().zip(from.point).zip(from.direction) {
-            *new = *old + *d * length;
-        }
+        fill(to.point, |i| from.point[i] + from.direction[i] * length);
         let objective = self.evaluate(to.point, to.gradient);
         self.precondition(to.gradient, to.preconditioned);
         let (gradient, preconditioned) = (&*to.gradient, &*to.preconditioned);
-        let change: Vec<DVec3> = gradient
-            .iter()
-            .zip(from.gradient)
-            .map(|(new, old)| *new - *old)
-            .collect();
-        let preconditioned_change: Vec<DVec3> = preconditioned
-            .iter()
-            .zip(from.preconditioned)
-            .map(|(new, old)| *new - *old)
-            .collect();
+        let [mut change, mut preconditioned_change] =
+            [(); 2].map(|()| vec![DVec3::ZERO; gradient.len()]);
+        fill(&mut change, |i| gradient[i] - from.gradient[i]);
+        fill(&mut preconditioned_change, |i| {
+            preconditioned[i] - from.preconditioned[i]
+        });
         let [slope, slope_change] = dot_both(gradient, &change, from.direction);
         let [gradient_change, change_square] = dot_both(gradient, &change, &preconditioned_change);
         Ok(Attempt {
@@ -311,7 +343,7 @@ impl VectorSpace for Objective<'_> {
         preconditioned: &mut Vec<DVec3>,
         pairs: &mut [(&Vec<DVec3>, &mut Vec<DVec3>)],
     ) -> Result<Refreshed, Infallible> {
-        self.rebuild_blocks(point);
+        self.rebuild(point);
         self.precondition(gradient, preconditioned);
         for (change, preconditioned_change) in &mut *pairs {
             self.precondition(change, preconditioned_change);
@@ -332,12 +364,13 @@ impl VectorSpace for Objective<'_> {
         result: &mut Vec<DVec3>,
         terms: &[(f64, &Vec<DVec3>)],
     ) -> Result<(), Infallible> {
-        result.fill(DVec3::ZERO);
-        for &(coefficient, vector) in terms {
-            for (r, v) in result.iter_mut().zip(vector) {
-                *r += *v * coefficient;
-            }
-        }
+        fill(result, |i| {
+            terms
+                .iter()
+                .fold(DVec3::ZERO, |sum, (coefficient, vector)| {
+                    sum + vector[i] * *coefficient
+                })
+        });
         Ok(())
     }
 }
@@ -358,7 +391,13 @@ impl Cloth {
         let start = std::mem::take(&mut self.positions_m);
         let structure = &self.structure;
         let mut point = prediction(structure, &start, &self.velocities_m_s, input);
-        let mut objective = Objective::new(structure, &start, &self.velocities_m_s, input);
+        let mut objective = Objective::new(
+            structure,
+            &mut self.prepared,
+            [&start, &self.velocities_m_s],
+            input,
+            settings.initial_hessian,
+        );
         let options = options(structure, settings);
         let Ok(outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
         match input.time_step_s {
@@ -383,7 +422,14 @@ impl Cloth {
     ) -> Probe {
         let (structure, start) = (&self.structure, &self.positions_m);
         let point = prediction(structure, start, &self.velocities_m_s, input);
-        let mut objective = Objective::new(structure, start, &self.velocities_m_s, input);
+        let mut prepared = self.prepared.clone();
+        let mut objective = Objective::new(
+            structure,
+            &mut prepared,
+            [start, &self.velocities_m_s],
+            input,
+            InitialHessian::BlockJacobi,
+        );
         let zeros = vec![DVec3::ZERO; structure.node_count()];
         let [mut g, mut h, mut landed, mut new_g, mut new_h] =
             std::array::from_fn(|_| zeros.clone());

@@ -1,0 +1,473 @@
+//! One V-cycle of algebraic multigrid as an approximate inverse of a symmetric positive semidefinite matrix of 3×3 blocks.
+//!
+//! Interpolation is made once from the mesh ([`coarsening`]); the matrices of the levels, A_coarse = PᵀAP, follow every refresh. The
+//! smoother is a Chebyshev polynomial in the block-Jacobi preconditioned matrix, the same before and after the coarse correction, so the
+//! cycle is a symmetric operator, as a minimiser asks of its initial Hessian. The coarsest level is solved directly.
+//!
+//! Everything is in single precision: the vector is scaled before, and the result only guides the minimiser.
+
+pub mod blocks;
+pub mod coarsening;
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+use rayon::prelude::*;
+
+use blocks::{Block, BlockMatrix, Pattern};
+use coarsening::{Graph, Interpolation, coarse_pattern};
+
+/// At most this many nodes are solved directly.
+const DIRECT_NODES: usize = 150;
+
+/// Coarsening ends where a level keeps more than this share of its nodes.
+const SLOWEST_COARSENING: f64 = 0.8;
+
+const LEVEL_LIMIT: usize = 20;
+
+/// Degree of the smoother's polynomial, before and after the coarse correction.
+const DEGREE: usize = 2;
+
+/// Degree on a coarsest level that is too large to be solved directly.
+const COARSEST_DEGREE: usize = 20;
+
+/// The smoother damps eigenvalues from the largest down to this share of it.
+const SMOOTHED_SHARE: f32 = 0.1;
+
+/// Power iterations for the largest eigenvalue, at first and at a refresh.
+const POWER_ITERATIONS: [usize; 2] = [12, 3];
+
+/// Safety on the largest eigenvalue, which the power iteration approaches from below.
+const EIGENVALUE_MARGIN: f32 = 1.15;
+
+/// Added to the diagonal of a block, as a share of its largest entry, so that directions without stiffness stay regular.
+const REGULARISATION: f32 = 1e-6;
+
+/// Nodes that one task works on.
+const NODES_AT_ONCE: usize = 2048;
+
+type Vector = Vec<[f32; 3]>;
+
+#[derive(Debug, Clone)]
+struct Level {
+    matrix: BlockMatrix,
+    inverse_diagonal: Vec<Block>,
+    largest_eigenvalue: f32,
+    eigenvector: Vector,
+    /// To the next coarser level; absent on the coarsest.
+    interpolation: Option<[Interpolation; 2]>,
+    right: Vector,
+    solution: Vector,
+    residual: Vector,
+    step: Vector,
+}
+
+/// The levels, and the inverse of the coarsest.
+#[derive(Debug, Clone)]
+pub struct Multigrid {
+    levels: Vec<Level>,
+    /// Dense, row by row; empty where the coarsest level is too large.
+    coarsest_inverse: Vec<f32>,
+    refreshed: bool,
+}
+
+fn inverse(block: &Block) -> Block {
+    let b = block.map(f64::from);
+    let scale = b[0].max(b[4]).max(b[8]);
+    if !(scale > 0.0 && scale.is_finite()) {
+        return [0.0; 9];
+    }
+    let add = f64::from(REGULARISATION) * scale;
+    let m = glam::DMat3::from_cols_array(&[
+        b[0] + add,
+        b[3],
+        b[6],
+        b[1],
+        b[4] + add,
+        b[7],
+        b[2],
+        b[5],
+        b[8] + add,
+    ]);
+    let inverse = m.inverse();
+    if inverse.is_finite() {
+        inverse.transpose().to_cols_array().map(|v| v as f32)
+    } else {
+        let d = (1.0 / scale) as f32;
+        [d, 0.0, 0.0, 0.0, d, 0.0, 0.0, 0.0, d]
+    }
+}
+
+#[inline]
+fn times(b: &Block, v: [f32; 3]) -> [f32; 3] {
+    [
+        b[0] * v[0] + b[1] * v[1] + b[2] * v[2],
+        b[3] * v[0] + b[4] * v[1] + b[5] * v[2],
+        b[6] * v[0] + b[7] * v[1] + b[8] * v[2],
+    ]
+}
+
+impl Level {
+    fn new(pattern: Pattern) -> Self {
+        let rows = pattern.row_count();
+        let zeros = || vec![[0.0; 3]; rows];
+        Self {
+            matrix: BlockMatrix::new(pattern),
+            inverse_diagonal: vec![[0.0; 9]; rows],
+            largest_eigenvalue: 0.0,
+            // Anything with a part along the eigenvector sought.
+            eigenvector: (0..rows)
+                .map(|i| {
+                    let noise = |k: usize| {
+                        let hash = ((3 * i + k) as u32).wrapping_mul(2_654_435_761) >> 8;
+                        hash as f32 / (1 << 24) as f32 - 0.5
+                    };
+                    [noise(0), noise(1), noise(2)]
+                })
+                .collect(),
+            interpolation: None,
+            right: zeros(),
+            solution: zeros(),
+            residual: zeros(),
+            step: zeros(),
+        }
+    }
+
+    fn node_count(&self) -> usize {
+        self.right.len()
+    }
+
+    fn refresh(&mut self, first: bool) {
+        let matrix = &self.matrix;
+        self.inverse_diagonal
+            .par_iter_mut()
+            .with_min_len(NODES_AT_ONCE)
+            .enumerate()
+            .for_each(|(row, block)| *block = inverse(&matrix.diagonal(row)));
+        for _ in 0..POWER_ITERATIONS[usize::from(!first)] {
+            let (vector, diagonal) = (&self.eigenvector, &self.inverse_diagonal);
+            self.step
+                .par_iter_mut()
+                .with_min_len(NODES_AT_ONCE)
+                .enumerate()
+                .for_each(|(row, v)| *v = times(&diagonal[row], matrix.multiply_row(row, vector)));
+            let square = |v: &Vector| -> f64 {
+                v.iter()
+                    .flatten()
+                    .map(|x| f64::from(*x) * f64::from(*x))
+                    .sum()
+            };
+            let (old, new) = (square(&self.eigenvector), square(&self.step));
+            if !(old > 0.0 && new > 0.0 && new.is_finite()) {
+                break;
+            }
+            self.largest_eigenvalue = (new / old).sqrt() as f32;
+            let factor = (1.0 / new.sqrt()) as f32;
+            for (v, s) in self.eigenvector.iter_mut().zip(&self.step) {
+                *v = s.map(|x| factor * x);
+            }
+        }
+    }
+
+    /// Chebyshev steps on `solution` for `right`. Before the coarse correction the solution starts from zero, and the residual of the new
+    /// one is left.
+    fn smooth(&mut self, degree: usize, before: bool) {
+        let upper = EIGENVALUE_MARGIN * self.largest_eigenvalue;
+        if upper <= 0.0 {
+            self.residual.copy_from_slice(&self.right);
+            if before {
+                self.solution.fill([0.0; 3]);
+            }
+            return;
+        }
+        let lower = SMOOTHED_SHARE * upper;
+        let (centre, half_width) = (0.5 * (upper + lower), 0.5 * (upper - lower));
+        let sigma = centre / half_width;
+        let matrix = &self.matrix;
+        let diagonal = &self.inverse_diagonal;
+        if before {
+            self.solution.fill([0.0; 3]);
+            self.residual.copy_from_slice(&self.right);
+        } else {
+            let (solution, right) = (&self.solution, &self.right);
+            self.residual
+                .par_iter_mut()
+                .with_min_len(NODES_AT_ONCE)
+                .enumerate()
+                .for_each(|(row, residual)| {
+                    let product = matrix.multiply_row(row, solution);
+                    *residual = std::array::from_fn(|k| right[row][k] - product[k]);
+                });
+        }
+        let mut rho = 1.0 / sigma;
+        for iteration in 0..degree {
+            let (keep, add) = if iteration == 0 {
+                (0.0, 1.0 / centre)
+            } else {
+                let next = 1.0 / (2.0 * sigma - rho);
+                let factors = (next * rho, 2.0 * next / half_width);
+                rho = next;
+                factors
+            };
+            let residual = &self.residual;
+            self.step
+                .par_iter_mut()
+                .zip(&mut self.solution)
+                .with_min_len(NODES_AT_ONCE)
+                .enumerate()
+                .for_each(|(row, (step, solution))| {
+                    let z = times(&diagonal[row], residual[row]);
+                    for k in 0..3 {
+                        step[k] = keep * step[k] + add * z[k];
+                        solution[k] += step[k];
+                    }
+                });
+            if !before && iteration + 1 == degree {
+                break;
+            }
+            let step = &self.step;
+            self.residual
+                .par_iter_mut()
+                .with_min_len(NODES_AT_ONCE)
+                .enumerate()
+                .for_each(|(row, residual)| {
+                    let product = matrix.multiply_row(row, step);
+                    for k in 0..3 {
+                        residual[k] -= product[k];
+                    }
+                });
+        }
+    }
+}
+
+impl Multigrid {
+    /// Levels for a mesh; the finest matrix has the pattern of the graph. Nothing is known of stiffness yet: see
+    /// [`Multigrid::refresh`].
+    #[must_use]
+    pub fn new(graph: Graph) -> Self {
+        let mut levels = vec![Level::new(graph.pattern.clone())];
+        let mut graph = graph;
+        while graph.pattern.row_count() > DIRECT_NODES && levels.len() < LEVEL_LIMIT {
+            let (interpolation, count) = graph.interpolation();
+            if count == 0 || count as f64 > SLOWEST_COARSENING * graph.pattern.row_count() as f64 {
+                break;
+            }
+            let from_coarse = interpolation.transposed(count);
+            let pattern = coarse_pattern(&graph.pattern, &interpolation, &from_coarse);
+            graph = graph.coarse(&interpolation, &from_coarse, &pattern);
+            if let Some(level) = levels.last_mut() {
+                level.interpolation = Some([interpolation, from_coarse]);
+            }
+            levels.push(Level::new(pattern));
+        }
+        Self {
+            levels,
+            coarsest_inverse: Vec::new(),
+            refreshed: false,
+        }
+    }
+
+    /// Nodes and stored blocks of every level, finest first.
+    #[must_use]
+    pub fn sizes(&self) -> Vec<[usize; 2]> {
+        self.levels
+            .iter()
+            .map(|level| [level.node_count(), level.matrix.pattern.block_count()])
+            .collect()
+    }
+
+    /// Takes a new matrix: `assemble` fills the finest one, the coarser ones follow.
+    pub fn refresh(&mut self, assemble: impl FnOnce(&mut BlockMatrix)) {
+        assemble(&mut self.levels[0].matrix);
+        let first = !self.refreshed;
+        self.refreshed = true;
+        for i in 0..self.levels.len() {
+            if i > 0 {
+                let (fine, coarse) = self.levels.split_at_mut(i);
+                let fine = &fine[i - 1];
+                if let Some([interpolation, from_coarse]) = &fine.interpolation {
+                    galerkin(
+                        &fine.matrix,
+                        interpolation,
+                        from_coarse,
+                        &mut coarse[0].matrix,
+                    );
+                }
+            }
+            self.levels[i].refresh(first);
+        }
+        self.invert_coarsest();
+    }
+
+    fn invert_coarsest(&mut self) {
+        self.coarsest_inverse.clear();
+        let Some(level) = self.levels.last() else {
+            return;
+        };
+        let nodes = level.node_count();
+        if nodes > DIRECT_NODES {
+            return;
+        }
+        let mut dense = Mat::<f64>::zeros(3 * nodes, 3 * nodes);
+        let mut largest: f64 = 0.0;
+        for row in 0..nodes {
+            for (&column, block) in level
+                .matrix
+                .pattern
+                .columns(row)
+                .iter()
+                .zip(level.matrix.row(row))
+            {
+                for a in 0..3 {
+                    for b in 0..3 {
+                        dense[(3 * row + a, 3 * column as usize + b)] = f64::from(block[3 * a + b]);
+                    }
+                }
+            }
+            for a in 0..3 {
+                largest = largest.max(dense[(3 * row + a, 3 * row + a)]);
+            }
+        }
+        if !(largest > 0.0 && largest.is_finite()) {
+            return;
+        }
+        for i in 0..3 * nodes {
+            dense[(i, i)] += f64::from(REGULARISATION) * largest;
+        }
+        // Rounding can make it indefinite; the smoother then takes the place of the inverse.
+        if let Ok(factors) = dense.llt(Side::Lower) {
+            let inverse = factors.inverse();
+            self.coarsest_inverse = (0..3 * nodes)
+                .flat_map(|i| (0..3 * nodes).map(move |j| (i, j)))
+                .map(|place| inverse[place] as f32)
+                .collect();
+        }
+    }
+
+    /// One V-cycle for `right`, from zero. Vectors have one entry per node of the finest level.
+    pub fn apply(&mut self, right: &[glam::DVec3], result: &mut [glam::DVec3]) {
+        let finite = right.iter().all(|v| v.is_finite());
+        let largest = right
+            .iter()
+            .map(|v| v.abs().max_element())
+            .fold(0.0, f64::max);
+        if !finite || largest == 0.0 {
+            // NaN goes on to the minimiser, which stops at it.
+            let filling = if finite { 0.0 } else { f64::NAN };
+            result.fill(glam::DVec3::splat(filling));
+            return;
+        }
+        self.levels[0]
+            .right
+            .par_iter_mut()
+            .zip(right)
+            .with_min_len(NODES_AT_ONCE)
+            .for_each(|(r, v)| *r = (*v / largest).as_vec3().to_array());
+        self.cycle();
+        result
+            .par_iter_mut()
+            .zip(&self.levels[0].solution)
+            .with_min_len(NODES_AT_ONCE)
+            .for_each(|(r, s)| *r = glam::Vec3::from_array(*s).as_dvec3() * largest);
+    }
+
+    fn cycle(&mut self) {
+        let last = self.levels.len() - 1;
+        for i in 0..last {
+            let (fine, coarse) = self.levels.split_at_mut(i + 1);
+            let fine = &mut fine[i];
+            fine.smooth(DEGREE, true);
+            let Some([_, from_coarse]) = &fine.interpolation else {
+                continue;
+            };
+            let residual = &fine.residual;
+            coarse[0]
+                .right
+                .par_iter_mut()
+                .with_min_len(NODES_AT_ONCE)
+                .enumerate()
+                .for_each(|(node, right)| {
+                    let mut sum = [0.0; 3];
+                    for &(fine, weight) in from_coarse.row(node) {
+                        for k in 0..3 {
+                            sum[k] += weight * residual[fine as usize][k];
+                        }
+                    }
+                    *right = sum;
+                });
+        }
+        self.solve_coarsest();
+        for i in (0..last).rev() {
+            let (fine, coarse) = self.levels.split_at_mut(i + 1);
+            let fine = &mut fine[i];
+            if let Some([interpolation, _]) = &fine.interpolation {
+                let correction = &coarse[0].solution;
+                fine.solution
+                    .par_iter_mut()
+                    .with_min_len(NODES_AT_ONCE)
+                    .enumerate()
+                    .for_each(|(node, solution)| {
+                        for &(coarse, weight) in interpolation.row(node) {
+                            for k in 0..3 {
+                                solution[k] += weight * correction[coarse as usize][k];
+                            }
+                        }
+                    });
+            }
+            fine.smooth(DEGREE, false);
+        }
+    }
+
+    fn solve_coarsest(&mut self) {
+        let Some(level) = self.levels.last_mut() else {
+            return;
+        };
+        if self.coarsest_inverse.is_empty() {
+            level.smooth(COARSEST_DEGREE, true);
+            return;
+        }
+        let size = 3 * level.node_count();
+        let right = level.right.as_flattened();
+        for (value, row) in level
+            .solution
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(self.coarsest_inverse.chunks_exact(size))
+        {
+            *value = row.iter().zip(right).map(|(a, b)| a * b).sum();
+        }
+    }
+}
+
+/// A_coarse = PᵀAP.
+fn galerkin(
+    fine: &BlockMatrix,
+    interpolation: &Interpolation,
+    from_coarse: &Interpolation,
+    coarse: &mut BlockMatrix,
+) {
+    let nodes = coarse.pattern.row_count();
+    coarse.fill_rows(
+        || vec![0u32; nodes],
+        |places, row, columns, blocks| {
+            for (place, &column) in columns.iter().enumerate() {
+                places[column as usize] = place as u32;
+            }
+            for &(node, share) in from_coarse.row(row) {
+                let node = node as usize;
+                for (&column, block) in fine.pattern.columns(node).iter().zip(fine.row(node)) {
+                    for &(other, weight) in interpolation.row(column as usize) {
+                        let factor = share * weight;
+                        let sum = &mut blocks[places[other as usize] as usize];
+                        for k in 0..9 {
+                            sum[k] += factor * block[k];
+                        }
+                    }
+                }
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,157 @@
+use glam::DVec3;
+
+use super::*;
+
+/// A square sheet of `n`² nodes under isotropic tension 1 whose plane also stretches: stiffness `stretch` along edges, 1 across them.
+/// Nodes of the first column are held.
+fn sheet(n: usize, stretch: f32) -> (Multigrid, BlockMatrix) {
+    let node = |x: usize, y: usize| (x + n * y) as u32;
+    let mut edges = Vec::new();
+    for y in 0..n {
+        for x in 0..n {
+            if x + 1 < n {
+                edges.push([node(x, y), node(x + 1, y)]);
+            }
+            if y + 1 < n {
+                edges.push([node(x, y), node(x, y + 1)]);
+            }
+        }
+    }
+    let pattern = Pattern::from_groups(n * n, edges.iter().map(|e| &e[..]));
+    let fixed: Vec<bool> = (0..n * n).map(|i| i % n == 0).collect();
+    let mut matrix = BlockMatrix::new(pattern.clone());
+    matrix.fill_rows(
+        || (),
+        |(), row, columns, blocks| {
+            for (place, &column) in columns.iter().enumerate() {
+                let column = column as usize;
+                if column == row {
+                    continue;
+                }
+                let along = if column.abs_diff(row) == 1 { 0 } else { 1 };
+                let mut block = [0.0; 9];
+                for k in 0..3 {
+                    block[4 * k] = if k == along { stretch } else { 1.0 };
+                }
+                let own = columns.binary_search(&(row as u32)).unwrap();
+                for k in 0..9 {
+                    blocks[own][k] += block[k];
+                    if !fixed[row] && !fixed[column] {
+                        blocks[place][k] -= block[k];
+                    }
+                }
+            }
+        },
+    );
+    let mut multigrid = Multigrid::new(Graph::new(pattern, fixed, |_, _| 1.0));
+    multigrid.refresh(|fine| fine.clone_from(&matrix));
+    (multigrid, matrix)
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+fn noise(count: usize, seed: u32) -> Vec<DVec3> {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    (0..count)
+        .map(|_| DVec3::new(next(), next(), next()))
+        .collect()
+}
+
+/// Conjugate gradients preconditioned with one cycle: iterations until the error norm √(rᵀ M r) has fallen by 1e-4.
+fn iterations(multigrid: &mut Multigrid, matrix: &BlockMatrix) -> usize {
+    let count = matrix.pattern.row_count();
+    let multiply = |v: &[DVec3]| -> Vec<DVec3> {
+        let single: Vec<[f32; 3]> = v.iter().map(|x| x.as_vec3().to_array()).collect();
+        (0..count)
+            .map(|row| glam::Vec3::from_array(matrix.multiply_row(row, &single)).as_dvec3())
+            .collect()
+    };
+    let mut residual = noise(count, 7);
+    let mut z = vec![DVec3::ZERO; count];
+    multigrid.apply(&residual, &mut z);
+    let mut direction = z.clone();
+    let mut square = dot(&residual, &z);
+    let goal = 1e-8 * square;
+    for iteration in 0.. {
+        if square < goal {
+            return iteration;
+        }
+        let product = multiply(&direction);
+        let alpha = square / dot(&direction, &product);
+        for (r, p) in residual.iter_mut().zip(&product) {
+            *r -= *p * alpha;
+        }
+        multigrid.apply(&residual, &mut z);
+        let new = dot(&residual, &z);
+        for (d, z) in direction.iter_mut().zip(&z) {
+            *d = *z + *d * (new / square);
+        }
+        square = new;
+    }
+    unreachable!()
+}
+
+#[test]
+fn one_cycle_is_a_symmetric_positive_operator() {
+    let (mut multigrid, matrix) = sheet(40, 30.0);
+    let count = matrix.pattern.row_count();
+    let (a, b) = (noise(count, 1), noise(count, 2));
+    let mut apply = |v: &[DVec3]| {
+        let mut result = vec![DVec3::ZERO; count];
+        multigrid.apply(v, &mut result);
+        result
+    };
+    let (ma, mb) = (apply(&a), apply(&b));
+    let (ab, ba) = (dot(&a, &mb), dot(&b, &ma));
+    let scale = (dot(&a, &ma) * dot(&b, &mb)).sqrt();
+    assert!((ab - ba).abs() < 1e-5 * scale, "{ab} {ba} {scale}");
+    assert!(dot(&a, &ma) > 0.0);
+    let (zero, twice) = (
+        apply(&vec![DVec3::ZERO; count]),
+        apply(&a.iter().map(|v| *v * 2e-30).collect::<Vec<_>>()),
+    );
+    assert!(zero.iter().all(|v| *v == DVec3::ZERO));
+    // Linear, however small the vector.
+    for (t, m) in twice.iter().zip(&ma) {
+        assert!((*t * 0.5e30 - *m).length() < 1e-5 * m.length() + 1e-9);
+    }
+    assert!(apply(&vec![DVec3::NAN; count]).iter().all(|v| v.is_nan()));
+}
+
+/// What multigrid is for: the number of iterations hardly grows with the number of nodes.
+#[test]
+fn iterations_do_not_grow_with_the_mesh() {
+    for stretch in [1.0, 100.0] {
+        let counts = [32, 64, 128].map(|n| {
+            let (mut multigrid, matrix) = sheet(n, stretch);
+            let count = iterations(&mut multigrid, &matrix);
+            println!("{n}: {count} {:?}", multigrid.sizes());
+            count
+        });
+        assert!(counts[2] <= counts[0] + 8, "stretch {stretch}: {counts:?}");
+        assert!(counts[2] < 60, "stretch {stretch}: {counts:?}");
+    }
+}
+
+/// Held nodes get the diagonal part only, and the coarse levels know nothing of them.
+#[test]
+fn levels_shrink_and_hold() {
+    let (multigrid, _) = sheet(64, 1.0);
+    let sizes = multigrid.sizes();
+    assert!(sizes.len() >= 3, "{sizes:?}");
+    for pair in sizes.windows(2) {
+        assert!(pair[1][0] * 2 < pair[0][0], "{sizes:?}");
+    }
+    let coarse_weight = |node: usize| {
+        let [interpolation, _] = multigrid.levels[0].interpolation.as_ref().unwrap();
+        interpolation.row(node).iter().map(|(_, w)| *w).sum::<f32>()
+    };
+    assert_eq!(coarse_weight(64 * 30), 0.0);
+    assert!((coarse_weight(64 * 30 + 20) - 1.0).abs() < 1e-5);
+}
