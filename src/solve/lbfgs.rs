@@ -134,6 +134,7 @@ pub fn minimise_watched<S: VectorSpace>(
     let mut round_off = start.round_off;
     let mut norm = start.norm_square.max(0.0).sqrt();
     let mut longest_m = start.longest_m;
+    let mut reference = start.reference;
     let mut outcome = Outcome {
         stop: Stop::Stalled,
         iterations: 0,
@@ -159,10 +160,23 @@ pub fn minimise_watched<S: VectorSpace>(
     loop {
         outcome.energy_norm = norm;
         outcome.objective = objective;
-        if norm <= options.tolerance * start.reference || longest_m <= options.displacement_floor_m
-        {
-            outcome.stop = Stop::Converged;
-            return Ok(outcome);
+        let converged = |norm: f64, longest_m: f64, reference: f64| {
+            norm <= options.tolerance * reference || longest_m <= options.displacement_floor_m
+        };
+        if converged(norm, longest_m, reference) {
+            if options.refresh_every.is_none() || since_refresh == 0 {
+                outcome.stop = Stop::Converged;
+                return Ok(outcome);
+            }
+            // An H₀ that was built elsewhere does not measure the distance from here.
+            since_refresh = 0;
+            (norm, longest_m, reference) = renew(
+                space,
+                (&*point, &gradient, &mut preconditioned),
+                &mut pairs,
+                &mut products,
+            )?;
+            continue;
         }
         if outcome.evaluations >= options.evaluation_limit {
             outcome.stop = Stop::LimitReached;
@@ -174,7 +188,7 @@ pub fn minimise_watched<S: VectorSpace>(
         }
         let progress = Progress {
             evaluations: outcome.evaluations,
-            relative_norm: norm / start.reference,
+            relative_norm: norm / reference,
         };
         if !watch(&progress) {
             outcome.stop = Stop::Interrupted;
@@ -283,27 +297,12 @@ pub fn minimise_watched<S: VectorSpace>(
         longest_m = attempt.longest_m;
         if refresh {
             since_refresh = 0;
-            let mut changes: Vec<_> = pairs
-                .iter_mut()
-                .map(|pair| (&pair.change, &mut pair.preconditioned_change))
-                .collect();
-            let refreshed = space.refresh(
-                &trial,
-                &trial_gradient,
-                &mut trial_preconditioned,
-                &mut changes,
+            (norm, longest_m, reference) = renew(
+                space,
+                (&trial, &trial_gradient, &mut trial_preconditioned),
+                &mut pairs,
+                &mut products,
             )?;
-            products.gradient_change = refreshed.gradient_change.into();
-            let mut entries = refreshed.change_change.into_iter();
-            for i in 0..pairs.len() {
-                for j in 0..=i {
-                    let entry = entries.next().unwrap_or(f64::NAN);
-                    products.change_change[i][j] = entry;
-                    products.change_change[j][i] = entry;
-                }
-            }
-            norm = refreshed.norm_square.max(0.0).sqrt();
-            longest_m = refreshed.longest_m;
         }
         if !products.newest_curves() {
             products.remove(pairs.len() - 1);
@@ -325,6 +324,32 @@ pub fn minimise_watched<S: VectorSpace>(
         objective = attempt.objective;
         round_off = attempt.round_off;
     }
+}
+
+/// Rebuilds H₀ around a point with its gradient g; writes H₀ g, renews all z_i and what depends on them, and returns the energy norm of
+/// g, its longest displacement \[m\] and the reference of the norm.
+fn renew<S: VectorSpace>(
+    space: &mut S,
+    (point, gradient, preconditioned): (&S::Point, &S::Vector, &mut S::Vector),
+    pairs: &mut VecDeque<Pair<S::Vector>>,
+    products: &mut Products,
+) -> Result<(f64, f64, f64), S::Error> {
+    let mut changes: Vec<_> = pairs
+        .iter_mut()
+        .map(|pair| (&pair.change, &mut pair.preconditioned_change))
+        .collect();
+    let refreshed = space.refresh(point, gradient, preconditioned, &mut changes)?;
+    products.gradient_change = refreshed.gradient_change.into();
+    let mut entries = refreshed.change_change.into_iter();
+    for i in 0..pairs.len() {
+        for j in 0..=i {
+            let entry = entries.next().unwrap_or(f64::NAN);
+            products.change_change[i][j] = entry;
+            products.change_change[j][i] = entry;
+        }
+    }
+    let norm = refreshed.norm_square.max(0.0).sqrt();
+    Ok((norm, refreshed.longest_m, refreshed.reference))
 }
 
 impl Products {

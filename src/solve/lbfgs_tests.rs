@@ -138,6 +138,7 @@ impl VectorSpace for Quadratic {
             .map(|(i, j)| dot(pairs[i].0, pairs[j].1))
             .collect();
         Ok(Refreshed {
+            reference: 1.0,
             norm_square: dot(g, h),
             longest_m: longest(h),
             gradient_change: pairs.iter().map(|(_, z)| dot(g, z)).collect(),

@@ -135,4 +135,6 @@ pub struct Refreshed {
     pub gradient_change: Vec<f64>,
     /// y_i · z_j for j ≤ i, row by row.
     pub change_change: Vec<f64>,
+    /// See [`Start::reference`].
+    pub reference: f64,
 }

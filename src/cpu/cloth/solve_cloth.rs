@@ -349,6 +349,7 @@ impl VectorSpace for Objective<'_> {
             self.precondition(change, preconditioned_change);
         }
         Ok(Refreshed {
+            reference: self.load_norm(),
             norm_square: dot(gradient, preconditioned),
             longest_m: longest_m(preconditioned),
             gradient_change: pairs.iter().map(|(_, z)| dot(gradient, z)).collect(),

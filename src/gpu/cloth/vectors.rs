@@ -130,13 +130,13 @@ impl Workspace {
         let vector_slots = vector_slots(history);
         // Four combinations of one iteration, of at most 2 · history + 1 terms.
         let program_words = 4 * (2 + 2 * (2 * pairs + 1));
-        let row_count = (2 * pairs + 3).max(1 + pairs + pairs * (pairs + 1) / 2);
+        let row_count = (2 * pairs + 3).max(2 + pairs + pairs * (pairs + 1) / 2);
         let report_bytes =
             4 * (HEADER + ENTRY * row_count * operations.product_strides as usize) as u64;
         let vectors = device.storage("cloth vectors", (vector_slots * nodes * 12) as u64)?;
         let program = device.storage("cloth program", 4 * program_words as u64)?;
         let rows = device.storage("cloth products", 16 * row_count as u64)?;
-        let transforms = device.storage("cloth transforms", 8 * (pairs as u64 + 1))?;
+        let transforms = device.storage("cloth transforms", 8 * (pairs as u64 + 2))?;
         let reach = device.storage("cloth reach", 4 * u64::from(operations.strides))?;
         let report = device.storage("cloth report", report_bytes)?;
         let mut all = buffers.to_vec();
@@ -431,8 +431,11 @@ impl VectorSpace for Space<'_> {
             direction: NONE,
             ..self.stage
         };
-        let mut transforms = vec![[gradient.0, preconditioned.0]];
-        let mut rows = vec![[gradient.0, NONE, preconditioned.0, NONE]];
+        let mut transforms = vec![[gradient.0, preconditioned.0], [DRIVE, DRIVE_STEP]];
+        let mut rows = vec![
+            [gradient.0, NONE, preconditioned.0, NONE],
+            [DRIVE, NONE, DRIVE_STEP, NONE],
+        ];
         for (y, z) in pairs.iter() {
             transforms.push([y.0, z.0]);
             rows.push([gradient.0, NONE, z.0, NONE]);
@@ -450,7 +453,7 @@ impl VectorSpace for Space<'_> {
                 .precondition
                 .dispatch(pass, [workspace.strides, transforms.len() as u32]);
         })?;
-        let [norm, ref rest @ ..] = products[..] else {
+        let [norm, drive, ref rest @ ..] = products[..] else {
             return Err(incomplete());
         };
         let plain = |products: &[Product]| products.iter().map(|p| p.plain).collect();
@@ -460,6 +463,7 @@ impl VectorSpace for Space<'_> {
             longest_m: norm.longest,
             gradient_change: plain(of_gradient),
             change_change: plain(of_pairs),
+            reference: drive.plain.max(0.0).sqrt(),
         })
     }
 
