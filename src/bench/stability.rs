@@ -12,9 +12,10 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::work_precision::{advance, operator_name};
+use super::work_precision::advance;
 use super::{Engine, Stop, Watch, go_on, plots};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use crate::output::write_atomically;
 use crate::plan::AirPlacement;
@@ -69,7 +70,7 @@ pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<P
                     let one = |&angle_deg: &f64| -> Result<Point, Stop> {
                         let mut point = Point {
                             engine: engine.name(),
-                            operator: operator_name(operator),
+                            operator: operator.name(),
                             eddy_viscosity,
                             viscous_part,
                             angle_deg,
@@ -179,7 +180,9 @@ fn survives(
         relaxation_time: 0.5 + point.viscous_part,
         sponge_cells: None,
         operator,
-        smagorinsky_constant: point.eddy_viscosity.then_some(SMAGORINSKY_CONSTANT),
+        eddy_viscosity: point
+            .eddy_viscosity
+            .then_some(EddyViscosity::smagorinsky(SMAGORINSKY_CONSTANT)),
     };
     let mut air = AirEngine::build(
         setup,

@@ -316,7 +316,7 @@ fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setu
         relaxation_time,
         sponge_cells: None,
         operator,
-        smagorinsky_constant: None,
+        eddy_viscosity: None,
     }
 }
 
@@ -330,7 +330,8 @@ fn relaxation_time(viscosity: f64) -> f64 {
     0.5 + 3.0 * viscosity
 }
 
-const OPERATORS: [(Operator, &str); 2] = [
+const OPERATORS: [(Operator, &str); 3] = [
+    (Operator::SingleRelaxationTime, "BGK"),
     (Operator::TwoRelaxationTimes, "TRT"),
     (Operator::RecursiveRegularised, "regularised"),
 ];

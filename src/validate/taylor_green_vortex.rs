@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use super::{Gate, Session, Stop, periodic, relaxation_time};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosity;
 
 /// (t U/L, kinetic energy per mass / U²) of the reference.
 const ENERGY: [(f64, f64); 4] = [
@@ -27,11 +28,28 @@ const SPEED: f64 = 0.05;
 const REYNOLDS: f64 = 1600.0;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    one(session, Some(0.15))?;
-    one(session, None)
+    let spec = std::env::var("TGV").unwrap_or_default();
+    for part in spec.split(',') {
+        let f: Vec<&str> = part.split(':').collect();
+        let mut e = match f[0] {
+            "s" => EddyViscosity::smagorinsky(f[1].parse().unwrap()),
+            "w" => EddyViscosity::wale(f[1].parse().unwrap()),
+            "v" => EddyViscosity::vreman(f[1].parse().unwrap()),
+            _ => {
+                one(session, None)?;
+                continue;
+            }
+        };
+        if let Some(k) = f.get(2) {
+            e.update_every = k.parse().unwrap();
+        }
+        eprintln!("{part}");
+        one(session, Some(e))?;
+    }
+    Ok(())
 }
 
-fn one(session: &mut Session, smagorinsky_constant: Option<f64>) -> Result<(), Stop> {
+fn one(session: &mut Session, eddy_viscosity: Option<EddyViscosity>) -> Result<(), Stop> {
     // Half the cells resolve half as much; the band of 48 cells is what was measured there, with a margin.
     let (n, band): (usize, f64) = session.size((64, 0.20), (128, 0.05));
     let cells = [n; 3];
@@ -41,9 +59,11 @@ fn one(session: &mut Session, smagorinsky_constant: Option<f64>) -> Result<(), S
         relaxation_time(SPEED * length / REYNOLDS),
         Operator::RecursiveRegularised,
     );
-    setup.smagorinsky_constant = smagorinsky_constant;
-    let model =
-        smagorinsky_constant.map_or_else(|| "no eddy viscosity".to_owned(), |c| format!("C_s {c}"));
+    setup.eddy_viscosity = eddy_viscosity;
+    let model = eddy_viscosity.map_or_else(
+        || "no eddy viscosity".to_owned(),
+        |e| format!("{}, {} = {}", e.model.name(), e.model.symbol(), e.constant),
+    );
     let initial = move |cell: [usize; 3]| {
         let [x, y, z] = cell.map(|c| (c as f64 + 0.5) / length);
         let excess = 3.0 * SPEED * SPEED / 16.0
@@ -73,7 +93,7 @@ fn one(session: &mut Session, smagorinsky_constant: Option<f64>) -> Result<(), S
             let row = session.row(cells, format!("{model}: K at t = {time}"), energy);
             row.reference(*reference, SOURCE);
             // The gate is that of a large-eddy simulation.
-            if smagorinsky_constant.is_some() {
+            if eddy_viscosity.is_some() {
                 row.gate(Gate::Within(band));
             }
         }
