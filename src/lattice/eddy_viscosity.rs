@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Number;
 use super::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
+use super::operators::{dot, scale};
 
 /// Model of the eddy viscosity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -138,57 +139,81 @@ impl EddyViscosity {
 /// Below this square the gradient counts as none: a change of 1e-15 cells per step from cell to cell.
 const SMALLEST_SQUARE: f64 = 1e-30;
 
+// Functions, not closures: only what is certainly inlined is compiled for the vector instructions of the CPU.
+
 /// The gradient over its norm, and the norm.
 #[inline(always)]
-fn normalised<N: Number>(gradient: &[[N; 3]; 3]) -> ([[N; 3]; 3], N) {
-    let square = |row: &[N; 3]| row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
-    let [x, y, z] = gradient;
-    let one = x[0].constant(1.0);
-    let norm = (square(x) + square(y) + square(z) + one.constant(SMALLEST_SQUARE)).square_root();
-    let inverse = one / norm;
-    (gradient.map(|row| row.map(|g| inverse * g)), norm)
+fn normalised<N: Number>([x, y, z]: [[N; 3]; 3]) -> ([[N; 3]; 3], N) {
+    let tiny = x[0].constant(SMALLEST_SQUARE);
+    let norm = (dot(x, x) + dot(y, y) + dot(z, z) + tiny).square_root();
+    let inverse = norm.constant(1.0) / norm;
+    (
+        [scale(inverse, x), scale(inverse, y), scale(inverse, z)],
+        norm,
+    )
+}
+
+/// Element (a, b) of the square of g.
+#[inline(always)]
+fn product<N: Number>(g: &[[N; 3]; 3], a: usize, b: usize) -> N {
+    g[a][0] * g[0][b] + g[a][1] * g[1][b] + g[a][2] * g[2][b]
+}
+
+/// Sum of all elements of a symmetric tensor squared, from its diagonal and the others (xy, xz, yz).
+#[inline(always)]
+fn norm_squared<N: Number>(diagonal: [N; 3], others: [N; 3]) -> N {
+    let square = dot(others, others);
+    dot(diagonal, diagonal) + (square + square)
 }
 
 /// ν_t/C_w² of the WALE model for `gradient[a][b]` = ∂u_b/∂x_a [1/step].
 #[inline(always)]
 #[must_use]
 pub fn wale<N: Number>(gradient: &[[N; 3]; 3]) -> N {
-    let (g, norm) = normalised(gradient);
-    let constant = |value: f64| norm.constant(value);
-    let half = constant(0.5);
-    let strain = |a: usize, b: usize| half * (g[a][b] + g[b][a]);
-    // Square of the gradient.
-    let product = |a: usize, b: usize| g[a][0] * g[0][b] + g[a][1] * g[1][b] + g[a][2] * g[2][b];
-    let [xx, yy, zz] = [product(0, 0), product(1, 1), product(2, 2)];
-    let third = constant(1.0 / 3.0) * (xx + yy + zz);
-    let mixed = |a: usize, b: usize| half * (product(a, b) + product(b, a));
-    let [xx, yy, zz] = [xx - third, yy - third, zz - third];
-    let [xy, xz, yz] = [mixed(0, 1), mixed(0, 2), mixed(1, 2)];
-    let shear = xy * xy + xz * xz + yz * yz;
-    let d = xx * xx + yy * yy + zz * zz + (shear + shear);
-    let [xy, xz, yz] = [strain(0, 1), strain(0, 2), strain(1, 2)];
-    let shear = xy * xy + xz * xz + yz * yz;
-    let s = g[0][0] * g[0][0] + g[1][1] * g[1][1] + g[2][2] * g[2][2] + (shear + shear);
+    let (g, norm) = normalised(*gradient);
+    let half = norm.constant(0.5);
+    let [xx, yy, zz] = [product(&g, 0, 0), product(&g, 1, 1), product(&g, 2, 2)];
+    let third = norm.constant(1.0 / 3.0) * (xx + yy + zz);
+    let d = norm_squared(
+        [xx - third, yy - third, zz - third],
+        [
+            half * (product(&g, 0, 1) + product(&g, 1, 0)),
+            half * (product(&g, 0, 2) + product(&g, 2, 0)),
+            half * (product(&g, 1, 2) + product(&g, 2, 1)),
+        ],
+    );
+    let s = norm_squared(
+        [g[0][0], g[1][1], g[2][2]],
+        [
+            half * (g[0][1] + g[1][0]),
+            half * (g[0][2] + g[2][0]),
+            half * (g[1][2] + g[2][1]),
+        ],
+    );
     let root = d.square_root();
     let strained = s * s * s.square_root();
-    norm * (d * root) / (strained + d * root.square_root() + constant(SMALLEST_SQUARE))
+    let tiny = norm.constant(SMALLEST_SQUARE);
+    norm * (d * root) / (strained + d * root.square_root() + tiny)
+}
+
+/// Square of the vector product: the squares of the three minors of two rows.
+#[inline(always)]
+fn minors_squared<N: Number>(p: [N; 3], q: [N; 3]) -> N {
+    let minors = [
+        p[1] * q[2] - p[2] * q[1],
+        p[2] * q[0] - p[0] * q[2],
+        p[0] * q[1] - p[1] * q[0],
+    ];
+    dot(minors, minors)
 }
 
 /// ν_t/c of Vreman's model for `gradient[a][b]` = ∂u_b/∂x_a [1/step].
 #[inline(always)]
 #[must_use]
 pub fn vreman<N: Number>(gradient: &[[N; 3]; 3]) -> N {
-    let (g, norm) = normalised(gradient);
-    // Squares of the three minors of two rows.
-    let minors = |p: &[N; 3], q: &[N; 3]| {
-        let [x, y, z] = [
-            p[1] * q[2] - p[2] * q[1],
-            p[2] * q[0] - p[0] * q[2],
-            p[0] * q[1] - p[1] * q[0],
-        ];
-        x * x + y * y + z * z
-    };
-    norm * (minors(&g[0], &g[1]) + minors(&g[1], &g[2]) + minors(&g[2], &g[0])).square_root()
+    let ([x, y, z], norm) = normalised(*gradient);
+    let minors = minors_squared(x, y) + minors_squared(y, z) + minors_squared(z, x);
+    norm * minors.square_root()
 }
 
 /// Velocity of the cell beyond a face, as the boundary condition makes it.

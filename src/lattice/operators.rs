@@ -110,7 +110,7 @@ pub fn bare_moments<N: Number>(f: &Populations<N>) -> (N, [N; 3]) {
 
 /// Every component of a vector times one factor.
 #[inline(always)]
-fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
+pub fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
     [factor * v[0], factor * v[1], factor * v[2]]
 }
 
@@ -122,7 +122,7 @@ fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
 
 /// Scalar product of two vectors.
 #[inline(always)]
-fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::lattice::eddy_viscosity::{Beyond, GradientModel, beyond, vreman, wale};
-use crate::lattice::operators::bare_moments;
+use crate::lattice::operators::{Populations, bare_moments, scale};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real};
 
 /// What the stage keeps between two evaluations.
@@ -109,25 +109,42 @@ impl<T: Real> Fluid<T> {
             (vectors[direction], parts[direction]) =
                 T::vectors::<S>(&self.populations[array][first..first + nx]);
         }
-        let velocity = |f: [T::Vector<S>; DIRECTION_COUNT]| {
-            let (excess, momentum) =
-                bare_moments(&f.map(|vector| Lanes::<S, T>::new(simd, vector)));
-            let one = excess.constant(1.0);
-            let inverse_density = one / (one + excess);
-            momentum.map(|j| (inverse_density * j).vector)
-        };
-        let [x, y, z] = out.map(|component| T::vectors_mut::<S>(component));
+        let zero = Lanes::<S, T>::splat(simd, T::default());
+        let [x, y, z] = out;
+        let (x, y, z) = (
+            T::vectors_mut::<S>(x),
+            T::vectors_mut::<S>(y),
+            T::vectors_mut::<S>(z),
+        );
         for i in 0..vectors[0].len() {
-            let u = velocity(vectors.map(|vector| vector[i]));
-            (x.0[i], y.0[i], z.0[i]) = (u[0], u[1], u[2]);
+            let mut f = [zero; DIRECTION_COUNT];
+            for direction in 0..DIRECTION_COUNT {
+                f[direction] = Lanes::new(simd, vectors[direction][i]);
+            }
+            let u = velocity(&f);
+            x.0[i] = u[0].vector;
+            y.0[i] = u[1].vector;
+            z.0[i] = u[2].vector;
         }
         if !parts[0].is_empty() {
-            let u = velocity(parts.map(|part| T::load_part(simd, part)));
-            T::store_part(simd, x.1, u[0]);
-            T::store_part(simd, y.1, u[1]);
-            T::store_part(simd, z.1, u[2]);
+            let mut f = [zero; DIRECTION_COUNT];
+            for direction in 0..DIRECTION_COUNT {
+                f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
+            }
+            let u = velocity(&f);
+            T::store_part(simd, x.1, u[0].vector);
+            T::store_part(simd, y.1, u[1].vector);
+            T::store_part(simd, z.1, u[2].vector);
         }
     }
+}
+
+/// Bare velocity of the cells of a vector.
+#[inline(always)]
+fn velocity<N: Number>(f: &Populations<N>) -> [N; 3] {
+    let (excess, momentum) = bare_moments(f);
+    let one = excess.constant(1.0);
+    scale(one / (one + excess), momentum)
 }
 
 /// Velocities of a plane of cells with one layer of ghosts around it, component by component.
@@ -284,29 +301,44 @@ fn evaluate_row<S: Simd, T: Real>(
             }
         }
     }
-    let half = Lanes::<S, T>::splat(simd, T::of(0.5));
-    let evaluate = |velocities: [[[T::Vector<S>; 3]; 2]; 3]| {
-        let gradient = velocities.map(|sides| {
-            let [below, above] = sides.map(|u| u.map(|vector| Lanes::<S, T>::new(simd, vector)));
-            [
-                half * (above[0] - below[0]),
-                half * (above[1] - below[1]),
-                half * (above[2] - below[2]),
-            ]
-        });
-        let value = match model {
-            GradientModel::Wale => wale(&gradient),
-            GradientModel::Vreman => vreman(&gradient),
-        };
-        (value.constant(factor) * value).vector
-    };
+    let zero = Lanes::<S, T>::splat(simd, T::default());
     let (whole, rest) = T::vectors_mut::<S>(out);
-    for (i, out) in whole.iter_mut().enumerate() {
-        *out = evaluate(vectors.map(|sides| sides.map(|u| u.map(|vector| vector[i]))));
+    for i in 0..whole.len() {
+        let mut gradient = [[zero; 3]; 3];
+        for axis in 0..3 {
+            for a in 0..3 {
+                let [below, above] = [vectors[axis][0][a][i], vectors[axis][1][a][i]];
+                gradient[axis][a] = difference(Lanes::new(simd, below), Lanes::new(simd, above));
+            }
+        }
+        whole[i] = relaxation_time(&gradient, model, factor).vector;
     }
     if !rest.is_empty() {
-        let value =
-            evaluate(parts.map(|sides| sides.map(|u| u.map(|part| T::load_part(simd, part)))));
+        let mut gradient = [[zero; 3]; 3];
+        for axis in 0..3 {
+            for a in 0..3 {
+                let below = T::load_part(simd, parts[axis][0][a]);
+                let above = T::load_part(simd, parts[axis][1][a]);
+                gradient[axis][a] = difference(Lanes::new(simd, below), Lanes::new(simd, above));
+            }
+        }
+        let value = relaxation_time(&gradient, model, factor).vector;
         T::store_part(simd, rest, value);
     }
+}
+
+/// Central difference.
+#[inline(always)]
+fn difference<N: Number>(below: N, above: N) -> N {
+    below.constant(0.5) * (above - below)
+}
+
+/// 3 ν_t.
+#[inline(always)]
+fn relaxation_time<N: Number>(gradient: &[[N; 3]; 3], model: GradientModel, factor: f64) -> N {
+    let value = match model {
+        GradientModel::Wale => wale(gradient),
+        GradientModel::Vreman => vreman(gradient),
+    };
+    value.constant(factor) * value
 }
