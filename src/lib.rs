@@ -14,6 +14,7 @@
 //!
 //! | stage | turns | into | file |
 //! |---|---|---|---|
+//! | `eddy_viscosity` | populations (WALE, Vreman) | eddy part of the relaxation times | `fluid/eddy_viscosity.rs` |
 //! | `collide_stream` | populations, body force | populations | `fluid/collide_stream.rs` |
 //! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
@@ -32,7 +33,7 @@
 //!
 //! | module | holds | may use |
 //! |---|---|---|
-//! | [`lattice`] | D3Q19, collision operators, grid, links, boxes: what all engines share | – |
+//! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of | laws, extents of triangles |

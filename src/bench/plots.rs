@@ -5,7 +5,6 @@ use std::path::Path;
 use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 
 use super::stability::describe;
-use super::work_precision::operator_name;
 use super::{Stop, work_precision};
 use crate::lattice::stability::Point;
 use crate::output::write_atomically;
@@ -33,7 +32,7 @@ pub(super) fn work_precision(
 ) -> Result<(), Stop> {
     let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for point in points.iter().filter(|p| p.error.is_finite()) {
-        let label = format!("{}, {}", point.engine, operator_name(point.operator));
+        let label = format!("{}, {}", point.engine, point.operator.name());
         let place = (point.seconds, point.error);
         match series.iter_mut().find(|(known, _)| *known == label) {
             Some((_, data)) => data.push(place),

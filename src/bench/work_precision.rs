@@ -65,8 +65,6 @@ const PROBLEMS: [Problem; 1] = [Problem {
 
 const LATTICE_SPEEDS: [f64; 4] = [0.02, 0.04, 0.08, 0.15];
 
-const OPERATORS: [Operator; 2] = [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised];
-
 /// One measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
@@ -143,7 +141,7 @@ fn measure_problem(
 ) -> Result<Vec<Point>, Stop> {
     let mut settings = Vec::new();
     for engine in engines {
-        for operator in OPERATORS {
+        for operator in Operator::ALL {
             for lattice_speed in LATTICE_SPEEDS {
                 for &resolution in problem.resolutions[usize::from(full)] {
                     let setting = Setting {
@@ -239,17 +237,10 @@ fn describe(point: &Point) -> String {
         point.seconds,
         point.error,
         point.engine,
-        operator_name(point.operator),
+        point.operator.name(),
         point.resolution,
         point.mach
     )
-}
-
-pub(super) const fn operator_name(operator: Operator) -> &'static str {
-    match operator {
-        Operator::TwoRelaxationTimes => "two_relaxation_times",
-        Operator::RecursiveRegularised => "recursive_regularised",
-    }
 }
 
 fn summary(problem: &Problem, points: &[Point]) -> String {

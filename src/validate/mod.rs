@@ -54,22 +54,22 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "couette",
-        updates: [7.0, 60.0],
+        updates: [10.0, 90.0],
         compute: couette::compute,
     },
     Problem {
         name: "taylor-green",
-        updates: [18.0, 290.0],
+        updates: [27.0, 435.0],
         compute: taylor_green::compute,
     },
     Problem {
         name: "beltrami",
-        updates: [280.0, 8_900.0],
+        updates: [420.0, 13_350.0],
         compute: beltrami::compute,
     },
     Problem {
         name: "acoustic-pulse",
-        updates: [110.0, 110.0],
+        updates: [165.0, 165.0],
         compute: acoustic_pulse::compute,
     },
     Problem {
@@ -84,7 +84,7 @@ pub const PROBLEMS: [Problem; 9] = [
     },
     Problem {
         name: "taylor-green-vortex",
-        updates: [1_070.0, 17_100.0],
+        updates: [2_140.0, 34_200.0],
         compute: taylor_green_vortex::compute,
     },
     Problem {
@@ -316,7 +316,7 @@ fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setu
         relaxation_time,
         sponge_cells: None,
         operator,
-        smagorinsky_constant: None,
+        eddy_viscosity: None,
     }
 }
 
@@ -330,7 +330,8 @@ fn relaxation_time(viscosity: f64) -> f64 {
     0.5 + 3.0 * viscosity
 }
 
-const OPERATORS: [(Operator, &str); 2] = [
+const OPERATORS: [(Operator, &str); 3] = [
+    (Operator::SingleRelaxationTime, "BGK"),
     (Operator::TwoRelaxationTimes, "TRT"),
     (Operator::RecursiveRegularised, "regularised"),
 ];

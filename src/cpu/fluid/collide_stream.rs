@@ -48,6 +48,18 @@ trait Collision {
     ) -> Populations<N>;
 }
 
+struct SingleRelaxationTime<const EDDY: bool>;
+
+impl<const EDDY: bool> Collision for SingleRelaxationTime<EDDY> {
+    #[inline(always)]
+    fn collide<N: Number, const FORCED: bool>(
+        f: &Populations<N>,
+        local: &Local<N>,
+    ) -> Populations<N> {
+        operators::single_relaxation_time::<N, FORCED, EDDY>(f, local)
+    }
+}
+
 struct TwoRelaxationTimes<const EDDY: bool>;
 
 impl<const EDDY: bool> Collision for TwoRelaxationTimes<EDDY> {
@@ -78,14 +90,24 @@ struct Common<'a, T> {
     /// Relaxation time of every x, and the first block with a value of its own; `None` without a sponge.
     sponge: Option<(&'a [T], usize)>,
     eddy_factor: T,
+    /// What the stage `eddy_viscosity` adds to the relaxation time of every cell, x fastest; `None` without that stage.
+    held: Option<&'a [T]>,
     ends: RowEnds<T>,
 }
 
 impl<T: Real> Fluid<T> {
-    /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole.
+    /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole. Begins
+    /// with the stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(&mut self, body_force: &BodyForce) {
-        let eddy = self.setup.smagorinsky_constant.is_some();
+        self.eddy_viscosity();
+        let eddy = self.smagorinsky_constant().is_some();
         match (self.setup.operator, eddy) {
+            (Operator::SingleRelaxationTime, false) => {
+                self.sweep::<SingleRelaxationTime<false>>(body_force)
+            }
+            (Operator::SingleRelaxationTime, true) => {
+                self.sweep::<SingleRelaxationTime<true>>(body_force)
+            }
             (Operator::TwoRelaxationTimes, false) => {
                 self.sweep::<TwoRelaxationTimes<false>>(body_force)
             }
@@ -104,12 +126,16 @@ impl<T: Real> Fluid<T> {
         self.apply_boundaries();
     }
 
+    fn smagorinsky_constant(&self) -> Option<f64> {
+        self.setup.eddy_viscosity?.smagorinsky_constant()
+    }
+
     fn sweep<C: Collision>(&mut self, body_force: &BodyForce) {
         let nz = self.setup.cells[2];
         let grid = self.grid;
         let odd = self.odd;
         let instructions = self.instructions;
-        let smagorinsky = self.setup.smagorinsky_constant.unwrap_or(0.0);
+        let smagorinsky = self.smagorinsky_constant().unwrap_or(0.0);
         let relaxation_time = T::of(self.setup.relaxation_time);
         let block = LINE_BYTES / size_of::<T>();
         let common = Common {
@@ -119,6 +145,10 @@ impl<T: Real> Fluid<T> {
                 (profile, first / block * block)
             }),
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
+            held: self
+                .held_eddy_viscosity
+                .as_ref()
+                .map(|held| held.relaxation_times.as_slice()),
             ends: match self.setup.ends {
                 StreamwiseEnds::Periodic => RowEnds::Periodic,
                 StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(self.inlet_velocity.map(T::of)),
@@ -200,6 +230,8 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
         // Force of every cell of a row; where nothing acts it stays zero (or the acceleration).
         let resting = acceleration.unwrap_or_default();
         let mut force = resting.map(|component| vec![component; nx]);
+        // Relaxation time of every cell of a row, where they all differ.
+        let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| nx)];
         for plane in 0..self.slab.planes {
             for y in 0..ny {
                 let row = ((self.slab.first_plane + plane) * ny + y) as u32;
@@ -217,12 +249,21 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         force[a][x] += T::of(forced.force[entry][a]);
                     }
                 }
+                let profile = match self.common.held {
+                    None => self.common.sponge,
+                    Some(held) => {
+                        let held = &held[row as usize * nx..][..nx];
+                        self.common.add_up(held, &mut relaxation_times);
+                        Some((&relaxation_times[..], 0))
+                    }
+                };
                 let start = plane * grid.stride_z + y * grid.stride_y + 1;
                 collide_row::<S, T, C>(
                     simd,
                     &mut self.slab.arrays,
                     start..start + nx,
                     self.common,
+                    profile,
                     &force,
                     touched,
                     acceleration.is_some(),
@@ -238,7 +279,27 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
     }
 }
 
-/// Collides one row in runs of blocks that are alike: with or without force, before or in the sponge. A block is a cache line of cells,
+impl<T: Real> Common<'_, T> {
+    /// Relaxation times of a row: molecular or the sponge's, plus the held eddy part.
+    #[inline(always)]
+    fn add_up(&self, held: &[T], sums: &mut [T]) {
+        match self.sponge {
+            None => {
+                for (sum, &held) in sums.iter_mut().zip(held) {
+                    *sum = self.relaxation_time + held;
+                }
+            }
+            Some((profile, _)) => {
+                for ((sum, &held), &base) in sums.iter_mut().zip(held).zip(profile) {
+                    *sum = base + held;
+                }
+            }
+        }
+    }
+}
+
+/// Collides one row in runs of blocks that are alike: with or without force, before or where `profile` gives every cell a relaxation
+/// time of its own (and the first block for which it does). A block is a cache line of cells,
 /// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
 /// their own, ascending.
 #[inline(always)]
@@ -247,20 +308,21 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     row: Range<usize>,
     common: &Common<T>,
+    profile: Option<(&[T], usize)>,
     force: &[Vec<T>; 3],
     touched: &[u32],
     accelerated: bool,
 ) {
     let nx = row.len();
     let block = LINE_BYTES / size_of::<T>();
-    let sponge_start = common.sponge.map_or(nx, |(_, start)| start);
+    let profile_start = profile.map_or(nx, |(_, start)| start);
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
         .peekable();
     let mut x = 0;
     while x < nx {
-        let mut end = if x < sponge_start { sponge_start } else { nx };
+        let mut end = if x < profile_start { profile_start } else { nx };
         let mut forced = accelerated;
         if !accelerated && let Some(&first) = touched.peek() {
             if first > x {
@@ -279,7 +341,7 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
             }
         }
         let cells = row.start + x..row.start + end;
-        let profile = common.sponge.filter(|_| x >= sponge_start);
+        let profile = profile.filter(|_| x >= profile_start);
         let tau = profile.map_or(&[][..], |(profile, _)| &profile[x..end]);
         let body = if forced {
             [&force[0][x..end], &force[1][x..end], &force[2][x..end]]
@@ -304,9 +366,9 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
     }
 }
 
-/// Collides neighbouring cells. `tau` is read only where `SPONGE`, `force` only where `FORCED`.
+/// Collides neighbouring cells. `tau` is read only where `PROFILE`, `force` only where `FORCED`.
 #[inline(always)]
-fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE: bool>(
+fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE: bool>(
     simd: S,
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     cells: Range<usize>,
@@ -325,7 +387,7 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
     let lanes = T::lanes::<S>();
     let whole = cells.len() / lanes;
     let (tau, tau_part) = T::vectors::<S>(tau);
-    let tau = &tau[..if SPONGE { whole } else { 0 }];
+    let tau = &tau[..if PROFILE { whole } else { 0 }];
     let (force, force_part) = {
         let split = force.map(|component| T::vectors::<S>(component));
         let whole = if FORCED { whole } else { 0 };
@@ -349,7 +411,7 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
             f[direction] = Lanes::new(simd, vectors[direction][i]);
         }
         let local = local(
-            SPONGE.then(|| tau[i]),
+            PROFILE.then(|| tau[i]),
             force.map(|component| FORCED.then(|| component[i])),
         );
         let out = C::collide::<_, FORCED>(&f, &local);
@@ -365,7 +427,7 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
         f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
     }
     let local = local(
-        SPONGE.then(|| T::load_part(simd, tau_part)),
+        PROFILE.then(|| T::load_part(simd, tau_part)),
         force_part.map(|component| FORCED.then(|| T::load_part(simd, component))),
     );
     let out = C::collide::<_, FORCED>(&f, &local);

@@ -1,5 +1,6 @@
 use super::super::Fluid;
 use super::{BodyForce, ForcedCells};
+use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use crate::lattice::{DIRECTION_COUNT, Operator, Real};
 
@@ -16,7 +17,17 @@ fn instruction_sets() -> Vec<pulp::Arch> {
     sets
 }
 
-fn setup(operator: Operator, eddy: bool, tunnel: bool) -> Setup {
+/// None, and every model.
+fn eddy_viscosities() -> [Option<EddyViscosity>; 4] {
+    [
+        None,
+        Some(EddyViscosity::smagorinsky(0.15)),
+        Some(EddyViscosity::wale(0.5)),
+        Some(EddyViscosity::vreman(0.07)),
+    ]
+}
+
+fn setup(operator: Operator, eddy: Option<EddyViscosity>, tunnel: bool) -> Setup {
     Setup {
         // One block of single precision, one vector and a rest; the sponge begins within a block.
         cells: [37, 7, 9],
@@ -33,7 +44,7 @@ fn setup(operator: Operator, eddy: bool, tunnel: bool) -> Setup {
         relaxation_time: 0.52,
         sponge_cells: tunnel.then_some(13.0),
         operator,
-        smagorinsky_constant: eddy.then_some(0.15),
+        eddy_viscosity: eddy,
     }
 }
 
@@ -76,8 +87,8 @@ fn populations<T: Real>(
 }
 
 fn same_bits<T: Real>() {
-    for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-        for eddy in [false, true] {
+    for operator in Operator::ALL {
+        for eddy in eddy_viscosities() {
             for tunnel in [false, true] {
                 for acceleration in [None, Some([1e-4, 0.0, -2e-4])] {
                     let setup = setup(operator, eddy, tunnel);
@@ -90,7 +101,7 @@ fn same_bits<T: Real>() {
                             assert!(
                                 bytemuck::cast_slice::<T, u8>(one)
                                     == bytemuck::cast_slice::<T, u8>(lanes),
-                                "{set:?} {operator:?} {eddy} {tunnel}: array {array}"
+                                "{set:?} {operator:?} {eddy:?} {tunnel}: array {array}"
                             );
                         }
                     }
@@ -110,8 +121,8 @@ fn same_bits_under_all_instruction_sets() {
 #[test]
 fn a_force_of_zero_changes_nothing() {
     fn check<T: Real>() {
-        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-            let setup = setup(operator, true, true);
+        for operator in Operator::ALL {
+            let setup = setup(operator, Some(EddyViscosity::wale(0.5)), true);
             let without = populations::<T>(&setup, pulp::Arch::new(), None);
             let with = populations::<T>(&setup, pulp::Arch::new(), Some([0.0; 3]));
             for (a, b) in without.iter().flatten().zip(with.iter().flatten()) {
