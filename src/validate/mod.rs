@@ -1,17 +1,20 @@
 //! Validation: problems with known answers, computed through the public interface of the crate, one file per problem.
 //!
 //! Each problem computes a few flows and adds rows to a [`Report`]: a quantity, its reference, its error, and the gate that it must pass.
-//! The quick set takes a minute or two on two CPU cores; coarse grids have gates of their own there, which the row says. `--full` takes
+//! The quick set takes about a minute on two CPU cores; coarse grids have gates of their own there, which the row says. `--full` takes
 //! the sizes for which the reference gates are meant.
 
 mod acoustic_pulse;
 mod beltrami;
 mod cavity;
 mod couette;
+mod disk;
+mod drag;
 mod poiseuille;
 mod report;
 mod shear_layer;
 mod soak;
+mod sphere;
 mod taylor_green;
 mod taylor_green_vortex;
 
@@ -46,7 +49,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 9] = [
+pub const PROBLEMS: [Problem; 11] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -76,6 +79,16 @@ pub const PROBLEMS: [Problem; 9] = [
         name: "soak",
         updates: [41.0, 410.0],
         compute: soak::compute,
+    },
+    Problem {
+        name: "sphere",
+        updates: [470.0, 46_700.0],
+        compute: sphere::compute,
+    },
+    Problem {
+        name: "disk",
+        updates: [680.0, 21_000.0],
+        compute: disk::compute,
     },
     Problem {
         name: "shear-layer",
@@ -112,6 +125,9 @@ pub enum Stop {
     /// The device failed.
     #[error("{0}")]
     Device(#[from] DeviceError),
+    /// A flow cannot be set up.
+    #[error("{0}")]
+    Refused(String),
 }
 
 /// What to compute, and where.
@@ -225,14 +241,19 @@ impl Session<'_> {
                 device.wait()?;
             }
             left -= count;
-            self.done = (self.done + 1e-6 * cells * count as f64).min(self.problem_end);
-            self.observer.progress(
-                self.done.ceil().max(1.0) as u64,
-                self.planned.ceil().max(1.0) as u64,
-                self.problem,
-            );
+            self.progress_to(self.done + 1e-6 * cells * count as f64);
         }
         Ok(())
+    }
+
+    /// Reports so many updates done [millions].
+    fn progress_to(&mut self, updates: f64) {
+        self.done = updates.min(self.problem_end);
+        self.observer.progress(
+            self.done.ceil().max(1.0) as u64,
+            self.planned.ceil().max(1.0) as u64,
+            self.problem,
+        );
     }
 
     /// Adds a row; its time is that since the row before.
