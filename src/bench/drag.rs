@@ -23,6 +23,7 @@ pub(super) const fn sphere(setting: &Setting) -> BluffBody {
         smagorinsky_constant: None,
         tunnel: [7.0, 6.0, 6.0],
         upstream: 3.0,
+        sponge: 1.0,
         until: Until::Settled(20.0),
     }
 }

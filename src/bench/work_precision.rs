@@ -25,7 +25,7 @@ const REPEATED_BELOW_S: f64 = 0.2;
 pub(super) const ERROR_LIMITS: [f64; 2] = [0.05, 0.01];
 
 /// What is varied.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Setting {
     /// Cells along the reference length.
     pub resolution: usize,
@@ -424,4 +424,104 @@ fn write_csv(path: &Path, points: &[Point]) -> Result<(), Stop> {
         table.flush()
     })?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Precision;
+
+    /// No setting is measured twice, and none is larger than its set allows.
+    #[test]
+    fn every_setting_comes_once() {
+        for problem in &PROBLEMS {
+            for full in [false, true] {
+                let settings = settings(problem, full);
+                assert!(settings.len() >= 8, "{}", problem.name);
+                for (i, setting) in settings.iter().enumerate() {
+                    assert!(!settings[..i].contains(setting), "{setting:?}");
+                    let updates = problem.kind.updates(setting);
+                    assert!(updates <= problem.largest[usize::from(full)]);
+                }
+            }
+        }
+    }
+
+    fn point(seconds: f64, error: f64) -> Point {
+        Point {
+            problem: "sphere",
+            engine: "cpu f32".to_owned(),
+            operator: Operator::RecursiveRegularised,
+            resolution: 8,
+            mach: 0.1,
+            cells: 1,
+            steps: 1,
+            seconds,
+            error,
+            pareto: false,
+        }
+    }
+
+    /// Points that are no results are neither on the front nor in the plot, whose axes they would stretch.
+    #[test]
+    fn broken_flows_are_counted_and_left_out() {
+        let points = [
+            point(0.1, f64::NAN),
+            point(0.2, 1e30),
+            point(0.3, 0.02),
+            point(0.4, f64::INFINITY),
+        ];
+        assert_eq!(pareto(&coordinates(&points)), [false, false, true, false]);
+        let text = summary(&PROBLEMS[1], &points);
+        assert!(text.contains("to 5 %: 0.300 s, error 2.00 %"), "{text}");
+        assert!(text.contains("to 1 %: no setting reaches it"), "{text}");
+        assert!(text.contains("3 of 4 settings broke down"), "{text}");
+        let folder = tempfile::tempdir().unwrap();
+        let plot = folder.path().join("plot.png");
+        plots::work_precision(&plot, "sphere", "error", &points).unwrap();
+        assert!(plot.exists());
+        let none = folder.path().join("none.png");
+        plots::work_precision(&none, "sphere", "error", &points[..2]).unwrap();
+        assert!(!none.exists());
+    }
+
+    /// Both kinds measure a coarse flow: second order of the vortices, and a drag within 40 %.
+    #[test]
+    fn coarse_flows_are_measured() {
+        let engine = Engine::cpu(Precision::F32);
+        let interrupt = AtomicBool::new(false);
+        let error = |problem: &Problem, resolution, lattice_speed| {
+            let setting = Setting {
+                resolution,
+                lattice_speed,
+                operator: Operator::RecursiveRegularised,
+            };
+            let found = problem.kind.compute(&setting, &engine, &interrupt).unwrap();
+            assert!(found.seconds > 0.0 && found.steps > 10 && found.cells > 100);
+            assert!(
+                1e-6 * (found.steps * found.cells as u64) as f64
+                    <= 1.05 * problem.kind.updates(&setting)
+            );
+            found.error
+        };
+        // A Mach number in proportion to the cell size.
+        let (coarse, fine) = (error(&PROBLEMS[0], 8, 0.16), error(&PROBLEMS[0], 16, 0.08));
+        assert!((3.0..6.0).contains(&(coarse / fine)), "{coarse} {fine}");
+        let drag = error(&PROBLEMS[1], 6, 0.15);
+        assert!((0.01..0.4).contains(&drag), "{drag}");
+        interrupt.store(true, Ordering::Relaxed);
+        let setting = Setting {
+            resolution: 6,
+            lattice_speed: 0.15,
+            operator: Operator::RecursiveRegularised,
+        };
+        for problem in &PROBLEMS {
+            let stopped = problem.kind.compute(&setting, &engine, &interrupt);
+            assert!(
+                matches!(stopped, Err(Stop::Interrupted)),
+                "{}",
+                problem.name
+            );
+        }
+    }
 }

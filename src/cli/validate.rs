@@ -11,9 +11,9 @@ use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
 pub(super) struct ValidateArguments {
-    /// Compute only problems whose name contains this text.
+    /// Compute only the problem of this name, or those whose name contains this text.
     filter: Option<String>,
-    /// Real sizes and the gates meant for them, instead of the quick set of a minute or two.
+    /// Real sizes and the gates meant for them, instead of the quick set of about a minute.
     #[arg(long)]
     full: bool,
     /// Engine for the air.

@@ -18,9 +18,13 @@ impl From<bluff_body::Stop> for Stop {
     }
 }
 
-/// Computes the drag of a body and adds rows: the drag against the published one, which must lie within `band`, and the difference of the
-/// two routes. The tunnel's walls are part of the error; the row states its blockage.
-pub(super) fn rows(session: &mut Session, body: &BluffBody, band: f64) -> Result<Drag, Stop> {
+/// Computes the drag of a body and adds rows: the drag against the published one, which must lie within `band` if there is one, and the
+/// difference of the two routes. The tunnel's walls are part of the error; the row states its blockage.
+pub(super) fn rows(
+    session: &mut Session,
+    body: &BluffBody,
+    band: Option<f64>,
+) -> Result<Drag, Stop> {
     let order = session.order;
     let cells = body.cells();
     let updates = 1e-6 * cells.iter().product::<usize>() as f64;
@@ -45,7 +49,10 @@ pub(super) fn rows(session: &mut Session, body: &BluffBody, band: f64) -> Result
     };
     let row = session.row(cells, format!("{flow}: C_D {when}"), drag.coefficient);
     if let Some((reference, source)) = body.published_drag() {
-        row.reference(reference, source).gate(Gate::Within(band));
+        row.reference(reference, source);
+        if let Some(band) = band {
+            row.gate(Gate::Within(band));
+        }
     }
     let difference = (drag.momentum_box - drag.coefficient) / drag.coefficient;
     session
