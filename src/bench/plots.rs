@@ -38,7 +38,8 @@ fn position<T: PartialEq>(known: &mut Vec<T>, entry: T) -> usize {
     })
 }
 
-/// Error against seconds: one series per engine (shape) and operator (colour); those that none beats stand in rings, joined by a line.
+/// Error against seconds: one series per engine (shape) and operator (colour); those that none beats stand in rings, joined by a line. Points
+/// whose errors cancel by chance are hollow.
 pub(super) fn work_precision(
     path: &Path,
     name: &str,
@@ -46,19 +47,26 @@ pub(super) fn work_precision(
     points: &[work_precision::Point],
 ) -> Result<(), Stop> {
     let results = || points.iter().filter(|p| p.is_result());
+    let title = if points.iter().any(|p| p.cancels) {
+        format!("{name} (hollow: errors cancel by chance)")
+    } else {
+        name.to_owned()
+    };
     let (mut engines, mut operators) = (Vec::new(), Vec::new());
-    let mut series: Vec<([usize; 2], Vec<(f64, f64)>)> = Vec::new();
+    let mut series: Vec<(_, Vec<(f64, f64)>)> = Vec::new();
     for point in results() {
-        let key = [
+        let key = (
+            point.cancels,
             position(&mut engines, point.engine.as_str()),
             position(&mut operators, operator_name(point.operator)),
-        ];
+        );
         let place = (point.seconds, point.error);
         match series.iter_mut().find(|(known, _)| *known == key) {
             Some((_, data)) => data.push(place),
             None => series.push((key, vec![place])),
         }
     }
+    series.sort_by_key(|(key, _)| *key);
     let mut front: Vec<(f64, f64)> = results()
         .filter(|p| p.pareto)
         .map(|p| (p.seconds, p.error))
@@ -104,20 +112,25 @@ pub(super) fn work_precision(
             .with_marker_stroke_width(1.5)
             .into(),
     );
-    for ([engine, operator], data) in series {
-        plots.push(
-            ScatterPlot::new()
-                .with_data(data)
-                .with_color(COLOURS[operator % COLOURS.len()])
-                .with_marker(SHAPES[engine % SHAPES.len()])
-                .with_size(4.0)
-                .with_legend(format!("{}, {}", engines[engine], operators[operator]))
-                .into(),
-        );
+    for ((cancels, engine, operator), data) in series {
+        let series = ScatterPlot::new()
+            .with_data(data)
+            .with_color(COLOURS[operator % COLOURS.len()])
+            .with_marker(SHAPES[engine % SHAPES.len()])
+            .with_size(4.0);
+        let name = format!("{}, {}", engines[engine], operators[operator]);
+        plots.push(if cancels {
+            series
+                .with_marker_opacity(0.0)
+                .with_marker_stroke_width(1.0)
+                .into()
+        } else {
+            series.with_legend(name).into()
+        });
     }
     let layout = Layout::auto_from_plots(&plots)
         .with_log_scale()
-        .with_title(name)
+        .with_title(title)
         .with_x_label("time of the steps [s]")
         .with_y_label(error);
     write(path, plots, layout)

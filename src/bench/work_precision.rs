@@ -24,6 +24,9 @@ const REPEATED_BELOW_S: f64 = 0.2;
 /// Errors for which the fastest setting is named.
 pub(super) const ERROR_LIMITS: [f64; 2] = [0.05, 0.01];
 
+/// Ratio of a finer grid's error to a coarser one's beyond which the coarser one was lucky.
+const CANCELLING: f64 = 1.1;
+
 /// What is varied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Setting {
@@ -137,7 +140,9 @@ pub struct Point {
     pub seconds: f64,
     /// The problem's error, relative; not finite where the flow broke down.
     pub error: f64,
-    /// Whether no other point of the problem is as fast and as accurate.
+    /// Whether a finer grid of the same Mach number, operator and engine is clearly worse: errors of two signs cancel here, by chance.
+    pub cancels: bool,
+    /// Whether no other point of the problem is as fast and as accurate, those that cancel left out.
     pub pareto: bool,
 }
 
@@ -170,6 +175,7 @@ pub fn measure(
         .collect();
     for problem in chosen {
         let mut own = measure_problem(&problem, full, engines, watch)?;
+        mark_cancelling(&mut own);
         let front = pareto(&coordinates(&own));
         for (point, on_front) in own.iter_mut().zip(front) {
             point.pareto = on_front;
@@ -187,13 +193,28 @@ pub fn measure(
     Ok((points, text))
 }
 
-/// (seconds, error), for the front: an error beyond 100 % is no result.
+/// Marks the points at which errors of two signs cancel.
+fn mark_cancelling(points: &mut [Point]) {
+    for i in 0..points.len() {
+        let one = &points[i];
+        points[i].cancels = points.iter().any(|finer| {
+            finer.is_result()
+                && finer.resolution > one.resolution
+                && finer.error > CANCELLING * one.error
+                && finer.mach == one.mach
+                && finer.operator == one.operator
+                && finer.engine == one.engine
+        });
+    }
+}
+
+/// (seconds, error), for the front: an error beyond 100 % is no result, and one that cancels by chance says nothing of other flows.
 fn coordinates(points: &[Point]) -> Vec<(f64, f64)> {
     points
         .iter()
         .map(|p| {
-            let error = if p.is_result() { p.error } else { f64::NAN };
-            (p.seconds, error)
+            let counts = p.is_result() && !p.cancels;
+            (p.seconds, if counts { p.error } else { f64::NAN })
         })
         .collect()
 }
@@ -251,6 +272,7 @@ fn measure_problem(
                 steps: best.steps,
                 seconds: best.seconds,
                 error: best.error,
+                cancels: false,
                 pareto: false,
             });
             watch
@@ -406,6 +428,13 @@ fn summary(problem: &Problem, points: &[Point]) -> String {
     front.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     lines.extend(front.into_iter().map(|p| format!("    {}", describe(p))));
     let failed = points.iter().filter(|p| !p.is_result()).count();
+    let cancelling = points.iter().filter(|p| p.cancels).count();
+    if cancelling > 0 {
+        lines.push(format!(
+            "  {cancelling} of {} settings left out: finer grids at their Mach number are worse, so that errors cancel in them by chance",
+            points.len()
+        ));
+    }
     if failed > 0 {
         lines.push(format!(
             "  {failed} of {} settings broke down or are wrong by more than 100 %",
@@ -458,8 +487,31 @@ mod tests {
             steps: 1,
             seconds,
             error,
+            cancels: false,
             pareto: false,
         }
+    }
+
+    /// The error of a grid that a finer one exceeds is luck, but not if the finer one broke down, or differs in more than the grid.
+    #[test]
+    fn luck_is_marked() {
+        let on = |resolution, mach, error| Point {
+            resolution,
+            mach,
+            ..point(1.0, error)
+        };
+        let mut points = [
+            on(8, 0.1, 0.05),
+            on(12, 0.1, 0.002),
+            on(16, 0.1, 0.01),
+            on(24, 0.1, 0.0105),
+            on(32, 0.1, f64::NAN),
+            on(12, 0.2, 0.001),
+        ];
+        mark_cancelling(&mut points);
+        let marked = points.each_ref().map(|p| p.cancels);
+        assert_eq!(marked, [false, true, false, false, false, false]);
+        assert_eq!(fastest_within(&coordinates(&points[..4]), 0.005), None);
     }
 
     /// Points that are no results are neither on the front nor in the plot, whose axes they would stretch.
