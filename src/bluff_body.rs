@@ -11,8 +11,8 @@ use std::time::Instant;
 use crate::case::{self, Case, CaseError, Choices};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::Operator;
+use crate::measure::Record;
 use crate::measure::bodies::{disk_drag, sphere_drag};
-use crate::measure::{Record, results};
 use crate::plan::{AirPlacement, Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
@@ -88,8 +88,6 @@ pub struct Drag {
     pub coefficient: f64,
     /// The same from the balance of momentum of a box around the body.
     pub momentum_box: f64,
-    /// f D/U of the lift; `None` if it does not oscillate regularly, or the flow is not averaged.
-    pub strouhal: Option<f64>,
     /// False if the drag was still changing at the end.
     pub settled: bool,
     /// Time at the end [D/U].
@@ -273,7 +271,6 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
         let mut drag = Drag {
             coefficient: f64::NAN,
             momentum_box: f64::NAN,
-            strouhal: None,
             settled,
             time: simulation.time_s(),
             steps: simulation.step_count(),
@@ -288,11 +285,6 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
             [drag.coefficient, drag.momentum_box] =
                 ["impulse_markers_n_s", "impulse_momentum_box_n_s"]
                     .map(|route| mean_force(&record, route, 0, window) / (0.5 * FRONTAL_AREA));
-            if let Until::Averaged(_) = self.until {
-                drag.strouhal = results(&simulation, &record)
-                    .get("strouhal_number")
-                    .and_then(|quantity| quantity.value);
-            }
         }
         Ok(drag)
     }
@@ -371,7 +363,6 @@ mod tests {
             (drag.momentum_box / drag.coefficient - 1.0).abs() < 1e-6,
             "{drag:?}"
         );
-        assert_eq!(drag.strouhal, None);
         let early = super::tests::drag(&BluffBody {
             until: Until::Settled(3.0),
             ..SPHERE

@@ -76,9 +76,9 @@ struct Problem {
 
 const DRAG_SPEEDS: &[f64] = &[0.04, 0.08, 0.15];
 
-const DRAG_RESOLUTIONS: [&[usize]; 2] = [&[6, 8, 10, 12], &[6, 8, 10, 12, 16, 24]];
+const DRAG_RESOLUTIONS: [&[usize]; 2] = [&[6, 8, 10], &[6, 8, 10, 12, 16]];
 
-const DRAG_LARGEST: [f64; 2] = [350.0, 3_500.0];
+const DRAG_LARGEST: [f64; 2] = [600.0, 4_400.0];
 
 const PROBLEMS: [Problem; 3] = [
     Problem {

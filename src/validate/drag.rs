@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::{Gate, Session, Stop};
-use crate::bluff_body::{self, BluffBody, Drag, Until};
+use crate::bluff_body::{self, BluffBody, Until};
 
 /// Largest difference of the two routes of the drag, over the drag: round-off of f32 in a box of some thousand cells.
 const ROUTES: f64 = 1e-3;
@@ -20,11 +20,7 @@ impl From<bluff_body::Stop> for Stop {
 
 /// Computes the drag of a body and adds rows: the drag against the published one, which must lie within `band` if there is one, and the
 /// difference of the two routes. The tunnel's walls are part of the error; the row states its blockage.
-pub(super) fn rows(
-    session: &mut Session,
-    body: &BluffBody,
-    band: Option<f64>,
-) -> Result<Drag, Stop> {
+pub(super) fn rows(session: &mut Session, body: &BluffBody, band: Option<f64>) -> Result<(), Stop> {
     let order = session.order;
     let cells = body.cells();
     let updates = 1e-6 * cells.iter().product::<usize>() as f64;
@@ -62,5 +58,5 @@ pub(super) fn rows(
             difference,
         )
         .gate(Gate::AtMost(ROUTES));
-    Ok(drag)
+    Ok(())
 }

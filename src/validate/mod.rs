@@ -88,7 +88,7 @@ pub const PROBLEMS: [Problem; 11] = [
     },
     Problem {
         name: "sphere",
-        updates: [500.0, 31_000.0],
+        updates: [500.0, 35_000.0],
         compute: sphere::compute,
     },
     Problem {

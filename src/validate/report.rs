@@ -312,6 +312,26 @@ mod tests {
         }
     }
 
+    /// Populations in 16 bits miss gates of order and conservation by far; the table says that none apply.
+    #[test]
+    fn what_is_not_judged_has_no_gate() {
+        let order = Order {
+            problems: Vec::new(),
+            full: false,
+            placement: crate::plan::AirPlacement::Gpu(crate::plan::Storage::F16),
+            device: None,
+        };
+        let mut report = Report::new(&order);
+        let mut stated = row(7.0);
+        stated.is_judged = false;
+        stated.gate(Gate::AtMost(1.0));
+        assert_eq!((stated.gate, stated.holds), (None, None));
+        report.add(stated);
+        let table = report.table();
+        assert!(report.holds() && table.contains("0 gates"), "{table}");
+        assert!(table.contains("stated without"), "{table}");
+    }
+
     #[test]
     fn one_failing_gate_fails_the_report() {
         let order = Order {
