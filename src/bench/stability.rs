@@ -31,12 +31,6 @@ pub const MACH_NUMBERS: [f64; 8] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
 /// Between wind and x axis [°].
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
 
-const OPERATORS: [Operator; 3] = [
-    Operator::SingleRelaxationTime,
-    Operator::TwoRelaxationTimes,
-    Operator::RecursiveRegularised,
-];
-
 /// Without eddy viscosity, and with every model.
 const MODELS: [Option<EddyViscosityModel>; 4] = [
     None,
@@ -51,9 +45,9 @@ const LOOKS: usize = 40;
 /// Computes the map on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
 pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
-    let planned = (engines.len() * OPERATORS.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
+    let planned = (engines.len() * Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
     for engine in engines {
-        for operator in OPERATORS {
+        for operator in Operator::ALL {
             for eddy_viscosity in MODELS {
                 for viscous_part in VISCOUS_PARTS {
                     let interrupt = watch.interrupt;
