@@ -69,8 +69,6 @@ pub struct BluffBody {
     pub lattice_speed: f64,
     /// Collision operator.
     pub operator: Operator,
-    /// Constant of the eddy viscosity; absent: none.
-    pub smagorinsky_constant: Option<f64>,
     /// Length, width and height of the tunnel [D].
     pub tunnel: [f64; 3],
     /// From the inlet to the middle of the body [D].
@@ -219,7 +217,6 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
         let mut case = case::parse(shape, &source, Path::new("."), &choices)?;
         if let Some(air) = &mut case.scene.air {
             air.operator = self.operator;
-            air.smagorinsky_constant = self.smagorinsky_constant;
         }
         Ok(case)
     }
@@ -342,7 +339,6 @@ mod tests {
         resolution: 5,
         lattice_speed: 0.15,
         operator: Operator::TwoRelaxationTimes,
-        smagorinsky_constant: None,
         tunnel: [5.0, 4.0, 4.0],
         upstream: 2.0,
         sponge: 1.0,

@@ -20,7 +20,6 @@ pub(super) const fn sphere(setting: &Setting) -> BluffBody {
         resolution: setting.resolution,
         lattice_speed: setting.lattice_speed,
         operator: setting.operator,
-        smagorinsky_constant: None,
         tunnel: [7.0, 6.0, 6.0],
         upstream: 3.0,
         sponge: 1.0,

@@ -16,7 +16,6 @@ const QUICK: BluffBody = BluffBody {
     resolution: 12,
     lattice_speed: 0.1,
     operator: Operator::RecursiveRegularised,
-    smagorinsky_constant: None,
     tunnel: [7.0, 6.0, 6.0],
     upstream: 3.0,
     sponge: 1.0,
