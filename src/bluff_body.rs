@@ -290,20 +290,16 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
 /// A motion that brings a body to its place along +z: `[bodies.NAME.motion.table]`.
 fn kick(name: &str, end: f64) -> String {
     let [way, duration] = KICK;
-    let mut times: Vec<f64> = (0..=20).map(|i| duration * f64::from(i) / 20.0).collect();
+    // As long at rest: else the spline swings on.
+    let mut times: Vec<f64> = (0..=40).map(|i| duration * f64::from(i) / 20.0).collect();
     let mut ways: Vec<[f64; 3]> = times
         .iter()
-        .map(|t| {
-            [
-                0.0,
-                0.0,
-                -0.5 * way * (1.0 + (std::f64::consts::PI * t / duration).cos()),
-            ]
-        })
+        .map(|t| (std::f64::consts::PI * t / duration).min(std::f64::consts::PI))
+        .map(|phase| [0.0, 0.0, -0.5 * way * (1.0 + phase.cos())])
         .collect();
-    // Rows at rest keep the spline flat.
+    let last = 2.0 * duration;
     for i in 1..=8 {
-        times.push(duration + (end - duration) * f64::from(i) / 8.0);
+        times.push(last + (end - last) * f64::from(i) / 8.0);
         ways.push([0.0; 3]);
     }
     format!("[bodies.{name}.motion.table]\ntimes_s = {times:?}\ndisplacements_m = {ways:?}\n")

@@ -390,8 +390,8 @@ pub(super) fn advance(air: &mut AirEngine, steps: usize) -> Result<(), Stop> {
 
 /// Three digits, in per cent.
 fn percent(error: f64) -> String {
-    let digits = (1.0 - (100.0 * error).log10()).floor().clamp(0.0, 5.0);
-    format!("{:.*} %", digits as usize + 1, 100.0 * error)
+    let digits = 2.0 - (100.0 * error).log10().floor();
+    format!("{:.*} %", digits.clamp(0.0, 6.0) as usize, 100.0 * error)
 }
 
 fn describe(point: &Point) -> String {
@@ -548,7 +548,7 @@ mod tests {
             found.error
         };
         // A Mach number in proportion to the cell size.
-        let (coarse, fine) = (error(&PROBLEMS[0], 8, 0.16), error(&PROBLEMS[0], 16, 0.08));
+        let (coarse, fine) = (error(&PROBLEMS[0], 16, 0.16), error(&PROBLEMS[0], 32, 0.08));
         assert!((3.0..6.0).contains(&(coarse / fine)), "{coarse} {fine}");
         let drag = error(&PROBLEMS[1], 6, 0.15);
         assert!((0.01..0.4).contains(&drag), "{drag}");
