@@ -29,8 +29,12 @@ pub fn trials() -> Vec<Trial> {
 const WALE: f64 = 0.5;
 const VREMAN: f64 = 0.07;
 
-/// Both models with the gradient, ν_t for a gradient [a][b] = ∂u_b/∂x_a.
-fn models() -> [(EddyViscosity, fn(&[[f64; 3]; 3]) -> f64); 2] {
+type Gradient = [[f64; 3]; 3];
+
+type Velocity = dyn Fn([usize; 3]) -> [f64; 3] + Sync;
+
+/// Both models with ν_t for a gradient [a][b] = ∂u_b/∂x_a.
+fn models() -> [(EddyViscosity, fn(&Gradient) -> f64); 2] {
     [
         (EddyViscosity::wale(WALE), |g| WALE * WALE * wale(g)),
         (EddyViscosity::vreman(VREMAN), |g| VREMAN * vreman(g)),
@@ -49,11 +53,7 @@ fn periodic(cells: [usize; 3], eddy_viscosity: EddyViscosity) -> Setup {
     }
 }
 
-fn evaluated(
-    engine: Engine,
-    setup: Setup,
-    u: &(dyn Fn([usize; 3]) -> [f64; 3] + Sync),
-) -> Vec<f64> {
+fn evaluated(engine: Engine, setup: Setup, u: &Velocity) -> Vec<f64> {
     let mut air = engine.air(setup, &|cell| (0.01, u(cell)));
     air.set_inlet_velocity(INLET);
     air.eddy_viscosity().unwrap();
@@ -75,7 +75,7 @@ impl Body for Linear {
         let root = 0.5f64.sqrt();
         let plane = (2f64 / 3.0).powf(1.5) / (2f64.powf(2.5) + (2f64 / 3.0).powf(1.25));
         let axial = 6f64.powf(1.5) / (6f64.powf(2.5) + 6f64.powf(1.25));
-        let flows: [(&str, [[f64; 3]; 3], [f64; 2]); 4] = [
+        let flows: [(&str, Gradient, [f64; 2]); 4] = [
             ("shear", [[0.0; 3], [0.0; 3], [0.0, 1.0, 0.0]], [0.0, 0.0]),
             (
                 "rotation",

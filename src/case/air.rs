@@ -257,11 +257,15 @@ fn check_eddy_viscosity(written: &file::EddyViscosity) -> Result<EddyViscosity, 
     let model = written.model;
     let (lowest, highest, usual) = match model {
         EddyViscosityModel::Smagorinsky => (0.01, 0.3, "0.1 to 0.2; 0.15 is usual"),
-        EddyViscosityModel::Wale => (0.2, 1.0, "0.325 (channels) to 0.6; 0.5 is usual"),
+        EddyViscosityModel::Wale => (
+            0.2,
+            1.0,
+            "0.325 (channels) to 0.6; 0.325 suits recursive_regularised",
+        ),
         EddyViscosityModel::Vreman => (
             0.01,
             0.12,
-            "0.025 to 0.07, 2.5 times the square of Smagorinsky's",
+            "0.025 to 0.07; 0.025 suits recursive_regularised",
         ),
     };
     let constant = written.constant;

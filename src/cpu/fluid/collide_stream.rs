@@ -85,10 +85,12 @@ impl<const EDDY: bool> Collision for RecursiveRegularised<EDDY> {
 }
 
 /// What all rows of a step share.
+#[derive(Clone, Copy)]
 struct Common<'a, T> {
     relaxation_time: T,
-    /// Relaxation time of every x, and the first block with a value of its own; `None` without a sponge.
-    sponge: Option<(&'a [T], usize)>,
+    /// Relaxation time of every cell of a row, and the first block with a value of its own; `None` without a sponge, where a row does not
+    /// have its own from the eddy viscosity.
+    profile: Option<(&'a [T], usize)>,
     eddy_factor: T,
     /// What the stage `eddy_viscosity` adds to the relaxation time of every cell, x fastest; `None` without that stage.
     held: Option<&'a [T]>,
@@ -140,7 +142,7 @@ impl<T: Real> Fluid<T> {
         let block = LINE_BYTES / size_of::<T>();
         let common = Common {
             relaxation_time,
-            sponge: self.relaxation_profile.as_deref().map(|profile| {
+            profile: self.relaxation_profile.as_deref().map(|profile| {
                 let first = profile.partition_point(|tau| *tau <= relaxation_time);
                 (profile, first / block * block)
             }),
@@ -249,12 +251,15 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         force[a][x] += T::of(forced.force[entry][a]);
                     }
                 }
-                let profile = match self.common.held {
-                    None => self.common.sponge,
+                let common = match self.common.held {
+                    None => *self.common,
                     Some(held) => {
                         let held = &held[row as usize * nx..][..nx];
                         self.common.add_up(held, &mut relaxation_times);
-                        Some((&relaxation_times[..], 0))
+                        Common {
+                            profile: Some((&relaxation_times, 0)),
+                            ..*self.common
+                        }
                     }
                 };
                 let start = plane * grid.stride_z + y * grid.stride_y + 1;
@@ -262,8 +267,7 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     simd,
                     &mut self.slab.arrays,
                     start..start + nx,
-                    self.common,
-                    profile,
+                    &common,
                     &force,
                     touched,
                     acceleration.is_some(),
@@ -283,7 +287,7 @@ impl<T: Real> Common<'_, T> {
     /// Relaxation times of a row: molecular or the sponge's, plus the held eddy part.
     #[inline(always)]
     fn add_up(&self, held: &[T], sums: &mut [T]) {
-        match self.sponge {
+        match self.profile {
             None => {
                 for (sum, &held) in sums.iter_mut().zip(held) {
                     *sum = self.relaxation_time + held;
@@ -298,8 +302,8 @@ impl<T: Real> Common<'_, T> {
     }
 }
 
-/// Collides one row in runs of blocks that are alike: with or without force, before or where `profile` gives every cell a relaxation
-/// time of its own (and the first block for which it does). A block is a cache line of cells,
+/// Collides one row in runs of blocks that are alike: with or without force, before or where every cell has a relaxation
+/// time of its own. A block is a cache line of cells,
 /// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
 /// their own, ascending.
 #[inline(always)]
@@ -308,14 +312,13 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     row: Range<usize>,
     common: &Common<T>,
-    profile: Option<(&[T], usize)>,
     force: &[Vec<T>; 3],
     touched: &[u32],
     accelerated: bool,
 ) {
     let nx = row.len();
     let block = LINE_BYTES / size_of::<T>();
-    let profile_start = profile.map_or(nx, |(_, start)| start);
+    let profile_start = common.profile.map_or(nx, |(_, start)| start);
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
@@ -341,7 +344,7 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
             }
         }
         let cells = row.start + x..row.start + end;
-        let profile = profile.filter(|_| x >= profile_start);
+        let profile = common.profile.filter(|_| x >= profile_start);
         let tau = profile.map_or(&[][..], |(profile, _)| &profile[x..end]);
         let body = if forced {
             [&force[0][x..end], &force[1][x..end], &force[2][x..end]]

@@ -273,6 +273,9 @@ impl<T: Real> EvaluateSlab<'_, T> {
     }
 }
 
+/// Velocities below and above along every axis, component by component.
+type Neighbours<'a, V> = [[[&'a [V]; 3]; 2]; 3];
+
 /// 3 ν_t of the cells of a row of the middle plane.
 #[inline(always)]
 fn evaluate_row<S: Simd, T: Real>(
@@ -291,8 +294,8 @@ fn evaluate_row<S: Simd, T: Real>(
         [(1, row.start - stride), (1, row.start + stride)],
         [(0, row.start), (2, row.start)],
     ];
-    let mut vectors: [[[&[T::Vector<S>]; 3]; 2]; 3] = [[[&[]; 3]; 2]; 3];
-    let mut parts: [[[&[T]; 3]; 2]; 3] = [[[&[]; 3]; 2]; 3];
+    let mut vectors: Neighbours<T::Vector<S>> = [[[&[]; 3]; 2]; 3];
+    let mut parts: Neighbours<T> = [[[&[]; 3]; 2]; 3];
     for (axis, sides) in neighbours.into_iter().enumerate() {
         for (side, (plane, first)) in sides.into_iter().enumerate() {
             for (a, component) in planes[plane].components.iter().enumerate() {
