@@ -124,6 +124,14 @@ fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// c − a·b.
+#[inline(always)]
+fn minus_dot<N: Number>(c: N, a: [N; 3], b: [N; 3]) -> N {
+    c.minus_product(a[0], b[0])
+        .minus_product(a[1], b[1])
+        .minus_product(a[2], b[2])
+}
+
 /// c·v of the first directions of the nine pairs.
 #[inline(always)]
 fn along<N: Number>(v: [N; 3]) -> [N; 9] {
@@ -207,7 +215,9 @@ fn bare_non_equilibrium<N: Number>(m: &Moments<N>, flux: &[N; 6]) -> [N; 6] {
 
 /// Two-relaxation-time collision; returns post-collision populations.
 ///
-/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = f_{i, i+1} − ½ω₊ (s − s_eq) ∓ ½ω₋ (d − d_eq) + sources.
+/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = s* ± d*, where s* = ½ (1 − ω₊) s + ½ ω₊ s_eq + sources, and likewise d* with ω₋.
+/// Force terms are gathered with the equilibria: with h = ½ ω₊ j + (1 − ½ ω₊) F and g = ½ ω₋ Σ f c + ½ F, for the weight 1/36,
+/// s* = ½ (1 − ω₊) s + (½ ω₊ δρ − 3/2 h·u)/18 + (c·h) (c·u)/4 and d* = ½ (1 − ω₋) d + (c·g)/6.
 #[inline(always)]
 pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     f: &Populations<N>,
@@ -223,8 +233,6 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     if FORCED {
         j = sum(j, scale(half, force));
     }
-    // v = 1.5 u.
-    let v = scale(constant(1.5) / density, j);
     let mut tau = local.relaxation_time;
     if EDDY {
         let inverse_density = one / density;
@@ -235,52 +243,47 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
         }
         tau = eddy_relaxation_time(local, &p, inverse_density);
     }
-    let even_rate = one / tau;
-    let odd_rate = one / (half + constant(TRT_MAGIC) / (tau - half));
-    let even_half = half * even_rate;
-    let odd_half = half * odd_rate;
-    let even_source = one - even_half;
-    let odd_source = one - odd_half;
-    let rest = m.density_excess - dot(j, v);
-    let rest_18 = constant(1.0 / 18.0) * rest;
+    // ½ (1 − ω) and ½ ω, rounded so that they sum to ½ exactly: else mass and momentum would drift.
+    let even_kept = half - half / tau;
+    let odd_kept = half - half / (half + constant(TRT_MAGIC) / (tau - half));
+    let even_gained = half - even_kept;
+    let odd_gained = half - odd_kept;
     // Odd equilibria sum to j: the weight of the axes is what those of the diagonals leave.
-    let sixth = constant(1.0 / 6.0);
-    let third = one - constant(4.0) * sixth;
-    let odd_equilibria = along(scale(sixth, j));
-    let axis_equilibria = scale(third, j);
-    let force_18 = scale(constant(1.0 / 18.0), force);
-    let force_12 = scale(constant(1.0 / 12.0), force);
-    let work_18 = dot(v, force_18);
+    let diagonal_weight = constant(1.0 / 6.0) * odd_gained;
+    let axis_weight = odd_gained - constant(4.0) * diagonal_weight;
+    let (mut diagonal, mut axis) = (scale(diagonal_weight, m.momentum), scale(axis_weight, m.momentum));
+    // h, and v = 1.5 u; without a force h = g by another factor of v.
+    let (h, v, diagonal_h, axis_h) = if FORCED {
+        let sixth = constant(1.0 / 6.0);
+        let third = one - constant(4.0) * sixth;
+        diagonal = sum(diagonal, scale(constant(1.0 / 12.0), force));
+        axis = sum(axis, scale(half * third, force));
+        let h = sum(scale(even_gained, j), scale(one - even_gained, force));
+        let v = scale(constant(1.5) / density, j);
+        (h, v, scale(sixth, h), scale(third, h))
+    } else {
+        let v = scale(constant(1.5) * (even_gained / odd_gained) / density, j);
+        (scale(odd_gained, j), v, diagonal, axis)
+    };
+    let rest = minus_dot(even_gained * m.density_excess, h, v);
+    let rest_18 = constant(1.0 / 18.0) * rest;
+    let rest_9 = rest_18 + rest_18;
+    let v_along = along(v);
+    let odd_equilibria = along(diagonal);
+    let h_along = along(diagonal_h);
 
     let mut out = *f;
-    out[0] = f[0] - even_rate * (f[0] - (rest - constant(12.0) * rest_18));
-    if FORCED {
-        out[0] = out[0] - even_source * constant(12.0) * work_18;
-    }
-    let v_along = along(v);
-    let force_along = along(force_12);
+    out[0] = (even_kept + even_kept) * f[0] + ((rest + rest) - constant(24.0) * rest_18);
     for k in 0..9 {
-        let (rest_part, odd_equilibrium) = if k < 3 {
-            (rest_18 + rest_18, axis_equilibria[k])
+        let (even, odd) = if k < 3 {
+            (rest_9.plus_product(axis_h[k], v_along[k]), axis[k])
         } else {
-            (rest_18, odd_equilibria[k])
+            (rest_18.plus_product(h_along[k], v_along[k]), odd_equilibria[k])
         };
-        let even_equilibrium = rest_part + odd_equilibrium * v_along[k];
-        let mut even = even_half * (m.sums[k] - even_equilibrium);
-        let mut odd = odd_half * (m.differences[k] - odd_equilibrium);
-        if FORCED {
-            let mut odd_force = force_along[k];
-            let doubled = v_along[k] * odd_force;
-            let mut even_force = (doubled + doubled) - work_18;
-            if k < 3 {
-                odd_force = odd_force + odd_force;
-                even_force = even_force + even_force;
-            }
-            even = even - even_source * even_force;
-            odd = odd - odd_source * odd_force;
-        }
-        out[2 * k + 1] = f[2 * k + 1] - (even + odd);
-        out[2 * k + 2] = f[2 * k + 2] - (even - odd);
+        let even = even.plus_product(even_kept, m.sums[k]);
+        let odd = odd.plus_product(odd_kept, m.differences[k]);
+        out[2 * k + 1] = even + odd;
+        out[2 * k + 2] = even - odd;
     }
     out
 }
