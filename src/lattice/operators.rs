@@ -121,7 +121,9 @@ fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
 /// Scalar product of two vectors.
 #[inline(always)]
 fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    (a[0] * b[0])
+        .plus_product(a[1], b[1])
+        .plus_product(a[2], b[2])
 }
 
 /// c − a·b.
@@ -151,11 +153,13 @@ fn along<N: Number>(v: [N; 3]) -> [N; 9] {
 /// Effective relaxation time with Smagorinsky's eddy viscosity from the non-equilibrium stress (xx, yy, zz, xy, xz, yz).
 #[inline(always)]
 fn eddy_relaxation_time<N: Number>(local: &Local<N>, p: &[N; 6], inverse_density: N) -> N {
-    let normal = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-    let shear = p[3] * p[3] + p[4] * p[4] + p[5] * p[5];
+    let normal = dot([p[0], p[1], p[2]], [p[0], p[1], p[2]]);
+    let shear = dot([p[3], p[4], p[5]], [p[3], p[4], p[5]]);
     let norm = (normal + (shear + shear)).square_root();
     let tau = local.relaxation_time;
-    let root = (tau * tau + local.eddy_factor * norm * inverse_density).square_root();
+    let root = (tau * tau)
+        .plus_product(local.eddy_factor * inverse_density, norm)
+        .square_root();
     tau.constant(0.5) * (tau + root)
 }
 
@@ -180,9 +184,9 @@ fn force_work<N: Number>(u: &[N; 3], force: &[N; 3]) -> [N; 6] {
         u[0] * force[0],
         u[1] * force[1],
         u[2] * force[2],
-        half * (u[0] * force[1] + u[1] * force[0]),
-        half * (u[0] * force[2] + u[2] * force[0]),
-        half * (u[1] * force[2] + u[2] * force[1]),
+        half * (u[0] * force[1]).plus_product(u[1], force[0]),
+        half * (u[0] * force[2]).plus_product(u[2], force[0]),
+        half * (u[1] * force[2]).plus_product(u[2], force[1]),
     ]
 }
 
@@ -347,56 +351,77 @@ pub fn recursive_regularised<N: Number, const FORCED: bool, const EDDY: bool>(
         quarter * second[4],
         quarter * second[5],
     ];
-    // Third-order coefficients a_aab = ρ u_a² u_b + (1 − ω)(2 u_a Π̂_ab + u_b Π̂_aa), times 9/36.
+    // Third-order coefficients a_aab = u_a (ρ u_a u_b + 2 (1 − ω) Π̂_ab) + u_b (1 − ω) Π̂_aa, times 9/36.
     let quarter_u = scale(quarter, u);
-    let twice = [kept[3] + kept[3], kept[4] + kept[4], kept[5] + kept[5]];
-    let third_order = |a: usize, b: usize, aa: usize, ab: usize| {
-        quarter_u[a] * (flux[ab] + twice[ab - 3]) + quarter_u[b] * kept[aa]
-    };
-    let xxy = third_order(0, 1, 0, 3);
-    let xxz = third_order(0, 2, 0, 4);
-    let yyx = third_order(1, 0, 1, 3);
-    let yyz = third_order(1, 2, 1, 5);
-    let zzx = third_order(2, 0, 2, 4);
-    let zzy = third_order(2, 1, 2, 5);
+    let [xy, xz, yz] = [
+        flux[3] + (kept[3] + kept[3]),
+        flux[4] + (kept[4] + kept[4]),
+        flux[5] + (kept[5] + kept[5]),
+    ];
+    let xxy = (quarter_u[0] * xy).plus_product(quarter_u[1], kept[0]);
+    let xxz = (quarter_u[0] * xz).plus_product(quarter_u[2], kept[0]);
+    let yyx = (quarter_u[1] * xy).plus_product(quarter_u[0], kept[1]);
+    let yyz = (quarter_u[1] * yz).plus_product(quarter_u[2], kept[1]);
+    let zzx = (quarter_u[2] * xz).plus_product(quarter_u[0], kept[2]);
+    let zzy = (quarter_u[2] * yz).plus_product(quarter_u[1], kept[2]);
 
     // Everything below is for the weight 1/36 of the diagonals.
     let trace = normal[0] + normal[1] + normal[2];
-    let base = constant(1.0 / 36.0) * m.density_excess - constant(1.0 / 3.0) * trace;
+    let base =
+        (constant(1.0 / 36.0) * m.density_excess).minus_product(constant(1.0 / 3.0), trace);
     // The populations sum to δρ and their momentum to the carried one: rest and axes take what the diagonals leave.
     let twelfth = constant(1.0 / 12.0);
     let axis_carried = scale(quarter - (twelfth + twelfth), carried);
     let carried = scale(twelfth, carried);
     let mut out = *f;
-    out[0] = m.density_excess - (constant(24.0) * base + constant(12.0) * trace);
-    let mut axis = |k: usize, even: N, odd: N| {
-        let (plus, minus) = (even + odd, even - odd);
-        out[2 * k + 1] = plus + plus;
-        out[2 * k + 2] = minus + minus;
-    };
-    axis(0, base + normal[0], axis_carried[0] - (yyx + zzx));
-    axis(1, base + normal[1], axis_carried[1] - (xxy + zzy));
-    axis(2, base + normal[2], axis_carried[2] - (xxz + yyz));
-    // Pairs (1, 1) and (1, −1) of the plane of axes a and b.
-    let mut diagonals = |k: usize, a: usize, b: usize, aab: N, bba: N| {
-        let normal = base + (normal[a] + normal[b]);
-        let (even, odd) = (
-            normal + shear[k - 3],
-            (carried[a] + carried[b]) + (aab + bba),
-        );
-        out[2 * k + 1] = even + odd;
-        out[2 * k + 2] = even - odd;
-        let (even, odd) = (
-            normal - shear[k - 3],
-            (carried[a] - carried[b]) + (bba - aab),
-        );
-        out[2 * k + 7] = even + odd;
-        out[2 * k + 8] = even - odd;
-    };
-    diagonals(3, 0, 1, xxy, yyx);
-    diagonals(4, 0, 2, xxz, zzx);
-    diagonals(5, 1, 2, yyz, zzy);
+    out[0] = m
+        .density_excess
+        .minus_product(constant(24.0), base)
+        .minus_product(constant(12.0), trace);
+    axis(&mut out, 0, base + normal[0], axis_carried[0] - (yyx + zzx));
+    axis(&mut out, 1, base + normal[1], axis_carried[1] - (xxy + zzy));
+    axis(&mut out, 2, base + normal[2], axis_carried[2] - (xxz + yyz));
+    let normal = [
+        base + (normal[0] + normal[1]),
+        base + (normal[0] + normal[2]),
+        base + (normal[1] + normal[2]),
+    ];
+    diagonals(&mut out, 3, normal[0], shear[0], [carried[0], carried[1]], [xxy, yyx]);
+    diagonals(&mut out, 4, normal[1], shear[1], [carried[0], carried[2]], [xxz, zzx]);
+    diagonals(&mut out, 5, normal[2], shear[2], [carried[1], carried[2]], [yyz, zzy]);
     out
+}
+
+/// Pair `k` of an axis, of twice the weight of the diagonals. (These are functions since closures are not always inlined.)
+#[inline(always)]
+fn axis<N: Number>(out: &mut Populations<N>, k: usize, even: N, odd: N) {
+    let (plus, minus) = (even + odd, even - odd);
+    out[2 * k + 1] = plus + plus;
+    out[2 * k + 2] = minus + minus;
+}
+
+/// Pairs `k` and `k + 3`, (1, 1) and (1, −1) in the plane of axes a and b, from what the axes carry and the coefficients of orders aab and bba.
+#[inline(always)]
+fn diagonals<N: Number>(
+    out: &mut Populations<N>,
+    k: usize,
+    normal: N,
+    shear: N,
+    carried: [N; 2],
+    third_order: [N; 2],
+) {
+    let (even, odd) = (
+        normal + shear,
+        (carried[0] + carried[1]) + (third_order[0] + third_order[1]),
+    );
+    out[2 * k + 1] = even + odd;
+    out[2 * k + 2] = even - odd;
+    let (even, odd) = (
+        normal - shear,
+        (carried[0] - carried[1]) + (third_order[1] - third_order[0]),
+    );
+    out[2 * k + 7] = even + odd;
+    out[2 * k + 8] = even - odd;
 }
 
 #[cfg(test)]

@@ -193,6 +193,12 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
     fn with_simd<S: Simd>(mut self, simd: S) {
         let grid = self.grid;
         let [nx, ny, _] = grid.cells;
+        // One length for all: the compiler then checks bounds once per vector.
+        let length = self.slab.arrays.iter().map(|array| array.len()).min().unwrap_or(0);
+        let mut arrays: [&mut [T]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
+        for (short, array) in arrays.iter_mut().zip(&mut self.slab.arrays) {
+            *short = &mut array[..length];
+        }
         let first_row = (self.slab.first_plane * ny) as u32;
         let forced = self.body_force.cells;
         let mut next = forced.rows.partition_point(|row| row.0 < first_row);
@@ -220,14 +226,14 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                 let start = plane * grid.stride_z + y * grid.stride_y + 1;
                 collide_row::<S, T, C>(
                     simd,
-                    &mut self.slab.arrays,
+                    &mut arrays,
                     start..start + nx,
                     self.common,
                     &force,
                     touched,
                     acceleration.is_some(),
                 );
-                fill_row_ends(&mut self.slab.arrays, start, nx, &self.common.ends);
+                fill_row_ends(&mut arrays, start, nx, &self.common.ends);
                 for &x in touched {
                     for a in 0..3 {
                         force[a][x as usize] = resting[a];
@@ -314,64 +320,71 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
     tau: &[T],
     force: [&[T]; 3],
 ) {
-    let constant = Lanes::<S, T>::splat(simd, common.relaxation_time);
     let zero = Lanes::splat(simd, T::default());
-    let eddy_factor = Lanes::splat(simd, common.eddy_factor);
-    let local = |tau: Option<T::Vector<S>>, force: [Option<T::Vector<S>>; 3]| Local {
-        relaxation_time: tau.map_or(constant, |tau| Lanes::new(simd, tau)),
-        force: force.map(|component| component.map_or(zero, |f| Lanes::new(simd, f))),
-        eddy_factor,
+    let mut local = Local {
+        relaxation_time: Lanes::splat(simd, common.relaxation_time),
+        force: [zero; 3],
+        eddy_factor: Lanes::splat(simd, common.eddy_factor),
     };
     let lanes = T::lanes::<S>();
-    let whole = cells.len() / lanes;
-    let (tau, tau_part) = T::vectors::<S>(tau);
-    let tau = &tau[..if SPONGE { whole } else { 0 }];
-    let (force, force_part) = {
-        let split = force.map(|component| T::vectors::<S>(component));
-        let whole = if FORCED { whole } else { 0 };
-        (
-            split.map(|(vectors, _)| &vectors[..whole]),
-            split.map(|(_, part)| part),
-        )
-    };
-    let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
-        std::array::from_fn(|_| Default::default());
-    let mut parts: [&mut [T]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
-    // A plain loop: the compiler unrolls it, sees that all slices are of one length and leaves out the checks in the loop over cells.
-    for (direction, array) in arrays.iter_mut().enumerate() {
-        let (all, part) = T::vectors_mut::<S>(&mut array[cells.clone()]);
-        vectors[direction] = &mut all[..whole];
-        parts[direction] = part;
-    }
-    for i in 0..whole {
+    let whole = cells.len() / lanes * lanes;
+    for x in (0..whole).step_by(lanes) {
+        let first = cells.start + x;
         let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            f[direction] = Lanes::new(simd, vectors[direction][i]);
+            f[direction] = Lanes::new(simd, load::<S, T>(&arrays[direction][first..first + lanes]));
         }
-        let local = local(
-            SPONGE.then(|| tau[i]),
-            force.map(|component| FORCED.then(|| component[i])),
-        );
+        if SPONGE {
+            local.relaxation_time = Lanes::new(simd, load::<S, T>(&tau[x..x + lanes]));
+        }
+        if FORCED {
+            for a in 0..3 {
+                local.force[a] = Lanes::new(simd, load::<S, T>(&force[a][x..x + lanes]));
+            }
+        }
         let out = C::collide::<_, FORCED>(&f, &local);
         for direction in 0..DIRECTION_COUNT {
-            vectors[opposite(direction)][i] = out[direction].vector;
+            store::<S, T>(
+                &mut arrays[opposite(direction)][first..first + lanes],
+                out[direction].vector,
+            );
         }
     }
-    if parts[0].is_empty() {
+    if whole == cells.len() {
         return;
     }
+    let part = cells.start + whole..cells.end;
     let mut f = [zero; DIRECTION_COUNT];
     for direction in 0..DIRECTION_COUNT {
-        f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
+        f[direction] = Lanes::new(simd, T::load_part(simd, &arrays[direction][part.clone()]));
     }
-    let local = local(
-        SPONGE.then(|| T::load_part(simd, tau_part)),
-        force_part.map(|component| FORCED.then(|| T::load_part(simd, component))),
-    );
+    if SPONGE {
+        local.relaxation_time = Lanes::new(simd, T::load_part(simd, &tau[whole..]));
+    }
+    if FORCED {
+        for a in 0..3 {
+            local.force[a] = Lanes::new(simd, T::load_part(simd, &force[a][whole..]));
+        }
+    }
     let out = C::collide::<_, FORCED>(&f, &local);
     for direction in 0..DIRECTION_COUNT {
-        T::store_part(simd, parts[opposite(direction)], out[direction].vector);
+        T::store_part(
+            simd,
+            &mut arrays[opposite(direction)][part.clone()],
+            out[direction].vector,
+        );
     }
+}
+
+/// The one vector that `values` are.
+#[inline(always)]
+fn load<S: Simd, T: Real>(values: &[T]) -> T::Vector<S> {
+    T::vectors::<S>(values).0[0]
+}
+
+#[inline(always)]
+fn store<S: Simd, T: Real>(values: &mut [T], vector: T::Vector<S>) {
+    T::vectors_mut::<S>(values).0[0] = vector;
 }
 
 #[cfg(test)]
