@@ -54,28 +54,11 @@ struct Moments<N> {
 
 #[inline(always)]
 fn moments<N: Number>(f: &Populations<N>) -> Moments<N> {
-    let s = [
-        f[1] + f[2],
-        f[3] + f[4],
-        f[5] + f[6],
-        f[7] + f[8],
-        f[9] + f[10],
-        f[11] + f[12],
-        f[13] + f[14],
-        f[15] + f[16],
-        f[17] + f[18],
-    ];
-    let d = [
-        f[1] - f[2],
-        f[3] - f[4],
-        f[5] - f[6],
-        f[7] - f[8],
-        f[9] - f[10],
-        f[11] - f[12],
-        f[13] - f[14],
-        f[15] - f[16],
-        f[17] - f[18],
-    ];
+    let (mut s, mut d) = ([f[0]; 9], [f[0]; 9]);
+    for k in 0..9 {
+        s[k] = f[2 * k + 1] + f[2 * k + 2];
+        d[k] = f[2 * k + 1] - f[2 * k + 2];
+    }
     let xy = s[3] + s[6];
     let xz = s[4] + s[7];
     let yz = s[5] + s[8];
