@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::boundaries::{RowEnds, fill_row_ends};
+use super::prefetch::prefetch;
 use super::storage::LINE_BYTES;
 use crate::lattice::Operator;
 use crate::lattice::grid::{Grid, StreamwiseEnds};
@@ -341,7 +342,9 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
         let place = std::hint::black_box(range.start + i);
         let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            f[direction] = Lanes::new(simd, vectors[direction][place]);
+            let vector = &vectors[direction][place];
+            prefetch(vector);
+            f[direction] = Lanes::new(simd, *vector);
         }
         if SPONGE {
             local.relaxation_time = Lanes::new(simd, tau_vectors[i]);

@@ -8,6 +8,7 @@ pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
 mod macroscopic;
+mod prefetch;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
