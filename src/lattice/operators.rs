@@ -202,9 +202,9 @@ fn bare_non_equilibrium<N: Number>(m: &Moments<N>, flux: &[N; 6]) -> [N; 6] {
 
 /// Two-relaxation-time collision; returns post-collision populations.
 ///
-/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = s* ± d*, where s* = ½ (1 − ω₊) s + ½ ω₊ s_eq + sources, and likewise d* with ω₋.
-/// Force terms are gathered with the equilibria: with h = ½ ω₊ j + (1 − ½ ω₊) F and g = ½ ω₋ Σ f c + ½ F, for the weight 1/36,
-/// s* = ½ (1 − ω₊) s + (½ ω₊ δρ − 3/2 h·u)/18 + (c·h) (c·u)/4 and d* = ½ (1 − ω₋) d + (c·g)/6.
+/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = s* ± d*. For the weight 1/36, and with h = j + (2τ − 1) F, which gathers equilibrium
+/// and force,
+/// s* = ½ (1 − ω₊) s + ½ ω₊ ((δρ − 3/2 h·u)/18 + (c·h)(c·u)/4) and d* = ½ (1 − ω₋) d + ½ ω₋ (c·Σ f c)/6 + (c·F)/12.
 #[inline(always)]
 pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     f: &Populations<N>,
@@ -236,39 +236,46 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     let even_gained = half - even_kept;
     let odd_gained = half - odd_kept;
     // Odd equilibria sum to j: the weight of the axes is what those of the diagonals leave.
-    let diagonal_weight = constant(1.0 / 6.0) * odd_gained;
-    let axis_weight = odd_gained - constant(4.0) * diagonal_weight;
-    let (mut diagonal, mut axis) = (scale(diagonal_weight, m.momentum), scale(axis_weight, m.momentum));
-    // h, and v = 1.5 u; without a force h = g by another factor of v.
-    let (h, v, diagonal_h, axis_h) = if FORCED {
-        let sixth = constant(1.0 / 6.0);
-        let third = one - constant(4.0) * sixth;
-        diagonal = sum(diagonal, scale(constant(1.0 / 12.0), force));
-        axis = sum(axis, scale(half * third, force));
-        let h = sum(scale(even_gained, j), scale(one - even_gained, force));
-        let v = scale(constant(1.5) / density, j);
-        (h, v, scale(sixth, h), scale(third, h))
-    } else {
-        let v = scale(constant(1.5) * (even_gained / odd_gained) / density, j);
-        (scale(odd_gained, j), v, diagonal, axis)
-    };
+    let sixth = constant(1.0 / 6.0);
+    let third = one - constant(4.0) * sixth;
+    let mut h = j;
+    let mut twelfth_force = force;
+    if FORCED {
+        h = sum(j, scale((tau + tau) - one, force));
+        twelfth_force = scale(constant(1.0 / 12.0), force);
+    }
+    // v = 3/2 · ½ ω₊ u.
+    let v = scale(constant(1.5) * even_gained / density, j);
     let rest = minus_dot(even_gained * m.density_excess, h, v);
     let rest_18 = constant(1.0 / 18.0) * rest;
     let rest_9 = rest_18 + rest_18;
     let v_along = along(v);
-    let odd_equilibria = along(diagonal);
-    let h_along = along(diagonal_h);
+    let (axis_h, h_along) = (scale(third, h), along(scale(sixth, h)));
+    let (axis_momentum, momentum_along) =
+        (scale(third, m.momentum), along(scale(sixth, m.momentum)));
+    let force_along = along(twelfth_force);
 
     let mut out = *f;
     out[0] = (even_kept + even_kept) * f[0] + ((rest + rest) - constant(24.0) * rest_18);
     for k in 0..9 {
-        let (even, odd) = if k < 3 {
-            (rest_9.plus_product(axis_h[k], v_along[k]), axis[k])
+        let (mut even, odd_equilibrium) = if k < 3 {
+            (rest_9.plus_product(axis_h[k], v_along[k]), axis_momentum[k])
         } else {
-            (rest_18.plus_product(h_along[k], v_along[k]), odd_equilibria[k])
+            (
+                rest_18.plus_product(h_along[k], v_along[k]),
+                momentum_along[k],
+            )
         };
-        let even = even.plus_product(even_kept, m.sums[k]);
-        let odd = odd.plus_product(odd_kept, m.differences[k]);
+        even = even.plus_product(even_kept, m.sums[k]);
+        let mut odd = (odd_gained * odd_equilibrium).plus_product(odd_kept, m.differences[k]);
+        if FORCED {
+            odd = odd
+                + if k < 3 {
+                    force_along[k] + force_along[k]
+                } else {
+                    force_along[k]
+                };
+        }
         out[2 * k + 1] = even + odd;
         out[2 * k + 2] = even - odd;
     }
@@ -350,8 +357,7 @@ pub fn recursive_regularised<N: Number, const FORCED: bool, const EDDY: bool>(
 
     // Everything below is for the weight 1/36 of the diagonals.
     let trace = normal[0] + normal[1] + normal[2];
-    let base =
-        (constant(1.0 / 36.0) * m.density_excess).minus_product(constant(1.0 / 3.0), trace);
+    let base = (constant(1.0 / 36.0) * m.density_excess).minus_product(constant(1.0 / 3.0), trace);
     // The populations sum to δρ and their momentum to the carried one: rest and axes take what the diagonals leave.
     let twelfth = constant(1.0 / 12.0);
     let axis_carried = scale(quarter - (twelfth + twelfth), carried);
@@ -369,9 +375,30 @@ pub fn recursive_regularised<N: Number, const FORCED: bool, const EDDY: bool>(
         base + (normal[0] + normal[2]),
         base + (normal[1] + normal[2]),
     ];
-    diagonals(&mut out, 3, normal[0], shear[0], [carried[0], carried[1]], [xxy, yyx]);
-    diagonals(&mut out, 4, normal[1], shear[1], [carried[0], carried[2]], [xxz, zzx]);
-    diagonals(&mut out, 5, normal[2], shear[2], [carried[1], carried[2]], [yyz, zzy]);
+    diagonals(
+        &mut out,
+        3,
+        normal[0],
+        shear[0],
+        [carried[0], carried[1]],
+        [xxy, yyx],
+    );
+    diagonals(
+        &mut out,
+        4,
+        normal[1],
+        shear[1],
+        [carried[0], carried[2]],
+        [xxz, zzx],
+    );
+    diagonals(
+        &mut out,
+        5,
+        normal[2],
+        shear[2],
+        [carried[1], carried[2]],
+        [yyz, zzy],
+    );
     out
 }
 

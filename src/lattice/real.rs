@@ -78,10 +78,20 @@ pub trait Real:
     fn negate<S: Simd>(simd: S, a: Self::Vector<S>) -> Self::Vector<S>;
 
     /// a b + c, rounded once where the CPU has an instruction for it.
-    fn multiply_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
+    fn multiply_add<S: Simd>(
+        simd: S,
+        a: Self::Vector<S>,
+        b: Self::Vector<S>,
+        c: Self::Vector<S>,
+    ) -> Self::Vector<S>;
 
     /// c − a b, rounded once where the CPU has an instruction for it.
-    fn negate_multiply_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
+    fn negate_multiply_add<S: Simd>(
+        simd: S,
+        a: Self::Vector<S>,
+        b: Self::Vector<S>,
+        c: Self::Vector<S>,
+    ) -> Self::Vector<S>;
 
     /// √a.
     fn root<S: Simd>(simd: S, a: Self::Vector<S>) -> Self::Vector<S>;
@@ -181,12 +191,22 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn multiply_add<S: Simd>(simd: S, a: S::$vector, b: S::$vector, c: S::$vector) -> S::$vector {
+            fn multiply_add<S: Simd>(
+                simd: S,
+                a: S::$vector,
+                b: S::$vector,
+                c: S::$vector,
+            ) -> S::$vector {
                 simd.$multiply_add(a, b, c)
             }
 
             #[inline(always)]
-            fn negate_multiply_add<S: Simd>(simd: S, a: S::$vector, b: S::$vector, c: S::$vector) -> S::$vector {
+            fn negate_multiply_add<S: Simd>(
+                simd: S,
+                a: S::$vector,
+                b: S::$vector,
+                c: S::$vector,
+            ) -> S::$vector {
                 simd.$negate_multiply_add(a, b, c)
             }
 

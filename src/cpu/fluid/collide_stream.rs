@@ -13,9 +13,8 @@ use rayon::prelude::*;
 use super::Fluid;
 use super::boundaries::{RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
-use super::storage::LINE_BYTES;
 use crate::lattice::Operator;
-use crate::lattice::grid::{Grid, StreamwiseEnds};
+use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real, opposite};
 
