@@ -51,8 +51,9 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
-//! | [`validate`] | problems with known answers, through the public interface | lattice, simulation, plan, gpu, output, run |
-//! | [`bench`] | error against seconds, and the map of stability | lattice, simulation, plan, gpu, output, run |
+//! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
+//! | [`validate`] | problems with known answers, through the public interface | bluff_body, lattice, simulation, plan, gpu, output, run |
+//! | [`bench`] | error against seconds, and the map of stability | bluff_body, lattice, simulation, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
 //! A test (`tests/architecture.rs`) holds these arrows.
@@ -73,6 +74,7 @@
 //! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
 
 pub mod bench;
+pub mod bluff_body;
 pub mod case;
 pub mod checkpoint;
 pub mod cli;

@@ -321,7 +321,7 @@ impl Body for Resume {
         };
         let mut unbroken = new();
         let mut record = Record::new(&unbroken);
-        let steps = unbroken.plan().start_steps + 37;
+        let steps = unbroken.plan().start_steps + 38;
         assert!(
             !steps.is_multiple_of(5),
             "the eddy viscosity must be an older one"

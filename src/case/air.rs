@@ -6,6 +6,7 @@ use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
 use super::{Problem, bodies};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
+use crate::lattice::{Operator, stability};
 use crate::units::Units;
 
 /// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
@@ -189,7 +190,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             ),
         ));
     }
-    Ok(Air {
+    let air = Air {
         units: Units::from_speed(
             cell_size_m,
             reference_speed_m_s,
@@ -207,7 +208,48 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             .map(check_eddy_viscosity)
             .transpose()?,
         flow,
+    };
+    check_stability(&air, speed_m_s)?;
+    Ok(air)
+}
+
+/// Refuses a flow that the operator did not survive when the stability map was measured. Flow around bodies is faster than the wind:
+/// the plan warns of that.
+fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
+    let speed = if speed_m_s > 0.0 {
+        speed_m_s
+    } else {
+        air.reference_speed_m_s
+    };
+    let mach = speed / air.units.speed_m_s() * 3f64.sqrt();
+    let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
+    let limit = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
+        stability::largest_mach(operator, eddy_viscosity, "f32", viscous_part)
+    };
+    let own = limit(air.operator, air.eddy_viscosity);
+    let Some(survived) = own.filter(|survived| mach > *survived) else {
+        return Ok(());
+    };
+    let help = [
+        (None, "resolution.operator = \"recursive_regularised\""),
+        (
+            Some(stability::measured(EddyViscosityModel::Smagorinsky)),
+            "resolution.operator = \"recursive_regularised\" and resolution.eddy_viscosity = { model = \"smagorinsky\", constant = 0.15 }",
+        ),
+    ]
+    .into_iter()
+    .find_map(|(eddy_viscosity, keys)| {
+        let survived = limit(Operator::RecursiveRegularised, eddy_viscosity)?;
+        (mach <= survived).then(|| format!("use {keys}, which survives Mach {survived:.2}"))
     })
+    .unwrap_or_else(|| "lower resolution.lattice_speed, or use smaller cells".to_owned());
+    Err(Problem::new(
+        "resolution.operator",
+        format!(
+            "at tau - 1/2 = {viscous_part:.1e} and Mach {mach:.2} this operator breaks down: in the stability map it survives Mach {survived:.2}"
+        ),
+        help,
+    ))
 }
 
 /// Checks `[resolution.eddy_viscosity]`. The ranges hardly overlap, so that a constant meant for another model is noticed.

@@ -104,6 +104,9 @@ impl Setup {
     }
 }
 
+/// Bytes of a cache line, on which rows begin on the CPU.
+pub const LINE_BYTES: usize = 64;
+
 /// Relaxation time at the very end of the sponge (ν = 1/6).
 pub const SPONGE_RELAXATION_TIME: f64 = 1.0;
 

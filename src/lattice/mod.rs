@@ -11,6 +11,7 @@ pub mod grid;
 pub mod links;
 pub mod operators;
 mod real;
+pub mod stability;
 pub mod start;
 
 pub use real::{Lanes, Number, Real};

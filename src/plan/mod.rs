@@ -4,6 +4,7 @@ mod estimate;
 mod placement;
 mod report;
 pub mod stages;
+mod warnings;
 
 pub use crate::lattice::Storage;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::boundaries::{RowEnds, fill_row_ends};
-use super::storage::LINE_BYTES;
+use super::prefetch::prefetch;
 use crate::lattice::Operator;
-use crate::lattice::grid::{Grid, StreamwiseEnds};
+use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real, opposite};
 
@@ -180,8 +180,8 @@ impl<T: Real> Fluid<T> {
             } else {
                 0
             };
-            // One element earlier, so that the ghost cells at both ends of a row lie in its slab.
-            let first = (grid.index([0, 0, 0]) - 1).wrapping_add_signed(shift);
+            // One block earlier, so that the ghost cells at both ends of a row lie in its slab, and rows begin with a whole vector.
+            let first = (grid.index([0, 0, 0]) - block).wrapping_add_signed(shift);
             let mut rest = data.split_at_mut(first).1;
             for slab in &mut slabs {
                 let length = (slab.planes * grid.stride_z).min(rest.len());
@@ -224,6 +224,7 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let grid = self.grid;
+        let block = LINE_BYTES / size_of::<T>();
         let [nx, ny, _] = grid.cells;
         let first_row = (self.slab.first_plane * ny) as u32;
         let forced = self.body_force.cells;
@@ -262,7 +263,7 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         }
                     }
                 };
-                let start = plane * grid.stride_z + y * grid.stride_y + 1;
+                let start = block + plane * grid.stride_z + y * grid.stride_y;
                 collide_row::<S, T, C>(
                     simd,
                     &mut self.slab.arrays,
@@ -369,7 +370,7 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
     }
 }
 
-/// Collides neighbouring cells. `tau` is read only where `PROFILE`, `force` only where `FORCED`.
+/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `PROFILE`, `force` only where `FORCED`.
 #[inline(always)]
 fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE: bool>(
     simd: S,
@@ -379,63 +380,73 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE
     tau: &[T],
     force: [&[T]; 3],
 ) {
-    let constant = Lanes::<S, T>::splat(simd, common.relaxation_time);
     let zero = Lanes::splat(simd, T::default());
-    let eddy_factor = Lanes::splat(simd, common.eddy_factor);
-    let local = |tau: Option<T::Vector<S>>, force: [Option<T::Vector<S>>; 3]| Local {
-        relaxation_time: tau.map_or(constant, |tau| Lanes::new(simd, tau)),
-        force: force.map(|component| component.map_or(zero, |f| Lanes::new(simd, f))),
-        eddy_factor,
+    let mut local = Local {
+        relaxation_time: Lanes::splat(simd, common.relaxation_time),
+        force: [zero; 3],
+        eddy_factor: Lanes::splat(simd, common.eddy_factor),
     };
     let lanes = T::lanes::<S>();
     let whole = cells.len() / lanes;
-    let (tau, tau_part) = T::vectors::<S>(tau);
-    let tau = &tau[..if PROFILE { whole } else { 0 }];
-    let (force, force_part) = {
-        let split = force.map(|component| T::vectors::<S>(component));
-        let whole = if FORCED { whole } else { 0 };
-        (
-            split.map(|(vectors, _)| &vectors[..whole]),
-            split.map(|(_, part)| part),
-        )
-    };
+    let range = cells.start / lanes..cells.start / lanes + whole;
+    // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
     let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
         std::array::from_fn(|_| Default::default());
-    let mut parts: [&mut [T]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
-    // A plain loop: the compiler unrolls it, sees that all slices are of one length and leaves out the checks in the loop over cells.
     for (direction, array) in arrays.iter_mut().enumerate() {
-        let (all, part) = T::vectors_mut::<S>(&mut array[cells.clone()]);
-        vectors[direction] = &mut all[..whole];
-        parts[direction] = part;
+        vectors[direction] = &mut T::vectors_mut::<S>(array).0[..range.end];
+    }
+    let tau_vectors = &T::vectors::<S>(tau).0[..if PROFILE { whole } else { 0 }];
+    let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
+    for a in 0..3 {
+        force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { whole } else { 0 }];
     }
     for i in 0..whole {
+        // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
+        // (a fifth slower).
+        let place = std::hint::black_box(range.start + i);
         let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            f[direction] = Lanes::new(simd, vectors[direction][i]);
+            let vector = &vectors[direction][place];
+            prefetch(vector);
+            f[direction] = Lanes::new(simd, *vector);
         }
-        let local = local(
-            PROFILE.then(|| tau[i]),
-            force.map(|component| FORCED.then(|| component[i])),
-        );
+        if PROFILE {
+            local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
+        }
+        if FORCED {
+            for a in 0..3 {
+                local.force[a] = Lanes::new(simd, force_vectors[a][i]);
+            }
+        }
         let out = C::collide::<_, FORCED>(&f, &local);
         for direction in 0..DIRECTION_COUNT {
-            vectors[opposite(direction)][i] = out[direction].vector;
+            vectors[opposite(direction)][place] = out[direction].vector;
         }
     }
-    if parts[0].is_empty() {
+    let whole = whole * lanes;
+    if whole == cells.len() {
         return;
     }
+    let part = cells.start + whole..cells.end;
     let mut f = [zero; DIRECTION_COUNT];
     for direction in 0..DIRECTION_COUNT {
-        f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
+        f[direction] = Lanes::new(simd, T::load_part(simd, &arrays[direction][part.clone()]));
     }
-    let local = local(
-        PROFILE.then(|| T::load_part(simd, tau_part)),
-        force_part.map(|component| FORCED.then(|| T::load_part(simd, component))),
-    );
+    if PROFILE {
+        local.relaxation_time = Lanes::new(simd, T::load_part(simd, &tau[whole..]));
+    }
+    if FORCED {
+        for a in 0..3 {
+            local.force[a] = Lanes::new(simd, T::load_part(simd, &force[a][whole..]));
+        }
+    }
     let out = C::collide::<_, FORCED>(&f, &local);
     for direction in 0..DIRECTION_COUNT {
-        T::store_part(simd, parts[opposite(direction)], out[direction].vector);
+        T::store_part(
+            simd,
+            &mut arrays[opposite(direction)][part.clone()],
+            out[direction].vector,
+        );
     }
 }
 

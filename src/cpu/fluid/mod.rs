@@ -9,17 +9,18 @@ pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
 mod macroscopic;
+mod prefetch;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, LINE_BYTES, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
 use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
 use eddy_viscosity::HeldEddyViscosity;
-use storage::{LINE_BYTES, Storage};
+use storage::Storage;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
@@ -56,9 +57,11 @@ impl<T: Real> Fluid<T> {
                     for x in 0..nx {
                         let cell = [x, y, z];
                         let index = grid.index(cell.map(|c| c as i64));
-                        for direction in 0..DIRECTION_COUNT {
+                        for (direction, population) in
+                            start.populations(cell).into_iter().enumerate()
+                        {
                             let (array, element) = grid.slot(index, direction, false);
-                            populations[array][element] = T::of(start.population(cell, direction));
+                            populations[array][element] = T::of(population);
                         }
                         if x + 1 == nx {
                             // An outlet's ghost remembers the density excess of the last cell.
