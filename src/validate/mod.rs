@@ -63,7 +63,7 @@ pub const PROBLEMS: [Problem; 11] = [
     },
     Problem {
         name: "couette",
-        updates: [10.0, 90.0],
+        updates: [7.0, 60.0],
         compute: couette::compute,
     },
     Problem {
@@ -73,12 +73,12 @@ pub const PROBLEMS: [Problem; 11] = [
     },
     Problem {
         name: "beltrami",
-        updates: [420.0, 13_350.0],
+        updates: [280.0, 8_900.0],
         compute: beltrami::compute,
     },
     Problem {
         name: "acoustic-pulse",
-        updates: [165.0, 165.0],
+        updates: [110.0, 110.0],
         compute: acoustic_pulse::compute,
     },
     Problem {
@@ -363,8 +363,7 @@ fn relaxation_time(viscosity: f64) -> f64 {
     0.5 + 3.0 * viscosity
 }
 
-const OPERATORS: [(Operator, &str); 3] = [
-    (Operator::SingleRelaxationTime, "BGK"),
+const OPERATORS: [(Operator, &str); 2] = [
     (Operator::TwoRelaxationTimes, "TRT"),
     (Operator::RecursiveRegularised, "regularised"),
 ];
