@@ -17,6 +17,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells};
 use ripstop::lattice::control_volume::ControlVolume;
+use ripstop::lattice::eddy_viscosity::EddyViscosity;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::lattice::{Operator, Real};
 use serde_json::{Value, json};
@@ -106,7 +107,7 @@ impl<T: Real> Bench<T> {
             relaxation_time: RELAXATION_TIME,
             sponge_cells: canopy.then_some(0.15 * side as f64),
             operator,
-            smagorinsky_constant: eddy.then_some(SMAGORINSKY_CONSTANT),
+            eddy_viscosity: eddy.then_some(EddyViscosity::smagorinsky(SMAGORINSKY_CONSTANT)),
         };
         let k = std::f64::consts::TAU / side as f64;
         let mut air = Fluid::new(

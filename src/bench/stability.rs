@@ -10,12 +10,13 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::work_precision::{advance, operator_name};
+use super::work_precision::advance;
 use super::{Engine, Stop, Watch, go_on, plots};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosityModel;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::stability::{Point, VISCOUS_PARTS, measured};
 use crate::output::write_atomically;
 use crate::plan::AirPlacement;
 use crate::simulation::AirEngine;
@@ -27,56 +28,41 @@ const TURNOVERS: f64 = 20.0;
 /// Mach numbers of U that are tried, in order, until one breaks down.
 pub const MACH_NUMBERS: [f64; 8] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
 
-/// τ − ½.
-const VISCOUS_PARTS: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-
 /// Between wind and x axis [°].
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
 
-/// The constant of high-Reynolds cases; without it the eddy viscosity is left out.
-const SMAGORINSKY_CONSTANT: f64 = 0.15;
+/// Without eddy viscosity, and with every model.
+const MODELS: [Option<EddyViscosityModel>; 4] = [
+    None,
+    Some(EddyViscosityModel::Smagorinsky),
+    Some(EddyViscosityModel::Wale),
+    Some(EddyViscosityModel::Vreman),
+];
 
 /// Looks at the flow during a run.
 const LOOKS: usize = 40;
 
-/// One line of the map.
-#[derive(Debug, Clone, Serialize)]
-pub struct Point {
-    /// Engine and precision.
-    pub engine: String,
-    /// Collision operator.
-    pub operator: &'static str,
-    /// Whether Smagorinsky's eddy viscosity (constant 0.15) is on.
-    pub eddy_viscosity: bool,
-    /// τ − ½.
-    pub viscous_part: f64,
-    /// Between wind and x axis [°].
-    pub angle_deg: f64,
-    /// Largest Mach number of [`MACH_NUMBERS`] that was survived, with all below it; zero if none was.
-    pub mach: f64,
-}
-
 /// Computes the map on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
 pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
-    let planned = (engines.len() * 4 * VISCOUS_PARTS.len()) as u64;
+    let planned = (engines.len() * Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
     for engine in engines {
-        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-            for eddy_viscosity in [false, true] {
+        for operator in Operator::ALL {
+            for eddy_viscosity in MODELS {
                 for viscous_part in VISCOUS_PARTS {
                     let interrupt = watch.interrupt;
                     go_on(interrupt)?;
                     let one = |&angle_deg: &f64| -> Result<Point, Stop> {
                         let mut point = Point {
                             engine: engine.name(),
-                            operator: operator_name(operator),
+                            operator,
                             eddy_viscosity,
                             viscous_part,
                             angle_deg,
                             mach: 0.0,
                         };
                         for mach in MACH_NUMBERS {
-                            if !survives(engine, operator, &point, mach, interrupt)? {
+                            if !survives(engine, &point, mach, interrupt)? {
                                 break;
                             }
                             point.mach = mach;
@@ -117,16 +103,7 @@ pub fn table(points: &[Point]) -> String {
     }
     let mut lines: Vec<(String, [f64; VISCOUS_PARTS.len()])> = Vec::new();
     for point in points {
-        let name = format!(
-            "{}, {}{}",
-            point.engine,
-            point.operator,
-            if point.eddy_viscosity {
-                " + eddy viscosity"
-            } else {
-                ""
-            }
-        );
+        let name = format!("{}, {}", point.engine, describe(point));
         if lines.last().is_none_or(|(last, _)| *last != name) {
             lines.push((name, [f64::INFINITY; VISCOUS_PARTS.len()]));
         }
@@ -146,9 +123,17 @@ pub fn table(points: &[Point]) -> String {
     text + "\n"
 }
 
+/// Operator and eddy viscosity in words.
+pub(super) fn describe(point: &Point) -> String {
+    let operator = point.operator.name();
+    match point.eddy_viscosity {
+        Some(model) => format!("{operator} + {}", model.name()),
+        None => operator.to_owned(),
+    }
+}
+
 fn survives(
     engine: &Engine,
-    operator: Operator,
     point: &Point,
     mach: f64,
     interrupt: &AtomicBool,
@@ -178,8 +163,8 @@ fn survives(
         sides: Sides::Periodic,
         relaxation_time: 0.5 + point.viscous_part,
         sponge_cells: None,
-        operator,
-        smagorinsky_constant: point.eddy_viscosity.then_some(SMAGORINSKY_CONSTANT),
+        operator: point.operator,
+        eddy_viscosity: point.eddy_viscosity.map(measured),
     };
     let mut air = AirEngine::build(
         setup,

@@ -1,5 +1,7 @@
 //! Collision operators on one cell, in lattice units, on populations shifted by their weights (f − w).
 //!
+//! * [`single_relaxation_time`]: BGK (Bhatnagar, Gross & Krook 1954; Qian, d'Humières & Lallemand 1992), the reference that
+//!   others are compared with. Unstable at small viscosity, and where its walls stand depends on τ.
 //! * [`two_relaxation_times`]: Ginzburg's TRT with Λ = 3/16; for verification and low Reynolds numbers.
 //! * [`recursive_regularised`]: third-order recursive regularisation (Malaspinas 2015; Coreixas et al. 2017) with
 //!   the D3Q19 basis of Jacob, Malaspinas & Sagaut 2018, for any Reynolds number together with an eddy viscosity.
@@ -11,9 +13,9 @@
 //! Every formula is written once, over [`Number`]: one cell, or as many as a vector of the CPU has lanes. Factors are gathered so that
 //! few operations remain; j = ρu throughout. Where rounded weights would not sum to one, one of them is taken as what the others leave:
 //! else mass and momentum would drift in single precision, since the same error recurs in every step.
-//! The eddy viscosity is Smagorinsky's, from the local non-equilibrium stress Π̂ (TRT keeps its trace, which it also relaxes; the regularised
-//! operator has none left) (Hou et al. 1994):
-//! τ_e = ½ (τ + √(τ² + 18 √2 C_s² |Π̂| / ρ)).
+//! An eddy viscosity within the collision is Smagorinsky's, from the local non-equilibrium stress Π̂ (BGK and TRT keep its trace, which they
+//! also relax; the regularised operator has none left) (Hou et al. 1994):
+//! τ_e = ½ (τ + √(τ² + 18 √2 C_s² |Π̂| / ρ)). Models that need more than one cell are in [`super::eddy_viscosity`].
 
 use super::{DIRECTION_COUNT, Number};
 
@@ -32,7 +34,7 @@ pub type Populations<T> = [T; DIRECTION_COUNT];
 /// Per-cell inputs of a collision besides the populations.
 #[derive(Debug, Clone, Copy)]
 pub struct Local<T> {
-    /// Relaxation time τ of the molecular viscosity (and sponge), ν = (τ − ½)/3.
+    /// Relaxation time τ of the molecular viscosity (with sponge, and eddy viscosity from the stage of that name), ν = (τ − ½)/3.
     pub relaxation_time: T,
     /// Body force per cell [lattice units]; read only where `FORCED`.
     pub force: [T; 3],
@@ -91,7 +93,7 @@ pub fn bare_moments<N: Number>(f: &Populations<N>) -> (N, [N; 3]) {
 
 /// Every component of a vector times one factor.
 #[inline(always)]
-fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
+pub fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
     [factor * v[0], factor * v[1], factor * v[2]]
 }
 
@@ -103,7 +105,7 @@ fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
 
 /// Scalar product of two vectors.
 #[inline(always)]
-fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     (a[0] * b[0])
         .plus_product(a[1], b[1])
         .plus_product(a[2], b[2])
@@ -200,13 +202,31 @@ fn bare_non_equilibrium<N: Number>(m: &Moments<N>, flux: &[N; 6]) -> [N; 6] {
     ]
 }
 
+/// Single-relaxation-time collision, BGK; returns post-collision populations.
+#[inline(always)]
+pub fn single_relaxation_time<N: Number, const FORCED: bool, const EDDY: bool>(
+    f: &Populations<N>,
+    local: &Local<N>,
+) -> Populations<N> {
+    relax_pairs::<N, FORCED, EDDY, true>(f, local)
+}
+
 /// Two-relaxation-time collision; returns post-collision populations.
+#[inline(always)]
+pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
+    f: &Populations<N>,
+    local: &Local<N>,
+) -> Populations<N> {
+    relax_pairs::<N, FORCED, EDDY, false>(f, local)
+}
+
+/// Relaxes even and odd parts of all pairs, at one rate (`SINGLE`) or at two.
 ///
 /// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = s* ± d*. For the weight 1/36, and with h = j + (2τ − 1) F, which gathers equilibrium
 /// and force,
 /// s* = ½ (1 − ω₊) s + ½ ω₊ ((δρ − 3/2 h·u)/18 + (c·h)(c·u)/4) and d* = ½ (1 − ω₋) d + ½ ω₋ (c·Σ f c)/6 + (c·F)/12.
 #[inline(always)]
-pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
+fn relax_pairs<N: Number, const FORCED: bool, const EDDY: bool, const SINGLE: bool>(
     f: &Populations<N>,
     local: &Local<N>,
 ) -> Populations<N> {
@@ -232,7 +252,11 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     }
     // ½ (1 − ω) and ½ ω, rounded so that they sum to ½ exactly: else mass and momentum would drift.
     let even_kept = half - half / tau;
-    let odd_kept = half - half / (half + constant(TRT_MAGIC) / (tau - half));
+    let odd_kept = if SINGLE {
+        even_kept
+    } else {
+        half - half / (half + constant(TRT_MAGIC) / (tau - half))
+    };
     let even_gained = half - even_kept;
     let odd_gained = half - odd_kept;
     // Odd equilibria sum to j: the weight of the axes is what those of the diagonals leave.
@@ -435,151 +459,5 @@ fn diagonals<N: Number>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{DIRECTIONS, WEIGHTS};
-    use super::*;
-
-    fn populations() -> Populations<f64> {
-        std::array::from_fn(|i| 0.01 * WEIGHTS[i] * ((i * i) as f64 * 0.7 + 1.3).sin())
-    }
-
-    fn local(force: [f64; 3]) -> Local<f64> {
-        Local {
-            relaxation_time: 0.7,
-            force,
-            eddy_factor: 18.0 * 2f64.sqrt() * 0.15 * 0.15,
-        }
-    }
-
-    fn mass_and_momentum(f: &Populations<f64>) -> [f64; 4] {
-        let mut m = [0.0; 4];
-        for i in 0..DIRECTION_COUNT {
-            m[0] += f[i];
-            for a in 0..3 {
-                m[a + 1] += f[i] * f64::from(DIRECTIONS[i][a]);
-            }
-        }
-        m
-    }
-
-    #[test]
-    fn collisions_keep_mass_and_add_exactly_the_force() {
-        let f = populations();
-        let force = [1e-3, -2e-3, 5e-4];
-        let before = mass_and_momentum(&f);
-        for out in [
-            two_relaxation_times::<f64, true, true>(&f, &local(force)),
-            recursive_regularised::<f64, true, true>(&f, &local(force)),
-        ] {
-            let after = mass_and_momentum(&out);
-            assert!((after[0] - before[0]).abs() < 1e-15);
-            for a in 0..3 {
-                assert!((after[a + 1] - before[a + 1] - force[a]).abs() < 1e-15);
-            }
-        }
-    }
-
-    /// In single precision too: errors of rounding must not lean to one side, step after step.
-    #[test]
-    fn uniform_wind_does_not_drift_in_single_precision() {
-        let u = [0.05, 0.013, -0.02];
-        let local = Local {
-            relaxation_time: 0.51,
-            force: [0.0; 3],
-            eddy_factor: 0.0,
-        };
-        for collide in [
-            two_relaxation_times::<f32, false, false>,
-            recursive_regularised::<f32, false, false>,
-        ] {
-            let mut f: Populations<f32> =
-                std::array::from_fn(|i| super::super::equilibrium(i, 0.02, u) as f32);
-            let before = mass_and_momentum(&f.map(f64::from));
-            let steps = 2000;
-            for _ in 0..steps {
-                f = collide(&f, &local);
-            }
-            let after = mass_and_momentum(&f.map(f64::from));
-            for k in 0..4 {
-                let drift = (after[k] - before[k]).abs() / before[k].abs();
-                // A weight rounded to nearest is off by up to 6e-8: 1e-4 after these steps.
-                assert!(drift < 1e-6, "{k}: {drift:e}");
-            }
-        }
-    }
-
-    /// The third-order terms must leave second-order moments alone: the stress after a collision of an equilibrium
-    /// state is that of the equilibrium.
-    #[test]
-    fn third_order_basis_is_orthogonal_to_lower_moments() {
-        let u = [0.1, -0.05, 0.08];
-        let f: Populations<f64> = std::array::from_fn(|i| super::super::equilibrium(i, 0.02, u));
-        let out = recursive_regularised::<f64, false, false>(&f, &local([0.0; 3]));
-        let before = moments(&f);
-        let after = moments(&out);
-        for k in 0..6 {
-            assert!((before.stress[k] - after.stress[k]).abs() < 1e-15, "{k}");
-        }
-        for a in 0..3 {
-            assert!((before.momentum[a] - after.momentum[a]).abs() < 1e-15);
-        }
-    }
-
-    /// The closed form against the textbook: f* rebuilt direction by direction from Hermite polynomials, with second- and third-order
-    /// coefficients from their definitions, for a forced state far from equilibrium.
-    #[test]
-    fn recursive_regularised_is_its_hermite_series() {
-        let f = populations();
-        let force = [1e-3, -2e-3, 5e-4];
-        let local = Local {
-            relaxation_time: 0.7,
-            force,
-            eddy_factor: 0.0,
-        };
-        let out = recursive_regularised::<f64, true, false>(&f, &local);
-        let c = |i: usize, a: usize| f64::from(DIRECTIONS[i][a]);
-        let unit = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
-        let rho = 1.0 + f.iter().sum::<f64>();
-        let bare: [f64; 3] =
-            std::array::from_fn(|a| (0..DIRECTION_COUNT).map(|i| f[i] * c(i, a)).sum());
-        let u: [f64; 3] = std::array::from_fn(|a| (bare[a] + 0.5 * force[a]) / rho);
-        let work = |a: usize, b: usize| 0.5 * (u[a] * force[b] + u[b] * force[a]);
-        // Non-equilibrium stress without its trace.
-        let raw = |a: usize, b: usize| -> f64 {
-            let stress: f64 = (0..DIRECTION_COUNT)
-                .map(|i| (f[i] + WEIGHTS[i]) * c(i, a) * c(i, b))
-                .sum();
-            stress - rho * (u[a] * u[b] + unit(a, b) / 3.0) + work(a, b)
-        };
-        let trace = (raw(0, 0) + raw(1, 1) + raw(2, 2)) / 3.0;
-        let keep = 1.0 - 1.0 / local.relaxation_time;
-        let p = |a: usize, b: usize| keep * (raw(a, b) - unit(a, b) * trace);
-        let second = |a: usize, b: usize| rho * u[a] * u[b] + p(a, b) + work(a, b);
-        // a_aab of the third order.
-        let third =
-            |a: usize, b: usize| rho * u[a] * u[a] * u[b] + 2.0 * u[a] * p(a, b) + u[b] * p(a, a);
-        let hermite2 = |i: usize, a: usize, b: usize| c(i, a) * c(i, b) - unit(a, b) / 3.0;
-        let hermite3 = |i: usize, a: usize, b: usize| (c(i, a) * c(i, a) - 1.0 / 3.0) * c(i, b);
-        for i in 0..DIRECTION_COUNT {
-            let mut sum = rho - 1.0;
-            for a in 0..3 {
-                sum += 3.0 * c(i, a) * (bare[a] + force[a]);
-                for b in 0..3 {
-                    sum += 4.5 * hermite2(i, a, b) * second(a, b);
-                }
-            }
-            // On D3Q19 the pairs (aab, ccb) are orthogonal only as sum and difference (Jacob et al. 2018).
-            for (a, d, b) in [(0, 2, 1), (0, 1, 2), (1, 2, 0)] {
-                let (h1, h2) = (hermite3(i, a, b), hermite3(i, d, b));
-                let (t1, t2) = (third(a, b), third(d, b));
-                sum += 13.5 * (h1 + h2) * (t1 + t2) + 4.5 * (h1 - h2) * (t1 - t2);
-            }
-            assert!(
-                (out[i] - WEIGHTS[i] * sum).abs() < 1e-15,
-                "{i}: {} {}",
-                out[i],
-                WEIGHTS[i] * sum
-            );
-        }
-    }
-}
+#[path = "operators_tests.rs"]
+mod tests;

@@ -126,7 +126,7 @@ mod tests {
             relaxation_time: 0.8,
             sponge_cells: None,
             operator: Operator::TwoRelaxationTimes,
-            smagorinsky_constant: None,
+            eddy_viscosity: None,
         };
         // Linear, so that differences are exact everywhere.
         let velocity = |[x, y, z]: [usize; 3]| {

@@ -87,6 +87,14 @@ impl Sizes {
             sizes.population_bytes = padded.saturating_mul(placement.population_bytes());
             sizes.air_bytes =
                 padded.saturating_mul(DIRECTION_COUNT as u64 * placement.population_bytes());
+            if air
+                .eddy_viscosity
+                .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some())
+            {
+                // The eddy part of every cell's relaxation time, stored as populations are.
+                let held = sizes.cells.saturating_mul(placement.population_bytes());
+                sizes.air_bytes = sizes.air_bytes.saturating_add(held);
+            }
             sizes.air_on_device = placement.air_on_device();
             sizes.shared_memory = placement.shared_memory;
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.

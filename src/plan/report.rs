@@ -7,13 +7,6 @@ use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow, RigidBody};
 use crate::immersed::markers;
 
-/// Shape quality below which triangles slow the solver down.
-const POOR_SHAPE: f64 = 0.1;
-
-/// Tolerance of the static equilibrium below which a device's arithmetic may not reach: the shipped chain was measured to stall at
-/// 6e-6.
-const DEVICE_TOLERANCE: f64 = 1e-5;
-
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
@@ -97,9 +90,16 @@ impl Plan {
                 air.reference_speed_m_s
             )?;
             writeln!(out, "  relaxation time     tau = 0.5 + {:.2e}", tau - 0.5)?;
-            writeln!(out, "  operator            {:?}", air.operator)?;
-            if let Some(constant) = air.smagorinsky_constant {
-                writeln!(out, "  eddy viscosity      Smagorinsky, C_s = {constant}")?;
+            writeln!(out, "  operator            {}", air.operator.name())?;
+            if let Some(eddy_viscosity) = air.eddy_viscosity {
+                let model = eddy_viscosity.model;
+                writeln!(
+                    out,
+                    "  eddy viscosity      {}, {} = {}",
+                    model.name(),
+                    model.symbol(),
+                    eddy_viscosity.constant
+                )?;
             }
             match air.flow {
                 Flow::WindTunnel {
@@ -141,15 +141,6 @@ impl Plan {
                     "  on the device       {} (f32, positions finer)",
                     megabytes(sizes.structure_device_bytes)
                 )?;
-                if scene
-                    .equilibrium
-                    .is_some_and(|equilibrium| equilibrium.tolerance < DEVICE_TOLERANCE)
-                {
-                    writeln!(
-                        out,
-                        "  WARNING             the forces of a device, in f32, may not reach equilibrium.tolerance below {DEVICE_TOLERANCE:e}: use --cloth host"
-                    )?;
-                }
             }
             if let Some(quality) = body.quality {
                 writeln!(
@@ -159,12 +150,6 @@ impl Plan {
                     quality.mean_shape,
                     quality.shortest_edge_m,
                     quality.longest_edge_m
-                )?;
-            }
-            if body.quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
-                writeln!(
-                    out,
-                    "  WARNING             poor triangles: the fabric will be solved slowly; use fewer gores or more even cells"
                 )?;
             }
             self.write_canopy(out, scene)?;
@@ -197,6 +182,13 @@ impl Plan {
         writeln!(out, "\nskipped")?;
         for skip in &self.skips {
             writeln!(out, "  {:<45} {}", skip.what, skip.why)?;
+        }
+        let warnings = self.warnings(scene);
+        if !warnings.is_empty() {
+            writeln!(out, "\nwarnings")?;
+        }
+        for warning in warnings {
+            writeln!(out, "  {warning}")?;
         }
         Ok(())
     }

@@ -47,6 +47,11 @@ pub(super) fn summarise(
             .then(|| 1e3 * duration.as_secs_f64() / cost.timed_steps as f64)
     };
     let cells = scene.air.map(|air| air.cells);
+    notes.extend(
+        plan.warnings(scene)
+            .into_iter()
+            .map(|warning| format!("warning: {warning}")),
+    );
     let fluid_seconds = cost.fluid.as_secs_f64();
     if let Some(opening) = simulation.opening() {
         notes.push(format!(

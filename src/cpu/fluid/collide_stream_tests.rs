@@ -1,5 +1,6 @@
 use super::super::Fluid;
 use super::{BodyForce, ForcedCells};
+use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use crate::lattice::{DIRECTION_COUNT, Operator, Real};
 
@@ -16,7 +17,17 @@ fn fused_sets() -> Vec<pulp::Arch> {
     vec![pulp::Arch::new()]
 }
 
-fn setup(operator: Operator, eddy: bool, tunnel: bool) -> Setup {
+/// None, and every model.
+fn eddy_viscosities() -> [Option<EddyViscosity>; 4] {
+    [
+        None,
+        Some(EddyViscosity::smagorinsky(0.15)),
+        Some(EddyViscosity::wale(0.5)),
+        Some(EddyViscosity::vreman(0.07)),
+    ]
+}
+
+fn setup(operator: Operator, eddy: Option<EddyViscosity>, tunnel: bool) -> Setup {
     Setup {
         // One block of single precision, one vector and a rest; the sponge begins within a block.
         cells: [37, 7, 9],
@@ -33,7 +44,7 @@ fn setup(operator: Operator, eddy: bool, tunnel: bool) -> Setup {
         relaxation_time: 0.52,
         sponge_cells: tunnel.then_some(13.0),
         operator,
-        smagorinsky_constant: eddy.then_some(0.15),
+        eddy_viscosity: eddy,
     }
 }
 
@@ -78,8 +89,8 @@ fn populations<T: Real>(
 /// All vectors give the same bits; scalars, which round products by themselves, differ by rounding: `tolerance`, in populations of up to
 /// 0.03, after 21 steps.
 fn same_under_all_instruction_sets<T: Real>(tolerance: f64) {
-    for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-        for eddy in [false, true] {
+    for operator in Operator::ALL {
+        for eddy in eddy_viscosities() {
             for tunnel in [false, true] {
                 for acceleration in [None, Some([1e-4, 0.0, -2e-4])] {
                     let setup = setup(operator, eddy, tunnel);
@@ -87,7 +98,7 @@ fn same_under_all_instruction_sets<T: Real>(tolerance: f64) {
                     assert!(scalar.iter().flatten().any(|f| f.to_f64() != 0.0));
                     let mut first: Option<Vec<Vec<T>>> = None;
                     for set in fused_sets() {
-                        let what = format!("{set:?} {operator:?} {eddy} {tunnel}");
+                        let what = format!("{set:?} {operator:?} {eddy:?} {tunnel}");
                         let vector = populations::<T>(&setup, set, acceleration);
                         let pairs = scalar.iter().flatten().zip(vector.iter().flatten());
                         let difference = pairs.map(|(a, b)| (a.to_f64() - b.to_f64()).abs()).fold(
@@ -126,8 +137,8 @@ fn same_populations_under_all_instruction_sets() {
 #[test]
 fn a_force_of_zero_changes_nothing() {
     fn check<T: Real>() {
-        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-            let setup = setup(operator, true, true);
+        for operator in Operator::ALL {
+            let setup = setup(operator, Some(EddyViscosity::wale(0.5)), true);
             let without = populations::<T>(&setup, pulp::Arch::new(), None);
             let with = populations::<T>(&setup, pulp::Arch::new(), Some([0.0; 3]));
             for (a, b) in without.iter().flatten().zip(with.iter().flatten()) {

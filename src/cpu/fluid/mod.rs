@@ -7,6 +7,7 @@
 pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
+pub mod eddy_viscosity;
 mod macroscopic;
 mod prefetch;
 mod storage;
@@ -18,6 +19,7 @@ use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
 use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
+use eddy_viscosity::HeldEddyViscosity;
 use storage::Storage;
 
 /// The air: populations, boundaries and the parity of the next step.
@@ -30,6 +32,8 @@ pub struct Fluid<T: Real> {
     sides: Sides,
     /// Relaxation time per x [cells]; `None` without a sponge.
     relaxation_profile: Option<Vec<T>>,
+    /// `None` where no model needs the velocity gradient.
+    held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
@@ -85,6 +89,7 @@ impl<T: Real> Fluid<T> {
                 setup.sides,
             )),
             relaxation_profile,
+            held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             inlet_velocity: [0.0; 3],
             odd: false,
             steps: 0,
@@ -138,6 +143,9 @@ impl<T: Real> Fluid<T> {
             }
             out.put(&format!("populations_{array:02}"), &packed)?;
         }
+        if let Some(held) = &self.held_eddy_viscosity {
+            out.put("eddy_relaxation_times", &held.relaxation_times)?;
+        }
         Ok(())
     }
 
@@ -155,6 +163,9 @@ impl<T: Real> Fluid<T> {
             for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
                 self.populations[array][row].copy_from_slice(&packed[packed_row]);
             }
+        }
+        if let Some(held) = &mut self.held_eddy_viscosity {
+            held.restore(from.take_exactly("eddy_relaxation_times", self.grid.cell_count())?);
         }
         Ok(())
     }

@@ -1,0 +1,92 @@
+//! What a careful engineer would say about a scene before it runs.
+
+use super::Plan;
+use crate::case::Scene;
+use crate::case::scene::{BodyKind, Flow};
+use crate::lattice::stability;
+
+/// Shape quality below which triangles slow the solver down.
+const POOR_SHAPE: f64 = 0.1;
+
+/// Tolerance of the static equilibrium below which a device's arithmetic may not reach: the shipped chain was measured to stall at
+/// 6e-6.
+const DEVICE_TOLERANCE: f64 = 1e-5;
+
+/// Air around a bluff body is faster than the wind by up to this factor.
+const FASTER_AROUND_BODIES: f64 = 2.0;
+
+/// Share of the section that a body may block before its drag wants more than a small correction. A canopy is counted with its nominal
+/// area S_0, about twice of what it projects when inflated.
+const BLOCKAGE_LIMIT: f64 = 0.1;
+
+impl Plan {
+    /// Warnings, each with its remedy.
+    #[must_use]
+    pub fn warnings(&self, scene: &Scene) -> Vec<String> {
+        let mut warnings = Vec::new();
+        warnings.extend(self.stability(scene));
+        warnings.extend(blockage(scene));
+        warnings.extend(self.device_tolerance(scene));
+        let quality = scene.body.as_ref().and_then(|body| body.quality);
+        if quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
+            warnings.push(
+                "poor triangles: the fabric will be solved slowly; use fewer gores or more even cells"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+
+    fn stability(&self, scene: &Scene) -> Option<String> {
+        let air = scene.air.as_ref()?;
+        let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
+        let mach = air.lattice_speed * 3f64.sqrt();
+        let limit = stability::largest_mach(
+            air.operator,
+            air.eddy_viscosity,
+            self.placement.precision_name(),
+            viscous_part,
+        )?;
+        let bodies = scene.body.is_some() || !scene.rigid_bodies.is_empty();
+        let fastest = mach * if bodies { FASTER_AROUND_BODIES } else { 1.0 };
+        (fastest > limit).then(|| {
+            format!(
+                "the air may break down: at tau - 1/2 = {viscous_part:.1e} this operator survives Mach {limit:.2} in the stability map, and the \
+                 flow may reach {fastest:.2}; lower resolution.lattice_speed, or use recursive_regularised with an eddy viscosity"
+            )
+        })
+    }
+
+    fn device_tolerance(&self, scene: &Scene) -> Option<String> {
+        let tolerance = scene.equilibrium?.tolerance;
+        (scene.body.is_some() && self.placement.cloth_on_device() && tolerance < DEVICE_TOLERANCE)
+            .then(|| {
+                format!(
+                    "the forces of a device, in f32, may not reach equilibrium.tolerance below {DEVICE_TOLERANCE:e}: use --cloth host"
+                )
+            })
+    }
+}
+
+fn blockage(scene: &Scene) -> Option<String> {
+    let air = scene.air.as_ref()?;
+    let Flow::WindTunnel { .. } = air.flow else {
+        return None;
+    };
+    let section = air.units.cell_size_m.powi(2) * (air.cells[1] * air.cells[2]) as f64;
+    let canopy = scene.body.as_ref().and_then(|body| match body.kind {
+        BodyKind::Canopy(canopy) => Some(canopy.nominal_area_m2),
+        _ => None,
+    });
+    let rigid: f64 = scene.rigid_bodies.iter().map(|b| b.reference_area_m2).sum();
+    let share = (canopy.unwrap_or(0.0) + rigid) / section;
+    (share > BLOCKAGE_LIMIT).then(|| {
+        format!(
+            "the body blocks {:.0} % of the section, so the walls speed the air up beside it: widen air.wind_tunnel.size_m by {:.1} for {:.0} %, \
+             or compare only the corrected coefficients",
+            100.0 * share,
+            (share / BLOCKAGE_LIMIT).sqrt(),
+            100.0 * BLOCKAGE_LIMIT
+        )
+    })
+}
