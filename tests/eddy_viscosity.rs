@@ -31,10 +31,12 @@ const VREMAN: f64 = 0.07;
 
 type Gradient = [[f64; 3]; 3];
 
+type Formula = fn(&Gradient) -> f64;
+
 type Velocity = dyn Fn([usize; 3]) -> [f64; 3] + Sync;
 
 /// Both models with ν_t for a gradient [a][b] = ∂u_b/∂x_a.
-fn models() -> [(EddyViscosity, fn(&Gradient) -> f64); 2] {
+fn models() -> [(EddyViscosity, Formula); 2] {
     [
         (EddyViscosity::wale(WALE), |g| WALE * WALE * wale(g)),
         (EddyViscosity::vreman(VREMAN), |g| VREMAN * vreman(g)),
@@ -96,7 +98,7 @@ impl Body for Linear {
         // More cells along x than a vector has lanes, and a rest.
         let cells = [21, 6, 7];
         for (name, gradient, values) in flows {
-            let velocity = |cell: [usize; 3]| {
+            let velocity = move |cell: [usize; 3]| {
                 let place = [
                     cell[0] as f64 - 10.0,
                     cell[1] as f64 - 2.5,

@@ -508,12 +508,13 @@ mod tests {
     /// Points that are no results are neither on the front nor in the plot, whose axes they would stretch.
     #[test]
     fn broken_flows_are_counted_and_left_out() {
-        let points = [
+        let mut points = [
             point(0.1, f64::NAN),
             point(0.2, 1e30),
             point(0.3, 0.02),
             point(0.4, f64::INFINITY),
         ];
+        points[2].pareto = true;
         assert_eq!(pareto(&coordinates(&points)), [false, false, true, false]);
         let text = summary(&PROBLEMS[1], &points);
         assert!(text.contains("to 5 %: 0.300 s, error 2.00 %"), "{text}");
