@@ -2,7 +2,8 @@
 //!
 //! f*(x, t) = C(f(x, t), F), f_i(x + c_i, t + 1) = f*_i(x, t). The operator C is chosen at run time, its forced variant
 //! only for cache lines of cells that markers touch (or under a uniform acceleration); see [`super`] for the slots. The vector
-//! instructions of the CPU are chosen at run time, with the same bits under all of them; `benches/README.md` tells how it was measured.
+//! instructions of the CPU are chosen at run time. AVX2 and AVX-512 give the same bits; a CPU without fused multiply-add rounds products by
+//! themselves and gives others. `benches/README.md` tells what bounds the speed.
 
 use std::marker::PhantomData;
 use std::ops::Range;
