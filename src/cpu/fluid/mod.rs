@@ -2,7 +2,7 @@
 //!
 //! Each array is touched at one fixed shift in a step, so slabs of planes are split off each array with safe borrows.
 //! Arrays carry one layer of ghost cells; [`boundaries`] fills in after each step what flows in from there. Rows begin on a cache line
-//! ([`storage`]).
+//! (`storage`).
 
 pub mod boundaries;
 pub mod collide_stream;
