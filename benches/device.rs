@@ -99,7 +99,7 @@ fn bare_air(device: &Arc<Device>, copy: f64, budget: &mut Budget) -> Vec<Value> 
                 relaxation_time: tau,
                 sponge_cells: None,
                 operator,
-                smagorinsky_constant: None,
+                eddy_viscosity: None,
             };
             let k = std::f64::consts::TAU / side as f64;
             let speed = 0.02;
@@ -194,7 +194,7 @@ fn marker_lists(device: &Arc<Device>) -> Vec<Value> {
             relaxation_time: 0.6,
             sponge_cells: None,
             operator: Operator::RecursiveRegularised,
-            smagorinsky_constant: None,
+            eddy_viscosity: None,
         };
         let cells = setup.cells;
         let air =

@@ -65,7 +65,8 @@ fn relaxation_time_at(x: u32) -> f32 {
 }
 
 fn advance(p: Place, force: vec3<f32>, forced: bool) {
-    let out = collide(gather(p.element), relaxation_time_at(p.cell.x), force, forced);
+    let tau = with_eddy_viscosity(relaxation_time_at(p.cell.x), p.cell);
+    let out = collide(gather(p.element), tau, force, forced);
     scatter(p.element, out);
     if INLET_OUTLET {
         send_ghosts(p, out);

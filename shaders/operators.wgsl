@@ -1,9 +1,9 @@
 // Collision operators on one cell (src/lattice/operators.rs: sources and departures there). `forced` is always a literal, so that
 // the force-free stage carries no forcing terms.
 
-// 0: two relaxation times, 1: recursive regularised.
+// 0: two relaxation times, 1: recursive regularised, 2: single relaxation time.
 override OPERATOR: u32 = 1u;
-// Smagorinsky's eddy viscosity.
+// Smagorinsky's eddy viscosity, evaluated within the collision.
 override EDDY: bool = false;
 // 18 sqrt(2) C_s^2
 override EDDY_FACTOR: f32 = 0.0;
@@ -13,10 +13,10 @@ const AXIS: f32 = 1.0 / 18.0;
 const DIAGONAL: f32 = 1.0 / 36.0;
 
 fn collide(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
-    if OPERATOR == 0u {
-        return two_relaxation_times(f, relaxation_time, force, forced);
+    if OPERATOR == 1u {
+        return recursive_regularised(f, relaxation_time, force, forced);
     }
-    return recursive_regularised(f, relaxation_time, force, forced);
+    return relax_pairs(f, relaxation_time, force, forced);
 }
 
 // Relaxation time with the eddy viscosity of a non-equilibrium stress.
@@ -30,7 +30,8 @@ fn symmetric_shear(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return 0.5 * vec3<f32>(a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y);
 }
 
-fn two_relaxation_times(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+// Relaxes even and odd parts of all pairs, at one rate or at two.
+fn relax_pairs(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
     let m = moments(f);
     let density = 1.0 + m.density_excess;
     let inverse_density = 1.0 / density;
@@ -54,7 +55,10 @@ fn two_relaxation_times(f: Populations, relaxation_time: f32, force: vec3<f32>, 
         tau = eddy_relaxation_time(tau, normal, shear, inverse_density);
     }
     let even_rate = 1.0 / tau;
-    let odd_rate = 1.0 / (0.5 + TRT_MAGIC / (tau - 0.5));
+    var odd_rate = even_rate;
+    if OPERATOR == 0u {
+        odd_rate = 1.0 / (0.5 + TRT_MAGIC / (tau - 0.5));
+    }
     let rest = m.density_excess - 1.5 * density * dot(u, u);
     let even_source = 1.0 - 0.5 * even_rate;
     let odd_source = 1.0 - 0.5 * odd_rate;

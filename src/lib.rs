@@ -14,6 +14,7 @@
 //!
 //! | stage | turns | into | file |
 //! |---|---|---|---|
+//! | `eddy_viscosity` | populations (WALE, Vreman) | eddy part of the relaxation times | `fluid/eddy_viscosity.rs` |
 //! | `collide_stream` | populations, body force | populations | `fluid/collide_stream.rs` |
 //! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
@@ -32,7 +33,7 @@
 //!
 //! | module | holds | may use |
 //! |---|---|---|
-//! | [`lattice`] | D3Q19, collision operators, grid, links, boxes: what all engines share | – |
+//! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of | laws, extents of triangles |
@@ -50,8 +51,9 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
-//! | [`validate`] | problems with known answers, through the public interface | lattice, simulation, plan, gpu, output, run |
-//! | [`bench`] | error against seconds, and the map of stability | lattice, simulation, plan, gpu, output, run |
+//! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
+//! | [`validate`] | problems with known answers, through the public interface | bluff_body, lattice, simulation, plan, gpu, output, run |
+//! | [`bench`] | error against seconds, and the map of stability | bluff_body, lattice, simulation, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
 //! A test (`tests/architecture.rs`) holds these arrows.
@@ -72,6 +74,7 @@
 //! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
 
 pub mod bench;
+pub mod bluff_body;
 pub mod case;
 pub mod checkpoint;
 pub mod cli;

@@ -163,6 +163,24 @@ fn check_three_scenes() {
     let confluence = "structure.flat_circular.confluence_m=[0.6, 1.0, 1.0]";
     let text = ripstop(&["check", CANOPY, "--set", narrow, "--set", confluence]).printed;
     assert!(text.contains("blocks 20 % of the section"), "{text}");
+    let wale = Choices {
+        overrides: [
+            "resolution.eddy_viscosity.model=wale",
+            "resolution.eddy_viscosity.constant=0.5",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        ..Choices::default()
+    };
+    let case = case::load(&root().join(CANOPY), &wale).unwrap();
+    let with_gradients = Plan::new(&case.scene, Precision::F32);
+    let first = with_gradients.stages[0];
+    assert_eq!((first.stage, first.every), (Stage::EddyViscosity, 4));
+    assert_eq!(
+        with_gradients.sizes.air_bytes - canopy.sizes.air_bytes,
+        4 * canopy.sizes.cells
+    );
+    assert_eq!(with_gradients.stages.len(), canopy.stages.len() + 1);
 
     let air = plan("cases/taylor-green.toml");
     assert!(
@@ -358,11 +376,11 @@ fn divergence() {
         "--set",
         "resolution.operator=two_relaxation_times",
         "--set",
-        "resolution.smagorinsky_constant=0.01",
+        "resolution.eddy_viscosity.constant=0.01",
         "--set",
         "resolution.lattice_speed=0.04",
         "--set",
-        "air.kinematic_viscosity_m2_s=0.06",
+        "air.kinematic_viscosity_m2_s=0.065",
     ];
     // The stability map warns: it allows the wind, but not what is faster beside the canopy.
     let checked = ripstop(&[&["check"], &scene[..]].concat());

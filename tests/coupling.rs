@@ -29,7 +29,7 @@ fn still_box(relaxation_time: f64) -> Setup {
         relaxation_time,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
-        smagorinsky_constant: None,
+        eddy_viscosity: None,
     }
 }
 

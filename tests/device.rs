@@ -9,6 +9,7 @@ use ripstop::gpu::shaders;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
+use ripstop::lattice::eddy_viscosity::EddyViscosity;
 use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
 use ripstop::render;
@@ -240,8 +241,13 @@ fn setups() -> Vec<Setup> {
     let lid = Wall::NoSlip {
         velocity: [0.0, 0.05, 0.0],
     };
-    for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-        for smagorinsky_constant in [None, Some(0.15)] {
+    for operator in Operator::ALL {
+        for eddy_viscosity in [
+            None,
+            Some(EddyViscosity::smagorinsky(0.15)),
+            Some(EddyViscosity::wale(0.5)),
+            Some(EddyViscosity::vreman(0.07)),
+        ] {
             for (ends, sides, sponge_cells) in [
                 (StreamwiseEnds::Periodic, Sides::Periodic, None),
                 (StreamwiseEnds::Periodic, Sides::FreeSlip, None),
@@ -269,7 +275,7 @@ fn setups() -> Vec<Setup> {
                     relaxation_time: 0.52,
                     sponge_cells,
                     operator,
-                    smagorinsky_constant,
+                    eddy_viscosity,
                 });
             }
         }

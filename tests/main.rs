@@ -19,6 +19,7 @@ mod command_line;
 mod coupling;
 mod device;
 mod device_cloth;
+mod eddy_viscosity;
 mod engines;
 mod tolerances;
 mod validate;
@@ -31,6 +32,7 @@ fn main() -> std::process::ExitCode {
     let trials: Vec<Trial> = [
         architecture::trials(),
         air::trials(),
+        eddy_viscosity::trials(),
         cloth::trials(),
         walls::trials(),
         coupling::trials(),

@@ -11,6 +11,16 @@ pub const CONVERGENCE_ORDER: f64 = 1.9;
 /// Dissipation of a shear wave by Smagorinsky's viscosity: the wave loses its sine shape a little while it is measured.
 pub const EDDY_VISCOSITY: f64 = 0.03;
 
+/// Eddy viscosity from the velocity gradient, over the constant times a rate of 0.004 per step: round-off of velocities near 0.05, and for
+/// 16-bit storage 2⁻¹² of populations near 0.01.
+pub const fn velocity_gradient(engine: Engine) -> f64 {
+    match engine {
+        Engine::CpuF64 => 1e-12,
+        Engine::CpuF32 | Engine::Gpu => 1e-4,
+        Engine::GpuF16 => 2e-2,
+    }
+}
+
 /// Mass and momentum kept over some hundred steps, per cell: round-off.
 pub const fn conservation(engine: Engine) -> f64 {
     match engine {

@@ -17,6 +17,7 @@ pub fn trials() -> Vec<Trial> {
         || fast("gpu"),
     ));
     trials.extend(plain("validate::usage_errors", usage));
+    trials.extend(plain("validate::sphere", sphere));
     if cfg!(unix) {
         trials.extend(plain("validate::interrupt", interrupt));
     }
@@ -57,6 +58,9 @@ fn usage() {
     let output = ripstop(&["validate", "warp-drive"]);
     assert_eq!(output.code, 2);
     assert!(output.errors.contains("poiseuille"), "{}", output.errors);
+    let output = ripstop(&["bench", "warp-drive"]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("sphere"), "{}", output.errors);
     let output = ripstop(&["validate", "soak", "--engine", "gpu", "--precision", "f64"]);
     assert_eq!(output.code, 2, "{}", output.errors);
     // An unwritable file is noticed before anything is computed.
@@ -94,4 +98,20 @@ fn interrupt() {
     assert_eq!(child.wait().unwrap().code(), Some(75));
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out).unwrap()).unwrap();
     assert_eq!(report["interrupted"], true);
+}
+
+/// The drag of the sphere on the CPU, as the quick set computes it: settled, within its band, the same by both routes.
+fn sphere() {
+    let output = ripstop(&["validate", "sphere", "--engine", "cpu"]);
+    assert_eq!(output.code, 0, "{}{}", output.printed, output.errors);
+    assert!(
+        output.printed.contains("2 gates, 0 fail"),
+        "{}",
+        output.printed
+    );
+    assert!(
+        !output.printed.contains("not settled"),
+        "{}",
+        output.printed
+    );
 }

@@ -6,6 +6,7 @@
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
+mod drag;
 mod front;
 mod plots;
 pub mod stability;
@@ -15,6 +16,7 @@ pub mod work_precision;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::bluff_body;
 use crate::gpu::{Device, DeviceError};
 use crate::output::OutputError;
 use crate::plan::{AirPlacement, Placement, Precision};
@@ -62,9 +64,22 @@ pub enum Stop {
     /// A file could not be written.
     #[error("{0}")]
     Output(#[from] OutputError),
+    /// A flow cannot be set up.
+    #[error("{0}")]
+    Refused(String),
     /// A plot could not be drawn.
     #[error("cannot draw a plot: {0}")]
     Plot(String),
+}
+
+impl From<bluff_body::Stop> for Stop {
+    fn from(stop: bluff_body::Stop) -> Self {
+        match stop {
+            bluff_body::Stop::Interrupted => Self::Interrupted,
+            bluff_body::Stop::Device(error) => Self::Device(error),
+            bluff_body::Stop::Refused(why) => Self::Refused(why),
+        }
+    }
 }
 
 /// Who watches, and may end it.

@@ -5,7 +5,6 @@ use std::path::Path;
 use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 
 use super::stability::describe;
-use super::work_precision::operator_name;
 use super::{Stop, work_precision};
 use crate::lattice::stability::Point;
 use crate::output::write_atomically;
@@ -24,55 +23,116 @@ fn write(path: &Path, plots: Vec<Plot>, layout: Layout) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Error against seconds, one series per engine and operator, the front as a line.
+/// Shapes that tell engines apart.
+const SHAPES: [MarkerShape; 4] = [
+    MarkerShape::Circle,
+    MarkerShape::Triangle,
+    MarkerShape::Square,
+    MarkerShape::Diamond,
+];
+
+/// Place of `entry` among the entries met so far.
+fn position<T: PartialEq>(known: &mut Vec<T>, entry: T) -> usize {
+    known.iter().position(|e| *e == entry).unwrap_or_else(|| {
+        known.push(entry);
+        known.len() - 1
+    })
+}
+
+/// Error against seconds: one series per engine (shape) and operator (colour); those that none beats stand in rings, joined by a line. Points
+/// whose errors cancel by chance are hollow.
 pub(super) fn work_precision(
     path: &Path,
     name: &str,
     error: &str,
     points: &[work_precision::Point],
 ) -> Result<(), Stop> {
-    let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    for point in points.iter().filter(|p| p.error.is_finite()) {
-        let label = format!("{}, {}", point.engine, operator_name(point.operator));
+    let results = || points.iter().filter(|p| p.is_result());
+    let title = if points.iter().any(|p| p.cancels) {
+        format!("{name} (hollow: errors cancel by chance)")
+    } else {
+        name.to_owned()
+    };
+    let (mut engines, mut operators) = (Vec::new(), Vec::new());
+    let mut series: Vec<(_, Vec<(f64, f64)>)> = Vec::new();
+    for point in results() {
+        let key = (
+            point.cancels,
+            position(&mut engines, point.engine.as_str()),
+            position(&mut operators, point.operator.name()),
+        );
         let place = (point.seconds, point.error);
-        match series.iter_mut().find(|(known, _)| *known == label) {
+        match series.iter_mut().find(|(known, _)| *known == key) {
             Some((_, data)) => data.push(place),
-            None => series.push((label, vec![place])),
+            None => series.push((key, vec![place])),
         }
     }
-    let mut front: Vec<(f64, f64)> = points
-        .iter()
+    series.sort_by_key(|(key, _)| *key);
+    let mut front: Vec<(f64, f64)> = results()
         .filter(|p| p.pareto)
         .map(|p| (p.seconds, p.error))
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut plots: Vec<Plot> = vec![
+    if front.is_empty() {
+        // Logarithmic axes need a point.
+        return Ok(());
+    }
+    let mut plots: Vec<Plot> = Vec::new();
+    let spans = |value: f64, pick: fn(&work_precision::Point) -> f64| {
+        results().any(|p| pick(p) <= value) && results().any(|p| pick(p) >= value)
+    };
+    let (first, last) = results().fold((f64::INFINITY, 0.0_f64), |(first, last), p| {
+        (first.min(p.seconds), last.max(p.seconds))
+    });
+    for limit in work_precision::ERROR_LIMITS {
+        if spans(limit, |p| p.error) {
+            plots.push(
+                LinePlot::new()
+                    .with_data([(first, limit), (last, limit)])
+                    .with_color("#888888")
+                    .with_stroke_width(1.0)
+                    .with_dashed()
+                    .with_legend(format!("{:.0} %", 100.0 * limit))
+                    .into(),
+            );
+        }
+    }
+    plots.push(
         LinePlot::new()
-            .with_data(front)
-            .with_color("#888888")
-            .with_legend("none beats these")
+            .with_data(front.clone())
+            .with_color("#444444")
+            .with_legend("front: none is faster and better")
             .into(),
-    ];
-    for (i, (label, data)) in series.into_iter().enumerate() {
-        let shape = if i % 2 == 0 {
-            MarkerShape::Circle
+    );
+    plots.push(
+        ScatterPlot::new()
+            .with_data(front)
+            .with_color("#444444")
+            .with_size(8.0)
+            .with_marker_opacity(0.0)
+            .with_marker_stroke_width(1.5)
+            .into(),
+    );
+    for ((cancels, engine, operator), data) in series {
+        let series = ScatterPlot::new()
+            .with_data(data)
+            .with_color(COLOURS[operator % COLOURS.len()])
+            .with_marker(SHAPES[engine % SHAPES.len()])
+            .with_size(4.0);
+        let name = format!("{}, {}", engines[engine], operators[operator]);
+        plots.push(if cancels {
+            series
+                .with_marker_opacity(0.0)
+                .with_marker_stroke_width(1.0)
+                .into()
         } else {
-            MarkerShape::Triangle
-        };
-        plots.push(
-            ScatterPlot::new()
-                .with_data(data)
-                .with_color(COLOURS[i % COLOURS.len()])
-                .with_marker(shape)
-                .with_size(4.0)
-                .with_legend(label)
-                .into(),
-        );
+            series.with_legend(name).into()
+        });
     }
     let layout = Layout::auto_from_plots(&plots)
         .with_log_scale()
-        .with_title(name)
-        .with_x_label("seconds")
+        .with_title(title)
+        .with_x_label("time of the steps [s]")
         .with_y_label(error);
     write(path, plots, layout)
 }

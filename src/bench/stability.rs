@@ -11,11 +11,12 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::work_precision::{advance, operator_name};
+use super::work_precision::advance;
 use super::{Engine, Stop, Watch, go_on, plots};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosityModel;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use crate::lattice::stability::{Point, VISCOUS_PARTS};
+use crate::lattice::stability::{Point, VISCOUS_PARTS, measured};
 use crate::output::write_atomically;
 use crate::plan::AirPlacement;
 use crate::simulation::AirEngine;
@@ -30,8 +31,13 @@ pub const MACH_NUMBERS: [f64; 8] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
 /// Between wind and x axis [°].
 const ANGLES_DEG: [f64; 3] = [0.0, 22.5, 45.0];
 
-/// The constant of high-Reynolds cases; without it the eddy viscosity is left out.
-const SMAGORINSKY_CONSTANT: f64 = 0.15;
+/// Without eddy viscosity, and with every model.
+const MODELS: [Option<EddyViscosityModel>; 4] = [
+    None,
+    Some(EddyViscosityModel::Smagorinsky),
+    Some(EddyViscosityModel::Wale),
+    Some(EddyViscosityModel::Vreman),
+];
 
 /// Looks at the flow during a run.
 const LOOKS: usize = 40;
@@ -39,10 +45,10 @@ const LOOKS: usize = 40;
 /// Computes the map on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
 pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
-    let planned = (engines.len() * 4 * VISCOUS_PARTS.len()) as u64;
+    let planned = (engines.len() * Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
     for engine in engines {
-        for operator in [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised] {
-            for eddy_viscosity in [false, true] {
+        for operator in Operator::ALL {
+            for eddy_viscosity in MODELS {
                 for viscous_part in VISCOUS_PARTS {
                     let interrupt = watch.interrupt;
                     go_on(interrupt)?;
@@ -119,12 +125,11 @@ pub fn table(points: &[Point]) -> String {
 
 /// Operator and eddy viscosity in words.
 pub(super) fn describe(point: &Point) -> String {
-    let eddy = if point.eddy_viscosity {
-        " + eddy viscosity"
-    } else {
-        ""
-    };
-    operator_name(point.operator).to_owned() + eddy
+    let operator = point.operator.name();
+    match point.eddy_viscosity {
+        Some(model) => format!("{operator} + {}", model.name()),
+        None => operator.to_owned(),
+    }
 }
 
 fn survives(
@@ -159,7 +164,7 @@ fn survives(
         relaxation_time: 0.5 + point.viscous_part,
         sponge_cells: None,
         operator: point.operator,
-        smagorinsky_constant: point.eddy_viscosity.then_some(SMAGORINSKY_CONSTANT),
+        eddy_viscosity: point.eddy_viscosity.map(measured),
     };
     let mut air = AirEngine::build(
         setup,

@@ -29,7 +29,7 @@ pub(super) fn flow(setting: &Setting) -> Flow {
             relaxation_time: 0.5 + 3.0 * viscosity,
             sponge_cells: None,
             operator: setting.operator,
-            smagorinsky_constant: None,
+            eddy_viscosity: None,
         },
         initial: Box::new(move |cell| {
             let (x, y) = (k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5));

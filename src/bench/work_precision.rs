@@ -1,13 +1,14 @@
 //! Error against seconds over resolution, Mach number, operator, storage and engine.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use serde::Serialize;
 
 use super::front::{fastest_within, pareto};
-use super::{Engine, Stop, Watch, go_on, plots, taylor_green};
+use super::{Engine, Stop, Watch, drag, go_on, plots, taylor_green};
+use crate::bluff_body::BluffBody;
 use crate::lattice::Operator;
 use crate::lattice::grid::Setup;
 use crate::output::write_atomically;
@@ -21,10 +22,13 @@ const STEPS_AT_ONCE: usize = 256;
 const REPEATED_BELOW_S: f64 = 0.2;
 
 /// Errors for which the fastest setting is named.
-const ERROR_LIMITS: [f64; 2] = [0.05, 0.01];
+pub(super) const ERROR_LIMITS: [f64; 2] = [0.05, 0.01];
+
+/// Ratio of a finer grid's error to a coarser one's beyond which the coarser one was lucky.
+const CANCELLING: f64 = 1.1;
 
 /// What is varied.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Setting {
     /// Cells along the reference length.
     pub resolution: usize,
@@ -46,26 +50,72 @@ pub(super) struct Flow {
     pub exact: Box<Velocity>,
 }
 
+/// What a problem computes.
+enum Kind {
+    /// A flow whose velocity is known everywhere; the error is the relative L2 norm of the difference.
+    Field(fn(&Setting) -> Flow),
+    /// A body whose drag is published; the error is the relative difference of the drag from the published one times a factor for the walls.
+    Drag {
+        body: fn(&Setting) -> BluffBody,
+        walls: f64,
+    },
+}
+
 /// A problem of this benchmark.
 struct Problem {
     name: &'static str,
     /// What the error is.
     error: &'static str,
-    flow: fn(&Setting) -> Flow,
+    kind: Kind,
+    lattice_speeds: &'static [f64],
     /// Resolutions of the quick and of the full set.
     resolutions: [&'static [usize]; 2],
+    /// Cell updates [millions] beyond which a setting is left out of the quick and of the full set.
+    largest: [f64; 2],
 }
 
-const PROBLEMS: [Problem; 1] = [Problem {
-    name: "taylor-green",
-    error: "relative L2 error of the velocity at t = L/U",
-    flow: taylor_green::flow,
-    resolutions: [&[16, 24, 32, 48, 64], &[16, 24, 32, 48, 64, 96, 128, 192]],
-}];
+const DRAG_SPEEDS: &[f64] = &[0.04, 0.08, 0.15];
 
-const LATTICE_SPEEDS: [f64; 4] = [0.02, 0.04, 0.08, 0.15];
+const DRAG_RESOLUTIONS: [&[usize]; 2] = [&[6, 8, 10], &[6, 8, 10, 12, 16]];
 
-const OPERATORS: [Operator; 2] = [Operator::TwoRelaxationTimes, Operator::RecursiveRegularised];
+const DRAG_LARGEST: [f64; 2] = [600.0, 4_400.0];
+
+const PROBLEMS: [Problem; 3] = [
+    Problem {
+        name: "taylor-green",
+        error: "relative L2 error of the velocity at t = L/U",
+        kind: Kind::Field(taylor_green::flow),
+        lattice_speeds: &[0.02, 0.04, 0.08, 0.15],
+        // From grids so coarse that their error shows beside that of the Mach number.
+        resolutions: [
+            &[8, 12, 16, 24, 32, 48, 64],
+            &[8, 12, 16, 24, 32, 48, 64, 96, 128],
+        ],
+        largest: [f64::INFINITY; 2],
+    },
+    Problem {
+        name: "sphere",
+        error: "relative error of the drag coefficient at Re 100",
+        kind: Kind::Drag {
+            body: drag::sphere,
+            walls: drag::SPHERE_WALLS,
+        },
+        lattice_speeds: DRAG_SPEEDS,
+        resolutions: DRAG_RESOLUTIONS,
+        largest: DRAG_LARGEST,
+    },
+    Problem {
+        name: "disk",
+        error: "relative error of the drag coefficient at Re 100",
+        kind: Kind::Drag {
+            body: drag::disk,
+            walls: drag::DISK_WALLS,
+        },
+        lattice_speeds: DRAG_SPEEDS,
+        resolutions: DRAG_RESOLUTIONS,
+        largest: DRAG_LARGEST,
+    },
+];
 
 /// One measurement.
 #[derive(Debug, Clone, Serialize)]
@@ -83,13 +133,22 @@ pub struct Point {
     /// Cells in all.
     pub cells: usize,
     /// Steps.
-    pub steps: usize,
+    pub steps: u64,
     /// Time of the steps [s].
     pub seconds: f64,
-    /// The problem's error.
+    /// The problem's error, relative; not finite where the flow broke down.
     pub error: f64,
-    /// Whether no other point of the problem is as fast and as accurate.
+    /// Whether a finer grid of the same Mach number, operator and engine is clearly worse: errors of two signs cancel here, by chance.
+    pub cancels: bool,
+    /// Whether no other point of the problem is as fast and as accurate, those that cancel left out.
     pub pareto: bool,
+}
+
+impl Point {
+    /// False if the flow broke down, or is wrong by more than itself: the table keeps it, front and plot leave it out.
+    pub(super) const fn is_result(&self) -> bool {
+        self.error <= 1.0 && self.seconds.is_finite()
+    }
 }
 
 /// Names of the problems.
@@ -114,6 +173,7 @@ pub fn measure(
         .collect();
     for problem in chosen {
         let mut own = measure_problem(&problem, full, engines, watch)?;
+        mark_cancelling(&mut own);
         let front = pareto(&coordinates(&own));
         for (point, on_front) in own.iter_mut().zip(front) {
             point.pareto = on_front;
@@ -131,8 +191,51 @@ pub fn measure(
     Ok((points, text))
 }
 
+/// Marks the points at which errors of two signs cancel.
+fn mark_cancelling(points: &mut [Point]) {
+    for i in 0..points.len() {
+        let one = &points[i];
+        points[i].cancels = points.iter().any(|finer| {
+            finer.is_result()
+                && finer.resolution > one.resolution
+                && finer.error > CANCELLING * one.error
+                && finer.mach == one.mach
+                && finer.operator == one.operator
+                && finer.engine == one.engine
+        });
+    }
+}
+
+/// (seconds, error), for the front: an error beyond 100 % is no result, and one that cancels by chance says nothing of other flows.
 fn coordinates(points: &[Point]) -> Vec<(f64, f64)> {
-    points.iter().map(|p| (p.seconds, p.error)).collect()
+    points
+        .iter()
+        .map(|p| {
+            let counts = p.is_result() && !p.cancels;
+            (p.seconds, if counts { p.error } else { f64::NAN })
+        })
+        .collect()
+}
+
+/// Settings of a problem, each once.
+fn settings(problem: &Problem, full: bool) -> Vec<Setting> {
+    let set = usize::from(full);
+    let mut settings = Vec::new();
+    for operator in Operator::ALL {
+        for &lattice_speed in problem.lattice_speeds {
+            for &resolution in problem.resolutions[set] {
+                let setting = Setting {
+                    resolution,
+                    lattice_speed,
+                    operator,
+                };
+                if problem.kind.updates(&setting) <= problem.largest[set] {
+                    settings.push(setting);
+                }
+            }
+        }
+    }
+    settings
 }
 
 fn measure_problem(
@@ -141,57 +244,104 @@ fn measure_problem(
     engines: &[Engine],
     watch: &mut Watch,
 ) -> Result<Vec<Point>, Stop> {
-    let mut settings = Vec::new();
+    let settings = settings(problem, full);
+    let planned = (engines.len() * settings.len()) as u64;
+    let mut points = Vec::new();
     for engine in engines {
-        for operator in OPERATORS {
-            for lattice_speed in LATTICE_SPEEDS {
-                for &resolution in problem.resolutions[usize::from(full)] {
-                    let setting = Setting {
-                        resolution,
-                        lattice_speed,
-                        operator,
-                    };
-                    settings.push((engine, setting));
-                }
+        for setting in &settings {
+            let mut best = problem.kind.compute(setting, engine, watch.interrupt)?;
+            // Short times scatter; the flow is the same every time.
+            let repeats = if best.seconds < REPEATED_BELOW_S {
+                2
+            } else {
+                0
+            };
+            for _ in 0..repeats {
+                let again = problem.kind.compute(setting, engine, watch.interrupt)?;
+                best.seconds = best.seconds.min(again.seconds);
             }
+            points.push(Point {
+                problem: problem.name,
+                engine: engine.name(),
+                operator: setting.operator,
+                resolution: setting.resolution,
+                mach: setting.lattice_speed * 3f64.sqrt(),
+                cells: best.cells,
+                steps: best.steps,
+                seconds: best.seconds,
+                error: best.error,
+                cancels: false,
+                pareto: false,
+            });
+            watch
+                .observer
+                .progress(points.len() as u64, planned, problem.name);
         }
-    }
-    let mut points = Vec::with_capacity(settings.len());
-    let planned = settings.len() as u64;
-    for (engine, setting) in settings {
-        let flow = (problem.flow)(&setting);
-        let cells: usize = flow.setup.cells.iter().product();
-        let mut best = f64::INFINITY;
-        let mut error = f64::NAN;
-        for _ in 0..3 {
-            let (seconds, this_error) = compute(&flow, engine, watch.interrupt)?;
-            best = best.min(seconds);
-            error = this_error;
-            if seconds > REPEATED_BELOW_S {
-                break;
-            }
-        }
-        points.push(Point {
-            problem: problem.name,
-            engine: engine.name(),
-            operator: setting.operator,
-            resolution: setting.resolution,
-            mach: setting.lattice_speed * 3f64.sqrt(),
-            cells,
-            steps: flow.steps,
-            seconds: best,
-            error,
-            pareto: false,
-        });
-        watch
-            .observer
-            .progress(points.len() as u64, planned, problem.name);
     }
     Ok(points)
 }
 
-/// (seconds of the steps, error).
-fn compute(flow: &Flow, engine: &Engine, interrupt: &AtomicBool) -> Result<(f64, f64), Stop> {
+/// What one flow cost, and how wrong it is.
+struct Measurement {
+    cells: usize,
+    steps: u64,
+    seconds: f64,
+    error: f64,
+}
+
+impl Kind {
+    /// Cell updates of a setting at most [millions].
+    fn updates(&self, setting: &Setting) -> f64 {
+        match self {
+            Self::Field(flow) => {
+                let flow = flow(setting);
+                1e-6 * (flow.setup.cells.iter().product::<usize>() * flow.steps) as f64
+            }
+            Self::Drag { body, .. } => {
+                let body = body(setting);
+                1e-6 * body.cells().iter().product::<usize>() as f64 * body.steps()
+            }
+        }
+    }
+
+    fn compute(
+        &self,
+        setting: &Setting,
+        engine: &Engine,
+        interrupt: &AtomicBool,
+    ) -> Result<Measurement, Stop> {
+        match self {
+            Self::Field(flow) => compute_field(&flow(setting), engine, interrupt),
+            Self::Drag { body, walls } => compute_drag(&body(setting), *walls, engine, interrupt),
+        }
+    }
+}
+
+fn compute_drag(
+    body: &BluffBody,
+    walls: f64,
+    engine: &Engine,
+    interrupt: &AtomicBool,
+) -> Result<Measurement, Stop> {
+    let drag = body.drag(engine.placement, engine.device.as_ref(), &mut |_| {
+        !interrupt.load(Ordering::Relaxed)
+    })?;
+    let error = body.published_drag().map_or(f64::NAN, |(published, _)| {
+        drag.coefficient / (published * walls) - 1.0
+    });
+    Ok(Measurement {
+        cells: body.cells().iter().product(),
+        steps: drag.steps,
+        seconds: drag.seconds,
+        error: error.abs(),
+    })
+}
+
+fn compute_field(
+    flow: &Flow,
+    engine: &Engine,
+    interrupt: &AtomicBool,
+) -> Result<Measurement, Stop> {
     let mut air = AirEngine::build(
         flow.setup.clone(),
         Some(&*flow.initial),
@@ -210,7 +360,7 @@ fn compute(flow: &Flow, engine: &Engine, interrupt: &AtomicBool) -> Result<(f64,
         device.wait()?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let [nx, ny, _] = flow.setup.cells;
+    let [nx, ny, nz] = flow.setup.cells;
     let (mut off, mut whole) = (0.0, 0.0);
     for (i, (_, u)) in air.macroscopic()?.into_iter().enumerate() {
         let exact = (flow.exact)([i % nx, i / nx % ny, i / nx / ny]);
@@ -219,7 +369,12 @@ fn compute(flow: &Flow, engine: &Engine, interrupt: &AtomicBool) -> Result<(f64,
             whole += exact[a] * exact[a];
         }
     }
-    Ok((seconds, (off / whole).sqrt()))
+    Ok(Measurement {
+        cells: nx * ny * nz,
+        steps: flow.steps as u64,
+        seconds,
+        error: (off / whole).sqrt(),
+    })
 }
 
 /// Some steps of air without any force.
@@ -233,23 +388,22 @@ pub(super) fn advance(air: &mut AirEngine, steps: usize) -> Result<(), Stop> {
     Ok(())
 }
 
+/// Three digits, in per cent.
+fn percent(error: f64) -> String {
+    let digits = 2.0 - (100.0 * error).log10().floor();
+    format!("{:.*} %", digits.clamp(0.0, 6.0) as usize, 100.0 * error)
+}
+
 fn describe(point: &Point) -> String {
     format!(
-        "{:.4} s, error {:.2e}: {}, {}, {} cells, Mach {:.3}",
+        "{:.3} s, error {}: {}, {}, {} cells, Mach {:.3}",
         point.seconds,
-        point.error,
+        percent(point.error),
         point.engine,
-        operator_name(point.operator),
+        point.operator.name(),
         point.resolution,
         point.mach
     )
-}
-
-pub(super) const fn operator_name(operator: Operator) -> &'static str {
-    match operator {
-        Operator::TwoRelaxationTimes => "two_relaxation_times",
-        Operator::RecursiveRegularised => "recursive_regularised",
-    }
 }
 
 fn summary(problem: &Problem, points: &[Point]) -> String {
@@ -264,6 +418,20 @@ fn summary(problem: &Problem, points: &[Point]) -> String {
     let mut front: Vec<&Point> = points.iter().filter(|p| p.pareto).collect();
     front.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     lines.extend(front.into_iter().map(|p| format!("    {}", describe(p))));
+    let failed = points.iter().filter(|p| !p.is_result()).count();
+    let cancelling = points.iter().filter(|p| p.cancels).count();
+    if cancelling > 0 {
+        lines.push(format!(
+            "  {cancelling} of {} settings left out: finer grids at their Mach number are worse, so that errors cancel in them by chance",
+            points.len()
+        ));
+    }
+    if failed > 0 {
+        lines.push(format!(
+            "  {failed} of {} settings broke down or are wrong by more than 100 %",
+            points.len()
+        ));
+    }
     lines.join("\n") + "\n"
 }
 
@@ -276,4 +444,128 @@ fn write_csv(path: &Path, points: &[Point]) -> Result<(), Stop> {
         table.flush()
     })?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Precision;
+
+    /// No setting is measured twice, and none is larger than its set allows.
+    #[test]
+    fn every_setting_comes_once() {
+        for problem in &PROBLEMS {
+            for full in [false, true] {
+                let settings = settings(problem, full);
+                assert!(settings.len() >= 8, "{}", problem.name);
+                for (i, setting) in settings.iter().enumerate() {
+                    assert!(!settings[..i].contains(setting), "{setting:?}");
+                    let updates = problem.kind.updates(setting);
+                    assert!(updates <= problem.largest[usize::from(full)]);
+                }
+            }
+        }
+    }
+
+    fn point(seconds: f64, error: f64) -> Point {
+        Point {
+            problem: "sphere",
+            engine: "cpu f32".to_owned(),
+            operator: Operator::RecursiveRegularised,
+            resolution: 8,
+            mach: 0.1,
+            cells: 1,
+            steps: 1,
+            seconds,
+            error,
+            cancels: false,
+            pareto: false,
+        }
+    }
+
+    /// The error of a grid that a finer one exceeds is luck, but not if the finer one broke down, or differs in more than the grid.
+    #[test]
+    fn luck_is_marked() {
+        let on = |resolution, mach, error| Point {
+            resolution,
+            mach,
+            ..point(1.0, error)
+        };
+        let mut points = [
+            on(8, 0.1, 0.05),
+            on(12, 0.1, 0.002),
+            on(16, 0.1, 0.01),
+            on(24, 0.1, 0.0105),
+            on(32, 0.1, f64::NAN),
+            on(12, 0.2, 0.001),
+        ];
+        mark_cancelling(&mut points);
+        let marked = points.each_ref().map(|p| p.cancels);
+        assert_eq!(marked, [false, true, false, false, false, false]);
+        assert_eq!(fastest_within(&coordinates(&points[..4]), 0.005), None);
+    }
+
+    /// Points that are no results are neither on the front nor in the plot, whose axes they would stretch.
+    #[test]
+    fn broken_flows_are_counted_and_left_out() {
+        let mut points = [
+            point(0.1, f64::NAN),
+            point(0.2, 1e30),
+            point(0.3, 0.02),
+            point(0.4, f64::INFINITY),
+        ];
+        points[2].pareto = true;
+        assert_eq!(pareto(&coordinates(&points)), [false, false, true, false]);
+        let text = summary(&PROBLEMS[1], &points);
+        assert!(text.contains("to 5 %: 0.300 s, error 2.00 %"), "{text}");
+        assert!(text.contains("to 1 %: no setting reaches it"), "{text}");
+        assert!(text.contains("3 of 4 settings broke down"), "{text}");
+        let folder = tempfile::tempdir().unwrap();
+        let plot = folder.path().join("plot.png");
+        plots::work_precision(&plot, "sphere", "error", &points).unwrap();
+        assert!(plot.exists());
+        let none = folder.path().join("none.png");
+        plots::work_precision(&none, "sphere", "error", &points[..2]).unwrap();
+        assert!(!none.exists());
+    }
+
+    /// Both kinds measure a coarse flow: second order of the vortices, and a drag within 40 %.
+    #[test]
+    fn coarse_flows_are_measured() {
+        let engine = Engine::cpu(Precision::F32);
+        let interrupt = AtomicBool::new(false);
+        let error = |problem: &Problem, resolution, lattice_speed| {
+            let setting = Setting {
+                resolution,
+                lattice_speed,
+                operator: Operator::RecursiveRegularised,
+            };
+            let found = problem.kind.compute(&setting, &engine, &interrupt).unwrap();
+            assert!(found.seconds > 0.0 && found.steps > 10 && found.cells > 100);
+            assert!(
+                1e-6 * (found.steps * found.cells as u64) as f64
+                    <= 1.05 * problem.kind.updates(&setting)
+            );
+            found.error
+        };
+        // A Mach number in proportion to the cell size.
+        let (coarse, fine) = (error(&PROBLEMS[0], 16, 0.16), error(&PROBLEMS[0], 32, 0.08));
+        assert!((3.0..6.0).contains(&(coarse / fine)), "{coarse} {fine}");
+        let drag = error(&PROBLEMS[1], 6, 0.15);
+        assert!((0.01..0.4).contains(&drag), "{drag}");
+        interrupt.store(true, Ordering::Relaxed);
+        let setting = Setting {
+            resolution: 6,
+            lattice_speed: 0.15,
+            operator: Operator::RecursiveRegularised,
+        };
+        for problem in &PROBLEMS {
+            let stopped = problem.kind.compute(&setting, &engine, &interrupt);
+            assert!(
+                matches!(stopped, Err(Stop::Interrupted)),
+                "{}",
+                problem.name
+            );
+        }
+    }
 }

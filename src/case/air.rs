@@ -5,11 +5,15 @@ use glam::DVec3;
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
 use super::{Problem, bodies};
+use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
 
 /// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
 const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
+
+/// Most steps between two evaluations of the eddy viscosity: the wind passes a cell in so many at a lattice speed of 0.06.
+const UPDATE_EVERY_LIMIT: u32 = 16;
 
 /// Smallest number of cells along any axis of the air.
 const SMALLEST_AXIS_CELLS: usize = 4;
@@ -198,9 +202,10 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         reference_speed_m_s,
         lattice_speed,
         operator: resolution.operator,
-        smagorinsky_constant: resolution
-            .smagorinsky_constant
-            .map(|c| within("resolution.smagorinsky_constant", c, 0.01, 0.5))
+        eddy_viscosity: resolution
+            .eddy_viscosity
+            .as_ref()
+            .map(check_eddy_viscosity)
             .transpose()?,
         flow,
     };
@@ -218,23 +223,23 @@ fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
     };
     let mach = speed / air.units.speed_m_s() * 3f64.sqrt();
     let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
-    let limit = |operator: Operator, smagorinsky_constant: Option<f64>| {
-        stability::largest_mach(operator, smagorinsky_constant, "f32", viscous_part)
+    let limit = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
+        stability::largest_mach(operator, eddy_viscosity, "f32", viscous_part)
     };
-    let own = limit(air.operator, air.smagorinsky_constant);
+    let own = limit(air.operator, air.eddy_viscosity);
     let Some(survived) = own.filter(|survived| mach > *survived) else {
         return Ok(());
     };
     let help = [
         (None, "resolution.operator = \"recursive_regularised\""),
         (
-            Some(0.15),
-            "resolution.operator = \"recursive_regularised\" and resolution.smagorinsky_constant = 0.15",
+            Some(stability::measured(EddyViscosityModel::Smagorinsky)),
+            "resolution.operator = \"recursive_regularised\" and resolution.eddy_viscosity = { model = \"smagorinsky\", constant = 0.15 }",
         ),
     ]
     .into_iter()
-    .find_map(|(smagorinsky_constant, keys)| {
-        let survived = limit(Operator::RecursiveRegularised, smagorinsky_constant)?;
+    .find_map(|(eddy_viscosity, keys)| {
+        let survived = limit(Operator::RecursiveRegularised, eddy_viscosity)?;
         (mach <= survived).then(|| format!("use {keys}, which survives Mach {survived:.2}"))
     })
     .unwrap_or_else(|| "lower resolution.lattice_speed, or use smaller cells".to_owned());
@@ -245,6 +250,58 @@ fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
         ),
         help,
     ))
+}
+
+/// Checks `[resolution.eddy_viscosity]`. The ranges hardly overlap, so that a constant meant for another model is noticed.
+fn check_eddy_viscosity(written: &file::EddyViscosity) -> Result<EddyViscosity, Problem> {
+    let model = written.model;
+    let (lowest, highest, usual) = match model {
+        EddyViscosityModel::Smagorinsky => (0.01, 0.3, "0.1 to 0.2; 0.15 is usual"),
+        EddyViscosityModel::Wale => (
+            0.2,
+            1.0,
+            "0.325 (channels) to 0.6; 0.325 suits recursive_regularised",
+        ),
+        EddyViscosityModel::Vreman => (
+            0.01,
+            0.12,
+            "0.025 to 0.07; 0.025 suits recursive_regularised",
+        ),
+    };
+    let constant = written.constant;
+    if !(lowest..=highest).contains(&constant) {
+        let (name, symbol) = (model.name(), model.symbol());
+        return Err(Problem::new(
+            "resolution.eddy_viscosity.constant",
+            format!(
+                "resolution.eddy_viscosity.constant = {} is no {symbol} of the {name} model",
+                readable(constant)
+            ),
+            format!("allowed are {lowest} to {highest}; published values are {usual}"),
+        ));
+    }
+    let mut eddy_viscosity = EddyViscosity::new(model, constant);
+    if let Some(every) = written.update_every {
+        let key = "resolution.eddy_viscosity.update_every";
+        if eddy_viscosity.gradient_model().is_none() {
+            return Err(Problem::new(
+                key,
+                format!("{key} has no effect: Smagorinsky's model is evaluated in every collision"),
+                format!("remove {key}"),
+            ));
+        }
+        if !(1..=UPDATE_EVERY_LIMIT).contains(&every) {
+            return Err(Problem::new(
+                key,
+                format!("{key} = {every} is out of range"),
+                format!(
+                    "allowed are 1 to {UPDATE_EVERY_LIMIT} steps; {UPDATE_EVERY} is usual, and what holds without this key"
+                ),
+            ));
+        }
+        eddy_viscosity.update_every = every;
+    }
+    Ok(eddy_viscosity)
 }
 
 /// Checks `[coupling]`, and that markers and structure fit the air.

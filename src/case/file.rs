@@ -7,6 +7,7 @@ use serde::Deserialize;
 pub use super::file_bodies::*;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosityModel;
 
 /// A case file, version 1.
 #[derive(Debug, Clone, Deserialize)]
@@ -104,7 +105,20 @@ pub struct Resolution {
     pub lattice_speed: f64,
     pub reference_speed_m_s: Option<f64>,
     pub operator: Operator,
-    pub smagorinsky_constant: Option<f64>,
+    pub eddy_viscosity: Option<EddyViscosity>,
+}
+
+/// `[resolution.eddy_viscosity]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct EddyViscosity {
+    pub model: EddyViscosityModel,
+    pub constant: f64,
+    pub update_every: Option<u32>,
 }
 
 /// `[structure]`; exactly one shape inside.

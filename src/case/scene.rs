@@ -9,6 +9,7 @@ use super::{Problem, air, bodies, structure};
 use crate::cloth::Structure;
 use crate::geometry::mesh::quality::Quality;
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::rigid::{PrescribedMotion, Surface};
 use crate::units::Units;
 
@@ -54,8 +55,8 @@ pub struct Air {
     pub lattice_speed: f64,
     /// Collision operator.
     pub operator: Operator,
-    /// Smagorinsky constant.
-    pub smagorinsky_constant: Option<f64>,
+    /// Eddy viscosity; `None` without one.
+    pub eddy_viscosity: Option<EddyViscosity>,
     /// What the air does.
     pub flow: Flow,
 }

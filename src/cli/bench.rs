@@ -38,6 +38,7 @@ impl From<Stop> for Failure {
         match stop {
             Stop::Interrupted => Self::Other(exit::INTERRUPTED, "interrupted".to_owned()),
             Stop::Device(error) => error.into(),
+            Stop::Refused(_) => Self::Other(exit::BAD_CASE, stop.to_string()),
             Stop::Output(_) | Stop::Plot(_) => Self::Other(exit::OUTPUT_FAILED, stop.to_string()),
         }
     }

@@ -1,21 +1,19 @@
 //! `ripstop validate [FILTER]`
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
 use super::engine::{self, Engine, PrecisionChoice};
 use super::progress::Progress;
-use super::{Failure, emit, exit};
+use super::{Failure, emit, exit, interrupt_flag};
 use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
 pub(super) struct ValidateArguments {
-    /// Compute only problems whose name contains this text.
+    /// Compute only the problem of this name, or those whose name contains this text.
     filter: Option<String>,
-    /// Real sizes and the gates meant for them, instead of the quick set of a minute or two.
+    /// Real sizes and the gates meant for them, instead of the quick set of about a minute.
     #[arg(long)]
     full: bool,
     /// Engine for the air.
@@ -56,17 +54,7 @@ pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         placement,
         device,
     };
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupt);
-    // The first interrupt ends the validation with the rows so far, the second at once.
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(exit::INTERRUPTED));
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: an interrupt will stop the validation without its table: {error}");
-    }
+    let interrupt = interrupt_flag("the validation");
     let write = |report: &Report| match &arguments.out {
         Some(path) => report
             .write(path)
@@ -83,6 +71,7 @@ pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
     match end {
         Err(Stop::Device(error)) => Err(error.into()),
         Err(Stop::Interrupted) => Ok(exit::INTERRUPTED),
+        Err(Stop::Refused(why)) => Err(Failure::Other(exit::BAD_CASE, why)),
         Ok(()) if report.holds() => Ok(0),
         Ok(()) => Ok(exit::GATE_FAILED),
     }

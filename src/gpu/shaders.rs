@@ -56,7 +56,11 @@ pub fn all() -> Vec<Shader> {
 }
 
 stored_shaders! {
-    COLLIDE_STREAM = "collide_stream": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl", "collide_stream.wgsl";
+    COLLIDE_STREAM = "collide_stream": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl", "no_held_eddy_viscosity.wgsl",
+        "collide_stream.wgsl";
+    COLLIDE_STREAM_HELD = "collide_stream_held": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl",
+        "held_eddy_viscosity.wgsl", "collide_stream.wgsl";
+    EDDY_VISCOSITY = "eddy_viscosity": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "eddy_viscosity.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
@@ -114,6 +118,7 @@ pub fn layouts() -> Vec<Layout> {
         super::cloth::parameters::OWN_LAYOUTS,
         super::fluid::collide_stream::OWN_LAYOUTS,
         super::fluid::control_volume::OWN_LAYOUTS,
+        super::fluid::eddy_viscosity::OWN_LAYOUTS,
         super::fluid::macroscopic::OWN_LAYOUTS,
         super::fluid::OWN_LAYOUTS,
         super::immersed::OWN_LAYOUTS,

@@ -12,6 +12,7 @@
 //! f_{i+1} to the local one, which is exactly where the next step, of the other parity, expects them.
 //! No two cells touch the same slot in a step. Arrays carry one layer of ghost cells.
 
+use super::eddy_viscosity::EddyViscosity;
 use super::{DIRECTIONS, Operator};
 
 /// Density excess and velocity of every cell at the start, in lattice units.
@@ -80,8 +81,8 @@ pub struct Setup {
     pub sponge_cells: Option<f64>,
     /// Collision operator.
     pub operator: Operator,
-    /// Smagorinsky constant C_s; `None` switches the eddy viscosity off.
-    pub smagorinsky_constant: Option<f64>,
+    /// Eddy viscosity; `None` without one.
+    pub eddy_viscosity: Option<EddyViscosity>,
 }
 
 impl Setup {
@@ -102,6 +103,9 @@ impl Setup {
         )
     }
 }
+
+/// Bytes of a cache line, on which rows begin on the CPU.
+pub const LINE_BYTES: usize = 64;
 
 /// Relaxation time at the very end of the sponge (ν = 1/6).
 pub const SPONGE_RELAXATION_TIME: f64 = 1.0;

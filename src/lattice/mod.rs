@@ -6,6 +6,7 @@
 //! the streaming scheme of [`grid`] relies on that order.
 
 pub mod control_volume;
+pub mod eddy_viscosity;
 pub mod grid;
 pub mod links;
 pub mod operators;
@@ -19,10 +20,31 @@ pub use real::{Lanes, Number, Real};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Operator {
+    /// [`operators::single_relaxation_time`] (BGK): for comparison only.
+    SingleRelaxationTime,
     /// [`operators::two_relaxation_times`]: verification and low Reynolds numbers.
     TwoRelaxationTimes,
     /// [`operators::recursive_regularised`]: high Reynolds numbers.
     RecursiveRegularised,
+}
+
+impl Operator {
+    /// All of them.
+    pub const ALL: [Self; 3] = [
+        Self::SingleRelaxationTime,
+        Self::TwoRelaxationTimes,
+        Self::RecursiveRegularised,
+    ];
+
+    /// Name in case files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SingleRelaxationTime => "single_relaxation_time",
+            Self::TwoRelaxationTimes => "two_relaxation_times",
+            Self::RecursiveRegularised => "recursive_regularised",
+        }
+    }
 }
 
 /// Number of discrete velocities.

@@ -1,5 +1,7 @@
 //! Collision operators on one cell, in lattice units, on populations shifted by their weights (f − w).
 //!
+//! * [`single_relaxation_time`]: BGK (Bhatnagar, Gross & Krook 1954; Qian, d'Humières & Lallemand 1992), the reference that
+//!   others are compared with. Unstable at small viscosity, and where its walls stand depends on τ.
 //! * [`two_relaxation_times`]: Ginzburg's TRT with Λ = 3/16; for verification and low Reynolds numbers.
 //! * [`recursive_regularised`]: third-order recursive regularisation (Malaspinas 2015; Coreixas et al. 2017) with
 //!   the D3Q19 basis of Jacob, Malaspinas & Sagaut 2018, for any Reynolds number together with an eddy viscosity.
@@ -11,9 +13,9 @@
 //! Every formula is written once, over [`Number`]: one cell, or as many as a vector of the CPU has lanes. Factors are gathered so that
 //! few operations remain; j = ρu throughout. Where rounded weights would not sum to one, one of them is taken as what the others leave:
 //! else mass and momentum would drift in single precision, since the same error recurs in every step.
-//! The eddy viscosity is Smagorinsky's, from the local non-equilibrium stress Π̂ (TRT keeps its trace, which it also relaxes; the regularised
-//! operator has none left) (Hou et al. 1994):
-//! τ_e = ½ (τ + √(τ² + 18 √2 C_s² |Π̂| / ρ)).
+//! An eddy viscosity within the collision is Smagorinsky's, from the local non-equilibrium stress Π̂ (BGK and TRT keep its trace, which they
+//! also relax; the regularised operator has none left) (Hou et al. 1994):
+//! τ_e = ½ (τ + √(τ² + 18 √2 C_s² |Π̂| / ρ)). Models that need more than one cell are in [`super::eddy_viscosity`].
 
 use super::{DIRECTION_COUNT, Number};
 
@@ -32,7 +34,7 @@ pub type Populations<T> = [T; DIRECTION_COUNT];
 /// Per-cell inputs of a collision besides the populations.
 #[derive(Debug, Clone, Copy)]
 pub struct Local<T> {
-    /// Relaxation time τ of the molecular viscosity (and sponge), ν = (τ − ½)/3.
+    /// Relaxation time τ of the molecular viscosity (with sponge, and eddy viscosity from the stage of that name), ν = (τ − ½)/3.
     pub relaxation_time: T,
     /// Body force per cell [lattice units]; read only where `FORCED`.
     pub force: [T; 3],
@@ -54,28 +56,11 @@ struct Moments<N> {
 
 #[inline(always)]
 fn moments<N: Number>(f: &Populations<N>) -> Moments<N> {
-    let s = [
-        f[1] + f[2],
-        f[3] + f[4],
-        f[5] + f[6],
-        f[7] + f[8],
-        f[9] + f[10],
-        f[11] + f[12],
-        f[13] + f[14],
-        f[15] + f[16],
-        f[17] + f[18],
-    ];
-    let d = [
-        f[1] - f[2],
-        f[3] - f[4],
-        f[5] - f[6],
-        f[7] - f[8],
-        f[9] - f[10],
-        f[11] - f[12],
-        f[13] - f[14],
-        f[15] - f[16],
-        f[17] - f[18],
-    ];
+    let (mut s, mut d) = ([f[0]; 9], [f[0]; 9]);
+    for k in 0..9 {
+        s[k] = f[2 * k + 1] + f[2 * k + 2];
+        d[k] = f[2 * k + 1] - f[2 * k + 2];
+    }
     let xy = s[3] + s[6];
     let xz = s[4] + s[7];
     let yz = s[5] + s[8];
@@ -108,7 +93,7 @@ pub fn bare_moments<N: Number>(f: &Populations<N>) -> (N, [N; 3]) {
 
 /// Every component of a vector times one factor.
 #[inline(always)]
-fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
+pub fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
     [factor * v[0], factor * v[1], factor * v[2]]
 }
 
@@ -120,8 +105,18 @@ fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
 
 /// Scalar product of two vectors.
 #[inline(always)]
-fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+    (a[0] * b[0])
+        .plus_product(a[1], b[1])
+        .plus_product(a[2], b[2])
+}
+
+/// c − a·b.
+#[inline(always)]
+fn minus_dot<N: Number>(c: N, a: [N; 3], b: [N; 3]) -> N {
+    c.minus_product(a[0], b[0])
+        .minus_product(a[1], b[1])
+        .minus_product(a[2], b[2])
 }
 
 /// c·v of the first directions of the nine pairs.
@@ -143,11 +138,13 @@ fn along<N: Number>(v: [N; 3]) -> [N; 9] {
 /// Effective relaxation time with Smagorinsky's eddy viscosity from the non-equilibrium stress (xx, yy, zz, xy, xz, yz).
 #[inline(always)]
 fn eddy_relaxation_time<N: Number>(local: &Local<N>, p: &[N; 6], inverse_density: N) -> N {
-    let normal = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-    let shear = p[3] * p[3] + p[4] * p[4] + p[5] * p[5];
+    let normal = dot([p[0], p[1], p[2]], [p[0], p[1], p[2]]);
+    let shear = dot([p[3], p[4], p[5]], [p[3], p[4], p[5]]);
     let norm = (normal + (shear + shear)).square_root();
     let tau = local.relaxation_time;
-    let root = (tau * tau + local.eddy_factor * norm * inverse_density).square_root();
+    let root = (tau * tau)
+        .plus_product(local.eddy_factor * inverse_density, norm)
+        .square_root();
     tau.constant(0.5) * (tau + root)
 }
 
@@ -172,9 +169,9 @@ fn force_work<N: Number>(u: &[N; 3], force: &[N; 3]) -> [N; 6] {
         u[0] * force[0],
         u[1] * force[1],
         u[2] * force[2],
-        half * (u[0] * force[1] + u[1] * force[0]),
-        half * (u[0] * force[2] + u[2] * force[0]),
-        half * (u[1] * force[2] + u[2] * force[1]),
+        half * (u[0] * force[1]).plus_product(u[1], force[0]),
+        half * (u[0] * force[2]).plus_product(u[2], force[0]),
+        half * (u[1] * force[2]).plus_product(u[2], force[1]),
     ]
 }
 
@@ -205,11 +202,31 @@ fn bare_non_equilibrium<N: Number>(m: &Moments<N>, flux: &[N; 6]) -> [N; 6] {
     ]
 }
 
+/// Single-relaxation-time collision, BGK; returns post-collision populations.
+#[inline(always)]
+pub fn single_relaxation_time<N: Number, const FORCED: bool, const EDDY: bool>(
+    f: &Populations<N>,
+    local: &Local<N>,
+) -> Populations<N> {
+    relax_pairs::<N, FORCED, EDDY, true>(f, local)
+}
+
 /// Two-relaxation-time collision; returns post-collision populations.
-///
-/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = f_{i, i+1} − ½ω₊ (s − s_eq) ∓ ½ω₋ (d − d_eq) + sources.
 #[inline(always)]
 pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
+    f: &Populations<N>,
+    local: &Local<N>,
+) -> Populations<N> {
+    relax_pairs::<N, FORCED, EDDY, false>(f, local)
+}
+
+/// Relaxes even and odd parts of all pairs, at one rate (`SINGLE`) or at two.
+///
+/// With s, d = f_i ± f_{i+1} of a pair, f*_{i, i+1} = s* ± d*. For the weight 1/36, and with h = j + (2τ − 1) F, which gathers equilibrium
+/// and force,
+/// s* = ½ (1 − ω₊) s + ½ ω₊ ((δρ − 3/2 h·u)/18 + (c·h)(c·u)/4) and d* = ½ (1 − ω₋) d + ½ ω₋ (c·Σ f c)/6 + (c·F)/12.
+#[inline(always)]
+fn relax_pairs<N: Number, const FORCED: bool, const EDDY: bool, const SINGLE: bool>(
     f: &Populations<N>,
     local: &Local<N>,
 ) -> Populations<N> {
@@ -223,8 +240,6 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
     if FORCED {
         j = sum(j, scale(half, force));
     }
-    // v = 1.5 u.
-    let v = scale(constant(1.5) / density, j);
     let mut tau = local.relaxation_time;
     if EDDY {
         let inverse_density = one / density;
@@ -235,52 +250,58 @@ pub fn two_relaxation_times<N: Number, const FORCED: bool, const EDDY: bool>(
         }
         tau = eddy_relaxation_time(local, &p, inverse_density);
     }
-    let even_rate = one / tau;
-    let odd_rate = one / (half + constant(TRT_MAGIC) / (tau - half));
-    let even_half = half * even_rate;
-    let odd_half = half * odd_rate;
-    let even_source = one - even_half;
-    let odd_source = one - odd_half;
-    let rest = m.density_excess - dot(j, v);
-    let rest_18 = constant(1.0 / 18.0) * rest;
+    // ½ (1 − ω) and ½ ω, rounded so that they sum to ½ exactly: else mass and momentum would drift.
+    let even_kept = half - half / tau;
+    let odd_kept = if SINGLE {
+        even_kept
+    } else {
+        half - half / (half + constant(TRT_MAGIC) / (tau - half))
+    };
+    let even_gained = half - even_kept;
+    let odd_gained = half - odd_kept;
     // Odd equilibria sum to j: the weight of the axes is what those of the diagonals leave.
     let sixth = constant(1.0 / 6.0);
     let third = one - constant(4.0) * sixth;
-    let odd_equilibria = along(scale(sixth, j));
-    let axis_equilibria = scale(third, j);
-    let force_18 = scale(constant(1.0 / 18.0), force);
-    let force_12 = scale(constant(1.0 / 12.0), force);
-    let work_18 = dot(v, force_18);
+    let mut h = j;
+    let mut twelfth_force = force;
+    if FORCED {
+        h = sum(j, scale((tau + tau) - one, force));
+        twelfth_force = scale(constant(1.0 / 12.0), force);
+    }
+    // v = 3/2 · ½ ω₊ u.
+    let v = scale(constant(1.5) * even_gained / density, j);
+    let rest = minus_dot(even_gained * m.density_excess, h, v);
+    let rest_18 = constant(1.0 / 18.0) * rest;
+    let rest_9 = rest_18 + rest_18;
+    let v_along = along(v);
+    let (axis_h, h_along) = (scale(third, h), along(scale(sixth, h)));
+    let (axis_momentum, momentum_along) =
+        (scale(third, m.momentum), along(scale(sixth, m.momentum)));
+    let force_along = along(twelfth_force);
 
     let mut out = *f;
-    out[0] = f[0] - even_rate * (f[0] - (rest - constant(12.0) * rest_18));
-    if FORCED {
-        out[0] = out[0] - even_source * constant(12.0) * work_18;
-    }
-    let v_along = along(v);
-    let force_along = along(force_12);
+    out[0] = (even_kept + even_kept) * f[0] + ((rest + rest) - constant(24.0) * rest_18);
     for k in 0..9 {
-        let (rest_part, odd_equilibrium) = if k < 3 {
-            (rest_18 + rest_18, axis_equilibria[k])
+        let (mut even, odd_equilibrium) = if k < 3 {
+            (rest_9.plus_product(axis_h[k], v_along[k]), axis_momentum[k])
         } else {
-            (rest_18, odd_equilibria[k])
+            (
+                rest_18.plus_product(h_along[k], v_along[k]),
+                momentum_along[k],
+            )
         };
-        let even_equilibrium = rest_part + odd_equilibrium * v_along[k];
-        let mut even = even_half * (m.sums[k] - even_equilibrium);
-        let mut odd = odd_half * (m.differences[k] - odd_equilibrium);
+        even = even.plus_product(even_kept, m.sums[k]);
+        let mut odd = (odd_gained * odd_equilibrium).plus_product(odd_kept, m.differences[k]);
         if FORCED {
-            let mut odd_force = force_along[k];
-            let doubled = v_along[k] * odd_force;
-            let mut even_force = (doubled + doubled) - work_18;
-            if k < 3 {
-                odd_force = odd_force + odd_force;
-                even_force = even_force + even_force;
-            }
-            even = even - even_source * even_force;
-            odd = odd - odd_source * odd_force;
+            odd = odd
+                + if k < 3 {
+                    force_along[k] + force_along[k]
+                } else {
+                    force_along[k]
+                };
         }
-        out[2 * k + 1] = f[2 * k + 1] - (even + odd);
-        out[2 * k + 2] = f[2 * k + 2] - (even - odd);
+        out[2 * k + 1] = even + odd;
+        out[2 * k + 2] = even - odd;
     }
     out
 }
@@ -344,204 +365,99 @@ pub fn recursive_regularised<N: Number, const FORCED: bool, const EDDY: bool>(
         quarter * second[4],
         quarter * second[5],
     ];
-    // Third-order coefficients a_aab = ρ u_a² u_b + (1 − ω)(2 u_a Π̂_ab + u_b Π̂_aa), times 9/36.
+    // Third-order coefficients a_aab = u_a (ρ u_a u_b + 2 (1 − ω) Π̂_ab) + u_b (1 − ω) Π̂_aa, times 9/36.
     let quarter_u = scale(quarter, u);
-    let twice = [kept[3] + kept[3], kept[4] + kept[4], kept[5] + kept[5]];
-    let third_order = |a: usize, b: usize, aa: usize, ab: usize| {
-        quarter_u[a] * (flux[ab] + twice[ab - 3]) + quarter_u[b] * kept[aa]
-    };
-    let xxy = third_order(0, 1, 0, 3);
-    let xxz = third_order(0, 2, 0, 4);
-    let yyx = third_order(1, 0, 1, 3);
-    let yyz = third_order(1, 2, 1, 5);
-    let zzx = third_order(2, 0, 2, 4);
-    let zzy = third_order(2, 1, 2, 5);
+    let [xy, xz, yz] = [
+        flux[3] + (kept[3] + kept[3]),
+        flux[4] + (kept[4] + kept[4]),
+        flux[5] + (kept[5] + kept[5]),
+    ];
+    let xxy = (quarter_u[0] * xy).plus_product(quarter_u[1], kept[0]);
+    let xxz = (quarter_u[0] * xz).plus_product(quarter_u[2], kept[0]);
+    let yyx = (quarter_u[1] * xy).plus_product(quarter_u[0], kept[1]);
+    let yyz = (quarter_u[1] * yz).plus_product(quarter_u[2], kept[1]);
+    let zzx = (quarter_u[2] * xz).plus_product(quarter_u[0], kept[2]);
+    let zzy = (quarter_u[2] * yz).plus_product(quarter_u[1], kept[2]);
 
     // Everything below is for the weight 1/36 of the diagonals.
     let trace = normal[0] + normal[1] + normal[2];
-    let base = constant(1.0 / 36.0) * m.density_excess - constant(1.0 / 3.0) * trace;
+    let base = (constant(1.0 / 36.0) * m.density_excess).minus_product(constant(1.0 / 3.0), trace);
     // The populations sum to δρ and their momentum to the carried one: rest and axes take what the diagonals leave.
     let twelfth = constant(1.0 / 12.0);
     let axis_carried = scale(quarter - (twelfth + twelfth), carried);
     let carried = scale(twelfth, carried);
     let mut out = *f;
-    out[0] = m.density_excess - (constant(24.0) * base + constant(12.0) * trace);
-    let mut axis = |k: usize, even: N, odd: N| {
-        let (plus, minus) = (even + odd, even - odd);
-        out[2 * k + 1] = plus + plus;
-        out[2 * k + 2] = minus + minus;
-    };
-    axis(0, base + normal[0], axis_carried[0] - (yyx + zzx));
-    axis(1, base + normal[1], axis_carried[1] - (xxy + zzy));
-    axis(2, base + normal[2], axis_carried[2] - (xxz + yyz));
-    // Pairs (1, 1) and (1, −1) of the plane of axes a and b.
-    let mut diagonals = |k: usize, a: usize, b: usize, aab: N, bba: N| {
-        let normal = base + (normal[a] + normal[b]);
-        let (even, odd) = (
-            normal + shear[k - 3],
-            (carried[a] + carried[b]) + (aab + bba),
-        );
-        out[2 * k + 1] = even + odd;
-        out[2 * k + 2] = even - odd;
-        let (even, odd) = (
-            normal - shear[k - 3],
-            (carried[a] - carried[b]) + (bba - aab),
-        );
-        out[2 * k + 7] = even + odd;
-        out[2 * k + 8] = even - odd;
-    };
-    diagonals(3, 0, 1, xxy, yyx);
-    diagonals(4, 0, 2, xxz, zzx);
-    diagonals(5, 1, 2, yyz, zzy);
+    out[0] = m
+        .density_excess
+        .minus_product(constant(24.0), base)
+        .minus_product(constant(12.0), trace);
+    axis(&mut out, 0, base + normal[0], axis_carried[0] - (yyx + zzx));
+    axis(&mut out, 1, base + normal[1], axis_carried[1] - (xxy + zzy));
+    axis(&mut out, 2, base + normal[2], axis_carried[2] - (xxz + yyz));
+    let normal = [
+        base + (normal[0] + normal[1]),
+        base + (normal[0] + normal[2]),
+        base + (normal[1] + normal[2]),
+    ];
+    diagonals(
+        &mut out,
+        3,
+        normal[0],
+        shear[0],
+        [carried[0], carried[1]],
+        [xxy, yyx],
+    );
+    diagonals(
+        &mut out,
+        4,
+        normal[1],
+        shear[1],
+        [carried[0], carried[2]],
+        [xxz, zzx],
+    );
+    diagonals(
+        &mut out,
+        5,
+        normal[2],
+        shear[2],
+        [carried[1], carried[2]],
+        [yyz, zzy],
+    );
     out
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::{DIRECTIONS, WEIGHTS};
-    use super::*;
-
-    fn populations() -> Populations<f64> {
-        std::array::from_fn(|i| 0.01 * WEIGHTS[i] * ((i * i) as f64 * 0.7 + 1.3).sin())
-    }
-
-    fn local(force: [f64; 3]) -> Local<f64> {
-        Local {
-            relaxation_time: 0.7,
-            force,
-            eddy_factor: 18.0 * 2f64.sqrt() * 0.15 * 0.15,
-        }
-    }
-
-    fn mass_and_momentum(f: &Populations<f64>) -> [f64; 4] {
-        let mut m = [0.0; 4];
-        for i in 0..DIRECTION_COUNT {
-            m[0] += f[i];
-            for a in 0..3 {
-                m[a + 1] += f[i] * f64::from(DIRECTIONS[i][a]);
-            }
-        }
-        m
-    }
-
-    #[test]
-    fn collisions_keep_mass_and_add_exactly_the_force() {
-        let f = populations();
-        let force = [1e-3, -2e-3, 5e-4];
-        let before = mass_and_momentum(&f);
-        for out in [
-            two_relaxation_times::<f64, true, true>(&f, &local(force)),
-            recursive_regularised::<f64, true, true>(&f, &local(force)),
-        ] {
-            let after = mass_and_momentum(&out);
-            assert!((after[0] - before[0]).abs() < 1e-15);
-            for a in 0..3 {
-                assert!((after[a + 1] - before[a + 1] - force[a]).abs() < 1e-15);
-            }
-        }
-    }
-
-    /// In single precision too: errors of rounding must not lean to one side, step after step.
-    #[test]
-    fn uniform_wind_does_not_drift_in_single_precision() {
-        let u = [0.05, 0.013, -0.02];
-        let local = Local {
-            relaxation_time: 0.51,
-            force: [0.0; 3],
-            eddy_factor: 0.0,
-        };
-        for collide in [
-            two_relaxation_times::<f32, false, false>,
-            recursive_regularised::<f32, false, false>,
-        ] {
-            let mut f: Populations<f32> =
-                std::array::from_fn(|i| super::super::equilibrium(i, 0.02, u) as f32);
-            let before = mass_and_momentum(&f.map(f64::from));
-            let steps = 2000;
-            for _ in 0..steps {
-                f = collide(&f, &local);
-            }
-            let after = mass_and_momentum(&f.map(f64::from));
-            for k in 0..4 {
-                let drift = (after[k] - before[k]).abs() / before[k].abs();
-                // A weight rounded to nearest is off by up to 6e-8: 1e-4 after these steps.
-                assert!(drift < 1e-6, "{k}: {drift:e}");
-            }
-        }
-    }
-
-    /// The third-order terms must leave second-order moments alone: the stress after a collision of an equilibrium
-    /// state is that of the equilibrium.
-    #[test]
-    fn third_order_basis_is_orthogonal_to_lower_moments() {
-        let u = [0.1, -0.05, 0.08];
-        let f: Populations<f64> = std::array::from_fn(|i| super::super::equilibrium(i, 0.02, u));
-        let out = recursive_regularised::<f64, false, false>(&f, &local([0.0; 3]));
-        let before = moments(&f);
-        let after = moments(&out);
-        for k in 0..6 {
-            assert!((before.stress[k] - after.stress[k]).abs() < 1e-15, "{k}");
-        }
-        for a in 0..3 {
-            assert!((before.momentum[a] - after.momentum[a]).abs() < 1e-15);
-        }
-    }
-
-    /// The closed form against the textbook: f* rebuilt direction by direction from Hermite polynomials, with second- and third-order
-    /// coefficients from their definitions, for a forced state far from equilibrium.
-    #[test]
-    fn recursive_regularised_is_its_hermite_series() {
-        let f = populations();
-        let force = [1e-3, -2e-3, 5e-4];
-        let local = Local {
-            relaxation_time: 0.7,
-            force,
-            eddy_factor: 0.0,
-        };
-        let out = recursive_regularised::<f64, true, false>(&f, &local);
-        let c = |i: usize, a: usize| f64::from(DIRECTIONS[i][a]);
-        let unit = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
-        let rho = 1.0 + f.iter().sum::<f64>();
-        let bare: [f64; 3] =
-            std::array::from_fn(|a| (0..DIRECTION_COUNT).map(|i| f[i] * c(i, a)).sum());
-        let u: [f64; 3] = std::array::from_fn(|a| (bare[a] + 0.5 * force[a]) / rho);
-        let work = |a: usize, b: usize| 0.5 * (u[a] * force[b] + u[b] * force[a]);
-        // Non-equilibrium stress without its trace.
-        let raw = |a: usize, b: usize| -> f64 {
-            let stress: f64 = (0..DIRECTION_COUNT)
-                .map(|i| (f[i] + WEIGHTS[i]) * c(i, a) * c(i, b))
-                .sum();
-            stress - rho * (u[a] * u[b] + unit(a, b) / 3.0) + work(a, b)
-        };
-        let trace = (raw(0, 0) + raw(1, 1) + raw(2, 2)) / 3.0;
-        let keep = 1.0 - 1.0 / local.relaxation_time;
-        let p = |a: usize, b: usize| keep * (raw(a, b) - unit(a, b) * trace);
-        let second = |a: usize, b: usize| rho * u[a] * u[b] + p(a, b) + work(a, b);
-        // a_aab of the third order.
-        let third =
-            |a: usize, b: usize| rho * u[a] * u[a] * u[b] + 2.0 * u[a] * p(a, b) + u[b] * p(a, a);
-        let hermite2 = |i: usize, a: usize, b: usize| c(i, a) * c(i, b) - unit(a, b) / 3.0;
-        let hermite3 = |i: usize, a: usize, b: usize| (c(i, a) * c(i, a) - 1.0 / 3.0) * c(i, b);
-        for i in 0..DIRECTION_COUNT {
-            let mut sum = rho - 1.0;
-            for a in 0..3 {
-                sum += 3.0 * c(i, a) * (bare[a] + force[a]);
-                for b in 0..3 {
-                    sum += 4.5 * hermite2(i, a, b) * second(a, b);
-                }
-            }
-            // On D3Q19 the pairs (aab, ccb) are orthogonal only as sum and difference (Jacob et al. 2018).
-            for (a, d, b) in [(0, 2, 1), (0, 1, 2), (1, 2, 0)] {
-                let (h1, h2) = (hermite3(i, a, b), hermite3(i, d, b));
-                let (t1, t2) = (third(a, b), third(d, b));
-                sum += 13.5 * (h1 + h2) * (t1 + t2) + 4.5 * (h1 - h2) * (t1 - t2);
-            }
-            assert!(
-                (out[i] - WEIGHTS[i] * sum).abs() < 1e-15,
-                "{i}: {} {}",
-                out[i],
-                WEIGHTS[i] * sum
-            );
-        }
-    }
+/// Pair `k` of an axis, of twice the weight of the diagonals. (These are functions since closures are not always inlined.)
+#[inline(always)]
+fn axis<N: Number>(out: &mut Populations<N>, k: usize, even: N, odd: N) {
+    let (plus, minus) = (even + odd, even - odd);
+    out[2 * k + 1] = plus + plus;
+    out[2 * k + 2] = minus + minus;
 }
+
+/// Pairs `k` and `k + 3`, (1, 1) and (1, −1) in the plane of axes a and b, from what the axes carry and the coefficients of orders aab and bba.
+#[inline(always)]
+fn diagonals<N: Number>(
+    out: &mut Populations<N>,
+    k: usize,
+    normal: N,
+    shear: N,
+    carried: [N; 2],
+    third_order: [N; 2],
+) {
+    let (even, odd) = (
+        normal + shear,
+        (carried[0] + carried[1]) + (third_order[0] + third_order[1]),
+    );
+    out[2 * k + 1] = even + odd;
+    out[2 * k + 2] = even - odd;
+    let (even, odd) = (
+        normal - shear,
+        (carried[0] - carried[1]) + (third_order[1] - third_order[0]),
+    );
+    out[2 * k + 7] = even + odd;
+    out[2 * k + 8] = even - odd;
+}
+
+#[cfg(test)]
+#[path = "operators_tests.rs"]
+mod tests;

@@ -3,8 +3,9 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-/// Numbers that the formulas of the lattice work on: one value, or the lanes of a vector of the CPU. Every operation is rounded by
-/// itself as IEEE 754 says (none is fused), so a lane holds the same bits as the one value would.
+/// Numbers that the formulas of the lattice work on: one value, or the lanes of a vector of the CPU. Operations are rounded by
+/// themselves as IEEE 754 says, but for [`Number::plus_product`] and [`Number::minus_product`], which vectors of a CPU with such an
+/// instruction round once: only there do the bits depend on the CPU.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -20,6 +21,14 @@ pub trait Number:
     /// Square root.
     #[must_use]
     fn square_root(self) -> Self;
+
+    /// self + a b.
+    #[must_use]
+    fn plus_product(self, a: Self, b: Self) -> Self;
+
+    /// self − a b.
+    #[must_use]
+    fn minus_product(self, a: Self, b: Self) -> Self;
 }
 
 /// The two floating-point types in which the air can be computed: `f64` is the reference, `f32` the fast engine.
@@ -68,13 +77,29 @@ pub trait Real:
     /// −a.
     fn negate<S: Simd>(simd: S, a: Self::Vector<S>) -> Self::Vector<S>;
 
+    /// a b + c, rounded once where the CPU has an instruction for it.
+    fn multiply_add<S: Simd>(
+        simd: S,
+        a: Self::Vector<S>,
+        b: Self::Vector<S>,
+        c: Self::Vector<S>,
+    ) -> Self::Vector<S>;
+
+    /// c − a b, rounded once where the CPU has an instruction for it.
+    fn negate_multiply_add<S: Simd>(
+        simd: S,
+        a: Self::Vector<S>,
+        b: Self::Vector<S>,
+        c: Self::Vector<S>,
+    ) -> Self::Vector<S>;
+
     /// √a.
     fn root<S: Simd>(simd: S, a: Self::Vector<S>) -> Self::Vector<S>;
 }
 
 macro_rules! real {
     ($type:ty, $vector:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $load:ident, $store:ident, $splat:ident,
-     $add:ident, $subtract:ident, $multiply:ident, $divide:ident, $negate:ident, $root:ident) => {
+     $add:ident, $subtract:ident, $multiply:ident, $divide:ident, $negate:ident, $multiply_add:ident, $negate_multiply_add:ident, $root:ident) => {
         impl Number for $type {
             #[inline(always)]
             fn constant(self, value: f64) -> Self {
@@ -84,6 +109,16 @@ macro_rules! real {
             #[inline(always)]
             fn square_root(self) -> Self {
                 self.sqrt()
+            }
+
+            #[inline(always)]
+            fn plus_product(self, a: Self, b: Self) -> Self {
+                self + a * b
+            }
+
+            #[inline(always)]
+            fn minus_product(self, a: Self, b: Self) -> Self {
+                self - a * b
             }
         }
 
@@ -156,6 +191,26 @@ macro_rules! real {
             }
 
             #[inline(always)]
+            fn multiply_add<S: Simd>(
+                simd: S,
+                a: S::$vector,
+                b: S::$vector,
+                c: S::$vector,
+            ) -> S::$vector {
+                simd.$multiply_add(a, b, c)
+            }
+
+            #[inline(always)]
+            fn negate_multiply_add<S: Simd>(
+                simd: S,
+                a: S::$vector,
+                b: S::$vector,
+                c: S::$vector,
+            ) -> S::$vector {
+                simd.$negate_multiply_add(a, b, c)
+            }
+
+            #[inline(always)]
             fn root<S: Simd>(simd: S, a: S::$vector) -> S::$vector {
                 simd.$root(a)
             }
@@ -177,6 +232,8 @@ real!(
     mul_f32s,
     div_f32s,
     neg_f32s,
+    mul_add_e_f32s,
+    negate_mul_add_e_f32s,
     sqrt_f32s
 );
 real!(
@@ -193,6 +250,8 @@ real!(
     mul_f64s,
     div_f64s,
     neg_f64s,
+    mul_add_e_f64s,
+    negate_mul_add_e_f64s,
     sqrt_f64s
 );
 
@@ -257,5 +316,21 @@ impl<S: Simd, T: Real> Number for Lanes<S, T> {
     #[inline(always)]
     fn square_root(self) -> Self {
         Self::new(self.simd, T::root(self.simd, self.vector))
+    }
+
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Self::new(
+            self.simd,
+            T::multiply_add(self.simd, a.vector, b.vector, self.vector),
+        )
+    }
+
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Self::new(
+            self.simd,
+            T::negate_multiply_add(self.simd, a.vector, b.vector, self.vector),
+        )
     }
 }

@@ -8,12 +8,24 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use super::Operator;
+use super::eddy_viscosity::{EddyViscosity, EddyViscosityModel};
 
 /// τ − ½ of the map, descending.
 pub const VISCOUS_PARTS: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
-/// Smagorinsky constants below this count as no eddy viscosity: the map was measured with 0.15.
-const SMALLEST_CONSTANT: f64 = 0.1;
+/// Constants below this share of the measured one count as no eddy viscosity.
+const SMALLEST_SHARE: f64 = 0.6;
+
+/// The eddy viscosity with which the map was measured.
+#[must_use]
+pub const fn measured(model: EddyViscosityModel) -> EddyViscosity {
+    match model {
+        EddyViscosityModel::Smagorinsky => EddyViscosity::smagorinsky(0.15),
+        EddyViscosityModel::Wale => EddyViscosity::wale(0.5),
+        // 2.5 C_s² for C_s = 0.15.
+        EddyViscosityModel::Vreman => EddyViscosity::vreman(0.056),
+    }
+}
 
 /// One line of the map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,8 +34,8 @@ pub struct Point {
     pub engine: String,
     /// Collision operator.
     pub operator: Operator,
-    /// Whether Smagorinsky's eddy viscosity (constant 0.15) is on.
-    pub eddy_viscosity: bool,
+    /// Model of the eddy viscosity, with the constant of [`measured`].
+    pub eddy_viscosity: Option<EddyViscosityModel>,
     /// τ − ½.
     pub viscous_part: f64,
     /// Between wind and x axis [°].
@@ -51,17 +63,19 @@ pub fn map() -> &'static [Point] {
 #[must_use]
 pub fn largest_mach(
     operator: Operator,
-    smagorinsky_constant: Option<f64>,
+    eddy_viscosity: Option<EddyViscosity>,
     precision: &str,
     viscous_part: f64,
 ) -> Option<f64> {
-    let eddy_viscosity = smagorinsky_constant.is_some_and(|c| c >= SMALLEST_CONSTANT);
-    let measured = |part: f64| {
+    let model = eddy_viscosity
+        .filter(|eddy| eddy.constant >= SMALLEST_SHARE * measured(eddy.model).constant)
+        .map(|eddy| eddy.model);
+    let survived = |part: f64| {
         map()
             .iter()
             .filter(|point| {
                 point.operator == operator
-                    && point.eddy_viscosity == eddy_viscosity
+                    && point.eddy_viscosity == model
                     && point.engine.ends_with(precision)
                     && point.viscous_part == part
             })
@@ -76,7 +90,7 @@ pub fn largest_mach(
         .max(1);
     let [upper, lower] = [VISCOUS_PARTS[after - 1], VISCOUS_PARTS[after]];
     let share = (sought / lower).ln() / (upper / lower).ln();
-    Some(share * measured(upper)? + (1.0 - share) * measured(lower)?)
+    Some(share * survived(upper)? + (1.0 - share) * survived(lower)?)
 }
 
 #[cfg(test)]

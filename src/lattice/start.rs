@@ -7,14 +7,25 @@
 
 use rayon::prelude::*;
 
-use super::grid::{Faces, Initial, Setup, Sides, StreamwiseEnds};
-use super::{DIRECTIONS, WEIGHTS, equilibrium};
+use super::grid::{Faces, Initial, Setup, Sides, StreamwiseEnds, Wall};
+use super::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, equilibrium};
+
+/// What lies beyond the first and the last cell of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Beyond {
+    /// The other end.
+    Repeats,
+    /// The mirror image.
+    Mirrors,
+    /// Nothing that is known.
+    Ends,
+}
 
 /// Density excess and velocity of every cell, and how cells neighbour each other.
 #[derive(Debug)]
 pub struct Start {
     cells: [usize; 3],
-    periodic: [bool; 3],
+    beyond: [Beyond; 3],
     relaxation_time: f64,
     states: Vec<(f64, [f64; 3])>,
 }
@@ -24,11 +35,20 @@ impl Start {
     #[must_use]
     pub fn new(setup: &Setup, initial: &Initial) -> Self {
         let [nx, ny, nz] = setup.cells;
-        let repeats = |faces: Faces| faces == Faces::Periodic;
+        let across = |faces: Faces| match faces {
+            Faces::Periodic => Beyond::Repeats,
+            Faces::Walls([Wall::FreeSlip, Wall::FreeSlip]) => Beyond::Mirrors,
+            Faces::Walls(_) => Beyond::Ends,
+        };
         let [y, z] = match setup.sides {
-            Sides::Periodic => [true; 2],
-            Sides::FreeSlip => [false; 2],
-            Sides::Each(faces) => faces.map(repeats),
+            Sides::Periodic => [Beyond::Repeats; 2],
+            Sides::FreeSlip => [Beyond::Mirrors; 2],
+            Sides::Each(faces) => faces.map(across),
+        };
+        let x = if setup.ends == StreamwiseEnds::Periodic {
+            Beyond::Repeats
+        } else {
+            Beyond::Ends
         };
         let states = (0..nx * ny * nz)
             .into_par_iter()
@@ -36,7 +56,7 @@ impl Start {
             .collect();
         Self {
             cells: setup.cells,
-            periodic: [setup.ends == StreamwiseEnds::Periodic, y, z],
+            beyond: [x, y, z],
             relaxation_time: setup.relaxation_time,
             states,
         }
@@ -52,22 +72,28 @@ impl Start {
         self.state(cell).0
     }
 
-    /// ∂u_b/∂x_a as [a][b]: central differences of fourth order, of second order next to a face that does not repeat, one-sided at it.
+    /// ∂u_b/∂x_a as [a][b]: central differences of fourth order, of second order next to a wall or an open end,
+    /// one-sided at it.
     fn velocity_gradient(&self, cell: [usize; 3]) -> [[f64; 3]; 3] {
         std::array::from_fn(|a| {
             let n = self.cells[a];
-            // Velocity `distance` cells further along the axis, if there is such a cell.
+            // Velocity `distance` cells further along the axis, if it is known.
             let at = |distance: isize| {
-                let place = cell[a].wrapping_add_signed(distance);
+                let (place, end) = (cell[a] as isize + distance, n as isize);
+                let inside = (0..end).contains(&place);
                 let mut neighbour = cell;
-                neighbour[a] = if self.periodic[a] {
-                    (cell[a] as isize + distance).rem_euclid(n as isize) as usize
-                } else if place < n {
-                    place
-                } else {
-                    return None;
-                };
-                Some(self.state(neighbour).1)
+                neighbour[a] = match self.beyond[a] {
+                    Beyond::Repeats => place.rem_euclid(end),
+                    Beyond::Mirrors if place < 0 => (-1 - place).min(end - 1),
+                    Beyond::Mirrors if !inside => (2 * end - 1 - place).max(0),
+                    Beyond::Ends if !inside => return None,
+                    _ => place,
+                } as usize;
+                let mut velocity = self.state(neighbour).1;
+                if self.beyond[a] == Beyond::Mirrors && !inside {
+                    velocity[a] = -velocity[a];
+                }
+                Some(velocity)
             };
             let here = self.state(cell).1;
             std::array::from_fn(|b| match (at(-2), at(-1), at(1), at(2)) {
@@ -85,8 +111,18 @@ impl Start {
     /// Shifted population of a cell.
     #[must_use]
     pub fn population(&self, cell: [usize; 3], direction: usize) -> f64 {
-        let (density_excess, velocity) = self.state(cell);
+        self.with_gradient(cell, &self.velocity_gradient(cell), direction)
+    }
+
+    /// All shifted populations of a cell; its velocity gradient is worked out once for all.
+    #[must_use]
+    pub fn populations(&self, cell: [usize; 3]) -> [f64; DIRECTION_COUNT] {
         let gradient = self.velocity_gradient(cell);
+        std::array::from_fn(|direction| self.with_gradient(cell, &gradient, direction))
+    }
+
+    fn with_gradient(&self, cell: [usize; 3], gradient: &[[f64; 3]; 3], direction: usize) -> f64 {
+        let (density_excess, velocity) = self.state(cell);
         let c = DIRECTIONS[direction].map(f64::from);
         let mut strain = 0.0;
         for a in 0..3 {
@@ -103,7 +139,7 @@ impl Start {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DIRECTION_COUNT, Operator};
+    use super::super::Operator;
     use super::*;
 
     /// The stress beyond equilibrium is −2/3 ρ τ S for a flow without divergence; density and momentum are untouched.
@@ -112,11 +148,11 @@ mod tests {
         let setup = Setup {
             cells: [6, 5, 4],
             ends: StreamwiseEnds::InletOutlet,
-            sides: Sides::FreeSlip,
+            sides: Sides::Each([Faces::Walls([Wall::AT_REST; 2]); 2]),
             relaxation_time: 0.8,
             sponge_cells: None,
             operator: Operator::TwoRelaxationTimes,
-            smagorinsky_constant: None,
+            eddy_viscosity: None,
         };
         // Linear, so that differences are exact everywhere.
         let velocity = |[x, y, z]: [usize; 3]| {
@@ -129,8 +165,10 @@ mod tests {
         };
         let start = Start::new(&setup, &|cell| (0.02, velocity(cell)));
         for cell in [[0, 0, 0], [2, 2, 1], [5, 4, 3]] {
-            let f: [f64; DIRECTION_COUNT] =
-                std::array::from_fn(|direction| start.population(cell, direction));
+            let f = start.populations(cell);
+            for direction in 0..DIRECTION_COUNT {
+                assert!(f[direction] == start.population(cell, direction));
+            }
             let c = |i: usize, a: usize| f64::from(DIRECTIONS[i][a]);
             let mass: f64 = f.iter().sum();
             assert!((mass - 0.02).abs() < 1e-15);

@@ -4,6 +4,7 @@ use super::{Placement, Plan};
 use crate::case::Scene;
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
+use crate::lattice::grid::LINE_BYTES;
 
 /// Cell updates per second and thread assumed for estimates: a cautious figure for two threads of a server CPU with AVX2
 /// (see `benches/results/`).
@@ -42,7 +43,7 @@ pub struct Sizes {
     pub shared_memory: bool,
     /// Bytes of one array of populations on the device, the largest buffer.
     pub population_bytes: u64,
-    /// Cells with the ghost layer.
+    /// Cells with the ghost layer, and the padding of rows on the CPU.
     pub padded_cells: u64,
     /// Bytes of a snapshot of the air, taken for pictures and files.
     pub snapshot_bytes: u64,
@@ -74,15 +75,26 @@ impl Sizes {
                 .iter()
                 .map(|&n| n as u64)
                 .fold(1, u64::saturating_mul);
-            let padded = air
-                .cells
-                .iter()
-                .map(|&n| n as u64 + 2)
-                .fold(1, u64::saturating_mul);
+            let [row, rest @ ..] = air.cells.map(|n| n as u64 + 2);
+            let row = if placement.air_on_device() {
+                row
+            } else {
+                // CPU threads begin every row on a cache line.
+                row.next_multiple_of(LINE_BYTES as u64 / placement.population_bytes())
+            };
+            let padded = rest.into_iter().fold(row, u64::saturating_mul);
             sizes.padded_cells = padded;
             sizes.population_bytes = padded.saturating_mul(placement.population_bytes());
             sizes.air_bytes =
                 padded.saturating_mul(DIRECTION_COUNT as u64 * placement.population_bytes());
+            if air
+                .eddy_viscosity
+                .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some())
+            {
+                // The eddy part of every cell's relaxation time, stored as populations are.
+                let held = sizes.cells.saturating_mul(placement.population_bytes());
+                sizes.air_bytes = sizes.air_bytes.saturating_add(held);
+            }
             sizes.air_on_device = placement.air_on_device();
             sizes.shared_memory = placement.shared_memory;
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.

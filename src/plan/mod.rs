@@ -190,11 +190,13 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
         }
         Flow::WindTunnel { .. } => {}
     }
-    if air.smagorinsky_constant.is_none() {
-        skip(
-            "eddy viscosity",
-            "no resolution.smagorinsky_constant".into(),
-        );
+    match air.eddy_viscosity {
+        None => skip("eddy viscosity", "no resolution.eddy_viscosity".into()),
+        Some(eddy_viscosity) if eddy_viscosity.gradient_model().is_none() => skip(
+            "stage eddy_viscosity, velocity gradients",
+            "Smagorinsky's model takes the stress of each cell".into(),
+        ),
+        Some(_) => {}
     }
     if scene.coupling.is_some() {
         skip(

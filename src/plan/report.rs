@@ -90,9 +90,16 @@ impl Plan {
                 air.reference_speed_m_s
             )?;
             writeln!(out, "  relaxation time     tau = 0.5 + {:.2e}", tau - 0.5)?;
-            writeln!(out, "  operator            {:?}", air.operator)?;
-            if let Some(constant) = air.smagorinsky_constant {
-                writeln!(out, "  eddy viscosity      Smagorinsky, C_s = {constant}")?;
+            writeln!(out, "  operator            {}", air.operator.name())?;
+            if let Some(eddy_viscosity) = air.eddy_viscosity {
+                let model = eddy_viscosity.model;
+                writeln!(
+                    out,
+                    "  eddy viscosity      {}, {} = {}",
+                    model.name(),
+                    model.symbol(),
+                    eddy_viscosity.constant
+                )?;
             }
             match air.flow {
                 Flow::WindTunnel {

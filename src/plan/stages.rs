@@ -6,6 +6,8 @@ use crate::case::Scene;
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
+    /// Eddy viscosity from velocity gradients, for the steps until its next turn.
+    EddyViscosity,
     /// Collide and stream all populations, under the body force of the last coupling.
     CollideStream,
     /// Transfer: marker positions from host to device.
@@ -39,6 +41,7 @@ impl Stage {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::EddyViscosity => "eddy_viscosity",
             Self::CollideStream => "collide_stream",
             Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
@@ -59,6 +62,7 @@ impl Stage {
     #[must_use]
     pub const fn flow(self) -> &'static str {
         match self {
+            Self::EddyViscosity => "populations -> eddy part of the relaxation times",
             Self::CollideStream => "populations, body force -> populations",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
@@ -98,7 +102,12 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
     let coupled = scene.coupling.is_some();
     let air_on_device = coupled && placement.air_on_device();
     if scene.time.is_some() {
-        if scene.air.is_some() {
+        if let Some(air) = &scene.air {
+            if let Some(eddy_viscosity) = air.eddy_viscosity
+                && eddy_viscosity.gradient_model().is_some()
+            {
+                add(Stage::EddyViscosity, eddy_viscosity.update_every);
+            }
             add(Stage::CollideStream, 1);
         }
         if air_on_device {

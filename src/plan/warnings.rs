@@ -43,7 +43,7 @@ impl Plan {
         let mach = air.lattice_speed * 3f64.sqrt();
         let limit = stability::largest_mach(
             air.operator,
-            air.smagorinsky_constant,
+            air.eddy_viscosity,
             self.placement.precision_name(),
             viscous_part,
         )?;

@@ -57,7 +57,7 @@ impl AirEngine {
             relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
             sponge_cells,
             operator: air.operator,
-            smagorinsky_constant: air.smagorinsky_constant,
+            eddy_viscosity: air.eddy_viscosity,
         };
         let initial = initial_state(air);
         // The wind rises from rest, and populations of air at rest are zero.
@@ -94,6 +94,19 @@ impl AirEngine {
     /// Sets the velocity at the inlet [cells per step].
     pub fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
         each_engine!(self, fluid => fluid.set_inlet_velocity(velocity), fluid => fluid.set_inlet_velocity(velocity));
+    }
+
+    /// Stage `eddy_viscosity`, where the step to come asks for it.
+    pub fn eddy_viscosity(&mut self) -> Result<(), DeviceError> {
+        each_engine!(self, fluid => {
+            fluid.eddy_viscosity();
+            Ok(())
+        }, fluid => fluid.eddy_viscosity())
+    }
+
+    /// Eddy viscosity of every cell as that stage left it [cells² per step]; `None` where no model needs it.
+    pub fn eddy_viscosities(&self) -> Result<Option<Vec<f64>>, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.eddy_viscosities()), fluid => fluid.eddy_viscosities())
     }
 
     /// Stage `collide_stream`, under a uniform acceleration [cells per step²] and the forces of the markers, if there are any.

@@ -43,7 +43,7 @@ const DIVERGED_SPEED: f64 = 0.4;
 /// Wall time per stage and work done.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cost {
-    /// Collide and stream.
+    /// Eddy viscosity, collide and stream.
     pub fluid: Duration,
     /// Interpolate and spread.
     pub coupling: Duration,
@@ -289,6 +289,7 @@ impl Simulation {
             let planned = self.plan.stages[i];
             let start = Instant::now();
             match planned.stage {
+                Stage::EddyViscosity => self.eddy_viscosity()?,
                 Stage::CollideStream => self.collide_stream()?,
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
@@ -312,7 +313,7 @@ impl Simulation {
             }
             let elapsed = start.elapsed();
             match planned.stage {
-                Stage::CollideStream => self.cost.fluid += elapsed,
+                Stage::EddyViscosity | Stage::CollideStream => self.cost.fluid += elapsed,
                 Stage::SendMarkers
                 | Stage::Interpolate
                 | Stage::FetchAirVelocities
@@ -341,6 +342,11 @@ impl Simulation {
     /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
     fn times_this_step(&self) -> bool {
         self.device.is_none() || self.step % TIMED_INTERVAL == TIMED_INTERVAL - 1
+    }
+
+    /// The air counts its steps itself, and knows when the stage is due.
+    fn eddy_viscosity(&mut self) -> Result<(), DeviceError> {
+        self.air.as_mut().map_or(Ok(()), AirEngine::eddy_viscosity)
     }
 
     fn collide_stream(&mut self) -> Result<(), DeviceError> {

@@ -51,7 +51,7 @@ fn reflected(
         relaxation_time: 0.501,
         sponge_cells: None,
         operator,
-        smagorinsky_constant: None,
+        eddy_viscosity: None,
     };
     // The same pulse where it meets nothing: the method itself damps it on its way.
     let endless = Setup {

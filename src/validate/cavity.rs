@@ -51,7 +51,7 @@ fn one(
         relaxation_time: relaxation_time(LID * n as f64 / REYNOLDS),
         sponge_cells: None,
         operator,
-        smagorinsky_constant: None,
+        eddy_viscosity: None,
     };
     let reference = reference();
     let mut air = session.air(setup, &|_| (0.0, [0.0; 3]))?;

@@ -46,6 +46,9 @@ pub struct Row {
     pub seconds: f64,
     /// Cells along x, y, z.
     pub cells: [usize; 3],
+    /// Whether gates apply: they are meant for populations in 32 and 64 bits.
+    #[serde(skip)]
+    pub(super) is_judged: bool,
 }
 
 impl Row {
@@ -67,6 +70,7 @@ impl Row {
             holds: None,
             seconds,
             cells,
+            is_judged: true,
         }
     }
 
@@ -78,8 +82,11 @@ impl Row {
         self
     }
 
-    /// Adds what the value must keep to. A value that is not a number keeps to nothing.
+    /// Adds what the value must keep to. A value that is not a number keeps to nothing. No effect on rows that are not judged.
     pub(super) fn gate(&mut self, gate: Gate) -> &mut Self {
+        if !self.is_judged {
+            return self;
+        }
         self.gate = Some(gate);
         self.holds = Some(match gate {
             Gate::AtMost(limit) => self.value.abs() <= limit,
@@ -227,6 +234,11 @@ impl Report {
             text.push_str(padded.join("  ").trim_end());
             text.push('\n');
         }
+        if self.rows.iter().any(|row| !row.is_judged) {
+            text.push_str(
+                "gates are meant for 32 and 64 bits: values of populations kept in 16 bits are stated without\n",
+            );
+        }
         let gated = self.rows.iter().filter(|row| row.holds.is_some()).count();
         let failing = self.rows.iter().filter(|row| row.holds == Some(false));
         text.push_str(&format!(
@@ -298,6 +310,26 @@ mod tests {
             broken.reference(1.0, "theory");
             assert_eq!(broken.gate(gate).holds, Some(false), "{gate:?}");
         }
+    }
+
+    /// Populations in 16 bits miss gates of order and conservation by far; the table says that none apply.
+    #[test]
+    fn what_is_not_judged_has_no_gate() {
+        let order = Order {
+            problems: Vec::new(),
+            full: false,
+            placement: crate::plan::AirPlacement::Gpu(crate::plan::Storage::F16),
+            device: None,
+        };
+        let mut report = Report::new(&order);
+        let mut stated = row(7.0);
+        stated.is_judged = false;
+        stated.gate(Gate::AtMost(1.0));
+        assert_eq!((stated.gate, stated.holds), (None, None));
+        report.add(stated);
+        let table = report.table();
+        assert!(report.holds() && table.contains("0 gates"), "{table}");
+        assert!(table.contains("stated without"), "{table}");
     }
 
     #[test]

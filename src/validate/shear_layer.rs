@@ -4,6 +4,7 @@
 
 use super::{Gate, Session, Stop, periodic, relaxation_time};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosity;
 
 const SPEED: f64 = 0.05;
 
@@ -31,7 +32,7 @@ fn one(session: &mut Session, n: usize, reynolds: f64) -> Result<(), Stop> {
         relaxation_time(SPEED * n as f64 / reynolds),
         Operator::RecursiveRegularised,
     );
-    setup.smagorinsky_constant = Some(0.15);
+    setup.eddy_viscosity = Some(EddyViscosity::smagorinsky(0.15));
     let initial = move |[x, y, _]: [usize; 3]| {
         let (x, y) = ((x as f64 + 0.5) / n as f64, (y as f64 + 0.5) / n as f64);
         let along = if y <= 0.5 {

@@ -4,13 +4,14 @@
 
 use super::{Gate, Session, Stop, periodic};
 use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosity;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let steps: usize = session.size(10_000, 100_000);
     let n = 16;
     let cells = [n; 3];
     let mut setup = periodic(cells, 0.500_1, Operator::RecursiveRegularised);
-    setup.smagorinsky_constant = Some(0.15);
+    setup.eddy_viscosity = Some(EddyViscosity::smagorinsky(0.15));
     let initial = |[x, y, z]: [usize; 3]| {
         let phase = (3 * x + 5 * y + 7 * z) as f64;
         (

@@ -2,7 +2,8 @@
 //!
 //! f*(x, t) = C(f(x, t), F), f_i(x + c_i, t + 1) = f*_i(x, t). The operator C is chosen at run time, its forced variant
 //! only for cache lines of cells that markers touch (or under a uniform acceleration); see [`super`] for the slots. The vector
-//! instructions of the CPU are chosen at run time, with the same bits under all of them; `benches/README.md` tells how it was measured.
+//! instructions of the CPU are chosen at run time. AVX2 and AVX-512 give the same bits; a CPU without fused multiply-add rounds products by
+//! themselves and gives others. `benches/README.md` tells what bounds the speed.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -12,9 +13,9 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::boundaries::{RowEnds, fill_row_ends};
-use super::storage::LINE_BYTES;
+use super::prefetch::prefetch;
 use crate::lattice::Operator;
-use crate::lattice::grid::{Grid, StreamwiseEnds};
+use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
 use crate::lattice::operators::{self, Local, Populations};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real, opposite};
 
@@ -48,6 +49,18 @@ trait Collision {
     ) -> Populations<N>;
 }
 
+struct SingleRelaxationTime<const EDDY: bool>;
+
+impl<const EDDY: bool> Collision for SingleRelaxationTime<EDDY> {
+    #[inline(always)]
+    fn collide<N: Number, const FORCED: bool>(
+        f: &Populations<N>,
+        local: &Local<N>,
+    ) -> Populations<N> {
+        operators::single_relaxation_time::<N, FORCED, EDDY>(f, local)
+    }
+}
+
 struct TwoRelaxationTimes<const EDDY: bool>;
 
 impl<const EDDY: bool> Collision for TwoRelaxationTimes<EDDY> {
@@ -73,19 +86,31 @@ impl<const EDDY: bool> Collision for RecursiveRegularised<EDDY> {
 }
 
 /// What all rows of a step share.
+#[derive(Clone, Copy)]
 struct Common<'a, T> {
     relaxation_time: T,
-    /// Relaxation time of every x, and the first block with a value of its own; `None` without a sponge.
-    sponge: Option<(&'a [T], usize)>,
+    /// Relaxation time of every cell of a row, and the first block with a value of its own; `None` without a sponge, where a row does not
+    /// have its own from the eddy viscosity.
+    profile: Option<(&'a [T], usize)>,
     eddy_factor: T,
+    /// What the stage `eddy_viscosity` adds to the relaxation time of every cell, x fastest; `None` without that stage.
+    held: Option<&'a [T]>,
     ends: RowEnds<T>,
 }
 
 impl<T: Real> Fluid<T> {
-    /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole.
+    /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole. Begins
+    /// with the stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(&mut self, body_force: &BodyForce) {
-        let eddy = self.setup.smagorinsky_constant.is_some();
+        self.eddy_viscosity();
+        let eddy = self.smagorinsky_constant().is_some();
         match (self.setup.operator, eddy) {
+            (Operator::SingleRelaxationTime, false) => {
+                self.sweep::<SingleRelaxationTime<false>>(body_force)
+            }
+            (Operator::SingleRelaxationTime, true) => {
+                self.sweep::<SingleRelaxationTime<true>>(body_force)
+            }
             (Operator::TwoRelaxationTimes, false) => {
                 self.sweep::<TwoRelaxationTimes<false>>(body_force)
             }
@@ -104,21 +129,29 @@ impl<T: Real> Fluid<T> {
         self.apply_boundaries();
     }
 
+    fn smagorinsky_constant(&self) -> Option<f64> {
+        self.setup.eddy_viscosity?.smagorinsky_constant()
+    }
+
     fn sweep<C: Collision>(&mut self, body_force: &BodyForce) {
         let nz = self.setup.cells[2];
         let grid = self.grid;
         let odd = self.odd;
         let instructions = self.instructions;
-        let smagorinsky = self.setup.smagorinsky_constant.unwrap_or(0.0);
+        let smagorinsky = self.smagorinsky_constant().unwrap_or(0.0);
         let relaxation_time = T::of(self.setup.relaxation_time);
         let block = LINE_BYTES / size_of::<T>();
         let common = Common {
             relaxation_time,
-            sponge: self.relaxation_profile.as_deref().map(|profile| {
+            profile: self.relaxation_profile.as_deref().map(|profile| {
                 let first = profile.partition_point(|tau| *tau <= relaxation_time);
                 (profile, first / block * block)
             }),
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
+            held: self
+                .held_eddy_viscosity
+                .as_ref()
+                .map(|held| held.relaxation_times.as_slice()),
             ends: match self.setup.ends {
                 StreamwiseEnds::Periodic => RowEnds::Periodic,
                 StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(self.inlet_velocity.map(T::of)),
@@ -148,8 +181,8 @@ impl<T: Real> Fluid<T> {
             } else {
                 0
             };
-            // One element earlier, so that the ghost cells at both ends of a row lie in its slab.
-            let first = (grid.index([0, 0, 0]) - 1).wrapping_add_signed(shift);
+            // One block earlier, so that the ghost cells at both ends of a row lie in its slab, and rows begin with a whole vector.
+            let first = (grid.index([0, 0, 0]) - block).wrapping_add_signed(shift);
             let mut rest = data.split_at_mut(first).1;
             for slab in &mut slabs {
                 let length = (slab.planes * grid.stride_z).min(rest.len());
@@ -192,6 +225,7 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let grid = self.grid;
+        let block = LINE_BYTES / size_of::<T>();
         let [nx, ny, _] = grid.cells;
         let first_row = (self.slab.first_plane * ny) as u32;
         let forced = self.body_force.cells;
@@ -200,6 +234,8 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
         // Force of every cell of a row; where nothing acts it stays zero (or the acceleration).
         let resting = acceleration.unwrap_or_default();
         let mut force = resting.map(|component| vec![component; nx]);
+        // Relaxation time of every cell of a row, where they all differ.
+        let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| nx)];
         for plane in 0..self.slab.planes {
             for y in 0..ny {
                 let row = ((self.slab.first_plane + plane) * ny + y) as u32;
@@ -217,12 +253,23 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         force[a][x] += T::of(forced.force[entry][a]);
                     }
                 }
-                let start = plane * grid.stride_z + y * grid.stride_y + 1;
+                let common = match self.common.held {
+                    None => *self.common,
+                    Some(held) => {
+                        let held = &held[row as usize * nx..][..nx];
+                        self.common.add_up(held, &mut relaxation_times);
+                        Common {
+                            profile: Some((&relaxation_times, 0)),
+                            ..*self.common
+                        }
+                    }
+                };
+                let start = block + plane * grid.stride_z + y * grid.stride_y;
                 collide_row::<S, T, C>(
                     simd,
                     &mut self.slab.arrays,
                     start..start + nx,
-                    self.common,
+                    &common,
                     &force,
                     touched,
                     acceleration.is_some(),
@@ -238,7 +285,27 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
     }
 }
 
-/// Collides one row in runs of blocks that are alike: with or without force, before or in the sponge. A block is a cache line of cells,
+impl<T: Real> Common<'_, T> {
+    /// Relaxation times of a row: molecular or the sponge's, plus the held eddy part.
+    #[inline(always)]
+    fn add_up(&self, held: &[T], sums: &mut [T]) {
+        match self.profile {
+            None => {
+                for (sum, &held) in sums.iter_mut().zip(held) {
+                    *sum = self.relaxation_time + held;
+                }
+            }
+            Some((profile, _)) => {
+                for ((sum, &held), &base) in sums.iter_mut().zip(held).zip(profile) {
+                    *sum = base + held;
+                }
+            }
+        }
+    }
+}
+
+/// Collides one row in runs of blocks that are alike: with or without force, before or where every cell has a relaxation
+/// time of its own. A block is a cache line of cells,
 /// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
 /// their own, ascending.
 #[inline(always)]
@@ -253,14 +320,14 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
 ) {
     let nx = row.len();
     let block = LINE_BYTES / size_of::<T>();
-    let sponge_start = common.sponge.map_or(nx, |(_, start)| start);
+    let profile_start = common.profile.map_or(nx, |(_, start)| start);
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
         .peekable();
     let mut x = 0;
     while x < nx {
-        let mut end = if x < sponge_start { sponge_start } else { nx };
+        let mut end = if x < profile_start { profile_start } else { nx };
         let mut forced = accelerated;
         if !accelerated && let Some(&first) = touched.peek() {
             if first > x {
@@ -279,7 +346,7 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
             }
         }
         let cells = row.start + x..row.start + end;
-        let profile = common.sponge.filter(|_| x >= sponge_start);
+        let profile = common.profile.filter(|_| x >= profile_start);
         let tau = profile.map_or(&[][..], |(profile, _)| &profile[x..end]);
         let body = if forced {
             [&force[0][x..end], &force[1][x..end], &force[2][x..end]]
@@ -304,9 +371,9 @@ fn collide_row<S: Simd, T: Real, C: Collision>(
     }
 }
 
-/// Collides neighbouring cells. `tau` is read only where `SPONGE`, `force` only where `FORCED`.
+/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `PROFILE`, `force` only where `FORCED`.
 #[inline(always)]
-fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE: bool>(
+fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE: bool>(
     simd: S,
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     cells: Range<usize>,
@@ -314,63 +381,73 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const SPONGE:
     tau: &[T],
     force: [&[T]; 3],
 ) {
-    let constant = Lanes::<S, T>::splat(simd, common.relaxation_time);
     let zero = Lanes::splat(simd, T::default());
-    let eddy_factor = Lanes::splat(simd, common.eddy_factor);
-    let local = |tau: Option<T::Vector<S>>, force: [Option<T::Vector<S>>; 3]| Local {
-        relaxation_time: tau.map_or(constant, |tau| Lanes::new(simd, tau)),
-        force: force.map(|component| component.map_or(zero, |f| Lanes::new(simd, f))),
-        eddy_factor,
+    let mut local = Local {
+        relaxation_time: Lanes::splat(simd, common.relaxation_time),
+        force: [zero; 3],
+        eddy_factor: Lanes::splat(simd, common.eddy_factor),
     };
     let lanes = T::lanes::<S>();
     let whole = cells.len() / lanes;
-    let (tau, tau_part) = T::vectors::<S>(tau);
-    let tau = &tau[..if SPONGE { whole } else { 0 }];
-    let (force, force_part) = {
-        let split = force.map(|component| T::vectors::<S>(component));
-        let whole = if FORCED { whole } else { 0 };
-        (
-            split.map(|(vectors, _)| &vectors[..whole]),
-            split.map(|(_, part)| part),
-        )
-    };
+    let range = cells.start / lanes..cells.start / lanes + whole;
+    // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
     let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
         std::array::from_fn(|_| Default::default());
-    let mut parts: [&mut [T]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
-    // A plain loop: the compiler unrolls it, sees that all slices are of one length and leaves out the checks in the loop over cells.
     for (direction, array) in arrays.iter_mut().enumerate() {
-        let (all, part) = T::vectors_mut::<S>(&mut array[cells.clone()]);
-        vectors[direction] = &mut all[..whole];
-        parts[direction] = part;
+        vectors[direction] = &mut T::vectors_mut::<S>(array).0[..range.end];
+    }
+    let tau_vectors = &T::vectors::<S>(tau).0[..if PROFILE { whole } else { 0 }];
+    let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
+    for a in 0..3 {
+        force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { whole } else { 0 }];
     }
     for i in 0..whole {
+        // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
+        // (a fifth slower).
+        let place = std::hint::black_box(range.start + i);
         let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            f[direction] = Lanes::new(simd, vectors[direction][i]);
+            let vector = &vectors[direction][place];
+            prefetch(vector);
+            f[direction] = Lanes::new(simd, *vector);
         }
-        let local = local(
-            SPONGE.then(|| tau[i]),
-            force.map(|component| FORCED.then(|| component[i])),
-        );
+        if PROFILE {
+            local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
+        }
+        if FORCED {
+            for a in 0..3 {
+                local.force[a] = Lanes::new(simd, force_vectors[a][i]);
+            }
+        }
         let out = C::collide::<_, FORCED>(&f, &local);
         for direction in 0..DIRECTION_COUNT {
-            vectors[opposite(direction)][i] = out[direction].vector;
+            vectors[opposite(direction)][place] = out[direction].vector;
         }
     }
-    if parts[0].is_empty() {
+    let whole = whole * lanes;
+    if whole == cells.len() {
         return;
     }
+    let part = cells.start + whole..cells.end;
     let mut f = [zero; DIRECTION_COUNT];
     for direction in 0..DIRECTION_COUNT {
-        f[direction] = Lanes::new(simd, T::load_part(simd, parts[direction]));
+        f[direction] = Lanes::new(simd, T::load_part(simd, &arrays[direction][part.clone()]));
     }
-    let local = local(
-        SPONGE.then(|| T::load_part(simd, tau_part)),
-        force_part.map(|component| FORCED.then(|| T::load_part(simd, component))),
-    );
+    if PROFILE {
+        local.relaxation_time = Lanes::new(simd, T::load_part(simd, &tau[whole..]));
+    }
+    if FORCED {
+        for a in 0..3 {
+            local.force[a] = Lanes::new(simd, T::load_part(simd, &force[a][whole..]));
+        }
+    }
     let out = C::collide::<_, FORCED>(&f, &local);
     for direction in 0..DIRECTION_COUNT {
-        T::store_part(simd, parts[opposite(direction)], out[direction].vector);
+        T::store_part(
+            simd,
+            &mut arrays[opposite(direction)][part.clone()],
+            out[direction].vector,
+        );
     }
 }
 

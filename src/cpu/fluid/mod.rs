@@ -2,22 +2,25 @@
 //!
 //! Each array is touched at one fixed shift in a step, so slabs of planes are split off each array with safe borrows.
 //! Arrays carry one layer of ghost cells; [`boundaries`] fills in after each step what flows in from there. Rows begin on a cache line
-//! ([`storage`]).
+//! (`storage`).
 
 pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
+pub mod eddy_viscosity;
 mod macroscopic;
+mod prefetch;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, LINE_BYTES, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
 use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
-use storage::{LINE_BYTES, Storage};
+use eddy_viscosity::HeldEddyViscosity;
+use storage::Storage;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
@@ -29,6 +32,8 @@ pub struct Fluid<T: Real> {
     sides: Sides,
     /// Relaxation time per x [cells]; `None` without a sponge.
     relaxation_profile: Option<Vec<T>>,
+    /// `None` where no model needs the velocity gradient.
+    held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
@@ -52,9 +57,11 @@ impl<T: Real> Fluid<T> {
                     for x in 0..nx {
                         let cell = [x, y, z];
                         let index = grid.index(cell.map(|c| c as i64));
-                        for direction in 0..DIRECTION_COUNT {
+                        for (direction, population) in
+                            start.populations(cell).into_iter().enumerate()
+                        {
                             let (array, element) = grid.slot(index, direction, false);
-                            populations[array][element] = T::of(start.population(cell, direction));
+                            populations[array][element] = T::of(population);
                         }
                         if x + 1 == nx {
                             // An outlet's ghost remembers the density excess of the last cell.
@@ -82,6 +89,7 @@ impl<T: Real> Fluid<T> {
                 setup.sides,
             )),
             relaxation_profile,
+            held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             inlet_velocity: [0.0; 3],
             odd: false,
             steps: 0,
@@ -135,6 +143,9 @@ impl<T: Real> Fluid<T> {
             }
             out.put(&format!("populations_{array:02}"), &packed)?;
         }
+        if let Some(held) = &self.held_eddy_viscosity {
+            out.put("eddy_relaxation_times", &held.relaxation_times)?;
+        }
         Ok(())
     }
 
@@ -152,6 +163,9 @@ impl<T: Real> Fluid<T> {
             for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
                 self.populations[array][row].copy_from_slice(&packed[packed_row]);
             }
+        }
+        if let Some(held) = &mut self.held_eddy_viscosity {
+            held.restore(from.take_exactly("eddy_relaxation_times", self.grid.cell_count())?);
         }
         Ok(())
     }

@@ -8,10 +8,8 @@ use std::ops::{Index, IndexMut, Range};
 
 use memmap2::MmapMut;
 
+use crate::lattice::grid::LINE_BYTES;
 use crate::lattice::{DIRECTION_COUNT, Real};
-
-/// Bytes of a cache line.
-pub const LINE_BYTES: usize = 64;
 
 /// Lines by which the arrays' places in a page differ: nineteen of them spread over the 64 lines.
 const STAGGER: usize = 3;

@@ -5,6 +5,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::eddy_viscosity::HeldEddyViscosity;
 use super::{Bound, Fluid, ForceBox, compute_pass};
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::WORKGROUP;
@@ -42,12 +43,14 @@ parameters! {
 }
 
 impl Fluid {
-    /// Advances the air by one step under a uniform acceleration and the body force of a box of cells, if there are any.
+    /// Advances the air by one step under a uniform acceleration and the body force of a box of cells, if there are any. Begins with the
+    /// stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(
         &mut self,
         acceleration: Option<[f64; 3]>,
         forces: Option<&ForceBox>,
     ) -> Result<(), DeviceError> {
+        self.eddy_viscosity()?;
         if let Some(forces) = forces
             && self
                 .forced
@@ -109,11 +112,14 @@ impl Fluid {
                 ..StepParameters::default()
             };
             self.device.write(&self.step_parameters, 0, &[parameters]);
+            let cells = self.grid.cell_count() as u64;
+            self.write_eddy_parameters(0, cells);
             let count = at_once.min(left).min(32);
             let mut commands = self.device.record("collide_stream");
             {
                 let mut pass = compute_pass(&mut commands, "collide_stream");
                 for _ in 0..count {
+                    self.record_eddy_viscosity(&mut pass, cells);
                     let parity = usize::from(self.odd);
                     self.free[parity].dispatch(&mut pass, [self.groups_per_plane(), planes as u32]);
                     self.record_boundaries(&mut pass, parity);
@@ -176,6 +182,11 @@ impl Fluid {
             let mut named = self.named_populations(odd);
             named.push(("step", &self.step_parameters));
             named.push(("cell_forces", &forces.forces));
+            named.extend(
+                self.held_eddy_viscosity
+                    .iter()
+                    .map(HeldEddyViscosity::named),
+            );
             self.device.bind(&self.forced_pipeline, &named)
         };
         self.forced = Some(([bound(false)?, bound(true)?], forces.generation));

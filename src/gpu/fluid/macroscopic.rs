@@ -121,7 +121,7 @@ impl Fluid {
 
     /// Cells that one submission may look at; looking costs at most half of what a step costs. Whole workgroups, so that the sums of
     /// `totals` are the same however they are cut.
-    fn cells_at_once(&self) -> u64 {
+    pub(super) fn cells_at_once(&self) -> u64 {
         let per_plane = self.setup.cells[0] as u64 * self.setup.cells[1] as u64;
         let cells = per_plane.saturating_mul(self.planes_at_once() as u64);
         let group = u64::from(WORKGROUP);

@@ -5,6 +5,7 @@
 
 pub mod collide_stream;
 pub mod control_volume;
+pub mod eddy_viscosity;
 pub mod macroscopic;
 
 use std::sync::Arc;
@@ -25,6 +26,7 @@ use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Operator, Storage};
 use collide_stream::StepParameters;
 pub use control_volume::VolumeWatch;
+use eddy_viscosity::HeldEddyViscosity;
 use macroscopic::Macroscopic;
 
 /// Scale of populations in 16 bits (`storage_f16.wgsl`).
@@ -49,6 +51,8 @@ pub struct Fluid {
     /// With the body force near the sheet, by parity, and the generation of the force box that it is bound to.
     forced: Option<([Bound; 2], u64)>,
     boundaries: Option<[Counted; 2]>,
+    /// `None` where no model needs the velocity gradient.
+    held_eddy_viscosity: Option<HeldEddyViscosity>,
     macroscopic: Macroscopic,
     inlet_velocity: [f64; 3],
     odd: bool,
@@ -102,8 +106,14 @@ impl Fluid {
             .collect::<Result<Vec<_>, _>>()?;
         let step_parameters = device.uniform::<StepParameters>("step")?;
         let constants = constants(&setup, &grid);
+        let held_eddy_viscosity =
+            HeldEddyViscosity::new(device, &setup, &grid, storage, &populations, &constants)?;
+        let shaders = match held_eddy_viscosity {
+            None => &shaders::COLLIDE_STREAM,
+            Some(_) => &shaders::COLLIDE_STREAM_HELD,
+        };
         let [free, accelerated, forced_pipeline] = device.pipelines(
-            &shaders::COLLIDE_STREAM[storage as usize],
+            &shaders[storage as usize],
             [
                 "collide_stream",
                 "collide_stream_accelerated",
@@ -115,6 +125,7 @@ impl Fluid {
             let mut named = [false, true].map(|odd| by_parity(&populations, odd));
             for names in &mut named {
                 names.push(("step", &step_parameters));
+                names.extend(held_eddy_viscosity.iter().map(HeldEddyViscosity::named));
             }
             Ok([
                 device.bind(pipeline, &named[0])?,
@@ -135,6 +146,7 @@ impl Fluid {
             forced_pipeline,
             forced: None,
             boundaries,
+            held_eddy_viscosity,
             macroscopic,
             inlet_velocity: [0.0; 3],
             odd: false,
@@ -240,10 +252,13 @@ impl Fluid {
 
 /// Numbers that the scene fixes, by their names in the shaders.
 fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
-    let eddy = setup.smagorinsky_constant;
+    let smagorinsky = setup
+        .eddy_viscosity
+        .and_then(|eddy_viscosity| eddy_viscosity.smagorinsky_constant());
     vec![
         ("CELLS_X", grid.cells[0] as f64),
         ("CELLS_Y", grid.cells[1] as f64),
+        ("CELLS_Z", grid.cells[2] as f64),
         ("STRIDE_Y", grid.stride_y as f64),
         ("STRIDE_Z", grid.stride_z as f64),
         ("RELAXATION_TIME", setup.relaxation_time),
@@ -252,12 +267,13 @@ fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
             match setup.operator {
                 Operator::TwoRelaxationTimes => 0.0,
                 Operator::RecursiveRegularised => 1.0,
+                Operator::SingleRelaxationTime => 2.0,
             },
         ),
-        ("EDDY", f64::from(u8::from(eddy.is_some()))),
+        ("EDDY", f64::from(u8::from(smagorinsky.is_some()))),
         (
             "EDDY_FACTOR",
-            eddy.map_or(0.0, crate::lattice::operators::eddy_factor),
+            smagorinsky.map_or(0.0, crate::lattice::operators::eddy_factor),
         ),
         (
             "INLET_OUTLET",
@@ -369,17 +385,11 @@ impl Fluid {
         out.put("inlet_velocity", &self.inlet_velocity)?;
         for (array, buffer) in self.populations.iter().enumerate() {
             let name = format!("populations_{array:02}");
-            let (device, count) = (&self.device, self.grid.total);
-            match self.storage {
-                Storage::F32 => {
-                    let data = device.read::<f32>(buffer, 0, count);
-                    out.put(&name, &data.map_err(std::io::Error::other)?)?;
-                }
-                Storage::F16 => {
-                    let data = device.read::<f16>(buffer, 0, count);
-                    out.put(&name, &data.map_err(std::io::Error::other)?)?;
-                }
-            }
+            self.save_stored(out, &name, buffer, self.grid.total)?;
+        }
+        if let Some(held) = &self.held_eddy_viscosity {
+            let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
+            self.save_stored(out, "eddy_relaxation_times", buffer, count)?;
         }
         Ok(())
     }
@@ -393,16 +403,68 @@ impl Fluid {
             .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
         for (array, buffer) in self.populations.iter().enumerate() {
             let name = format!("populations_{array:02}");
-            let (device, count) = (&self.device, self.grid.total);
-            match self.storage {
-                Storage::F32 => {
-                    device.write::<f32>(buffer, 0, &from.take_exactly(&name, count)?);
-                }
-                Storage::F16 => {
-                    device.write::<f16>(buffer, 0, &from.take_exactly(&name, count)?);
-                }
+            self.restore_stored(from, &name, buffer, self.grid.total)?;
+        }
+        if let Some(held) = &self.held_eddy_viscosity {
+            let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
+            self.restore_stored(from, "eddy_relaxation_times", buffer, count)?;
+        }
+        if let Some(held) = &mut self.held_eddy_viscosity {
+            // Evaluated anew if the step to come asks for it.
+            held.evaluated = None;
+        }
+        Ok(())
+    }
+
+    /// Writes a buffer as it is stored.
+    fn save_stored(
+        &self,
+        out: &mut Writer,
+        name: &str,
+        buffer: &wgpu::Buffer,
+        count: usize,
+    ) -> std::io::Result<()> {
+        match self.storage {
+            Storage::F32 => {
+                let data = self.device.read::<f32>(buffer, 0, count);
+                out.put(name, &data.map_err(std::io::Error::other)?)
+            }
+            Storage::F16 => {
+                let data = self.device.read::<f16>(buffer, 0, count);
+                out.put(name, &data.map_err(std::io::Error::other)?)
+            }
+        }
+    }
+
+    /// Takes a buffer as it is stored.
+    fn restore_stored(
+        &self,
+        from: &Reader,
+        name: &str,
+        buffer: &wgpu::Buffer,
+        count: usize,
+    ) -> Result<(), CheckpointError> {
+        match self.storage {
+            Storage::F32 => {
+                let data = from.take_exactly(name, count)?;
+                self.device.write::<f32>(buffer, 0, &data);
+            }
+            Storage::F16 => {
+                let data = from.take_exactly(name, count)?;
+                self.device.write::<f16>(buffer, 0, &data);
             }
         }
         Ok(())
+    }
+
+    /// Reads a buffer that stores numbers as populations are stored.
+    fn read_stored(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, DeviceError> {
+        match self.storage {
+            Storage::F32 => self.device.read(buffer, 0, count),
+            Storage::F16 => {
+                let data = self.device.read::<f16>(buffer, 0, count)?;
+                Ok(data.iter().map(|f| f.to_f32() / F16_SCALE).collect())
+            }
+        }
     }
 }
