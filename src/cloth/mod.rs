@@ -10,6 +10,7 @@ pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
+use crate::lines::{CableLaw, CableState};
 use crate::immersed::markers::Extent;
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
@@ -38,12 +39,16 @@ pub struct Structure {
     pub membrane: Option<Membrane>,
     /// Fabric thickness [m], to turn tensions into stresses.
     pub thickness_m: f64,
+    /// Von Mises stress from which fabric is flagged as yielding [Pa]; `None`: never.
+    pub yield_stress_pa: Option<f64>,
     /// Springs of a network.
     pub springs: Vec<Spring>,
-    /// Second-difference bending terms of a network.
+    /// Bending terms.
     pub bendings: Vec<Bending>,
     /// Cable segments.
     pub cables: Vec<CableSegment>,
+    /// Laws of the cables, by the numbers that segments hold.
+    pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
 }
@@ -63,6 +68,11 @@ impl Structure {
         cable: &crate::lines::Cable,
         kind: CableKind,
     ) {
+        let known = self.cable_laws.iter().position(|law| *law == cable.law);
+        let law = known.unwrap_or_else(|| {
+            self.cable_laws.push(cable.law.clone());
+            self.cable_laws.len() - 1
+        }) as u32;
         for (pair, &rest_length_m) in nodes.windows(2).zip(rest_lengths_m) {
             let half = 0.5 * cable.mass_per_length_kg_m() * rest_length_m;
             for &node in pair {
@@ -71,9 +81,54 @@ impl Structure {
             self.cables.push(CableSegment {
                 nodes: [pair[0], pair[1]],
                 rest_length_m,
-                axial_stiffness_n: cable.axial_stiffness_n(),
+                law,
+                damping_n_s: cable.damping_n_s,
                 kind,
             });
+        }
+    }
+
+    /// State of a cable segment at a length [m], without its damping.
+    #[must_use]
+    pub fn cable_state(&self, cable: &CableSegment, length_m: f64) -> CableState {
+        self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
+    }
+
+    /// Adds bending about every edge that two triangles share, with the flexural rigidity D \[N m\]; flat at rest.
+    pub fn add_hinges(&mut self, rest_m: &[DVec3], rigidity_nm: f64) {
+        let mut opposite: std::collections::HashMap<[u32; 2], u32> =
+            std::collections::HashMap::new();
+        for triangle in &self.triangles {
+            for corner in 0..3 {
+                let [a, b, c] = [0, 1, 2].map(|k| triangle.nodes[(corner + k) % 3]);
+                match opposite.remove(&[b.min(c), b.max(c)]) {
+                    None => {
+                        opposite.insert([b.min(c), b.max(c)], a);
+                    }
+                    Some(other) => {
+                        let nodes = [b, c, a, other];
+                        let places = nodes.map(|n| rest_m[n as usize]);
+                        self.bendings
+                            .extend(Bending::hinge(nodes, places, rigidity_nm));
+                    }
+                }
+            }
+        }
+    }
+
+    /// What only the CPU can compute, if the structure has any of it.
+    #[must_use]
+    pub fn needs_host(&self) -> Option<&'static str> {
+        let law = |cable: &CableSegment| &self.cable_laws[cable.law as usize];
+        let is_table = |cable| matches!(law(cable), CableLaw::Table(_));
+        if self.membrane.is_some_and(|m| m.shear().is_some()) {
+            Some("nonlinear shear of the fabric")
+        } else if self.cables.iter().any(is_table) {
+            Some("force–strain tables of cables")
+        } else if self.cables.iter().any(|cable| cable.damping_n_s > 0.0) {
+            Some("damping of cables")
+        } else {
+            None
         }
     }
 

@@ -47,7 +47,7 @@ pub struct Gather {
     /// Of springs.
     pub springs: Corners<2>,
     /// Of bending terms.
-    pub bendings: Corners<3>,
+    pub bendings: Corners<4>,
     /// Of cable segments.
     pub cables: Corners<2>,
     /// Of guides.

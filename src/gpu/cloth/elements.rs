@@ -156,7 +156,10 @@ impl Elements {
             "bendings",
             &structure.bendings,
             |b| b.nodes,
-            |b| [bits(b.stiffness_n_m)],
+            |b| {
+                let [c0, c1, c2, c3] = b.coefficients.map(bits);
+                [c0, c1, c2, c3, bits(b.stiffness_n_m)]
+            },
         ));
         kinds.push(Kind::new(
             "cable",
@@ -170,7 +173,7 @@ impl Elements {
                     part,
                     square,
                     bits(c.rest_length_m),
-                    bits(c.axial_stiffness_n),
+                    bits(structure.cable_laws[c.law as usize].initial_stiffness_n()),
                 ]
             },
         ));

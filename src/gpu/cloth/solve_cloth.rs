@@ -9,9 +9,8 @@
 use glam::DVec3;
 
 use crate::cloth::Structure;
-use crate::cpu::cloth::solve_cloth::{
-    FREE_NODE_STIFFNESS, add_pull_of_the_air, dead_loads, options, prediction,
-};
+use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
+use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
 use crate::cpu::cloth::{Cloth as State, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
@@ -217,7 +216,7 @@ impl Cloth {
         self.device
             .write(self.buffer("predicted_remainder")?, 0, &remainder);
 
-        let mut loads = dead_loads(structure, start, input);
+        let mut loads = step_loads(structure, start, input);
         let mut drive = loads.clone();
         add_pull_of_the_air(structure, input.markers, &mut drive);
         let mut constant_j = 0.0;
