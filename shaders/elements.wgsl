@@ -151,11 +151,6 @@ fn cable_piece(e: u32) -> Piece {
     return piece(cables[e], cables[CABLES + e], rest, bitcast<f32>(cables[5u * CABLES + e]));
 }
 
-// Words of a bending term: four nodes, their coefficients, stiffness.
-fn bending_word(k: u32, e: u32) -> f32 {
-    return bitcast<f32>(bendings[k * BENDINGS + e]);
-}
-
 fn guide_word(k: u32, e: u32) -> f32 {
     return bitcast<f32>(guides[k * GUIDES + e]);
 }

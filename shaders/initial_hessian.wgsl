@@ -127,10 +127,10 @@ fn bending_blocks(
     if e >= BENDINGS {
         return;
     }
-    for (var k = 0u; k < 4u; k++) {
-        let coefficient = bending_word(4u + k, e);
-        contribute_block(BENDING_SLOTS + k * BENDINGS + e, isotropic(bending_word(8u, e) * coefficient * coefficient));
-    }
+    let stiffness = bitcast<f32>(bendings[3u * BENDINGS + e]);
+    contribute_block(BENDING_SLOTS + e, isotropic(stiffness));
+    contribute_block(BENDING_SLOTS + BENDINGS + e, isotropic(4.0 * stiffness));
+    contribute_block(BENDING_SLOTS + 2u * BENDINGS + e, isotropic(stiffness));
 }
 
 @compute @workgroup_size(64)

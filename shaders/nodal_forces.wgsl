@@ -91,17 +91,19 @@ fn bending_forces(
     let e = thread_index(group, groups, local);
     var energy = vec2<f32>(0.0);
     if e < BENDINGS {
-        // Coefficients sum to zero: places count from that of the second node.
-        let origin = place(bendings[BENDINGS + e]);
-        var sum = vec3<f32>(0.0);
-        for (var k = 0u; k < 4u; k++) {
-            sum += bending_word(4u + k, e) * metres(between(origin, place(bendings[k * BENDINGS + e])));
-        }
-        let stiffness = bending_word(8u, e);
-        energy = positive(0.5 * stiffness * dot(sum, sum));
-        for (var k = 0u; k < 4u; k++) {
-            contribute(BENDING_SLOTS + k * BENDINGS + e, (bending_word(4u + k, e) * stiffness) * sum);
-        }
+        let middle = place(bendings[BENDINGS + e]);
+        let before = between(middle, place(bendings[e]));
+        let after = between(middle, place(bendings[2u * BENDINGS + e]));
+        let second_difference = metres(Place(
+            before.whole + after.whole,
+            before.remainder + after.remainder,
+        ));
+        let stiffness = bitcast<f32>(bendings[3u * BENDINGS + e]);
+        energy = positive(0.5 * stiffness * dot(second_difference, second_difference));
+        let pull = second_difference * stiffness;
+        contribute(BENDING_SLOTS + e, pull);
+        contribute(BENDING_SLOTS + BENDINGS + e, -2.0 * pull);
+        contribute(BENDING_SLOTS + 2u * BENDINGS + e, pull);
     }
     gather_energy(BENDING_ENERGIES, BENDINGS, group.y * groups.x + group.x, local, energy);
 }

@@ -270,9 +270,13 @@ fn every_kind_of_element(device: &Arc<Device>) {
             let input = StepInput {
                 time_step_s,
                 gravity_m_s2: DVec3::new(1.0, 2.0, -9.81),
-                pressure: Pressure::Uniform(30.0),
+                pressure: match time_step_s {
+                    Some(_) => Pressure::Uniform(30.0),
+                    None => Pressure::None,
+                },
                 damping_1_s: 2.0,
                 markers: &markers,
+                moved_supports: &[],
             };
             let direction = scattered(count, 0.01, 9);
             let (cpu, gpu) = probes(device, structure, &input, &direction, [0.7, 1e9]);

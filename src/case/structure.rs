@@ -7,12 +7,12 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use crate::cloth::{Structure, Triangle};
 use crate::fabric::Fabric;
 use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
-use crate::geometry::{cable, sheet};
+use crate::geometry::{cable, fabric_surface, sheet};
+use crate::rigid::Surface;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 /// Most cells of a sheet: some 5 GB.
@@ -373,40 +373,29 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
         )
     })?;
     let node_count = mesh.positions_m.len();
-    let mut structure = Structure {
+    let surface = Surface {
         positions_m: mesh.positions_m,
-        masses_kg: vec![0.0; node_count],
-        held: vec![false; node_count],
-        membrane: Some(fabric.membrane()),
-        yield_stress_pa: fabric.yield_stress_pa,
-        thickness_m: fabric.thickness_m,
-        ..Structure::default()
+        triangles: mesh.triangles,
     };
-    for (index, nodes) in mesh.triangles.iter().enumerate() {
-        let corners = nodes.map(|n| structure.positions_m[n as usize]);
-        let triangle = Triangle::laid_out(*nodes, corners, DVec3::X, fabric.initial_strain).ok_or_else(|| {
-            Problem::new(
-                format!("{KEY}.file"),
-                format!(
-                    "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
-                    index + 1,
-                    path.display(),
-                    nodes[0] + 1,
-                    nodes[1] + 1,
-                    nodes[2] + 1,
-                    corners[0],
-                    corners[1],
-                    corners[2]
-                ),
-                "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
-            )
-        })?;
-        for node in nodes {
-            structure.masses_kg[*node as usize] +=
-                fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
-        }
-        structure.triangles.push(triangle);
-    }
+    let mut structure = fabric_surface::build(&surface, DVec3::X, &fabric).map_err(|index| {
+        let nodes = surface.triangles[index];
+        let corners = surface.corners(nodes);
+        Problem::new(
+            format!("{KEY}.file"),
+            format!(
+                "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
+                index + 1,
+                path.display(),
+                nodes[0] + 1,
+                nodes[1] + 1,
+                nodes[2] + 1,
+                corners[0],
+                corners[1],
+                corners[2]
+            ),
+            "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
+        )
+    })?;
     for &node in &written.held_nodes {
         let Some(held) = (node as usize)
             .checked_sub(1)
@@ -420,9 +409,8 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
         };
         *held = true;
     }
-    let triangles = mesh.triangles;
     Ok(Body {
-        quality: quality::measure(&structure.positions_m, &triangles),
+        quality: quality::measure(&structure.positions_m, &surface.triangles),
         kind: BodyKind::Mesh,
         structure,
     })

@@ -2,7 +2,9 @@
 //!
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
+pub mod curvature;
 pub mod elements;
+pub mod faults;
 
 use glam::DVec3;
 
@@ -43,8 +45,10 @@ pub struct Structure {
     pub yield_stress_pa: Option<f64>,
     /// Springs of a network.
     pub springs: Vec<Spring>,
-    /// Bending terms.
-    pub bendings: Vec<Bending>,
+    /// Second-difference bending terms of a network.
+    pub bendings: Vec<Bending<3>>,
+    /// Curvatures of membrane triangles with bending stiffness.
+    pub curvatures: Vec<Bending<6>>,
     /// Cable segments.
     pub cables: Vec<CableSegment>,
     /// Laws of the cables, by the numbers that segments hold.
@@ -94,28 +98,6 @@ impl Structure {
         self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
     }
 
-    /// Adds bending about every edge that two triangles share, with the flexural rigidity D \[N m\]; flat at rest.
-    pub fn add_hinges(&mut self, rest_m: &[DVec3], rigidity_nm: f64) {
-        let mut opposite: std::collections::HashMap<[u32; 2], u32> =
-            std::collections::HashMap::new();
-        for triangle in &self.triangles {
-            for corner in 0..3 {
-                let [a, b, c] = [0, 1, 2].map(|k| triangle.nodes[(corner + k) % 3]);
-                match opposite.remove(&[b.min(c), b.max(c)]) {
-                    None => {
-                        opposite.insert([b.min(c), b.max(c)], a);
-                    }
-                    Some(other) => {
-                        let nodes = [b, c, a, other];
-                        let places = nodes.map(|n| rest_m[n as usize]);
-                        self.bendings
-                            .extend(Bending::hinge(nodes, places, rigidity_nm));
-                    }
-                }
-            }
-        }
-    }
-
     /// What only the CPU can compute, if the structure has any of it.
     #[must_use]
     pub fn needs_host(&self) -> Option<&'static str> {
@@ -123,6 +105,8 @@ impl Structure {
         let is_table = |cable| matches!(law(cable), CableLaw::Table(_));
         if self.membrane.is_some_and(|m| m.shear().is_some()) {
             Some("nonlinear shear of the fabric")
+        } else if !self.curvatures.is_empty() {
+            Some("bending of membranes")
         } else if self.cables.iter().any(is_table) {
             Some("force–strain tables of cables")
         } else if self.cables.iter().any(|cable| cable.damping_n_s > 0.0) {

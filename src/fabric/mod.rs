@@ -56,6 +56,13 @@ impl Fabric {
         ]
     }
 
+    /// Flexural rigidity of a solid sheet [N m], rows and columns as in [`Fabric::stiffness_n_m`]: that times h²/12.
+    #[must_use]
+    pub fn rigidity_nm(&self) -> [[f64; 3]; 3] {
+        let factor = self.thickness_m * self.thickness_m / 12.0;
+        self.stiffness_n_m().map(|row| row.map(|k| k * factor))
+    }
+
     /// Law of the membrane.
     #[must_use]
     pub fn membrane(&self) -> Membrane {

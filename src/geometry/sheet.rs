@@ -149,9 +149,7 @@ fn add_network(
         }
     }
     // Bending stiffness of a solid sheet, D = E h³ / 12 (1 − ν²), per direction.
-    let flexural = fabric
-        .stiffness_n_m()
-        .map(|row| row.map(|k| k * fabric.thickness_m * fabric.thickness_m / 12.0));
+    let flexural = fabric.rigidity_nm();
     for j in 0..=rows {
         for i in 0..=columns {
             if i + 2 <= columns {

@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::cloth::{CableSegment, Structure};
+use crate::cloth::{Bending, CableSegment, Structure};
 use crate::cloth::elements::EDGES;
 
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
@@ -36,6 +36,15 @@ pub(super) fn cable_block(
         let stiffness =
             structure.cable_laws[cable.law as usize].initial_stiffness_n() / cable.rest_length_m;
         DMat3::from_diagonal(DVec3::splat(1e-3 * stiffness))
+    }
+}
+
+fn add_bending<const N: usize>(bendings: &[Bending<N>], blocks: &mut [DMat3]) {
+    for bending in bendings {
+        for (&node, coefficient) in bending.nodes.iter().zip(bending.coefficients) {
+            let k = bending.stiffness_n_m * coefficient * coefficient;
+            blocks[node as usize] += DMat3::from_diagonal(DVec3::splat(k));
+        }
     }
 }
 
@@ -104,12 +113,8 @@ pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &m
         blocks[a] += block;
         blocks[b] += block;
     }
-    for bending in &structure.bendings {
-        for (&node, coefficient) in bending.nodes.iter().zip(bending.coefficients) {
-            let k = bending.stiffness_n_m * coefficient * coefficient;
-            blocks[node as usize] += DMat3::from_diagonal(DVec3::splat(k));
-        }
-    }
+    add_bending(&structure.bendings, blocks);
+    add_bending(&structure.curvatures, blocks);
     for cable in &structure.cables {
         let [a, b] = cable.nodes.map(|n| n as usize);
         let edge = positions[b] - positions[a];

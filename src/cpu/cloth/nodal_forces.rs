@@ -99,7 +99,10 @@ pub fn elastic_gradient(
         (pull, state.energy_n * cable.rest_length_m)
     });
     for bending in &structure.bendings {
-        energy += 0.5 * bending.stiffness_n_m * bend(bending, positions).length_squared();
+        energy += bending_energy(bending, positions);
+    }
+    for curvature in &structure.curvatures {
+        energy += bending_energy(curvature, positions);
     }
     for guide in &structure.guides {
         let offset = positions[guide.node as usize] - guide.anchor_m;
@@ -117,12 +120,25 @@ pub fn elastic_gradient(
 }
 
 /// Σ c_i x_i.
-fn bend(bending: &Bending, positions: &[DVec3]) -> DVec3 {
+fn bend<const N: usize>(bending: &Bending<N>, positions: &[DVec3]) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for (&node, coefficient) in bending.nodes.iter().zip(bending.coefficients) {
         sum += positions[node as usize] * coefficient;
     }
     sum
+}
+
+fn bending_energy<const N: usize>(bending: &Bending<N>, positions: &[DVec3]) -> f64 {
+    0.5 * bending.stiffness_n_m * bend(bending, positions).length_squared()
+}
+
+/// Gradient of a bending term at one of its nodes [N].
+fn bending_pull<const N: usize>(
+    bending: &Bending<N>,
+    corner: usize,
+    positions: &[DVec3],
+) -> DVec3 {
+    bend(bending, positions) * (bending.coefficients[corner] * bending.stiffness_n_m)
 }
 
 /// Gradient at one node [N].
@@ -153,8 +169,10 @@ fn at_node(
         sum += (positions[node] - positions[other]) * pulls.springs[s];
     }
     for (b, corner) in gather.bendings.at(node) {
-        let bending = &structure.bendings[b];
-        sum += bend(bending, positions) * (bending.coefficients[corner] * bending.stiffness_n_m);
+        sum += bending_pull(&structure.bendings[b], corner, positions);
+    }
+    for (c, corner) in gather.curvatures.at(node) {
+        sum += bending_pull(&structure.curvatures[c], corner, positions);
     }
     for (c, corner) in gather.cables.at(node) {
         let other = structure.cables[c].nodes[1 - corner] as usize;

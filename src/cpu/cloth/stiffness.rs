@@ -12,7 +12,7 @@ use super::initial_hessian::{axial_block, cable_block};
 use super::dashpots::Dashpot;
 use super::loads::StepInput;
 use crate::cloth::elements::EDGES;
-use crate::cloth::{Structure, Triangle};
+use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::{Membrane, principal};
 use crate::solve::multigrid::blocks::{Block, BlockMatrix, Pattern};
 use crate::solve::multigrid::coarsening::Graph;
@@ -38,6 +38,7 @@ pub fn graph(structure: &Structure) -> Graph {
         .map(|t| &t.nodes[..])
         .chain(structure.springs.iter().map(|s| &s.nodes[..]))
         .chain(structure.bendings.iter().map(|b| &b.nodes[..]))
+        .chain(structure.curvatures.iter().map(|b| &b.nodes[..]))
         .chain(structure.cables.iter().map(|c| &c.nodes[..]));
     let positions = &structure.positions_m;
     Graph::new(
@@ -126,6 +127,16 @@ fn triangle_block(stiffness: &TriangleStiffness, edges: &[DVec3; 3], a: usize, b
         block += DMat3::from_diagonal(DVec3::splat(geometric));
     }
     block
+}
+
+/// Stiffness of a bending term between one of its nodes and all [N/m].
+fn bending_row<const N: usize>(
+    bending: &Bending<N>,
+    corner: usize,
+) -> impl Iterator<Item = (u32, f64)> + '_ {
+    let own = bending.stiffness_n_m * bending.coefficients[corner];
+    let nodes = bending.nodes.iter().zip(bending.coefficients);
+    nodes.map(move |(&node, coefficient)| (node, own * coefficient))
 }
 
 fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
@@ -226,9 +237,13 @@ pub(super) fn assemble(
             }
             for (e, corner) in gather.bendings.at(row) {
                 let bending = &structure.bendings[e];
-                for (other, &node) in bending.nodes.iter().enumerate() {
-                    let factors = bending.coefficients[corner] * bending.coefficients[other];
-                    let k = bending.stiffness_n_m * factors;
+                for (node, k) in bending_row(bending, corner) {
+                    add(blocks, place(node), DMat3::from_diagonal(DVec3::splat(k)));
+                }
+            }
+            for (e, corner) in gather.curvatures.at(row) {
+                let curvature = &structure.curvatures[e];
+                for (node, k) in bending_row(curvature, corner) {
                     add(blocks, place(node), DMat3::from_diagonal(DVec3::splat(k)));
                 }
             }

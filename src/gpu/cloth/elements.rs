@@ -156,10 +156,7 @@ impl Elements {
             "bendings",
             &structure.bendings,
             |b| b.nodes,
-            |b| {
-                let [c0, c1, c2, c3] = b.coefficients.map(bits);
-                [c0, c1, c2, c3, bits(b.stiffness_n_m)]
-            },
+            |b| [bits(b.stiffness_n_m)],
         ));
         kinds.push(Kind::new(
             "cable",
