@@ -5,7 +5,7 @@ use libtest_mimic::Trial;
 use ripstop::cloth::{Guide, Structure, Triangle};
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
-use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
+use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::fabric::membrane::Membrane;
 use ripstop::geometry::cable;
@@ -252,7 +252,7 @@ fn hanging_cable() {
         },
         &settings,
     );
-    assert_eq!(outcome.stop, Stop::Converged);
+    assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
     let lowest = cloth
         .positions_m
