@@ -185,7 +185,35 @@ fn marker_forces(
     gather_energy(MARKER_ENERGIES, MARKERS, group.y * groups.x + group.x, local, energy);
 }
 
-// Gradient of every node, and H₀ times it.
+// Gradient of a node, which is written, with the energy of its motion and loads.
+struct AtNode {
+    gradient: vec3<f32>,
+    energy: vec2<f32>,
+}
+
+fn at_node(node: u32) -> AtNode {
+    var gradient = vec3<f32>(0.0);
+    for (var k = node_first[node]; k < node_first[node + 1u]; k++) {
+        let slot = node_slots[k] * 3u;
+        gradient += vec3<f32>(contributions[slot], contributions[slot + 1u], contributions[slot + 2u]);
+    }
+    let moved = displacement(node);
+    let inertia = masses[node] * stage.inertia * moved;
+    let load = vec3<f32>(loads[node * 3u], loads[node * 3u + 1u], loads[node * 3u + 2u]);
+    let kinetic = 0.5 * dot(inertia, moved);
+    let work = dot(load, moved);
+    gradient += inertia - load;
+    if held[node] != 0u {
+        gradient = vec3<f32>(0.0);
+    }
+    let at = (stage.gradient * NODES + node) * 3u;
+    vectors[at] = gradient.x;
+    vectors[at + 1u] = gradient.y;
+    vectors[at + 2u] = gradient.z;
+    return AtNode(gradient, vec2<f32>(kinetic - work, abs(kinetic) + abs(work)));
+}
+
+// Gradient of every node, and H₀ times it, H₀ being block-Jacobi.
 @compute @workgroup_size(64)
 fn gather_forces(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -195,25 +223,9 @@ fn gather_forces(
     let node = thread_index(group, groups, local);
     var energy = vec2<f32>(0.0);
     if node < NODES {
-        var gradient = vec3<f32>(0.0);
-        for (var k = node_first[node]; k < node_first[node + 1u]; k++) {
-            let slot = node_slots[k] * 3u;
-            gradient += vec3<f32>(contributions[slot], contributions[slot + 1u], contributions[slot + 2u]);
-        }
-        let moved = displacement(node);
-        let inertia = masses[node] * stage.inertia * moved;
-        let load = vec3<f32>(loads[node * 3u], loads[node * 3u + 1u], loads[node * 3u + 2u]);
-        let kinetic = 0.5 * dot(inertia, moved);
-        let work = dot(load, moved);
-        energy = vec2<f32>(kinetic - work, abs(kinetic) + abs(work));
-        gradient += inertia - load;
-        if held[node] != 0u {
-            gradient = vec3<f32>(0.0);
-        }
-        let at = (stage.gradient * NODES + node) * 3u;
-        vectors[at] = gradient.x;
-        vectors[at + 1u] = gradient.y;
-        vectors[at + 2u] = gradient.z;
+        let found = at_node(node);
+        let gradient = found.gradient;
+        energy = found.energy;
         let b = node * 6u;
         let off = vec3<f32>(inverse_blocks[b + 3u], inverse_blocks[b + 4u], inverse_blocks[b + 5u]);
         let step = vec3<f32>(
@@ -225,6 +237,21 @@ fn gather_forces(
         vectors[to] = step.x;
         vectors[to + 1u] = step.y;
         vectors[to + 2u] = step.z;
+    }
+    gather_energy(NODE_ENERGIES, NODES, group.y * groups.x + group.x, local, energy);
+}
+
+// Gradient of every node alone.
+@compute @workgroup_size(64)
+fn gather_gradient(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let node = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if node < NODES {
+        energy = at_node(node).energy;
     }
     gather_energy(NODE_ENERGIES, NODES, group.y * groups.x + group.x, local, energy);
 }

@@ -72,6 +72,16 @@ impl Kind {
         }
     }
 
+    /// Nodes of an element.
+    pub const fn corner_count(&self) -> usize {
+        self.corners.len() / self.count
+    }
+
+    /// A node of an element.
+    pub fn node(&self, element: usize, corner: usize) -> u32 {
+        self.corners[corner * self.count + element]
+    }
+
     /// Workgroups of one thread per element.
     pub fn groups(&self) -> usize {
         self.count.div_ceil(WORKGROUP as usize)

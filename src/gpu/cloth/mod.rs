@@ -4,7 +4,9 @@
 //! |---|---|
 //! | `elements` | the structure as words for the shaders; which slots every node gathers |
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
+//! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that [`crate::solve::lbfgs`] works in |
+//! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!
 //! *Departures from the CPU*: displacements count from the prediction xⁿ + dt vⁿ instead of from xⁿ, so that the velocity change,
@@ -16,20 +18,28 @@ mod elements;
 mod gathering;
 pub mod parameters;
 mod solve_cloth;
+mod stiffness;
 mod vectors;
+mod workspace;
 
 use std::sync::Arc;
 
 use crate::cloth::Structure;
+use crate::cpu::cloth::stiffness::graph;
+use crate::cpu::cloth::{InitialHessian, SolverSettings};
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
+use crate::gpu::multigrid::{Multigrid, Traffic};
 use crate::gpu::shaders;
 use crate::solve::lbfgs::HISTORY;
+use crate::solve::multigrid::hierarchy::hierarchy;
 
 use elements::Elements;
 use gathering::Gathering;
 use parameters::ClothStage;
-use vectors::{Operations, POINTS, PointSlot, Workspace};
+use stiffness::Stiffness;
+use vectors::{POINTS, PointSlot};
+use workspace::{Operations, Workspace};
 
 /// A structure on the device.
 #[derive(Debug)]
@@ -42,6 +52,8 @@ pub struct Cloth {
     blocks: Gathering,
     operations: Operations,
     workspace: Option<Workspace>,
+    /// Made when a solve first asks for it.
+    multigrid: Option<WholeHessian>,
     /// Loads as they were last uploaded.
     loads: Vec<[f32; 3]>,
     /// Loads that set the scale of the tolerance, as they were last uploaded.
@@ -54,10 +66,34 @@ pub struct Cloth {
     staging: Staging,
 }
 
-/// Bytes of the largest buffer for a structure of `nodes` nodes: the minimiser's vectors.
+/// Multigrid on the whole Hessian in place of block-Jacobi.
+#[derive(Debug)]
+struct WholeHessian {
+    multigrid: Multigrid,
+    stiffness: Stiffness,
+    /// Nodal forces without block-Jacobi.
+    gradient: Gathering,
+}
+
+/// Bytes of the largest buffer for a structure: the minimiser's vectors, or the matrix of a solve that asks for multigrid.
 #[must_use]
-pub const fn largest_buffer_bytes(nodes: u64) -> u64 {
-    12 * nodes * vectors::vector_slots(HISTORY) as u64
+pub const fn largest_buffer_bytes(structure: &Structure, multigrid: bool) -> u64 {
+    let nodes = structure.node_count() as u64;
+    let vectors = 12 * nodes * workspace::vector_slots(HISTORY) as u64;
+    if !multigrid {
+        return vectors;
+    }
+    // Every inner edge of a mesh belongs to two triangles; a network's springs lie on those edges, its bending reaches one node farther.
+    let triangles = 3 * structure.triangles.len();
+    let springs = 2 * structure.springs.len();
+    let edges = if triangles > springs {
+        triangles
+    } else {
+        springs
+    };
+    let blocks = nodes + (edges + 2 * structure.bendings.len() + 2 * structure.cables.len()) as u64;
+    let matrix = 36 * blocks;
+    if matrix > vectors { matrix } else { vectors }
 }
 
 impl Cloth {
@@ -69,24 +105,7 @@ impl Cloth {
     ) -> Result<Self, DeviceError> {
         let nodes = structure.node_count();
         let elements = Elements::new(structure, markers);
-        let mut constants: Vec<(&str, f64)> = elements
-            .constants
-            .iter()
-            .map(|(name, value)| (name.as_str(), *value))
-            .collect();
-        if let Some(membrane) = &structure.membrane {
-            let c = membrane.stiffness();
-            constants.extend([
-                ("STIFFNESS_XX", c[0][0]),
-                ("STIFFNESS_XY", c[0][1]),
-                ("STIFFNESS_XS", c[0][2]),
-                ("STIFFNESS_YY", c[1][1]),
-                ("STIFFNESS_YS", c[1][2]),
-                ("STIFFNESS_SS", c[2][2]),
-                ("RESIDUAL", membrane.residual()),
-                ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
-            ]);
-        }
+        let constants = constants(structure, &elements);
         let gathering = |shader, what| {
             Gathering::new(&device, shader, what, &elements.kinds, nodes, &constants)
         };
@@ -155,13 +174,14 @@ impl Cloth {
             blocks,
             operations,
             workspace: None,
+            multigrid: None,
             loads: Vec::new(),
             drive: Vec::new(),
             constant_j: 0.0,
             solution: None,
             staging,
         };
-        cloth.prepare(HISTORY)?;
+        cloth.make_room(HISTORY)?;
         Ok(cloth)
     }
 
@@ -171,24 +191,74 @@ impl Cloth {
         &self.device
     }
 
+    /// Bytes that multigrid has moved between host and device; `None` before a solve asks for it.
+    #[must_use]
+    pub fn multigrid_traffic(&self) -> Option<Traffic> {
+        self.multigrid.as_ref().map(|m| m.multigrid.traffic())
+    }
+
+    /// Makes what a solve with these settings needs and is not there yet.
+    fn prepare(
+        &mut self,
+        structure: &Structure,
+        settings: &SolverSettings,
+    ) -> Result<(), DeviceError> {
+        self.make_room(settings.history)?;
+        if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {
+            self.multigrid = Some(self.whole_hessian(structure)?);
+        }
+        Ok(())
+    }
+
+    fn whole_hessian(&self, structure: &Structure) -> Result<WholeHessian, DeviceError> {
+        let elements = Elements::new(structure, &self.markers);
+        let constants = constants(structure, &elements);
+        let shapes = hierarchy(graph(structure));
+        let pattern = shapes
+            .first()
+            .map(|shape| shape.pattern.clone())
+            .unwrap_or_default();
+        let multigrid = Multigrid::new(&self.device, shapes)?;
+        let (matrix, sliced) = multigrid.finest()?;
+        let stiffness = Stiffness::new(
+            &self.device,
+            structure,
+            &elements.kinds,
+            &constants,
+            &self.named_buffers(),
+            (matrix, &pattern, sliced),
+        )?;
+        let shader = &shaders::NODAL_FORCES;
+        let gradient =
+            self.forces
+                .gathered_by(&self.device, shader, "gather_gradient", &constants)?;
+        Ok(WholeHessian {
+            multigrid,
+            stiffness,
+            gradient,
+        })
+    }
+
     /// Makes room for `history` pairs of the minimiser.
-    fn prepare(&mut self, history: usize) -> Result<(), DeviceError> {
+    fn make_room(&mut self, history: usize) -> Result<(), DeviceError> {
         if self.workspace.as_ref().map(|w| w.history) == Some(history) {
             return Ok(());
         }
         self.workspace = None;
         self.drive.clear();
-        let buffers: Vec<(&str, &wgpu::Buffer)> =
-            self.buffers.iter().map(|(name, b)| (*name, b)).collect();
         self.workspace = Some(Workspace::new(
             &self.device,
             &self.operations,
             [&self.forces, &self.blocks],
-            &buffers,
+            &self.named_buffers(),
             history,
             self.nodes,
         )?);
         Ok(())
+    }
+
+    fn named_buffers(&self) -> Vec<(&str, &wgpu::Buffer)> {
+        self.buffers.iter().map(|(name, b)| (*name, b)).collect()
     }
 
     fn buffer(&self, wanted: &str) -> Result<&wgpu::Buffer, DeviceError> {
@@ -197,4 +267,27 @@ impl Cloth {
             .find_map(|(name, buffer)| (*name == wanted).then_some(buffer))
             .ok_or_else(|| DeviceError::Command(format!("no buffer {wanted}")))
     }
+}
+
+/// What a structure fixes in the shaders of its elements.
+fn constants<'a>(structure: &Structure, elements: &'a Elements) -> Vec<(&'a str, f64)> {
+    let mut constants: Vec<(&str, f64)> = elements
+        .constants
+        .iter()
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
+    if let Some(membrane) = &structure.membrane {
+        let c = membrane.stiffness();
+        constants.extend([
+            ("STIFFNESS_XX", c[0][0]),
+            ("STIFFNESS_XY", c[0][1]),
+            ("STIFFNESS_XS", c[0][2]),
+            ("STIFFNESS_YY", c[1][1]),
+            ("STIFFNESS_YS", c[1][2]),
+            ("STIFFNESS_SS", c[2][2]),
+            ("RESIDUAL", membrane.residual()),
+            ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
+        ]);
+    }
+    constants
 }

@@ -12,7 +12,7 @@ use crate::cloth::Structure;
 use crate::cpu::cloth::solve_cloth::{
     FREE_NODE_STIFFNESS, add_pull_of_the_air, dead_loads, options, prediction,
 };
-use crate::cpu::cloth::{Cloth as State, Probe, SolverSettings, StepInput};
+use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
 use crate::solve::{Landing, Step, VectorSpace};
@@ -20,7 +20,8 @@ use crate::solve::{Landing, Step, VectorSpace};
 use super::Cloth;
 use super::elements::{joined, split};
 use super::parameters::ClothStage;
-use super::vectors::{DRIVE, PointSlot, Space, Workspace};
+use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
+use super::workspace::Workspace;
 
 impl Cloth {
     /// Stage `send_nodes`: the state of the nodes, their loads and the markers' reactions. The structure must be the one given to
@@ -31,7 +32,7 @@ impl Cloth {
         input: &StepInput,
         settings: &SolverSettings,
     ) -> Result<(), DeviceError> {
-        self.prepare(settings.history)?;
+        self.prepare(&state.structure, settings)?;
         self.constant_j = self.upload(state, input)?;
         Ok(())
     }
@@ -44,7 +45,7 @@ impl Cloth {
         settings: &SolverSettings,
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
-        let mut space = self.space(input, self.constant_j)?;
+        let mut space = self.space(input, self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
         let options = options(structure, settings);
@@ -105,17 +106,22 @@ impl Cloth {
         Ok(outcome)
     }
 
-    /// One trial from the start of a step along `direction` [m], `[node_count]`, as [`State::probe`] makes it on the CPU.
+    /// One trial from the start of a step along `direction` [m], `[node_count]`, as [`State::probe`] makes it on the CPU; of the settings
+    /// only the initial Hessian counts.
     pub fn probe(
         &mut self,
         state: &State,
-        input: &StepInput,
+        (input, settings): (&StepInput, &SolverSettings),
         direction: &[DVec3],
         [length, step_limit_m]: [f64; 2],
     ) -> Result<Probe, DeviceError> {
-        self.prepare(1)?;
+        let settings = SolverSettings {
+            history: 1,
+            ..*settings
+        };
+        self.prepare(&state.structure, &settings)?;
         let constant_j = self.upload(state, input)?;
-        let mut space = self.space(input, constant_j)?;
+        let mut space = self.space(input, constant_j, settings.initial_hessian)?;
         let point = space.point()?;
         self.place_at_prediction(&point)?;
         let mut landed = space.point()?;
@@ -165,7 +171,12 @@ impl Cloth {
     }
 
     /// The objective of a step whose state was uploaded.
-    fn space(&self, input: &StepInput, constant_j: f64) -> Result<Space<'_>, DeviceError> {
+    fn space(
+        &self,
+        input: &StepInput,
+        constant_j: f64,
+        kind: InitialHessian,
+    ) -> Result<Space<'_>, DeviceError> {
         let mut stage = ClothStage {
             stiffness_floor: FREE_NODE_STIFFNESS as f32,
             ..ClothStage::default()
@@ -175,13 +186,24 @@ impl Cloth {
             stage.rate = (1.0 / dt) as f32;
             stage.time_step = dt as f32;
         }
-        Ok(Space::new(
+        let workspace = self.workspace()?;
+        let mut space = Space::new(
             &self.device,
-            self.workspace()?,
+            workspace,
             self.buffer("stage")?,
             stage,
             constant_j,
-        ))
+        );
+        if let (InitialHessian::Multigrid, Some(whole)) = (kind, &self.multigrid) {
+            let mut buffers = self.named_buffers();
+            buffers.push(("vectors", &workspace.vectors));
+            space.multigrid = Some(MultigridHessian {
+                multigrid: &whole.multigrid,
+                stiffness: &whole.stiffness,
+                gradient: whole.gradient.bind(&self.device, &buffers)?,
+            });
+        }
+        Ok(space)
     }
 
     /// Uploads the prediction, the loads and the markers; returns the part of the objective that stays constant [J].
