@@ -9,6 +9,9 @@
 @group(0) @binding(22) var<storage, read> block_first: array<u32>;
 @group(0) @binding(23) var<storage, read> block_terms: array<u32>;
 
+// Blocks that the kind touches.
+override TOUCHED: u32 = 0u;
+
 struct Term {
     element: u32,
     row: u32,
@@ -130,7 +133,7 @@ fn triangle_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var row0 = vec3<f32>(0.0);
@@ -171,7 +174,7 @@ fn spring_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = isotropic(0.0);
@@ -199,7 +202,7 @@ fn bending_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = 0.0;
@@ -218,7 +221,7 @@ fn cable_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = isotropic(0.0);
@@ -244,7 +247,7 @@ fn guide_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = vec3<f32>(0.0);
@@ -262,7 +265,7 @@ fn marker_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = 0.0;
@@ -282,7 +285,7 @@ fn node_matrix(
     @builtin(local_invocation_index) local: u32,
 ) {
     let thread = thread_index(group, groups, local);
-    if thread >= arrayLength(&block_places) {
+    if thread >= TOUCHED {
         return;
     }
     var sum = 0.0;

@@ -84,8 +84,9 @@ impl Stiffness {
         buffers: &[(&str, &wgpu::Buffer)],
         (matrix, pattern, sliced): (&wgpu::Buffer, &Pattern, &Sliced),
     ) -> Result<Self, DeviceError> {
-        let bound = |entry: &str, more: &[(&str, &wgpu::Buffer)]| {
-            let [pipeline] = device.pipelines(&shaders::STIFFNESS, [entry], constants)?;
+        let bound = |entry: &str, touched: usize, more: &[(&str, &wgpu::Buffer)]| {
+            let constants = [constants, &[("TOUCHED", touched as f64)]].concat();
+            let [pipeline] = device.pipelines(&shaders::STIFFNESS, [entry], &constants)?;
             device.bind(&pipeline, &[buffers, more].concat())
         };
         let into_matrix = |entry: &str, terms: &Terms| {
@@ -101,8 +102,9 @@ impl Stiffness {
                 ("block_first", &first),
                 ("block_terms", &list),
             ];
-            let groups = device.workgroups(terms.places.len() as u64);
-            Ok(Some((bound(entry, &more)?, groups)))
+            let touched = terms.places.len();
+            let groups = device.workgroups(touched as u64);
+            Ok(Some((bound(entry, touched, &more)?, groups)))
         };
         let mut dispatches = Vec::new();
         for kind in kinds {
@@ -114,7 +116,7 @@ impl Stiffness {
             }
             if kind.name == "triangle" {
                 let groups = device.workgroups(kind.count as u64);
-                dispatches.push((bound("triangle_stiffness", &[])?, groups));
+                dispatches.push((bound("triangle_stiffness", 0, &[])?, groups));
             }
             let terms = Terms::new(
                 kind.count,
