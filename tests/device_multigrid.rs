@@ -166,10 +166,6 @@ fn equilibrium(device: &Arc<Device>) {
             .unwrap();
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
-        println!(
-            "{model:?} cpu {a:?}\ngpu {b:?}\n{error:e} of {moved:e}, {:?}",
-            on_device.multigrid_traffic()
-        );
         assert_eq!(a.stop, Stop::Converged, "{model:?} {a:?}");
         assert_eq!(b.stop, Stop::Converged, "{model:?} {b:?}");
         assert!(error < tolerance::EQUILIBRIUM, "{model:?} {error:e}");

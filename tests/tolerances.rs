@@ -135,8 +135,9 @@ pub mod device_cloth {
     /// H₀ times the gradient, and dot products: blocks that are a thousand times softer across the sheet lose digits when they are
     /// inverted (1.8e-5 for fabric, 4e-7 otherwise).
     pub const INITIAL_HESSIAN: f64 = 1e-4;
-    /// One multigrid cycle on the same matrix, over its largest result: sums in another order, on several levels.
-    pub const CYCLE: f64 = 1e-4;
+    /// One multigrid cycle on the same matrix, over its largest result: sums in another order, on several levels
+    /// (9e-7).
+    pub const CYCLE: f64 = 1e-5;
     /// H₀ times the gradient and dot products with multigrid: both engines store the matrix in `f32`, the device assembles it so too
     /// (3.9e-5 for fabric, 2e-5 for springs that nothing holds).
     pub const MULTIGRID: f64 = 2e-4;

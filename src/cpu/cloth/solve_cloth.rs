@@ -35,7 +35,7 @@ pub struct SolverSettings {
     pub history: usize,
     /// Iterations between refreshes of the initial Hessian within one solve.
     pub refresh_every: Option<usize>,
-    /// Kind of the initial Hessian on the host.
+    /// Kind of the initial Hessian.
     pub initial_hessian: InitialHessian,
 }
 
