@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use ripstop::cloth::Structure;
-use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use serde_json::json;
@@ -28,6 +28,9 @@ const FABRIC: Fabric = Fabric {
     poisson_ratio: 1.0 / 3.0,
     shear_modulus_pa: 4.3e8 / (2.0 * (1.0 + 1.0 / 3.0)),
     residual_stiffness: 1.0,
+    cubic_shear_compliance_1_pa3: None,
+    initial_strain: [0.0; 2],
+    yield_stress_pa: None,
 };
 
 /// A sheet of `side` × `side` cells.
@@ -101,7 +104,7 @@ fn main() {
                 let mut cloth = Cloth::new(structure(side, model, residual));
                 let input = StepInput {
                     time_step_s,
-                    pressure_pa: 50.0,
+                    pressure: Pressure::Uniform(50.0),
                     ..StepInput::default()
                 };
                 let settings = SolverSettings {

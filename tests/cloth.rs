@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use libtest_mimic::Trial;
 use ripstop::cloth::{Guide, Structure, Triangle};
 use ripstop::cpu::cloth::gather::Gather;
-use ripstop::cpu::cloth::nodal_forces::{Pulls, cable_tension_n, elastic_gradient};
+use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
 use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::fabric::membrane::Membrane;
@@ -67,6 +67,9 @@ fn fabric(residual_stiffness: f64) -> Fabric {
         poisson_ratio: 0.2,
         shear_modulus_pa: 3e6,
         residual_stiffness,
+        cubic_shear_compliance_1_pa3: None,
+        initial_strain: [0.0; 2],
+        yield_stress_pa: None,
     }
 }
 
@@ -103,11 +106,7 @@ fn gradient() {
             ..fabric(1e-2)
         };
         let mut structure = square(4, model, &fabric);
-        let rope = Cable {
-            area_m2: 1e-6,
-            density_kg_m3: 1000.0,
-            youngs_modulus_pa: 1e9,
-        };
+        let rope = Cable::linear(1e-6, 1000.0, 1e9);
         structure.add_cable(
             &[0, 6, 12],
             &[0.3, 0.35],
@@ -238,11 +237,7 @@ fn patch_test() {
 }
 
 fn hanging_cable() {
-    let rope = Cable {
-        area_m2: 1e-4,
-        density_kg_m3: 1000.0,
-        youngs_modulus_pa: 1e8,
-    };
+    let rope = Cable::linear(1e-4, 1000.0, 1e8);
     let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
     let mut cloth = Cloth::new(cable::build(ends, 1.2, 100, &rope));
     let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
@@ -265,7 +260,7 @@ fn hanging_cable() {
         .map(|p| p.z)
         .fold(f64::INFINITY, f64::min);
     assert!(((1.0 - lowest) / exact.sag_m - 1.0).abs() < tolerances::CATENARY);
-    let tension = |k: usize| cable_tension_n(&cloth.structure.cables[k], &cloth.positions_m);
+    let tension = |k: usize| cloth.cable_tension_n(k);
     // The two middle segments are nearly level.
     let [a, b] = cloth.structure.cables[50]
         .nodes

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use libtest_mimic::Trial;
-use ripstop::cloth::{CableSegment, Guide, Structure};
+use ripstop::cloth::{Guide, Structure};
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
 use ripstop::cpu::cloth::{
-    Cloth, InitialHessian, MarkerReaction, Probe, SolverSettings, StepInput,
+    Cloth, InitialHessian, MarkerReaction, Pressure, Probe, SolverSettings, StepInput,
 };
 use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
@@ -68,6 +68,9 @@ pub fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Fabric {
         poisson_ratio: 0.2,
         shear_modulus_pa,
         residual_stiffness,
+        cubic_shear_compliance_1_pa3: None,
+        initial_strain: [0.0; 2],
+        yield_stress_pa: None,
     }
 }
 
@@ -210,11 +213,7 @@ fn probes(
 
 /// Membrane, springs, bending, cables (taut and slack), guides, markers, inertia, damping and loads: each alone, then together.
 fn every_kind_of_element(device: &Arc<Device>) {
-    let rope = Cable {
-        area_m2: 1e-6,
-        density_kg_m3: 1000.0,
-        youngs_modulus_pa: 1e9,
-    };
+    let rope = Cable::linear(1e-6, 1000.0, 1e9);
     type Change = fn(&mut Structure);
     let network: Change = |s| s.bendings.clear();
     let bending: Change = |s| s.springs.clear();
@@ -278,9 +277,13 @@ fn every_kind_of_element(device: &Arc<Device>) {
             let input = StepInput {
                 time_step_s,
                 gravity_m_s2: DVec3::new(1.0, 2.0, -9.81),
-                pressure_pa: 30.0,
+                pressure: match time_step_s {
+                    Some(_) => Pressure::Uniform(30.0),
+                    None => Pressure::None,
+                },
                 damping_1_s: 2.0,
                 markers: &markers,
+                moved_supports: &[],
             };
             let direction = scattered(count, 0.01, 9);
             for (kind, of_steps) in [
@@ -375,8 +378,7 @@ fn force_noise(device: &Arc<Device>) {
         warp_modulus_pa: 4.31e8,
         weft_modulus_pa: 4.31e8,
         poisson_ratio: 0.14,
-        shear_modulus_pa: 1e7,
-        residual_stiffness: 1e-3,
+        ..fabric(1e7, 1e-3)
     };
     let (divisions, spacing_m, pressure_pa) = (48, 0.01, 50.0);
     let load_n = pressure_pa * spacing_m * spacing_m;
@@ -517,7 +519,7 @@ fn sheet_in_motion(device: &Arc<Device>) {
         let input = StepInput {
             time_step_s: Some(2e-3),
             gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
-            pressure_pa: 2.0,
+            pressure: Pressure::Uniform(2.0),
             ..StepInput::default()
         };
         let settings = SolverSettings {
@@ -567,11 +569,7 @@ fn equilibrium(
 
 /// The gate of the CPU engine, C2, at the same tolerance of the gate.
 fn hanging_cable(device: &Arc<Device>) {
-    let rope = Cable {
-        area_m2: 1e-4,
-        density_kg_m3: 1000.0,
-        youngs_modulus_pa: 1e8,
-    };
+    let rope = Cable::linear(1e-4, 1000.0, 1e8);
     let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
     // 2⁻²⁴ √(EA/T), with T the tension, is what forces in single precision can reach: 8e-6 here.
     let settings = SolverSettings {
@@ -588,10 +586,10 @@ fn hanging_cable(device: &Arc<Device>) {
         .fold(f64::INFINITY, f64::min);
     let sag = (1.0 - lowest) / exact.sag_m - 1.0;
     let tension = |k: usize| {
-        let cable: &CableSegment = &cloth.structure.cables[k];
-        let [a, b] = cable.nodes.map(|n| cloth.positions_m[n as usize]);
-        (b - a).normalize()
-            * ripstop::cpu::cloth::nodal_forces::cable_tension_n(cable, &cloth.positions_m)
+        let [a, b] = cloth.structure.cables[k]
+            .nodes
+            .map(|n| cloth.positions_m[n as usize]);
+        (b - a).normalize() * cloth.cable_tension_n(k)
     };
     let horizontal = tension(50).x / exact.horizontal_tension_n - 1.0;
     let end = tension(0) - DVec3::Z * (0.5 * 0.1 * 9.81 * 0.012);

@@ -220,11 +220,14 @@ pub struct Fabric {
     pub weft_youngs_modulus_pa: Option<f64>,
     pub poisson_ratio: f64,
     pub shear_modulus_pa: Option<f64>,
+    pub cubic_shear_compliance_1_pa3: Option<f64>,
     pub residual_stiffness: Option<f64>,
+    pub initial_strain: Option<[f64; 2]>,
+    pub yield_stress_pa: Option<f64>,
 }
 
 /// A cable material.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(
     missing_docs,
@@ -233,7 +236,10 @@ pub struct Fabric {
 pub struct CableMaterial {
     pub area_m2: f64,
     pub density_kg_m3: f64,
-    pub youngs_modulus_pa: f64,
+    /// Or a table.
+    pub youngs_modulus_pa: Option<f64>,
+    pub force_strain: Option<Vec<[f64; 2]>>,
+    pub damping_n_s: Option<f64>,
 }
 
 /// `[lines]`.
@@ -246,9 +252,14 @@ pub struct CableMaterial {
 pub struct Lines {
     pub count: usize,
     pub length_m: f64,
+    /// Length beyond that, or less.
+    pub slack_m: Option<f64>,
     pub area_m2: f64,
     pub density_kg_m3: f64,
-    pub youngs_modulus_pa: f64,
+    /// Or a table.
+    pub youngs_modulus_pa: Option<f64>,
+    pub force_strain: Option<Vec<[f64; 2]>>,
+    pub damping_n_s: Option<f64>,
 }
 
 /// `[gravity]`.

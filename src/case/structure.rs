@@ -7,14 +7,13 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use crate::cloth::{Structure, Triangle};
 use crate::fabric::Fabric;
-use crate::fabric::membrane::Membrane;
 use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
-use crate::geometry::{cable, sheet};
-use crate::lines::Cable;
+use crate::geometry::{cable, fabric_surface, sheet};
+use crate::rigid::Surface;
+use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
@@ -78,24 +77,81 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
             "fabric.shear_modulus_pa",
             written.shear_modulus_pa.unwrap_or(isotropic),
         )?,
+        cubic_shear_compliance_1_pa3: written
+            .cubic_shear_compliance_1_pa3
+            .map(|cubic| positive("fabric.cubic_shear_compliance_1_pa3", cubic))
+            .transpose()?,
         residual_stiffness: within(
             "fabric.residual_stiffness",
             written.residual_stiffness.unwrap_or(1e-3),
             0.0,
             1.0,
         )?,
+        initial_strain: check_initial_strain(written.initial_strain)?,
+        yield_stress_pa: written
+            .yield_stress_pa
+            .map(|stress| positive("fabric.yield_stress_pa", stress))
+            .transpose()?,
     })
 }
 
+/// Strains at which the initial state of fabric may lie: far beyond what any fabric bears.
+const INITIAL_STRAIN: [f64; 2] = [-0.5, 0.5];
+
+fn check_initial_strain(written: Option<[f64; 2]>) -> Result<[f64; 2], Problem> {
+    let strain = written.unwrap_or_default();
+    let [least, most] = INITIAL_STRAIN;
+    for value in strain {
+        within("fabric.initial_strain", value, least, most)?;
+    }
+    Ok(strain)
+}
+
 fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Problem> {
+    let key = |name: &str| format!("{key}.{name}");
+    let area_m2 = positive(&key("area_m2"), material.area_m2)?;
+    let law = match (material.youngs_modulus_pa, &material.force_strain) {
+        (Some(modulus), None) => CableLaw::Linear {
+            axial_stiffness_n: area_m2 * positive(&key("youngs_modulus_pa"), modulus)?,
+        },
+        (None, Some(points)) => {
+            let table = ForceStrainTable::new(points.clone()).map_err(|why| {
+                Problem::new(
+                    key("force_strain"),
+                    format!("{} is no force–strain curve: {why}", key("force_strain")),
+                    "give points [strain, force in N] that rise, such as [[0.01, 100.0], [0.03, 500.0]]",
+                )
+            })?;
+            CableLaw::Table(table)
+        }
+        _ => {
+            return Err(Problem::new(
+                key("youngs_modulus_pa"),
+                format!(
+                    "needs exactly one of {} and {}",
+                    key("youngs_modulus_pa"),
+                    key("force_strain")
+                ),
+                "keep the modulus of a linear cable, or the table of a tensile test",
+            ));
+        }
+    };
+    let damping_n_s = material.damping_n_s.unwrap_or(0.0);
+    if damping_n_s != 0.0 {
+        positive(&key("damping_n_s"), damping_n_s)?;
+    }
     Ok(Cable {
-        area_m2: positive(&format!("{key}.area_m2"), material.area_m2)?,
-        density_kg_m3: positive(&format!("{key}.density_kg_m3"), material.density_kg_m3)?,
-        youngs_modulus_pa: positive(
-            &format!("{key}.youngs_modulus_pa"),
-            material.youngs_modulus_pa,
-        )?,
+        area_m2,
+        density_kg_m3: positive(&key("density_kg_m3"), material.density_kg_m3)?,
+        law,
+        damping_n_s,
     })
+}
+
+/// Length that lines have beyond the one drawn \[m\]; negative for lines that are tight.
+fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
+    let slack_m = lines.slack_m.unwrap_or(0.0);
+    within("lines.slack_m", slack_m, -0.1 * lines.length_m, lines.length_m)
 }
 
 fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {
@@ -140,6 +196,8 @@ fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Probl
         area_m2: lines.area_m2,
         density_kg_m3: lines.density_kg_m3,
         youngs_modulus_pa: lines.youngs_modulus_pa,
+        force_strain: lines.force_strain.clone(),
+        damping_n_s: lines.damping_n_s,
     };
     let folded_diameter_ratio = within(
         &key("folding.folded_diameter_ratio"),
@@ -167,6 +225,7 @@ fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Probl
             .transpose()?,
         lines: check_material("lines", &line_material)?,
         line_length_m: positive("lines.length_m", lines.length_m)?,
+        line_slack_m: check_line_slack(lines)?,
         confluence_m: vector(&key("confluence_m"), written.confluence_m)?,
         folded_diameter_ratio,
         apex_guide_n_m: written
@@ -314,42 +373,29 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
         )
     })?;
     let node_count = mesh.positions_m.len();
-    let mut structure = Structure {
+    let surface = Surface {
         positions_m: mesh.positions_m,
-        masses_kg: vec![0.0; node_count],
-        held: vec![false; node_count],
-        membrane: Some(Membrane::new(
-            fabric.stiffness_n_m(),
-            fabric.residual_stiffness,
-        )),
-        thickness_m: fabric.thickness_m,
-        ..Structure::default()
+        triangles: mesh.triangles,
     };
-    for (index, nodes) in mesh.triangles.iter().enumerate() {
-        let corners = nodes.map(|n| structure.positions_m[n as usize]);
-        let triangle = Triangle::from_rest_positions(*nodes, corners, DVec3::X).ok_or_else(|| {
-            Problem::new(
-                format!("{KEY}.file"),
-                format!(
-                    "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
-                    index + 1,
-                    path.display(),
-                    nodes[0] + 1,
-                    nodes[1] + 1,
-                    nodes[2] + 1,
-                    corners[0],
-                    corners[1],
-                    corners[2]
-                ),
-                "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
-            )
-        })?;
-        for node in nodes {
-            structure.masses_kg[*node as usize] +=
-                fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
-        }
-        structure.triangles.push(triangle);
-    }
+    let mut structure = fabric_surface::build(&surface, DVec3::X, &fabric).map_err(|index| {
+        let nodes = surface.triangles[index];
+        let corners = surface.corners(nodes);
+        Problem::new(
+            format!("{KEY}.file"),
+            format!(
+                "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
+                index + 1,
+                path.display(),
+                nodes[0] + 1,
+                nodes[1] + 1,
+                nodes[2] + 1,
+                corners[0],
+                corners[1],
+                corners[2]
+            ),
+            "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
+        )
+    })?;
     for &node in &written.held_nodes {
         let Some(held) = (node as usize)
             .checked_sub(1)
@@ -363,9 +409,8 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
         };
         *held = true;
     }
-    let triangles = mesh.triangles;
     Ok(Body {
-        quality: quality::measure(&structure.positions_m, &triangles),
+        quality: quality::measure(&structure.positions_m, &surface.triangles),
         kind: BodyKind::Mesh,
         structure,
     })

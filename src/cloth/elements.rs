@@ -53,6 +53,18 @@ impl Triangle {
     /// Triangle whose rest shape is flat in space, with the warp along the projection of `warp`.
     #[must_use]
     pub fn from_rest_positions(nodes: [u32; 3], rest_m: [DVec3; 3], warp: DVec3) -> Option<Self> {
+        Self::laid_out(nodes, rest_m, warp, [0.0; 2])
+    }
+
+    /// Triangle that is stretched along warp and weft by `initial_strain` where it is laid out.
+    #[must_use]
+    pub fn laid_out(
+        nodes: [u32; 3],
+        rest_m: [DVec3; 3],
+        warp: DVec3,
+        initial_strain: [f64; 2],
+    ) -> Option<Self> {
+        let shrink = DVec2::ONE / (DVec2::ONE + DVec2::from_array(initial_strain));
         let normal = (rest_m[1] - rest_m[0])
             .cross(rest_m[2] - rest_m[0])
             .try_normalize()?;
@@ -62,7 +74,7 @@ impl Triangle {
         let y = normal.cross(x);
         Self::new(
             nodes,
-            rest_m.map(|p| DVec2::new((p - rest_m[0]).dot(x), (p - rest_m[0]).dot(y))),
+            rest_m.map(|p| shrink * DVec2::new((p - rest_m[0]).dot(x), (p - rest_m[0]).dot(y))),
         )
     }
 
@@ -106,13 +118,29 @@ pub struct Spring {
     pub compressive_stiffness_n_m: f64,
 }
 
-/// Quadratic bending ½ k |x₋ − 2x + x₊|².
+/// Quadratic bending ½ k |Σ c_i x_i|² over some nodes, flat at rest.
+///
+/// Coefficients sum to zero, and so do their first moments over the rest shape: rigid and in-plane motion cost nothing.
 #[derive(Debug, Clone, Copy)]
-pub struct Bending {
-    /// x₋, x, x₊.
-    pub nodes: [u32; 3],
+pub struct Bending<const NODES: usize> {
+    /// Nodes; the last ones repeat where fewer are needed.
+    pub nodes: [u32; NODES],
+    /// c_i
+    pub coefficients: [f64; NODES],
     /// Stiffness [N/m].
     pub stiffness_n_m: f64,
+}
+
+impl Bending<3> {
+    /// ½ k |x₋ − 2x + x₊|² along a row of nodes.
+    #[must_use]
+    pub const fn second_difference(nodes: [u32; 3], stiffness_n_m: f64) -> Self {
+        Self {
+            nodes,
+            coefficients: [1.0, -2.0, 1.0],
+            stiffness_n_m,
+        }
+    }
 }
 
 /// A straight piece of a cable.
@@ -122,8 +150,10 @@ pub struct CableSegment {
     pub nodes: [u32; 2],
     /// Rest length [m].
     pub rest_length_m: f64,
-    /// Axial stiffness EA [N].
-    pub axial_stiffness_n: f64,
+    /// What it carries at which strain; a number of [`crate::cloth::Structure::cable_laws`].
+    pub law: u32,
+    /// Axial damping c of F = f(ε) + c dε/dt while taut [N s].
+    pub damping_n_s: f64,
     /// What it is for.
     pub kind: CableKind,
 }
@@ -151,6 +181,17 @@ mod tests {
         ];
         for k in 0..3 {
             assert!((strain[k] - expected[k]).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn initial_strain_shrinks_the_rest_shape() {
+        let places = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let triangle = Triangle::laid_out([0, 1, 2], places, DVec3::X, [0.02, 0.01]).unwrap();
+        let strain = triangle.strain(&triangle.edge_vectors(&places));
+        let green = |stretch: f64| 0.5 * (stretch * stretch - 1.0);
+        for (found, expected) in strain.iter().zip([green(1.02), green(1.01), 0.0]) {
+            assert!((found - expected).abs() < 1e-14);
         }
     }
 

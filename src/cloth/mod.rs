@@ -2,7 +2,9 @@
 //!
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
+pub mod curvature;
 pub mod elements;
+pub mod faults;
 
 use glam::DVec3;
 
@@ -10,6 +12,7 @@ pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
+use crate::lines::{CableLaw, CableState};
 use crate::immersed::markers::Extent;
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
@@ -38,12 +41,18 @@ pub struct Structure {
     pub membrane: Option<Membrane>,
     /// Fabric thickness [m], to turn tensions into stresses.
     pub thickness_m: f64,
+    /// Von Mises stress from which fabric is flagged as yielding [Pa]; `None`: never.
+    pub yield_stress_pa: Option<f64>,
     /// Springs of a network.
     pub springs: Vec<Spring>,
     /// Second-difference bending terms of a network.
-    pub bendings: Vec<Bending>,
+    pub bendings: Vec<Bending<3>>,
+    /// Curvatures of membrane triangles with bending stiffness.
+    pub curvatures: Vec<Bending<6>>,
     /// Cable segments.
     pub cables: Vec<CableSegment>,
+    /// Laws of the cables, by the numbers that segments hold.
+    pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
 }
@@ -63,6 +72,11 @@ impl Structure {
         cable: &crate::lines::Cable,
         kind: CableKind,
     ) {
+        let known = self.cable_laws.iter().position(|law| *law == cable.law);
+        let law = known.unwrap_or_else(|| {
+            self.cable_laws.push(cable.law.clone());
+            self.cable_laws.len() - 1
+        }) as u32;
         for (pair, &rest_length_m) in nodes.windows(2).zip(rest_lengths_m) {
             let half = 0.5 * cable.mass_per_length_kg_m() * rest_length_m;
             for &node in pair {
@@ -71,9 +85,34 @@ impl Structure {
             self.cables.push(CableSegment {
                 nodes: [pair[0], pair[1]],
                 rest_length_m,
-                axial_stiffness_n: cable.axial_stiffness_n(),
+                law,
+                damping_n_s: cable.damping_n_s,
                 kind,
             });
+        }
+    }
+
+    /// State of a cable segment at a length [m], without its damping.
+    #[must_use]
+    pub fn cable_state(&self, cable: &CableSegment, length_m: f64) -> CableState {
+        self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
+    }
+
+    /// What only the CPU can compute, if the structure has any of it.
+    #[must_use]
+    pub fn needs_host(&self) -> Option<&'static str> {
+        let law = |cable: &CableSegment| &self.cable_laws[cable.law as usize];
+        let is_table = |cable| matches!(law(cable), CableLaw::Table(_));
+        if self.membrane.is_some_and(|m| m.shear().is_some()) {
+            Some("nonlinear shear of the fabric")
+        } else if !self.curvatures.is_empty() {
+            Some("bending of membranes")
+        } else if self.cables.iter().any(is_table) {
+            Some("force–strain tables of cables")
+        } else if self.cables.iter().any(|cable| cable.damping_n_s > 0.0) {
+            Some("damping of cables")
+        } else {
+            None
         }
     }
 

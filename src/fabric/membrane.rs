@@ -8,12 +8,18 @@
 //!   for orthotropic ones it is searched in one variable, because the isotropic test is wrong for G ≪ E.
 //!
 //! A share `residual` of W itself is kept: W_total = (1 − r) W_relaxed + r W.
+//!
+//! With a nonlinear shear law ([`super::shear`]) the relaxed state is that of the linear sheet whose shear stiffness is the secant at
+//! the relaxed strain: both meet the same conditions (no compression, P only where there is no tension). The secant is iterated.
+//!
 //! Strains are Green's, in Voigt form (xx, yy, 2·xy); tensions are second Piola–Kirchhoff times thickness [N/m].
 
 /// How a piece of fabric carries its load.
 pub use crate::frame::FabricState;
 
 use std::f64::consts::PI;
+
+use super::shear::CubicShear;
 
 /// Symmetric 3×3 matrix in Voigt space.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -24,6 +30,21 @@ pub struct Membrane {
     stiffness: Matrix3,
     residual: f64,
     isotropic: bool,
+    shear: Option<CubicShear>,
+}
+
+/// Iterations of the secant shear stiffness; about ten reach the tolerance, since it changes little with the wrinkles' share.
+const SECANT_LIMIT: usize = 60;
+
+/// Relative change of the secant at which it counts as found.
+const SECANT_TOLERANCE: f64 = 1e-13;
+
+/// A strain without its wrinkles.
+struct Relaxed {
+    strain: [f64; 3],
+    state: FabricState,
+    /// See [`Response::across`].
+    across: [f64; 3],
 }
 
 /// Response to a strain.
@@ -79,7 +100,22 @@ impl Membrane {
             stiffness,
             residual,
             isotropic,
+            shear: None,
         }
+    }
+
+    /// The same sheet with a nonlinear shear law.
+    #[must_use]
+    pub const fn with_shear(mut self, shear: CubicShear) -> Self {
+        self.isotropic = false;
+        self.shear = Some(shear);
+        self
+    }
+
+    /// Nonlinear shear law, if there is one.
+    #[must_use]
+    pub const fn shear(&self) -> Option<&CubicShear> {
+        self.shear.as_ref()
     }
 
     /// Stiffness of the taut sheet [N/m].
@@ -103,23 +139,73 @@ impl Membrane {
     /// Energy, tension and state at a strain (xx, yy, 2·xy).
     #[must_use]
     pub fn respond(&self, strain: &[f64; 3]) -> Response {
-        let tension = times(&self.stiffness, strain);
-        let energy = 0.5 * dot(strain, &tension);
-        let [_, smaller_tension] = principal(tension[0], tension[1], tension[2]);
-        if smaller_tension >= 0.0 {
+        let relaxed = self.relax(strain);
+        let (energy, tension) = self.energy_and_tension(strain);
+        if relaxed.state == FabricState::Taut {
             return Response {
                 energy,
                 tension,
+                state: relaxed.state,
+                across: relaxed.across,
+            };
+        }
+        let (relaxed_energy, relaxed_tension) = self.energy_and_tension(&relaxed.strain);
+        let residual = self.residual;
+        Response {
+            energy: (1.0 - residual) * relaxed_energy + residual * energy,
+            tension: std::array::from_fn(|k| {
+                (1.0 - residual) * relaxed_tension[k] + residual * tension[k]
+            }),
+            state: relaxed.state,
+            across: relaxed.across,
+        }
+    }
+
+    /// Energy per rest area and tension of the sheet as it is, without wrinkles.
+    fn energy_and_tension(&self, strain: &[f64; 3]) -> (f64, [f64; 3]) {
+        let mut tension = times(&self.stiffness, strain);
+        let Some(shear) = &self.shear else {
+            return (0.5 * dot(strain, &tension), tension);
+        };
+        tension[2] = shear.tension_n_m(strain[2]);
+        let normal = 0.5 * (strain[0] * tension[0] + strain[1] * tension[1]);
+        (normal + shear.energy_j_m2(tension[2]), tension)
+    }
+
+    fn relax(&self, strain: &[f64; 3]) -> Relaxed {
+        let Some(shear) = &self.shear else {
+            return self.relax_linear(&self.stiffness, strain);
+        };
+        let mut stiffness = self.stiffness;
+        stiffness[2][2] = shear.secant_n_m(strain[2]);
+        let mut relaxed = self.relax_linear(&stiffness, strain);
+        for _ in 0..SECANT_LIMIT {
+            let secant = shear.secant_n_m(relaxed.strain[2]);
+            let change = (secant - stiffness[2][2]).abs();
+            if relaxed.state == FabricState::Slack || change <= SECANT_TOLERANCE * secant {
+                break;
+            }
+            stiffness[2][2] = secant;
+            relaxed = self.relax_linear(&stiffness, strain);
+        }
+        relaxed
+    }
+
+    /// The strain with its wrinkles taken out, for a linear sheet.
+    fn relax_linear(&self, stiffness: &Matrix3, strain: &[f64; 3]) -> Relaxed {
+        let tension = times(stiffness, strain);
+        let [_, smaller_tension] = principal(tension[0], tension[1], tension[2]);
+        if smaller_tension >= 0.0 {
+            return Relaxed {
+                strain: *strain,
                 state: FabricState::Taut,
                 across: [0.0; 3],
             };
         }
-        let residual = self.residual;
         let [larger_strain, _] = principal(strain[0], strain[1], 0.5 * strain[2]);
         if larger_strain <= 0.0 {
-            return Response {
-                energy: residual * energy,
-                tension: tension.map(|t| residual * t),
+            return Relaxed {
+                strain: [0.0; 3],
                 state: FabricState::Slack,
                 across: [0.0; 3],
             };
@@ -128,98 +214,15 @@ impl Membrane {
         let n = if self.isotropic {
             guess
         } else {
-            self.wrinkle_direction(&tension, &guess)
+            wrinkle_direction(stiffness, &tension, &guess)
         };
-        let stiffness_across = dot(&n, &times(&self.stiffness, &n));
+        let stiffness_across = dot(&n, &times(stiffness, &n));
         let excess = (-dot(&n, &tension) / stiffness_across).max(0.0);
-        let relaxed_strain = [
-            strain[0] + excess * n[0],
-            strain[1] + excess * n[1],
-            strain[2] + excess * n[2],
-        ];
-        let relaxed = times(&self.stiffness, &relaxed_strain);
-        let relaxed_energy = 0.5 * dot(&relaxed_strain, &relaxed);
-        Response {
-            energy: (1.0 - residual) * relaxed_energy + residual * energy,
-            tension: std::array::from_fn(|k| (1.0 - residual) * relaxed[k] + residual * tension[k]),
+        Relaxed {
+            strain: std::array::from_fn(|k| strain[k] + excess * n[k]),
             state: FabricState::Wrinkled,
             across: n,
         }
-    }
-
-    /// n⊗n of the direction n that maximises the energy given up by wrinkling, ½ t²/q with t = n·σn < 0 and q = nn:C:nn.
-    ///
-    /// In the doubled angle φ, n⊗n = ½ (1 + cos φ, 1 − cos φ), 2 n_x n_y = sin φ, so both t and q are short trigonometric polynomials.
-    /// The best of `guess` and evenly spaced directions is refined by Newton's method on 2 t′q − t q′ = 0, kept inside its bracket.
-    fn wrinkle_direction(&self, tension: &[f64; 3], guess: &[f64; 3]) -> [f64; 3] {
-        // cos and sin of 30° steps.
-        const SQRT_3_2: f64 = 0.866_025_403_784_438_6;
-        const STEPS: [[f64; 2]; 12] = [
-            [1.0, 0.0],
-            [SQRT_3_2, 0.5],
-            [0.5, SQRT_3_2],
-            [0.0, 1.0],
-            [-0.5, SQRT_3_2],
-            [-SQRT_3_2, 0.5],
-            [-1.0, 0.0],
-            [-SQRT_3_2, -0.5],
-            [-0.5, -SQRT_3_2],
-            [0.0, -1.0],
-            [0.5, -SQRT_3_2],
-            [SQRT_3_2, -0.5],
-        ];
-        let dyad_of = |c: f64, s: f64| [0.5 * (1.0 + c), 0.5 * (1.0 - c), s];
-        let gain = |c: f64, s: f64| {
-            let n = dyad_of(c, s);
-            let across = dot(&n, tension).min(0.0);
-            across * across / dot(&n, &times(&self.stiffness, &n))
-        };
-        let (start_c, start_s) = (guess[0] - guess[1], guess[2]);
-        let mut best = ([start_c, start_s], gain(start_c, start_s));
-        for [c, s] in &STEPS[1..] {
-            // The guess turned by a multiple of 30°.
-            let turned = [start_c * c - start_s * s, start_s * c + start_c * s];
-            let value = gain(turned[0], turned[1]);
-            if value > best.1 {
-                best = (turned, value);
-            }
-        }
-        let centre = best.0[1].atan2(best.0[0]);
-        let (mut low, mut high) = (centre - PI / 6.0, centre + PI / 6.0);
-        let mut angle = centre;
-        for _ in 0..20 {
-            let (s, c) = angle.sin_cos();
-            let (n, n1, n2) = (
-                dyad_of(c, s),
-                [-0.5 * s, 0.5 * s, c],
-                [-0.5 * c, 0.5 * c, -s],
-            );
-            let (cn, cn1) = (times(&self.stiffness, &n), times(&self.stiffness, &n1));
-            let (t, t1, t2) = (dot(&n, tension), dot(&n1, tension), dot(&n2, tension));
-            let (q, q1) = (dot(&n, &cn), 2.0 * dot(&n1, &cn));
-            let q2 = 2.0 * (dot(&n1, &cn1) + dot(&n2, &cn));
-            // For t < 0 the gain rises while this is negative.
-            let slope = 2.0 * t1 * q - t * q1;
-            let curvature = 2.0 * t2 * q + t1 * q1 - t * q2;
-            if slope < 0.0 {
-                low = angle
-            } else {
-                high = angle
-            }
-            let newton = angle - slope / curvature;
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            let moved = (next - angle).abs();
-            angle = next;
-            if moved < 1e-12 {
-                break;
-            }
-        }
-        let (s, c) = angle.sin_cos();
-        dyad_of(c, s)
     }
 
     /// Positive semidefinite tangent stiffness [N/m] for preconditioning: the full stiffness where taut, the stiffness
@@ -229,6 +232,9 @@ impl Membrane {
         // At least a thousandth, so that the preconditioner stays regular for fabric without residual stiffness.
         let residual = self.residual.max(1e-3);
         let mut tangent = self.stiffness;
+        if let Some(shear) = &self.shear {
+            tangent[2][2] = shear.tangent_n_m(strain[2]);
+        }
         match response.state {
             FabricState::Taut => {}
             FabricState::Slack => tangent.iter_mut().flatten().for_each(|k| *k *= residual),
@@ -261,6 +267,81 @@ impl Membrane {
     }
 }
 
+/// n⊗n of the direction n that maximises the energy given up by wrinkling, ½ t²/q with t = n·σn < 0 and q = nn:C:nn.
+///
+/// In the doubled angle φ, n⊗n = ½ (1 + cos φ, 1 − cos φ), 2 n_x n_y = sin φ, so both t and q are short trigonometric polynomials.
+/// The best of `guess` and evenly spaced directions is refined by Newton's method on 2 t′q − t q′ = 0, kept inside its bracket.
+fn wrinkle_direction(stiffness: &Matrix3, tension: &[f64; 3], guess: &[f64; 3]) -> [f64; 3] {
+    // cos and sin of 30° steps.
+    const SQRT_3_2: f64 = 0.866_025_403_784_438_6;
+    const STEPS: [[f64; 2]; 12] = [
+        [1.0, 0.0],
+        [SQRT_3_2, 0.5],
+        [0.5, SQRT_3_2],
+        [0.0, 1.0],
+        [-0.5, SQRT_3_2],
+        [-SQRT_3_2, 0.5],
+        [-1.0, 0.0],
+        [-SQRT_3_2, -0.5],
+        [-0.5, -SQRT_3_2],
+        [0.0, -1.0],
+        [0.5, -SQRT_3_2],
+        [SQRT_3_2, -0.5],
+    ];
+    let dyad_of = |c: f64, s: f64| [0.5 * (1.0 + c), 0.5 * (1.0 - c), s];
+    let gain = |c: f64, s: f64| {
+        let n = dyad_of(c, s);
+        let across = dot(&n, tension).min(0.0);
+        across * across / dot(&n, &times(stiffness, &n))
+    };
+    let (start_c, start_s) = (guess[0] - guess[1], guess[2]);
+    let mut best = ([start_c, start_s], gain(start_c, start_s));
+    for [c, s] in &STEPS[1..] {
+        // The guess turned by a multiple of 30°.
+        let turned = [start_c * c - start_s * s, start_s * c + start_c * s];
+        let value = gain(turned[0], turned[1]);
+        if value > best.1 {
+            best = (turned, value);
+        }
+    }
+    let centre = best.0[1].atan2(best.0[0]);
+    let (mut low, mut high) = (centre - PI / 6.0, centre + PI / 6.0);
+    let mut angle = centre;
+    for _ in 0..20 {
+        let (s, c) = angle.sin_cos();
+        let (n, n1, n2) = (
+            dyad_of(c, s),
+            [-0.5 * s, 0.5 * s, c],
+            [-0.5 * c, 0.5 * c, -s],
+        );
+        let (cn, cn1) = (times(stiffness, &n), times(stiffness, &n1));
+        let (t, t1, t2) = (dot(&n, tension), dot(&n1, tension), dot(&n2, tension));
+        let (q, q1) = (dot(&n, &cn), 2.0 * dot(&n1, &cn));
+        let q2 = 2.0 * (dot(&n1, &cn1) + dot(&n2, &cn));
+        // For t < 0 the gain rises while this is negative.
+        let slope = 2.0 * t1 * q - t * q1;
+        let curvature = 2.0 * t2 * q + t1 * q1 - t * q2;
+        if slope < 0.0 {
+            low = angle
+        } else {
+            high = angle
+        }
+        let newton = angle - slope / curvature;
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        let moved = (next - angle).abs();
+        angle = next;
+        if moved < 1e-12 {
+            break;
+        }
+    }
+    let (s, c) = angle.sin_cos();
+    dyad_of(c, s)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -281,8 +362,21 @@ mod tests {
             poisson_ratio: 0.14,
             shear_modulus_pa,
             residual_stiffness,
+            cubic_shear_compliance_1_pa3: None,
+            initial_strain: [0.0; 2],
+            yield_stress_pa: None,
         };
         Membrane::new(fabric.stiffness_n_m(), residual_stiffness)
+    }
+
+    /// Shear that softens: half as stiff at a few per cent.
+    fn cubic(shear_modulus_pa: f64, residual_stiffness: f64) -> Membrane {
+        let compliance_m_n = 1.0 / (1e-4 * shear_modulus_pa);
+        fabric(shear_modulus_pa, residual_stiffness).with_shear(CubicShear {
+            compliance_m_n,
+            // As much again at 100 N/m.
+            cubic_m3_n3: 1e-4 * compliance_m_n,
+        })
     }
 
     fn isotropic_shear() -> f64 {
@@ -300,7 +394,7 @@ mod tests {
                 for j in 0..=20 {
                     let (a, b) = (f64::from(i) * 1e-3, f64::from(j) * 1e-3);
                     let e: [f64; 3] = std::array::from_fn(|q| strain[q] + a * n[q] + b * m[q]);
-                    best = best.min(0.5 * dot(&e, &times(&law.stiffness, &e)));
+                    best = best.min(law.energy_and_tension(&e).0);
                 }
             }
         }
@@ -316,8 +410,13 @@ mod tests {
             [-0.01, -0.02, 0.002],
             [0.002, -0.001, 0.03],
         ];
-        for shear in [isotropic_shear(), 3e6, 5e7] {
-            let law = fabric(shear, 0.0);
+        let laws = [
+            fabric(isotropic_shear(), 0.0),
+            fabric(3e6, 0.0),
+            fabric(5e7, 0.0),
+            cubic(5e7, 0.0),
+        ];
+        for law in laws {
             for strain in strains {
                 let response = law.respond(&strain);
                 let expected = brute_force(&law, &strain);
@@ -338,8 +437,11 @@ mod tests {
 
     #[test]
     fn tension_is_the_gradient_of_the_energy_and_never_pushes() {
-        for shear in [isotropic_shear(), 1e7] {
-            let law = fabric(shear, 0.1);
+        for law in [
+            fabric(isotropic_shear(), 0.1),
+            fabric(1e7, 0.1),
+            cubic(5e7, 0.1),
+        ] {
             for strain in [
                 [0.01, -0.02, 0.01],
                 [0.01, 0.001, 0.002],

@@ -51,6 +51,9 @@ mod tests {
             poisson_ratio: 0.2,
             shear_modulus_pa: 1e8,
             residual_stiffness: 1e-3,
+            cubic_shear_compliance_1_pa3: None,
+            initial_strain: [0.0; 2],
+            yield_stress_pa: None,
         };
         let c = fabric.stiffness_n_m();
         for size in [[0.01, 0.01], [0.01, 0.014], [0.012, 0.01]] {

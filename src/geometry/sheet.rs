@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use crate::cloth::{Bending, Spring, Structure, Triangle};
-use crate::fabric::membrane::Membrane;
 use crate::fabric::{Fabric, network};
 
 /// How the fabric is modelled.
@@ -49,6 +48,7 @@ pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<
     ];
     let mut structure = Structure {
         thickness_m: fabric.thickness_m,
+        yield_stress_pa: fabric.yield_stress_pa,
         ..Structure::default()
     };
     for j in 0..=rows {
@@ -75,7 +75,7 @@ pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<
             };
             for nodes in halves {
                 let rest = nodes.map(|n| structure.positions_m[n as usize]);
-                let triangle = Triangle::from_rest_positions(nodes, rest, shape.across)?;
+                let triangle = Triangle::laid_out(nodes, rest, shape.across, fabric.initial_strain)?;
                 for node in nodes {
                     structure.masses_kg[node as usize] +=
                         fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
@@ -86,10 +86,7 @@ pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<
     }
     match model {
         FabricModel::Membrane => {
-            structure.membrane = Some(Membrane::new(
-                fabric.stiffness_n_m(),
-                fabric.residual_stiffness,
-            ));
+            structure.membrane = Some(fabric.membrane());
         }
         FabricModel::Network => add_network(&mut structure, shape, fabric, cell)?,
     }
@@ -104,7 +101,9 @@ fn add_network(
 ) -> Option<()> {
     let [columns, rows] = shape.divisions;
     let stiffness = network::cell_stiffness(fabric, cell)?;
-    let diagonal = cell[0].hypot(cell[1]);
+    let [warp, weft] = fabric.initial_strain;
+    let rest = [cell[0] / (1.0 + warp), cell[1] / (1.0 + weft)];
+    let diagonal = rest[0].hypot(rest[1]);
     let mut spring = |a: u32, b: u32, rest_length_m: f64, stiffness_n_m: f64| {
         structure.springs.push(Spring {
             nodes: [a, b],
@@ -121,7 +120,7 @@ fn add_network(
                 spring(
                     shape.node(i, j),
                     shape.node(i + 1, j),
-                    cell[0],
+                    rest[0],
                     stiffness.along_x * cells_at(j, rows),
                 );
             }
@@ -129,7 +128,7 @@ fn add_network(
                 spring(
                     shape.node(i, j),
                     shape.node(i, j + 1),
-                    cell[1],
+                    rest[1],
                     stiffness.along_y * cells_at(i, columns),
                 );
             }
@@ -150,23 +149,15 @@ fn add_network(
         }
     }
     // Bending stiffness of a solid sheet, D = E h³ / 12 (1 − ν²), per direction.
-    let flexural = fabric
-        .stiffness_n_m()
-        .map(|row| row.map(|k| k * fabric.thickness_m * fabric.thickness_m / 12.0));
+    let flexural = fabric.rigidity_nm();
     for j in 0..=rows {
         for i in 0..=columns {
             if i + 2 <= columns {
-                structure.bendings.push(Bending {
-                    nodes: [shape.node(i, j), shape.node(i + 1, j), shape.node(i + 2, j)],
-                    stiffness_n_m: flexural[0][0] * cell[1] / cell[0].powi(3) * cells_at(j, rows),
-                });
+                structure.bendings.push(Bending::second_difference([shape.node(i, j), shape.node(i + 1, j), shape.node(i + 2, j)], flexural[0][0] * cell[1] / cell[0].powi(3) * cells_at(j, rows)));
             }
             if j + 2 <= rows {
-                structure.bendings.push(Bending {
-                    nodes: [shape.node(i, j), shape.node(i, j + 1), shape.node(i, j + 2)],
-                    stiffness_n_m: flexural[1][1] * cell[0] / cell[1].powi(3)
-                        * cells_at(i, columns),
-                });
+                structure.bendings.push(Bending::second_difference([shape.node(i, j), shape.node(i, j + 1), shape.node(i, j + 2)], flexural[1][1] * cell[0] / cell[1].powi(3)
+                        * cells_at(i, columns)));
             }
         }
     }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::coupled::Coupled;
 use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
-use crate::cpu::cloth::{InitialHessian, SolverSettings, StepInput};
+use crate::cpu::cloth::{InitialHessian, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
 
@@ -148,7 +148,8 @@ fn step_input<'a>(scene: &Scene, coupled: Option<&'a Coupled>, every: u32) -> St
     StepInput {
         time_step_s: scene.time.map(|time| time.step_s * f64::from(every)),
         gravity_m_s2: scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-        pressure_pa: 0.0,
+        pressure: Pressure::None,
+        moved_supports: &[],
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
     }

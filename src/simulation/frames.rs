@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::cpu::cloth::{Cloth, nodal_forces};
+use crate::cpu::cloth::{Cloth, read_outs};
 use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
 
@@ -68,7 +68,7 @@ impl Simulation {
 
 fn structure_frame(cloth: &Cloth) -> StructureFrame {
     let structure = &cloth.structure;
-    let loads = nodal_forces::triangle_loads(structure, &cloth.positions_m);
+    let loads = read_outs::triangle_loads(structure, &cloth.positions_m);
     StructureFrame {
         positions_m: cloth.positions_m.clone(),
         velocities_m_s: cloth.velocities_m_s.clone(),
@@ -81,10 +81,8 @@ fn structure_frame(cloth: &Cloth) -> StructureFrame {
         states: loads.iter().map(|l| l.state).collect(),
         cables: structure.cables.iter().map(|c| c.nodes).collect(),
         cable_kinds: structure.cables.iter().map(|c| c.kind).collect(),
-        cable_tensions_n: structure
-            .cables
-            .iter()
-            .map(|c| nodal_forces::cable_tension_n(c, &cloth.positions_m))
+        cable_tensions_n: (0..structure.cables.len())
+            .map(|index| cloth.cable_tension_n(index))
             .collect(),
     }
 }

@@ -14,8 +14,7 @@ use super::coupled::Coupled;
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, RigidBody};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cloth::CableSegment;
-use crate::cpu::cloth::{Cloth, nodal_forces};
+use crate::cpu::cloth::Cloth;
 use crate::gpu::DeviceError;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::units::Units;
@@ -42,7 +41,8 @@ pub struct Impulses {
     initial: MassMomentum,
     supports: DVec3,
     initial_momentum: DVec3,
-    support_cables: Vec<CableSegment>,
+    /// Numbers of the cable segments at supports.
+    support_cables: Vec<usize>,
     /// True if cables alone touch held nodes, so that their tensions are all support forces.
     supported_by_cables: bool,
 }
@@ -102,8 +102,11 @@ impl Impulses {
         });
         let structure = cloth.map(|cloth| &cloth.structure);
         let support_cables = structure.map_or_else(Vec::new, |structure| {
-            let held = |c: &CableSegment| c.nodes.iter().any(|&n| structure.held[n as usize]);
-            structure.cables.iter().copied().filter(held).collect()
+            let held = |&cable: &usize| {
+                let nodes = structure.cables[cable].nodes;
+                nodes.iter().any(|&n| structure.held[n as usize])
+            };
+            (0..structure.cables.len()).filter(held).collect()
         });
         let supported_by_cables = structure.is_some_and(|structure| {
             !structure
@@ -169,12 +172,12 @@ impl Impulses {
         };
         let mut pull = DVec3::ZERO;
         let structure = &cloth.structure;
-        for cable in &self.support_cables {
-            let [a, b] = cable.nodes.map(|n| n as usize);
+        for &cable in &self.support_cables {
+            let [a, b] = structure.cables[cable].nodes.map(|n| n as usize);
             // Direction from the supported end to the support.
             let (free, held) = if structure.held[a] { (b, a) } else { (a, b) };
             let direction = (cloth.positions_m[held] - cloth.positions_m[free]).normalize_or_zero();
-            pull += direction * nodal_forces::cable_tension_n(cable, &cloth.positions_m);
+            pull += direction * cloth.cable_tension_n(cable);
         }
         for guide in &structure.guides {
             pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);

@@ -2,7 +2,7 @@
 //! pleats apart until there is room for the flow; the canopy is then held until release. No air takes part.
 
 use crate::case::scene::Canopy;
-use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
+use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
 use crate::geometry::parachute::shape;
 use crate::solve::lbfgs::Stop;
 
@@ -41,7 +41,7 @@ pub(super) fn open(
     let folded_ratio = ratio(cloth);
     let input = StepInput {
         time_step_s: Some(STEP_S),
-        pressure_pa: canopy.loading_pressure_pa,
+        pressure: Pressure::Uniform(canopy.loading_pressure_pa),
         damping_1_s: DAMPING_1_S,
         ..StepInput::default()
     };

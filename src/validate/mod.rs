@@ -7,6 +7,7 @@
 mod acoustic_pulse;
 mod beltrami;
 mod cavity;
+mod cloth;
 mod couette;
 mod disk;
 mod drag;
@@ -49,13 +50,13 @@ const DEVICE_ORDER: f64 = 1.8;
 pub struct Problem {
     /// Name on the command line.
     pub name: &'static str,
-    /// Cell updates of the quick and of the full set [millions], for progress.
+    /// Cell updates of the quick and of the full set [millions], for progress; of fabric, what takes as long.
     updates: [f64; 2],
     compute: fn(&mut Session) -> Result<(), Stop>,
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 11] = [
+pub const PROBLEMS: [Problem; 20] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -110,6 +111,51 @@ pub const PROBLEMS: [Problem; 11] = [
         name: "cavity",
         updates: [800.0, 80_000.0],
         compute: cavity::compute,
+    },
+    Problem {
+        name: "membrane-patch",
+        updates: [5.0, 30.0],
+        compute: cloth::patch::compute,
+    },
+    Problem {
+        name: "catenary",
+        updates: [5.0, 5.0],
+        compute: cloth::catenary::compute,
+    },
+    Problem {
+        name: "hencky",
+        updates: [60.0, 1000.0],
+        compute: cloth::hencky::compute,
+    },
+    Problem {
+        name: "airbag",
+        updates: [200.0, 1500.0],
+        compute: cloth::airbag::compute,
+    },
+    Problem {
+        name: "pressure-vessels",
+        updates: [60.0, 1000.0],
+        compute: cloth::pressure_vessels::compute,
+    },
+    Problem {
+        name: "shear-panel",
+        updates: [40.0, 300.0],
+        compute: cloth::shear_panel::compute,
+    },
+    Problem {
+        name: "heavy-cantilever",
+        updates: [60.0, 300.0],
+        compute: cloth::heavy_cantilever::compute,
+    },
+    Problem {
+        name: "drum",
+        updates: [60.0, 500.0],
+        compute: cloth::drum::compute,
+    },
+    Problem {
+        name: "hostile-starts",
+        updates: [60.0, 500.0],
+        compute: cloth::hostile_starts::compute,
     },
 ];
 

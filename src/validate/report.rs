@@ -44,8 +44,14 @@ pub struct Row {
     pub holds: Option<bool>,
     /// Time since the row before [s].
     pub seconds: f64,
-    /// Cells along x, y, z.
+    /// Cells along x, y, z; zero where there is no air.
     pub cells: [usize; 3],
+    /// Nodes of the structure, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<usize>,
+    /// What computed this row, where it is not the engine of the report.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<&'static str>,
     /// Whether gates apply: they are meant for populations in 32 and 64 bits.
     #[serde(skip)]
     pub(super) is_judged: bool,
@@ -70,6 +76,8 @@ impl Row {
             holds: None,
             seconds,
             cells,
+            nodes: None,
+            engine: None,
             is_judged: true,
         }
     }
@@ -188,7 +196,7 @@ impl Report {
             "gate",
             "verdict",
             "s",
-            "cells",
+            "size",
             "engine",
         ];
         let engine = format!("{} {}", self.engine, self.precision);
@@ -212,8 +220,12 @@ impl Report {
                     None => dash(),
                 },
                 format!("{:.1}", row.seconds),
-                format!("{}x{}x{}", row.cells[0], row.cells[1], row.cells[2]),
-                engine.clone(),
+                match row.nodes {
+                    Some(nodes) => format!("{nodes} nodes"),
+                    None if row.cells == [0; 3] => dash(),
+                    None => format!("{}x{}x{}", row.cells[0], row.cells[1], row.cells[2]),
+                },
+                row.engine.map_or_else(|| engine.clone(), str::to_owned),
             ]
         }));
         let widths: [usize; 10] = std::array::from_fn(|column| {

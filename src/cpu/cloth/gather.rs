@@ -48,6 +48,8 @@ pub struct Gather {
     pub springs: Corners<2>,
     /// Of bending terms.
     pub bendings: Corners<3>,
+    /// Of curvatures.
+    pub curvatures: Corners<6>,
     /// Of cable segments.
     pub cables: Corners<2>,
     /// Of guides.
@@ -63,6 +65,7 @@ impl Gather {
             triangles: Corners::new(count, structure.triangles.iter().map(|t| t.nodes)),
             springs: Corners::new(count, structure.springs.iter().map(|s| s.nodes)),
             bendings: Corners::new(count, structure.bendings.iter().map(|b| b.nodes)),
+            curvatures: Corners::new(count, structure.curvatures.iter().map(|b| b.nodes)),
             cables: Corners::new(count, structure.cables.iter().map(|c| c.nodes)),
             guides: Corners::new(count, structure.guides.iter().map(|g| [g.node])),
         }

@@ -5,17 +5,47 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::cloth::Structure;
+use crate::cloth::{Bending, CableSegment, Structure};
 use crate::cloth::elements::EDGES;
-use crate::lines;
 
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 pub(super) fn axial_block(edge: DVec3, stiffness: f64, transverse: f64) -> DMat3 {
     let n = edge.normalize_or_zero();
     DMat3::from_diagonal(DVec3::splat(transverse)) + outer(n, n) * (stiffness - transverse)
+}
+
+/// Block of a cable segment at one of its ends.
+pub(super) fn cable_block(
+    structure: &Structure,
+    cable: &CableSegment,
+    edge: DVec3,
+    length: f64,
+) -> DMat3 {
+    if length > cable.rest_length_m {
+        let state = structure.cable_state(cable, length);
+        axial_block(
+            edge,
+            state.tangent_n / cable.rest_length_m,
+            state.tension_n / length,
+        )
+    } else {
+        // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
+        let stiffness =
+            structure.cable_laws[cable.law as usize].initial_stiffness_n() / cable.rest_length_m;
+        DMat3::from_diagonal(DVec3::splat(1e-3 * stiffness))
+    }
+}
+
+fn add_bending<const N: usize>(bendings: &[Bending<N>], blocks: &mut [DMat3]) {
+    for bending in bendings {
+        for (&node, coefficient) in bending.nodes.iter().zip(bending.coefficients) {
+            let k = bending.stiffness_n_m * coefficient * coefficient;
+            blocks[node as usize] += DMat3::from_diagonal(DVec3::splat(k));
+        }
+    }
 }
 
 /// Adds the elastic blocks [N/m] to `blocks`, `[node_count]`.
@@ -83,34 +113,14 @@ pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &m
         blocks[a] += block;
         blocks[b] += block;
     }
-    for bending in &structure.bendings {
-        let unit = DMat3::from_diagonal(DVec3::splat(bending.stiffness_n_m));
-        let [a, b, c] = bending.nodes.map(|n| n as usize);
-        blocks[a] += unit;
-        blocks[b] += unit * 4.0;
-        blocks[c] += unit;
-    }
+    add_bending(&structure.bendings, blocks);
+    add_bending(&structure.curvatures, blocks);
     for cable in &structure.cables {
         let [a, b] = cable.nodes.map(|n| n as usize);
         let edge = positions[b] - positions[a];
-        let length = edge.length();
-        if length > cable.rest_length_m {
-            let tension = lines::tension_n(cable.axial_stiffness_n, cable.rest_length_m, length);
-            let block = axial_block(
-                edge,
-                cable.axial_stiffness_n / cable.rest_length_m,
-                tension / length,
-            );
-            blocks[a] += block;
-            blocks[b] += block;
-        } else {
-            // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-            let soft = DMat3::from_diagonal(DVec3::splat(
-                1e-3 * cable.axial_stiffness_n / cable.rest_length_m,
-            ));
-            blocks[a] += soft;
-            blocks[b] += soft;
-        }
+        let block = cable_block(structure, cable, edge, edge.length());
+        blocks[a] += block;
+        blocks[b] += block;
     }
     for guide in &structure.guides {
         blocks[guide.node as usize] += DMat3::from_diagonal(guide.stiffness_n_m);

@@ -4,11 +4,17 @@
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
+//! * [`loads`], [`pressure`]: what acts during a step;
+//! * [`read_outs`]: tensions and reactions;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
 
+mod dashpots;
 pub mod gather;
 pub mod initial_hessian;
+pub mod loads;
 pub mod nodal_forces;
+pub mod pressure;
+pub mod read_outs;
 pub mod solve_cloth;
 pub mod stiffness;
 mod vectors;
@@ -20,7 +26,9 @@ use nodal_forces::Pulls;
 
 use crate::cloth::Structure;
 use crate::solve::multigrid::Multigrid;
-pub use solve_cloth::{InitialHessian, MarkerReaction, Probe, SolverSettings, StepInput};
+pub use loads::{MarkerReaction, StepInput};
+pub use pressure::Pressure;
+pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]

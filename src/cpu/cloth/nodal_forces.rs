@@ -7,10 +7,8 @@ use rayon::prelude::*;
 
 use super::gather::Gather;
 use crate::cloth::elements::EDGES;
-use crate::cloth::{CableSegment, Structure, Triangle};
-use crate::fabric::membrane::{Membrane, principal};
-use crate::frame::FabricState;
-use crate::lines;
+use crate::cloth::{Bending, Structure, Triangle};
+use crate::fabric::membrane::Membrane;
 
 /// Elements or nodes that one task works on; part of the result, since sums are rounded chunk by chunk.
 pub(super) const CHUNK: usize = 1024;
@@ -91,18 +89,20 @@ pub fn elastic_gradient(
     energy += fill(&structure.cables, &mut pulls.cables, |cable| {
         let [a, b] = cable.nodes.map(|n| positions[n as usize]);
         let length = a.distance(b);
-        let elongation = length - cable.rest_length_m;
-        if elongation > 0.0 {
-            let tension = lines::tension_n(cable.axial_stiffness_n, cable.rest_length_m, length);
-            (tension / length, 0.5 * tension * elongation)
+        let state = structure.cable_state(cable, length);
+        let pull = if state.tension_n > 0.0 {
+            state.tension_n / length
         } else {
-            (0.0, 0.0)
-        }
+            // Not a number goes through.
+            state.tension_n
+        };
+        (pull, state.energy_n * cable.rest_length_m)
     });
     for bending in &structure.bendings {
-        energy += 0.5
-            * bending.stiffness_n_m
-            * second_difference(&bending.nodes, positions).length_squared();
+        energy += bending_energy(bending, positions);
+    }
+    for curvature in &structure.curvatures {
+        energy += bending_energy(curvature, positions);
     }
     for guide in &structure.guides {
         let offset = positions[guide.node as usize] - guide.anchor_m;
@@ -119,9 +119,26 @@ pub fn elastic_gradient(
     energy
 }
 
-fn second_difference(nodes: &[u32; 3], positions: &[DVec3]) -> DVec3 {
-    let [a, b, c] = nodes.map(|n| positions[n as usize]);
-    a - 2.0 * b + c
+/// Σ c_i x_i.
+fn bend<const N: usize>(bending: &Bending<N>, positions: &[DVec3]) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for (&node, coefficient) in bending.nodes.iter().zip(bending.coefficients) {
+        sum += positions[node as usize] * coefficient;
+    }
+    sum
+}
+
+fn bending_energy<const N: usize>(bending: &Bending<N>, positions: &[DVec3]) -> f64 {
+    0.5 * bending.stiffness_n_m * bend(bending, positions).length_squared()
+}
+
+/// Gradient of a bending term at one of its nodes [N].
+fn bending_pull<const N: usize>(
+    bending: &Bending<N>,
+    corner: usize,
+    positions: &[DVec3],
+) -> DVec3 {
+    bend(bending, positions) * (bending.coefficients[corner] * bending.stiffness_n_m)
 }
 
 /// Gradient at one node [N].
@@ -152,10 +169,10 @@ fn at_node(
         sum += (positions[node] - positions[other]) * pulls.springs[s];
     }
     for (b, corner) in gather.bendings.at(node) {
-        const FACTORS: [f64; 3] = [1.0, -2.0, 1.0];
-        let bending = &structure.bendings[b];
-        let factor = FACTORS[corner] * bending.stiffness_n_m;
-        sum += second_difference(&bending.nodes, positions) * factor;
+        sum += bending_pull(&structure.bendings[b], corner, positions);
+    }
+    for (c, corner) in gather.curvatures.at(node) {
+        sum += bending_pull(&structure.curvatures[c], corner, positions);
     }
     for (c, corner) in gather.cables.at(node) {
         let other = structure.cables[c].nodes[1 - corner] as usize;
@@ -166,75 +183,4 @@ fn at_node(
         sum += guide.stiffness_n_m * (positions[node] - guide.anchor_m);
     }
     sum
-}
-
-/// Adds the follower load of a pressure jump (positive along the triangle normals) to `forces` [N].
-pub fn add_pressure(
-    structure: &Structure,
-    positions: &[DVec3],
-    pressure_pa: f64,
-    forces: &mut [DVec3],
-) {
-    for triangle in &structure.triangles {
-        let share = triangle.doubled_area_vector(positions) * (pressure_pa / 6.0);
-        for node in triangle.nodes {
-            forces[node as usize] += share;
-        }
-    }
-}
-
-/// Tension of a cable segment [N].
-#[must_use]
-pub fn cable_tension_n(cable: &CableSegment, positions: &[DVec3]) -> f64 {
-    let [a, b] = cable.nodes.map(|n| positions[n as usize]);
-    lines::tension_n(cable.axial_stiffness_n, cable.rest_length_m, a.distance(b))
-}
-
-/// What designers read of one triangle.
-#[derive(Debug, Clone, Copy)]
-pub struct TriangleLoad {
-    /// Principal membrane tensions (second Piola–Kirchhoff), larger first [N/m].
-    pub principal_tensions_n_m: [f64; 2],
-    /// Taut, wrinkled or slack.
-    pub state: FabricState,
-}
-
-/// Loads of all triangles; without tensions (NaN) where a spring network carries the load.
-#[must_use]
-pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<TriangleLoad> {
-    structure
-        .triangles
-        .iter()
-        .map(|triangle| {
-            let Some(membrane) = &structure.membrane else {
-                return network_load(triangle, positions);
-            };
-            let response = membrane.respond(&triangle.strain(&triangle.edge_vectors(positions)));
-            let t = response.tension;
-            let values = principal(t[0], t[1], t[2]);
-            TriangleLoad {
-                principal_tensions_n_m: values,
-                state: response.state,
-            }
-        })
-        .collect()
-}
-
-/// A network has springs, no membrane tension: only the state of the edges is told, taut if all are stretched, slack if none is.
-fn network_load(triangle: &Triangle, positions: &[DVec3]) -> TriangleLoad {
-    let edges = triangle.edge_vectors(positions);
-    let stretched = edges
-        .iter()
-        .zip(triangle.rest_squares_m2)
-        .filter(|(edge, rest)| edge.length_squared() > *rest)
-        .count();
-    let state = match stretched {
-        3 => FabricState::Taut,
-        0 => FabricState::Slack,
-        _ => FabricState::Wrinkled,
-    };
-    TriangleLoad {
-        principal_tensions_n_m: [f64::NAN; 2],
-        state,
-    }
 }

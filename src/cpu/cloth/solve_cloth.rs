@@ -16,9 +16,11 @@ use rayon::prelude::*;
 
 use super::nodal_forces::CHUNK;
 use super::vectors::{chunked_sum, dot, dot_both, fill, longest_m};
-use super::{Cloth, Prepared, initial_hessian, nodal_forces, stiffness};
+use super::dashpots::{Dashpot, dashpots};
+use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
+use super::{Cloth, Prepared, initial_hessian, nodal_forces, pressure, stiffness};
 use crate::cloth::Structure;
-use crate::solve::lbfgs::{self, Options, Outcome, Watch};
+use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
 use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
@@ -49,34 +51,6 @@ pub enum InitialHessian {
     Multigrid,
 }
 
-/// One marker as the cloth feels it.
-#[derive(Debug, Clone, Copy)]
-pub struct MarkerReaction {
-    /// Triangle it sits on.
-    pub triangle: u32,
-    /// Barycentric weights.
-    pub weights: [f64; 3],
-    /// Immersed-boundary stiffness K [kg/s].
-    pub stiffness_kg_s: f64,
-    /// Velocity u* of the air at the marker [m/s].
-    pub air_velocity_m_s: DVec3,
-}
-
-/// What acts during one step.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct StepInput<'a> {
-    /// Time step [s]; `None` asks for the static equilibrium.
-    pub time_step_s: Option<f64>,
-    /// Gravity [m/s²].
-    pub gravity_m_s2: DVec3,
-    /// Pressure jump along the triangle normals [Pa].
-    pub pressure_pa: f64,
-    /// Mass-proportional damping β [1/s].
-    pub damping_1_s: f64,
-    /// Markers; empty without air.
-    pub markers: &'a [MarkerReaction],
-}
-
 /// What one trial found; for comparing engines.
 #[derive(Debug, Clone)]
 pub struct Probe {
@@ -99,8 +73,11 @@ struct Objective<'a> {
     start: &'a [DVec3],
     velocities: &'a [DVec3],
     input: &'a StepInput<'a>,
-    /// Dead loads [N].
+    /// Loads that stay [N].
     loads: Vec<DVec3>,
+    /// From where the volume under pressure is seen [m]; `None` where pressure does not follow.
+    origin_m: Option<DVec3>,
+    dashpots: Vec<Dashpot>,
     kind: InitialHessian,
     /// Of block-Jacobi.
     inverse_blocks: Vec<DMat3>,
@@ -108,6 +85,9 @@ struct Objective<'a> {
 
 /// Stiffness below which a node counts as held by nothing [N/m].
 pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
+
+/// Solves with corrected loads along edges under pressure.
+const EDGE_PASS_LIMIT: usize = 30;
 
 /// Below this relative change, differences of the objective are round-off.
 const ROUND_OFF: f64 = 1e-10;
@@ -126,7 +106,9 @@ impl<'a> Objective<'a> {
             start,
             velocities,
             input,
-            loads: dead_loads(structure, start, input),
+            loads: step_loads(structure, start, input),
+            origin_m: input.pressure_follows().then(|| pressure::middle(start)),
+            dashpots: dashpots(structure, start, input.time_step_s),
             kind,
             inverse_blocks: Vec::new(),
         }
@@ -141,6 +123,10 @@ impl<'a> Objective<'a> {
             [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
         });
         value -= work;
+        if let Some(origin) = self.origin_m {
+            let jump = self.input.pressure;
+            value += pressure::add_potential(structure, gather, point, origin, jump, gradient);
+        }
         if let Some(dt) = self.input.time_step_s {
             let damping = self.input.damping_1_s;
             let velocities = self.velocities;
@@ -176,6 +162,13 @@ impl<'a> Objective<'a> {
                     gradient[node] += force * weight;
                 }
             }
+            for dashpot in &self.dashpots {
+                let (dissipation, pull) = dashpot.energy_and_gradient(start, point);
+                value += dissipation;
+                let [a, b] = dashpot.nodes.map(|n| n as usize);
+                gradient[a] -= pull;
+                gradient[b] += pull;
+            }
         } else {
             add_to(gradient, |i| -loads[i]);
         }
@@ -185,6 +178,27 @@ impl<'a> Objective<'a> {
             }
         }
         value
+    }
+
+    /// Takes what the potential of following pressure lacks at `point` into the loads, beside the `dead` ones; returns the largest change
+    /// of a node's load over the largest load of pressure.
+    fn correct_edges(&mut self, dead: &[DVec3], point: &[DVec3]) -> f64 {
+        let Some(origin) = self.origin_m else {
+            return 0.0;
+        };
+        let jump = self.input.pressure;
+        let gather = &self.prepared.gather;
+        let correction = pressure::edge_correction(self.structure, gather, point, origin, jump);
+        let mut pulls = vec![DVec3::ZERO; point.len()];
+        pressure::add_forces(self.structure, point, jump, &mut pulls);
+        let mut change: f64 = 0.0;
+        for ((load, dead), correction) in self.loads.iter_mut().zip(dead).zip(&correction) {
+            let new = *dead + *correction;
+            change = change.max((new - *load).length());
+            *load = new;
+        }
+        let largest = pulls.iter().map(|p| p.length()).fold(0.0, f64::max);
+        if largest > 0.0 { change / largest } else { 0.0 }
     }
 
     fn rebuild(&mut self, point: &[DVec3]) {
@@ -198,7 +212,13 @@ impl<'a> Objective<'a> {
                 let multigrid =
                     multigrid.get_or_insert_with(|| Multigrid::new(stiffness::graph(structure)));
                 multigrid.refresh(|matrix| {
-                    stiffness::assemble(structure, gather, self.input, point, matrix);
+                    stiffness::assemble(
+                        structure,
+                        gather,
+                        (self.input, &self.dashpots),
+                        point,
+                        matrix,
+                    );
                 });
             }
         }
@@ -224,6 +244,11 @@ impl<'a> Objective<'a> {
                 }
             }
         }
+        for dashpot in &self.dashpots {
+            for node in dashpot.nodes {
+                self.inverse_blocks[node as usize] += dashpot.block();
+            }
+        }
         initial_hessian::invert(
             &mut self.inverse_blocks,
             &structure.held,
@@ -241,9 +266,12 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// √(bᵀ H₀ b) of the applied loads b: dead loads plus the pull of the air on a sheet at rest.
-    fn load_norm(&mut self) -> f64 {
+    /// √(bᵀ H₀ b) of the applied loads b: those that stay, pressure that follows, and the pull of the air on a sheet at rest.
+    fn load_norm(&mut self, point: &[DVec3]) -> f64 {
         let mut loads = self.loads.clone();
+        if self.origin_m.is_some() {
+            pressure::add_forces(self.structure, point, self.input.pressure, &mut loads);
+        }
         add_pull_of_the_air(self.structure, self.input.markers, &mut loads);
         for (load, &held) in loads.iter_mut().zip(&self.structure.held) {
             if held {
@@ -291,7 +319,7 @@ impl VectorSpace for Objective<'_> {
             round_off: ROUND_OFF * objective.abs(),
             norm_square: dot(gradient, preconditioned),
             longest_m: longest_m(preconditioned),
-            reference: self.load_norm(),
+            reference: self.load_norm(point),
         })
     }
 
@@ -349,7 +377,7 @@ impl VectorSpace for Objective<'_> {
             self.precondition(change, preconditioned_change);
         }
         Ok(Refreshed {
-            reference: self.load_norm(),
+            reference: self.load_norm(point),
             norm_square: dot(gradient, preconditioned),
             longest_m: longest_m(preconditioned),
             gradient_change: pairs.iter().map(|(_, z)| dot(gradient, z)).collect(),
@@ -399,8 +427,26 @@ impl Cloth {
             input,
             settings.initial_hessian,
         );
-        let options = options(structure, settings);
-        let Ok(outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+        let mut options = options(structure, settings);
+        let dead = objective.loads.clone();
+        objective.correct_edges(&dead, &point);
+        let Ok(mut outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+        // Edges of patches of equal pressure, until what they lack stands still.
+        for _ in 0..EDGE_PASS_LIMIT {
+            let change = objective.correct_edges(&dead, &point);
+            if outcome.stop != Stop::Converged || change <= settings.tolerance {
+                break;
+            }
+            options.evaluation_limit = settings
+                .evaluation_limit
+                .saturating_sub(outcome.evaluations);
+            let Ok(next) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+            outcome = Outcome {
+                iterations: outcome.iterations + next.iterations,
+                evaluations: outcome.evaluations + next.evaluations,
+                ..next
+            };
+        }
         match input.time_step_s {
             Some(dt) => {
                 for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {
@@ -458,50 +504,6 @@ impl Cloth {
             positions_m: landed,
         }
     }
-}
-
-/// Loads that do not change during a step [N]: gravity, and pressure on the positions at its start.
-#[must_use]
-pub fn dead_loads(structure: &Structure, positions: &[DVec3], input: &StepInput) -> Vec<DVec3> {
-    let mut loads: Vec<DVec3> = structure
-        .masses_kg
-        .iter()
-        .map(|&mass| input.gravity_m_s2 * mass)
-        .collect();
-    if input.pressure_pa != 0.0 {
-        nodal_forces::add_pressure(structure, positions, input.pressure_pa, &mut loads);
-    }
-    loads
-}
-
-/// Adds to `loads` the pull of the air on a sheet at rest [N].
-pub fn add_pull_of_the_air(structure: &Structure, markers: &[MarkerReaction], loads: &mut [DVec3]) {
-    for marker in markers {
-        let nodes = structure.triangles[marker.triangle as usize].nodes;
-        for (node, weight) in nodes.into_iter().zip(marker.weights) {
-            loads[node as usize] += marker.air_velocity_m_s * (marker.stiffness_kg_s * weight);
-        }
-    }
-}
-
-/// Where the minimisation starts [m]: every node that is not held goes on as it moved. H₀ is built there too, which for long
-/// steps of drapes halves the evaluations against the old positions.
-#[must_use]
-pub fn prediction(
-    structure: &Structure,
-    start: &[DVec3],
-    velocities: &[DVec3],
-    input: &StepInput,
-) -> Vec<DVec3> {
-    let mut point = start.to_vec();
-    if let Some(dt) = input.time_step_s {
-        for ((x, v), &held) in point.iter_mut().zip(velocities).zip(&structure.held) {
-            if !held {
-                *x += *v * dt;
-            }
-        }
-    }
-    point
 }
 
 /// The minimiser's options for a structure: no node moves farther than two element lengths in one iteration.

@@ -8,12 +8,12 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::gather::Gather;
-use super::initial_hessian::axial_block;
-use super::solve_cloth::StepInput;
+use super::initial_hessian::{axial_block, cable_block};
+use super::dashpots::Dashpot;
+use super::loads::StepInput;
 use crate::cloth::elements::EDGES;
-use crate::cloth::{Structure, Triangle};
+use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::{Membrane, principal};
-use crate::lines;
 use crate::solve::multigrid::blocks::{Block, BlockMatrix, Pattern};
 use crate::solve::multigrid::coarsening::Graph;
 
@@ -38,6 +38,7 @@ pub fn graph(structure: &Structure) -> Graph {
         .map(|t| &t.nodes[..])
         .chain(structure.springs.iter().map(|s| &s.nodes[..]))
         .chain(structure.bendings.iter().map(|b| &b.nodes[..]))
+        .chain(structure.curvatures.iter().map(|b| &b.nodes[..]))
         .chain(structure.cables.iter().map(|c| &c.nodes[..]));
     let positions = &structure.positions_m;
     Graph::new(
@@ -128,6 +129,16 @@ fn triangle_block(stiffness: &TriangleStiffness, edges: &[DVec3; 3], a: usize, b
     block
 }
 
+/// Stiffness of a bending term between one of its nodes and all [N/m].
+fn bending_row<const N: usize>(
+    bending: &Bending<N>,
+    corner: usize,
+) -> impl Iterator<Item = (u32, f64)> + '_ {
+    let own = bending.stiffness_n_m * bending.coefficients[corner];
+    let nodes = bending.nodes.iter().zip(bending.coefficients);
+    nodes.map(move |(&node, coefficient)| (node, own * coefficient))
+}
+
 fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
     let Some(place) = place else {
         return;
@@ -141,10 +152,10 @@ fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
 }
 
 /// Fills `matrix`, whose pattern is that of [`graph`], with the stiffness at `positions` [N/m]; held nodes have no entries.
-pub fn assemble(
+pub(super) fn assemble(
     structure: &Structure,
     gather: &Gather,
-    input: &StepInput,
+    (input, dashpots): (&StepInput, &[Dashpot]),
     positions: &[DVec3],
     matrix: &mut BlockMatrix,
 ) {
@@ -164,15 +175,7 @@ pub fn assemble(
             let [a, b] = cable.nodes.map(|n| n as usize);
             let edge = positions[b] - positions[a];
             let length = edge.length();
-            let stiffness = cable.axial_stiffness_n / cable.rest_length_m;
-            if length > cable.rest_length_m {
-                let tension =
-                    lines::tension_n(cable.axial_stiffness_n, cable.rest_length_m, length);
-                axial_block(edge, stiffness, tension / length)
-            } else {
-                // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-                DMat3::from_diagonal(DVec3::splat(1e-3 * stiffness))
-            }
+            cable_block(structure, cable, edge, length)
         })
         .collect();
     let mut markers: Vec<DMat3> = Vec::new();
@@ -233,10 +236,14 @@ pub fn assemble(
                 add(blocks, place(spring.nodes[1 - corner]), -block);
             }
             for (e, corner) in gather.bendings.at(row) {
-                const FACTORS: [f64; 3] = [1.0, -2.0, 1.0];
                 let bending = &structure.bendings[e];
-                for (other, &node) in bending.nodes.iter().enumerate() {
-                    let k = bending.stiffness_n_m * FACTORS[corner] * FACTORS[other];
+                for (node, k) in bending_row(bending, corner) {
+                    add(blocks, place(node), DMat3::from_diagonal(DVec3::splat(k)));
+                }
+            }
+            for (e, corner) in gather.curvatures.at(row) {
+                let curvature = &structure.curvatures[e];
+                for (node, k) in bending_row(curvature, corner) {
                     add(blocks, place(node), DMat3::from_diagonal(DVec3::splat(k)));
                 }
             }
@@ -247,6 +254,12 @@ pub fn assemble(
                     place(structure.cables[c].nodes[1 - corner]),
                     -cables[c],
                 );
+            }
+            for dashpot in dashpots {
+                if let Some(corner) = dashpot.nodes.iter().position(|n| *n as usize == row) {
+                    add(blocks, own, dashpot.block());
+                    add(blocks, place(dashpot.nodes[1 - corner]), -dashpot.block());
+                }
             }
             for (g, _) in gather.guides.at(row) {
                 let stiffness = structure.guides[g].stiffness_n_m;

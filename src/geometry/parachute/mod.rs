@@ -8,7 +8,6 @@ use glam::DVec3;
 
 use crate::cloth::{Guide, Structure, Triangle};
 use crate::fabric::Fabric;
-use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
 use crate::lines::Cable;
 use gores::FlatCircular;
@@ -16,7 +15,7 @@ use gores::FlatCircular;
 /// A rigged canopy: fabric, belts, suspension lines, confluence.
 ///
 /// The wind blows along +x: the confluence is upstream, the apex downstream. Triangle normals point out of the canopy.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Rigging {
     /// The flat pattern.
     pub pattern: FlatCircular,
@@ -28,6 +27,8 @@ pub struct Rigging {
     pub lines: Cable,
     /// Length of a suspension line [m].
     pub line_length_m: f64,
+    /// What its unstretched length is beyond that [m].
+    pub line_slack_m: f64,
     /// Where all lines meet, held fixed [m].
     pub confluence_m: DVec3,
     /// Projected diameter of the folded canopy over its nominal diameter.
@@ -51,10 +52,8 @@ pub fn build(rigging: &Rigging) -> Option<Structure> {
     let shift = rigging.confluence_m + DVec3::X * (reach.sqrt() - attached.x);
     let mut structure = Structure {
         positions_m: folded.iter().map(|p| *p + shift).collect(),
-        membrane: Some(Membrane::new(
-            rigging.fabric.stiffness_n_m(),
-            rigging.fabric.residual_stiffness,
-        )),
+        membrane: Some(rigging.fabric.membrane()),
+        yield_stress_pa: rigging.fabric.yield_stress_pa,
         thickness_m: rigging.fabric.thickness_m,
         ..Structure::default()
     };
@@ -66,7 +65,7 @@ pub fn build(rigging: &Rigging) -> Option<Structure> {
     structure.held[confluence as usize] = true;
     for (nodes, warp) in mesh.triangles.iter().zip(&mesh.warps) {
         let rest = nodes.map(|n| mesh.flat_positions_m[n as usize]);
-        let triangle = Triangle::from_rest_positions(*nodes, rest, *warp)?;
+        let triangle = Triangle::laid_out(*nodes, rest, *warp, rigging.fabric.initial_strain)?;
         for node in nodes {
             structure.masses_kg[*node as usize] +=
                 rigging.fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
@@ -87,7 +86,7 @@ pub fn build(rigging: &Rigging) -> Option<Structure> {
         let skirt = seam[pattern.rings];
         structure.add_cable(
             &[skirt, confluence],
-            &[rigging.line_length_m],
+            &[rigging.line_length_m + rigging.line_slack_m],
             &rigging.lines,
             CableKind::SuspensionLine,
         );

@@ -180,7 +180,7 @@ impl Elements {
                     part,
                     square,
                     bits(c.rest_length_m),
-                    bits(c.axial_stiffness_n),
+                    bits(structure.cable_laws[c.law as usize].initial_stiffness_n()),
                 ]
             },
         ));

@@ -108,6 +108,11 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
+        if let Some(what) = structure.needs_host() {
+            return Err(DeviceError::Command(format!(
+                "{what} is computed on the host only"
+            )));
+        }
         let nodes = structure.node_count();
         let elements = Elements::new(structure, markers);
         let constants = constants(structure, &elements);

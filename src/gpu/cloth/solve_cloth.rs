@@ -9,9 +9,8 @@
 use glam::DVec3;
 
 use crate::cloth::Structure;
-use crate::cpu::cloth::solve_cloth::{
-    FREE_NODE_STIFFNESS, add_pull_of_the_air, dead_loads, options, prediction,
-};
+use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
+use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
@@ -57,22 +56,19 @@ impl Cloth {
 
     /// Stage `fetch_nodes`: positions and velocities of `state` become those of the solution; the prediction where there is none.
     pub fn fetch_nodes(&mut self, state: &mut State, input: &StepInput) -> Result<(), DeviceError> {
-        let mut new = match self.solution.take() {
-            Some(point) => self.positions(&point)?,
-            None => prediction(
-                &state.structure,
-                &state.positions_m,
-                &state.velocities_m_s,
-                input,
-            ),
-        };
-        for ((new, old), &held) in new
-            .iter_mut()
-            .zip(&state.positions_m)
-            .zip(&state.structure.held)
-        {
-            if held {
-                *new = *old;
+        let mut new = prediction(
+            &state.structure,
+            &state.positions_m,
+            &state.velocities_m_s,
+            input,
+        );
+        if let Some(point) = self.solution.take() {
+            let solved = self.positions(&point)?;
+            for ((new, solved), &held) in new.iter_mut().zip(solved).zip(&state.structure.held) {
+                // Held nodes are where the step puts them, to the last bit.
+                if !held {
+                    *new = solved;
+                }
             }
         }
         match input.time_step_s {
@@ -221,14 +217,18 @@ impl Cloth {
             )));
         }
         let start = &state.positions_m;
-        let velocity = |node: usize| {
-            if structure.held[node] || input.time_step_s.is_none() {
-                DVec3::ZERO
-            } else {
-                state.velocities_m_s[node]
-            }
-        };
+        if input.pressure_follows() {
+            return Err(DeviceError::Command(
+                "pressure that follows the fabric is computed on the host only".to_owned(),
+            ));
+        }
         let predicted = prediction(structure, start, &state.velocities_m_s, input);
+        // Of the prediction.
+        let velocity = |node: usize| match input.time_step_s {
+            None => DVec3::ZERO,
+            Some(dt) if structure.held[node] => (predicted[node] - start[node]) / dt,
+            Some(_) => state.velocities_m_s[node],
+        };
         let (whole, remainder): (Vec<i32>, Vec<f32>) = predicted
             .iter()
             .flat_map(|x| x.to_array())
@@ -239,7 +239,7 @@ impl Cloth {
         self.device
             .write(self.buffer("predicted_remainder")?, 0, &remainder);
 
-        let mut loads = dead_loads(structure, start, input);
+        let mut loads = step_loads(structure, start, input);
         let mut drive = loads.clone();
         add_pull_of_the_air(structure, input.markers, &mut drive);
         let mut constant_j = 0.0;
@@ -249,9 +249,8 @@ impl Cloth {
                 let mass = structure.masses_kg[node];
                 let damping = input.damping_1_s * mass;
                 constant_j += 0.5 * dt * damping * velocity(node).length_squared();
-                if structure.held[node] {
-                    constant_j += 0.5 * mass * state.velocities_m_s[node].length_squared();
-                }
+                let change = velocity(node) - state.velocities_m_s[node];
+                constant_j += 0.5 * mass * change.length_squared();
                 loads[node] -= velocity(node) * damping;
             }
         }

@@ -1,0 +1,97 @@
+//! What acts on a structure during a step, and where the step starts.
+
+use glam::DVec3;
+
+use super::pressure::{self, Pressure};
+use crate::cloth::Structure;
+
+/// One marker as the cloth feels it.
+#[derive(Debug, Clone, Copy)]
+pub struct MarkerReaction {
+    /// Triangle it sits on.
+    pub triangle: u32,
+    /// Barycentric weights.
+    pub weights: [f64; 3],
+    /// Immersed-boundary stiffness K [kg/s].
+    pub stiffness_kg_s: f64,
+    /// Velocity u* of the air at the marker [m/s].
+    pub air_velocity_m_s: DVec3,
+}
+
+/// What acts during one step.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StepInput<'a> {
+    /// Time step [s]; `None` asks for the static equilibrium.
+    pub time_step_s: Option<f64>,
+    /// Gravity [m/s²].
+    pub gravity_m_s2: DVec3,
+    /// Pressure jumps along the triangle normals; those at the start of a time step, following the fabric in the static limit.
+    pub pressure: Pressure<'a>,
+    /// Mass-proportional damping β [1/s].
+    pub damping_1_s: f64,
+    /// Markers; empty without air.
+    pub markers: &'a [MarkerReaction],
+    /// Held nodes that are moved: where each is at the end of the step [m].
+    pub moved_supports: &'a [(u32, DVec3)],
+}
+
+impl StepInput<'_> {
+    /// True if pressure follows the fabric within the solve.
+    #[must_use]
+    pub fn pressure_follows(&self) -> bool {
+        self.time_step_s.is_none() && !self.pressure.is_none()
+    }
+}
+
+/// Gravity [N], `[node_count]`.
+#[must_use]
+pub fn dead_loads(structure: &Structure, input: &StepInput) -> Vec<DVec3> {
+    let masses = structure.masses_kg.iter();
+    masses.map(|&mass| input.gravity_m_s2 * mass).collect()
+}
+
+/// Loads that do not change during a step [N], `[node_count]`: gravity, and in a time step pressure on the positions at its start.
+#[must_use]
+pub fn step_loads(structure: &Structure, start: &[DVec3], input: &StepInput) -> Vec<DVec3> {
+    let mut loads = dead_loads(structure, input);
+    if !input.pressure_follows() {
+        pressure::add_forces(structure, start, input.pressure, &mut loads);
+    }
+    loads
+}
+
+/// Adds to `loads` the pull of the air on a sheet at rest [N].
+pub fn add_pull_of_the_air(structure: &Structure, markers: &[MarkerReaction], loads: &mut [DVec3]) {
+    for marker in markers {
+        let nodes = structure.triangles[marker.triangle as usize].nodes;
+        for (node, weight) in nodes.into_iter().zip(marker.weights) {
+            loads[node as usize] += marker.air_velocity_m_s * (marker.stiffness_kg_s * weight);
+        }
+    }
+}
+
+/// Where the minimisation starts [m]: every node that is not held goes on as it moved, supports are where they are to be. H₀ is built
+/// there too, which for long steps of drapes halves the evaluations against the old positions.
+#[must_use]
+pub fn prediction(
+    structure: &Structure,
+    start: &[DVec3],
+    velocities: &[DVec3],
+    input: &StepInput,
+) -> Vec<DVec3> {
+    let mut point = start.to_vec();
+    if let Some(dt) = input.time_step_s {
+        for ((x, v), &held) in point.iter_mut().zip(velocities).zip(&structure.held) {
+            if !held {
+                *x += *v * dt;
+            }
+        }
+    }
+    for &(node, place) in input.moved_supports {
+        let node = node as usize;
+        if structure.held[node] {
+            point[node] = place;
+        }
+    }
+    point
+}

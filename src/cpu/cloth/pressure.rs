@@ -1,0 +1,141 @@
+//! Pressure jumps across fabric, which follow its surface.
+//!
+//! A triangle with the jump p along its normal pulls each of its nodes with p A n/3. In a time step the load is that at the start of the
+//! step. In the static limit it follows: −p V, with V the volume under the triangle as seen from a point o, has these pulls as its
+//! gradient, but for terms along the edges of a patch of equal pressure, which cancel where the edge is held. They are taken from the
+//! last iterate and corrected until they stand still ([`edge_correction`]).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::gather::Gather;
+use super::nodal_forces::CHUNK;
+use super::vectors::chunked_sum;
+use crate::cloth::Structure;
+
+/// Pressure jumps, positive along the normals of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Pressure<'a> {
+    /// None.
+    #[default]
+    None,
+    /// The same everywhere [Pa].
+    Uniform(f64),
+    /// One for every triangle [Pa], `[triangle_count]`: per face, or per cell of a wing.
+    PerTriangle(&'a [f64]),
+}
+
+impl Pressure<'_> {
+    /// Jump at a triangle [Pa].
+    #[inline]
+    #[must_use]
+    pub fn at(&self, triangle: usize) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Uniform(pressure_pa) => *pressure_pa,
+            Self::PerTriangle(pressures_pa) => pressures_pa[triangle],
+        }
+    }
+
+    /// True if no triangle is loaded.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        match self {
+            Self::None => true,
+            Self::Uniform(pressure_pa) => *pressure_pa == 0.0,
+            Self::PerTriangle(pressures_pa) => pressures_pa.iter().all(|p| *p == 0.0),
+        }
+    }
+}
+
+/// Adds the pulls of pressure to `forces` [N].
+pub fn add_forces(
+    structure: &Structure,
+    positions: &[DVec3],
+    pressure: Pressure,
+    forces: &mut [DVec3],
+) {
+    if pressure.is_none() {
+        return;
+    }
+    for (index, triangle) in structure.triangles.iter().enumerate() {
+        let share = triangle.doubled_area_vector(positions) * (pressure.at(index) / 6.0);
+        for node in triangle.nodes {
+            forces[node as usize] += share;
+        }
+    }
+}
+
+/// −∂(−pV)/∂x of one corner.
+fn corner_force(
+    structure: &Structure,
+    positions: &[DVec3],
+    origin: DVec3,
+    (triangle, corner): (usize, usize),
+    pressure: Pressure,
+) -> DVec3 {
+    let nodes = structure.triangles[triangle].nodes;
+    let place = |k: usize| positions[nodes[k % 3] as usize] - origin;
+    place(corner + 1).cross(place(corner + 2)) * (pressure.at(triangle) / 6.0)
+}
+
+/// Adds the gradient of −pV, seen from `origin`, to `gradient` [N], and returns −pV [J].
+pub(super) fn add_potential(
+    structure: &Structure,
+    gather: &Gather,
+    positions: &[DVec3],
+    origin: DVec3,
+    pressure: Pressure,
+    gradient: &mut [DVec3],
+) -> f64 {
+    gradient
+        .par_iter_mut()
+        .with_min_len(CHUNK)
+        .enumerate()
+        .for_each(|(node, gradient)| {
+            for corner in gather.triangles.at(node) {
+                *gradient -= corner_force(structure, positions, origin, corner, pressure);
+            }
+        });
+    let [energy] = chunked_sum(structure.triangles.len(), |range| {
+        let volume = |t: usize| {
+            let [a, b, c] = structure.triangles[t]
+                .nodes
+                .map(|n| positions[n as usize] - origin);
+            -pressure.at(t) / 6.0 * a.dot(b.cross(c))
+        };
+        [range.map(volume).sum()]
+    });
+    energy
+}
+
+/// What the gradient of −pV lacks to the pulls of pressure [N], `[node_count]`: zero but along edges of patches of equal pressure.
+pub(super) fn edge_correction(
+    structure: &Structure,
+    gather: &Gather,
+    positions: &[DVec3],
+    origin: DVec3,
+    pressure: Pressure,
+) -> Vec<DVec3> {
+    let mut forces = vec![DVec3::ZERO; structure.node_count()];
+    add_forces(structure, positions, pressure, &mut forces);
+    for (node, force) in forces.iter_mut().enumerate() {
+        let mut size = force.length();
+        for corner in gather.triangles.at(node) {
+            let pull = corner_force(structure, positions, origin, corner, pressure);
+            size += pull.length();
+            *force -= pull;
+        }
+        if structure.held[node] || force.length() <= 1e-9 * size {
+            // Held, or round-off.
+            *force = DVec3::ZERO;
+        }
+    }
+    forces
+}
+
+/// A point in the middle of the structure [m], from which volumes are seen.
+pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
+    let sum: DVec3 = positions.iter().sum();
+    sum / positions.len().max(1) as f64
+}

@@ -1,0 +1,138 @@
+//! Starts that no designer would choose: random places, one point, inside out, slivers, over stiffnesses and time steps. Each run takes some
+//! steps of free fabric held at a corner; every state must be finite, and the sum of kinetic and elastic energy must never rise.
+
+use glam::DVec3;
+
+use super::super::{Gate, Session, Stop};
+use super::SETTINGS;
+use crate::cpu::cloth::gather::Gather;
+use crate::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
+use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use crate::geometry::sheet::{self, FabricModel, SheetShape};
+
+/// Membrane stiffnesses E h [N/m].
+const STIFFNESSES_N_M: [f64; 4] = [1e1, 1e3, 1e5, 1e8];
+
+/// Time steps [s].
+const TIME_STEPS_S: [f64; 3] = [1e-5, 1e-3, 1e-1];
+
+const STEPS: usize = 3;
+
+/// Rise of energy that counts as round-off, over the energy at the start: the objective resolves 1e-10 of itself.
+const RISE: f64 = 1e-6;
+
+/// A start, made from the flat place of a node and noise.
+type Start = fn(DVec3, DVec3) -> DVec3;
+
+const STARTS: [(&str, Start); 5] = [
+    ("random places", |_, noise| noise),
+    ("all in one point", |_, _| DVec3::ZERO),
+    ("inside out", |flat, noise| -flat + 1e-3 * noise),
+    ("slivers", |flat, _| DVec3::new(1e-9 * flat.x, flat.y, 0.0)),
+    ("stretched tenfold", |flat, noise| 10.0 * flat + 0.1 * noise),
+];
+
+fn noise(node: usize) -> DVec3 {
+    let number = |axis: usize| {
+        let hash = ((3 * node + axis) as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (hash >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    DVec3::new(number(0), number(1), number(2))
+}
+
+fn energy_j(cloth: &Cloth) -> f64 {
+    let structure = &cloth.structure;
+    let mut unused = vec![DVec3::ZERO; structure.node_count()];
+    let gather = Gather::new(structure);
+    cloth.kinetic_energy_j()
+        + elastic_gradient(
+            structure,
+            &gather,
+            &cloth.positions_m,
+            &mut Pulls::default(),
+            &mut unused,
+        )
+}
+
+pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
+    let cells = session.size(6, 16);
+    let shape = SheetShape {
+        size_m: [1.0, 1.0],
+        divisions: [cells, cells],
+        corner_m: DVec3::new(-0.5, -0.5, 0.0),
+        across: DVec3::X,
+        down: DVec3::Y,
+    };
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        for (name, start) in STARTS {
+            let (mut runs, mut broken, mut rise, mut evaluations) = (0, 0, 0.0_f64, 0);
+            let mut last = None;
+            for stiffness in STIFFNESSES_N_M {
+                for time_step_s in TIME_STEPS_S {
+                    for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi] {
+                        let fabric = super::isotropic(stiffness / 1e-4, 0.3, 1e-4);
+                        let Some(mut structure) = sheet::build(&shape, &fabric, model) else {
+                            continue;
+                        };
+                        for (node, place) in structure.positions_m.iter_mut().enumerate() {
+                            *place = start(*place, noise(node));
+                        }
+                        structure.held[0] = true;
+                        let mut sheet = session.sheet(Cloth::new(structure), true)?;
+                        let input = StepInput {
+                            time_step_s: Some(time_step_s),
+                            ..StepInput::default()
+                        };
+                        let settings = SolverSettings {
+                            tolerance: 1e-3,
+                            displacement_floor_m: 1e-9,
+                            evaluation_limit: 500,
+                            initial_hessian,
+                            ..SETTINGS
+                        };
+                        runs += 1;
+                        let first = energy_j(&sheet.cloth);
+                        let mut before = first;
+                        for _ in 0..STEPS {
+                            evaluations += session.solve(&mut sheet, &input, &settings)?.evaluations;
+                            let after = energy_j(&sheet.cloth);
+                            let finite = sheet.cloth.positions_m.iter().all(|x| x.is_finite());
+                            if !(finite && after.is_finite()) {
+                                broken += 1;
+                                break;
+                            }
+                            rise = rise.max((after - before) / first.max(f64::MIN_POSITIVE));
+                            before = after;
+                        }
+                        last = Some(sheet);
+                    }
+                }
+            }
+            let Some(sheet) = last else { continue };
+            let model = match model {
+                FabricModel::Membrane => "membrane",
+                FabricModel::Network => "network",
+            };
+            session
+                .sheet_row(
+                    &sheet,
+                    format!("{model}, {name}: of {runs} runs not finite"),
+                    f64::from(broken),
+                )
+                .gate(Gate::AtMost(0.0));
+            session
+                .sheet_row(
+                    &sheet,
+                    format!("{model}, {name}: largest rise of energy over the first"),
+                    rise,
+                )
+                .gate(Gate::AtMost(RISE));
+            session.sheet_row(
+                &sheet,
+                format!("{model}, {name}: evaluations per step"),
+                evaluations as f64 / (runs * STEPS) as f64,
+            );
+        }
+    }
+    Ok(())
+}

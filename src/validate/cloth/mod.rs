@@ -1,0 +1,108 @@
+//! Validation of fabric and cables alone, with multigrid, in the static limit where nothing else is said.
+
+pub(super) mod airbag;
+pub(super) mod catenary;
+pub(super) mod drum;
+pub(super) mod heavy_cantilever;
+pub(super) mod hencky;
+pub(super) mod hostile_starts;
+pub(super) mod patch;
+pub(super) mod pressure_vessels;
+pub(super) mod shear_panel;
+
+use super::{Row, Session, Stop};
+use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use crate::fabric::Fabric;
+use crate::gpu::cloth::Cloth as DeviceCloth;
+use crate::plan::AirPlacement;
+use crate::solve::lbfgs::{HISTORY, Outcome};
+
+/// How hard equilibria are sought.
+const SETTINGS: SolverSettings = SolverSettings {
+    tolerance: 1e-6,
+    displacement_floor_m: 0.0,
+    evaluation_limit: 20_000,
+    history: HISTORY,
+    refresh_every: Some(10),
+    initial_hessian: InitialHessian::Multigrid,
+};
+
+/// The same on a device, whose forces are good to 1e-6 of the largest.
+const DEVICE_TOLERANCE: f64 = 1e-4;
+
+/// An isotropic fabric without compressive stiffness.
+fn isotropic(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> Fabric {
+    Fabric {
+        thickness_m,
+        density_kg_m3: 500.0,
+        warp_modulus_pa: youngs_modulus_pa,
+        weft_modulus_pa: youngs_modulus_pa,
+        poisson_ratio,
+        shear_modulus_pa: Fabric::isotropic_shear_modulus_pa(youngs_modulus_pa, poisson_ratio),
+        cubic_shear_compliance_1_pa3: None,
+        residual_stiffness: 0.0,
+        initial_strain: [0.0; 2],
+        yield_stress_pa: None,
+    }
+}
+
+/// A structure, and who computes it.
+struct Sheet {
+    cloth: Cloth,
+    device: Option<DeviceCloth>,
+}
+
+impl Session<'_> {
+    /// A structure on the engine of the order: on the device, unless only the CPU can compute what is asked for.
+    fn sheet(&self, cloth: Cloth, needs_host: bool) -> Result<Sheet, Stop> {
+        let on_host = needs_host || cloth.structure.needs_host().is_some();
+        let device = match (self.order.placement, &self.order.device) {
+            (AirPlacement::Gpu(_), Some(device)) if !on_host => Some(DeviceCloth::new(
+                std::sync::Arc::clone(device),
+                &cloth.structure,
+                &[],
+            )?),
+            _ => None,
+        };
+        Ok(Sheet { cloth, device })
+    }
+
+    /// One step, or the equilibrium. Ends early when the session is interrupted.
+    fn solve(
+        &self,
+        sheet: &mut Sheet,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, Stop> {
+        let mut go_on = |_: &_| !self.interrupt.load(std::sync::atomic::Ordering::Relaxed);
+        let outcome = match &mut sheet.device {
+            Some(device) => {
+                let settings = SolverSettings {
+                    tolerance: settings.tolerance.max(DEVICE_TOLERANCE),
+                    ..*settings
+                };
+                device.solve(&mut sheet.cloth, input, &settings, &mut go_on)?
+            }
+            None => sheet.cloth.solve_cloth_watched(input, settings, &mut go_on),
+        };
+        if outcome.stop == crate::solve::lbfgs::Stop::Interrupted {
+            return Err(Stop::Interrupted);
+        }
+        Ok(outcome)
+    }
+
+    /// Adds a row about a sheet.
+    fn sheet_row(&mut self, sheet: &Sheet, quantity: impl Into<String>, value: f64) -> &mut Row {
+        let engine = if sheet.device.is_some() {
+            "gpu f32"
+        } else {
+            "cpu f64"
+        };
+        let nodes = sheet.cloth.structure.node_count();
+        let row = self.row([0; 3], quantity, value);
+        row.nodes = Some(nodes);
+        row.engine = Some(engine);
+        row.is_judged = true;
+        row
+    }
+}
