@@ -77,14 +77,7 @@ fn spring_blocks(
         return;
     }
     let p = spring_piece(e);
-    let stretched = bitcast<f32>(springs[6u * SPRINGS + e]);
-    let shortened = bitcast<f32>(springs[7u * SPRINGS + e]);
-    var block: Block;
-    if p.elongation > 0.0 {
-        block = axial(p.edge, p.length, stretched, stretched * p.elongation / p.length);
-    } else {
-        block = axial(p.edge, p.length, max(shortened, 1e-3 * stretched), 0.0);
-    }
+    let block = spring_block(e, p);
     contribute_block(SPRING_SLOTS + e, block);
     contribute_block(SPRING_SLOTS + SPRINGS + e, block);
 }
@@ -106,6 +99,38 @@ fn bending_blocks(
 }
 
 @compute @workgroup_size(64)
+fn curvature_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= CURVATURES {
+        return;
+    }
+    for (var k = 0u; k < 6u; k++) {
+        let coefficient = curvature_word(6u + k, e);
+        let stiffness = curvature_word(12u, e) * coefficient * coefficient;
+        contribute_block(CURVATURE_SLOTS + k * CURVATURES + e, isotropic(stiffness));
+    }
+}
+
+@compute @workgroup_size(64)
+fn dashpot_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= DASHPOTS {
+        return;
+    }
+    let block = square(dashpot_direction(e), dashpot_stiffness(e));
+    contribute_block(DASHPOT_SLOTS + e, block);
+    contribute_block(DASHPOT_SLOTS + DASHPOTS + e, block);
+}
+
+@compute @workgroup_size(64)
 fn cable_blocks(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -116,12 +141,7 @@ fn cable_blocks(
         return;
     }
     let p = cable_piece(e);
-    let stiffness = bitcast<f32>(cables[6u * CABLES + e]) / bitcast<f32>(cables[5u * CABLES + e]);
-    // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-    var block = isotropic(1e-3 * stiffness);
-    if p.elongation > 0.0 {
-        block = axial(p.edge, p.length, stiffness, stiffness * p.elongation / p.length);
-    }
+    let block = cable_block(e, p);
     contribute_block(CABLE_SLOTS + e, block);
     contribute_block(CABLE_SLOTS + CABLES + e, block);
 }

@@ -109,6 +109,51 @@ fn bending_forces(
 }
 
 @compute @workgroup_size(64)
+fn curvature_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < CURVATURES {
+        // Coefficients sum to zero: places count from that of the first node.
+        let origin = place(curvatures[e]);
+        var bend = vec3<f32>(0.0);
+        for (var k = 1u; k < 6u; k++) {
+            bend += curvature_word(6u + k, e) * metres(between(origin, place(curvatures[k * CURVATURES + e])));
+        }
+        let stiffness = curvature_word(12u, e);
+        energy = positive(0.5 * stiffness * dot(bend, bend));
+        for (var k = 0u; k < 6u; k++) {
+            contribute(CURVATURE_SLOTS + k * CURVATURES + e, (curvature_word(6u + k, e) * stiffness) * bend);
+        }
+    }
+    gather_energy(CURVATURE_ENERGIES, CURVATURES, group.y * groups.x + group.x, local, energy);
+}
+
+// Axial damping of cables (src/cpu/cloth/dashpots.rs).
+@compute @workgroup_size(64)
+fn dashpot_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < DASHPOTS {
+        let direction = dashpot_direction(e);
+        let moved = displacement(dashpots[DASHPOTS + e]) - displacement(dashpots[e]);
+        let stretch = dot(moved, direction) + dashpot_states[4u * DASHPOTS + e];
+        let pull = dashpot_stiffness(e) * stretch;
+        energy = positive(0.5 * pull * stretch);
+        contribute(DASHPOT_SLOTS + e, -pull * direction);
+        contribute(DASHPOT_SLOTS + DASHPOTS + e, pull * direction);
+    }
+    gather_energy(DASHPOT_ENERGIES, DASHPOTS, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
 fn cable_forces(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -118,14 +163,13 @@ fn cable_forces(
     var energy = vec2<f32>(0.0);
     if e < CABLES {
         let p = cable_piece(e);
-        let rest_length = bitcast<f32>(cables[5u * CABLES + e]);
-        let axial_stiffness = bitcast<f32>(cables[6u * CABLES + e]);
+        let rest_length = cable_rest_length(e);
         var pull = vec3<f32>(0.0);
         // Slack cables carry nothing; an elongation that is not a number is not slack.
         if !(p.elongation <= 0.0) {
-            let tension = axial_stiffness * p.elongation / rest_length;
-            energy = positive(0.5 * tension * p.elongation);
-            pull = p.edge * (tension / p.length);
+            let state = cable_state(e, p.elongation / rest_length);
+            energy = positive(state.energy * rest_length);
+            pull = p.edge * (state.tension / p.length);
         }
         contribute(CABLE_SLOTS + e, -pull);
         contribute(CABLE_SLOTS + CABLES + e, pull);

@@ -3,7 +3,7 @@
 // thread adds its elements' shares in a fixed order. What triangles give is prepared once per triangle before.
 
 @group(0) @binding(20) var<storage, read_write> matrix: array<f32>;
-// Places of the blocks that a kind of element touches, first terms, and terms: element · 16 + corner of the row · 4 + corner of the
+// Places of the blocks that a kind of element touches, first terms, and terms: element · 64 + corner of the row · 8 + corner of the
 // column.
 @group(0) @binding(21) var<storage, read> block_places: array<u32>;
 @group(0) @binding(22) var<storage, read> block_first: array<u32>;
@@ -20,7 +20,7 @@ struct Term {
 
 fn term(k: u32) -> Term {
     let word = block_terms[k];
-    return Term(word >> 4u, (word >> 2u) & 3u, word & 3u);
+    return Term(word >> 6u, (word >> 3u) & 7u, word & 7u);
 }
 
 fn place_of(thread: u32) -> u32 {
@@ -182,14 +182,7 @@ fn spring_matrix(
         let t = term(k);
         let e = t.element;
         let p = spring_piece(e);
-        let stretched = bitcast<f32>(springs[6u * SPRINGS + e]);
-        let shortened = bitcast<f32>(springs[7u * SPRINGS + e]);
-        var block: Block;
-        if p.elongation > 0.0 {
-            block = axial(p.edge, p.length, stretched, stretched * p.elongation / p.length);
-        } else {
-            block = axial(p.edge, p.length, max(shortened, 1e-3 * stretched), 0.0);
-        }
+        let block = spring_block(e, p);
         sum = plus(sum, scaled(block, end_sign(t)));
     }
     add_block(place_of(thread), sum);
@@ -215,6 +208,44 @@ fn bending_matrix(
 }
 
 @compute @workgroup_size(64)
+fn curvature_matrix(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let thread = thread_index(group, groups, local);
+    if thread >= TOUCHED {
+        return;
+    }
+    var sum = 0.0;
+    for (var k = block_first[thread]; k < block_first[thread + 1u]; k++) {
+        let t = term(k);
+        let e = t.element;
+        sum += curvature_word(12u, e) * curvature_word(6u + t.row, e) * curvature_word(6u + t.column, e);
+    }
+    add_block(place_of(thread), isotropic(sum));
+}
+
+@compute @workgroup_size(64)
+fn dashpot_matrix(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let thread = thread_index(group, groups, local);
+    if thread >= TOUCHED {
+        return;
+    }
+    var sum = isotropic(0.0);
+    for (var k = block_first[thread]; k < block_first[thread + 1u]; k++) {
+        let t = term(k);
+        let block = square(dashpot_direction(t.element), dashpot_stiffness(t.element));
+        sum = plus(sum, scaled(block, end_sign(t)));
+    }
+    add_block(place_of(thread), sum);
+}
+
+@compute @workgroup_size(64)
 fn cable_matrix(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -229,12 +260,7 @@ fn cable_matrix(
         let t = term(k);
         let e = t.element;
         let p = cable_piece(e);
-        let stiffness = bitcast<f32>(cables[6u * CABLES + e]) / bitcast<f32>(cables[5u * CABLES + e]);
-        // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-        var block = isotropic(1e-3 * stiffness);
-        if p.elongation > 0.0 {
-            block = axial(p.edge, p.length, stiffness, stiffness * p.elongation / p.length);
-        }
+        let block = cable_block(e, p);
         sum = plus(sum, scaled(block, end_sign(t)));
     }
     add_block(place_of(thread), sum);

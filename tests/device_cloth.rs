@@ -17,7 +17,7 @@ use ripstop::geometry::cable;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use ripstop::gpu::cloth::Cloth as DeviceCloth;
 use ripstop::gpu::{Device, DeviceError};
-use ripstop::lines::Cable;
+use ripstop::lines::{Cable, CableLaw, ForceStrainTable};
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
@@ -214,6 +214,13 @@ fn probes(
 /// Membrane, springs, bending, cables (taut and slack), guides, markers, inertia, damping and loads: each alone, then together.
 fn every_kind_of_element(device: &Arc<Device>) {
     let rope = Cable::linear(1e-6, 1000.0, 1e9);
+    // A table of four pieces, reached at the second and beyond the last.
+    let table = vec![[0.01, 5.0], [0.02, 25.0], [0.1, 40.0], [0.2, 300.0]];
+    let damped = Cable {
+        law: CableLaw::Table(ForceStrainTable::new(table).unwrap()),
+        damping_n_s: 3.0,
+        ..rope.clone()
+    };
     type Change = fn(&mut Structure);
     let network: Change = |s| s.bendings.clear();
     let bending: Change = |s| s.springs.clear();
@@ -222,13 +229,32 @@ fn every_kind_of_element(device: &Arc<Device>) {
         s.springs.clear();
         s.bendings.clear();
     };
-    let cases: [(&str, FabricModel, Change, bool, bool); 8] = [
+    let stiff: Change = |s| {
+        let flat = s.positions_m.clone();
+        let isotropic = [[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]];
+        s.add_curvatures(&flat, DVec3::X, isotropic.map(|row| row.map(|d| 10.0 * d)));
+    };
+    let plate: Change = |s| {
+        let flat = s.positions_m.clone();
+        let isotropic = [[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]];
+        s.add_curvatures(&flat, DVec3::X, isotropic);
+        s.membrane = None;
+    };
+    let cases: [(&str, FabricModel, Change, bool, bool); 10] = [
         ("membrane", FabricModel::Membrane, nothing, false, false),
         ("springs", FabricModel::Network, network, false, false),
         ("bending", FabricModel::Network, bending, false, false),
         ("cables and guides", FabricModel::Network, bare, true, false),
+        ("curvatures", FabricModel::Membrane, plate, false, false),
         ("markers", FabricModel::Network, bare, false, true),
         ("inertia", FabricModel::Network, bare, false, false),
+        (
+            "a stiff membrane",
+            FabricModel::Membrane,
+            stiff,
+            false,
+            false,
+        ),
         (
             "all of a membrane",
             FabricModel::Membrane,
@@ -263,6 +289,8 @@ fn every_kind_of_element(device: &Arc<Device>) {
             if lines {
                 let kind = CableKind::Belt;
                 structure.add_cable(&[0, 14, 28], &[0.1, 0.3], &rope, kind);
+                // Stretched by a third and, where the mesh is flat, by little.
+                structure.add_cable(&[40, 54, 55], &[0.09, 0.08], &damped, kind);
                 structure.guides.push(Guide {
                     node: 3,
                     anchor_m: DVec3::new(0.1, 0.2, 0.3),
@@ -313,10 +341,17 @@ fn every_kind_of_element(device: &Arc<Device>) {
 
 /// Random deformations from a hundredth to a third of an edge: taut, wrinkled and slack triangles of fabrics from soft to stiff in shear.
 fn wrinkled_fabric(device: &Arc<Device>) {
-    for shear in [5e5, 3e6, 4e7] {
+    // α of 2ε₁₂ = τ/G + ατ³, at which the shear compliance has doubled at 1 % strain.
+    let cubic = |shear: f64| 1e4 / (shear * shear * shear);
+    let kinds = [5e5, 3e6, 4e7].map(|shear| (shear, None));
+    for (shear, cubic) in kinds.into_iter().chain([(3e6, Some(cubic(3e6)))]) {
         for residual in [0.0, 1e-3] {
             for size in [1e-3, 1e-2, 3e-2] {
-                let mut structure = square(12, FabricModel::Membrane, &fabric(shear, residual));
+                let law = Fabric {
+                    cubic_shear_compliance_1_pa3: cubic,
+                    ..fabric(shear, residual)
+                };
+                let mut structure = square(12, FabricModel::Membrane, &law);
                 let count = structure.node_count();
                 let moves = scattered(count, size, (shear + size * 1e6) as u64);
                 for (p, by) in structure.positions_m.iter_mut().zip(moves) {
@@ -329,7 +364,7 @@ fn wrinkled_fabric(device: &Arc<Device>) {
                 let direction = scattered(count, 0.3 * size, 3);
                 let block_jacobi = (&input, InitialHessian::BlockJacobi);
                 let (cpu, gpu) = probes(device, structure, block_jacobi, &direction, [1.0, 1e9]);
-                let name = format!("shear {shear:e} residual {residual:e} size {size:e}");
+                let name = format!("shear {shear:e} {cubic:?} residual {residual:e} size {size:e}");
                 compare(
                     &name,
                     &cpu,

@@ -159,13 +159,8 @@ impl EngineArguments {
             .body
             .as_ref()
             .map_or(0, |body| body.structure.node_count() as u64);
-        let needs_host = scene
-            .body
-            .as_ref()
-            .is_some_and(|body| body.structure.needs_host().is_some());
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            _ if needs_host => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

@@ -75,9 +75,11 @@ shaders! {
     NODAL_FORCES = "nodal_forces":
         "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
     INITIAL_HESSIAN = "initial_hessian":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "initial_hessian.wgsl";
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
+        "initial_hessian.wgsl";
     STIFFNESS = "stiffness":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "stiffness.wgsl";
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
+        "stiffness.wgsl";
     MULTIGRID = "multigrid": "threads.wgsl", "block_rows.wgsl", "multigrid.wgsl";
     MULTIGRID_REFRESH = "multigrid_refresh":
         "threads.wgsl", "block_rows.wgsl", "symmetric_block.wgsl", "multigrid_refresh.wgsl";

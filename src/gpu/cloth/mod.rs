@@ -108,11 +108,6 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
-        if let Some(what) = structure.needs_host() {
-            return Err(DeviceError::Command(format!(
-                "{what} is computed on the host only"
-            )));
-        }
         let nodes = structure.node_count();
         let elements = Elements::new(structure, markers);
         let constants = constants(structure, &elements);
@@ -173,6 +168,17 @@ impl Cloth {
         ];
         for kind in &elements.kinds {
             buffers.push((kind.plural, device.storage_of(kind.plural, &kind.words)?));
+            match kind.name {
+                "cable" => buffers.push((
+                    "cable_laws",
+                    device.storage_of("cable laws", &elements.cable_laws)?,
+                )),
+                "dashpot" => buffers.push((
+                    "dashpot_states",
+                    device.storage("dashpot states", 20 * kind.count as u64)?,
+                )),
+                _ => (),
+            }
         }
         let staging = Staging::new(&device, 24 * nodes as u64)?;
         let mut cloth = Self {
@@ -298,6 +304,13 @@ fn constants<'a>(structure: &Structure, elements: &'a Elements) -> Vec<(&'a str,
             ("RESIDUAL", membrane.residual()),
             ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
         ]);
+        if let Some(shear) = membrane.shear() {
+            constants.extend([
+                ("NONLINEAR_SHEAR", 1.0),
+                ("SHEAR_COMPLIANCE", shear.compliance_m_n),
+                ("SHEAR_CUBIC", shear.cubic_m3_n3),
+            ]);
+        }
     }
     constants
 }

@@ -9,6 +9,7 @@
 use glam::DVec3;
 
 use crate::cloth::Structure;
+use crate::cpu::cloth::dashpots::dashpots;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
 use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
@@ -17,7 +18,7 @@ use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
 use crate::solve::{Landing, Step, VectorSpace};
 
 use super::Cloth;
-use super::elements::{joined, split};
+use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
 use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
 use super::workspace::Workspace;
@@ -279,6 +280,11 @@ impl Cloth {
             }
         }
         self.device.write(self.buffer("reactions")?, 0, &reactions);
+        let dashpots = dashpot_states(structure, start, &velocity, input.time_step_s);
+        if !dashpots.is_empty() {
+            let buffer = self.buffer("dashpot_states")?;
+            self.device.write(buffer, 0, &dashpots);
+        }
         Ok(constant_j)
     }
 
@@ -330,6 +336,36 @@ impl Cloth {
         })?;
         Ok(positions)
     }
+}
+
+/// What damping needs of a step that starts at `start`, as `shaders/elements.wgsl` reads it; `velocity` is that of the prediction.
+fn dashpot_states(
+    structure: &Structure,
+    start: &[DVec3],
+    velocity: &dyn Fn(usize) -> DVec3,
+    time_step_s: Option<f64>,
+) -> Vec<f32> {
+    let count = damped_cables(structure).count();
+    let mut words = vec![0.0; 5 * count];
+    let Some(dt) = time_step_s else {
+        return words;
+    };
+    let dashpots = dashpots(structure, start, time_step_s);
+    let mut taut = dashpots.iter().peekable();
+    for (k, cable) in damped_cables(structure).enumerate() {
+        // Slack segments have none; the others come in the order of the segments.
+        let Some(dashpot) = taut.next_if(|dashpot| dashpot.nodes == cable.nodes) else {
+            continue;
+        };
+        let [a, b] = dashpot.nodes.map(|n| n as usize);
+        let stretch_m = (velocity(b) - velocity(a)).dot(dashpot.direction) * dt;
+        let [x, y, z] = narrow(&dashpot.direction);
+        let state = [x, y, z, dashpot.stiffness_n_m as f32, stretch_m as f32];
+        for (word, value) in state.into_iter().enumerate() {
+            words[word * count + k] = value;
+        }
+    }
+    words
 }
 
 fn narrow(v: &DVec3) -> [f32; 3] {

@@ -16,7 +16,7 @@ use crate::solve::multigrid::blocks::Pattern;
 use super::elements::Kind;
 
 /// Elements of a kind that terms can tell apart.
-const ELEMENT_LIMIT: usize = 1 << 28;
+const ELEMENT_LIMIT: usize = 1 << 26;
 
 /// Blocks touched by a kind, and what adds to each.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Terms {
                     }
                     let k = pattern.within_row(a as usize, b)?;
                     let place = sliced.place(a as usize, k) as u64;
-                    Some((place << 32) | (16 * element + 4 * row + column) as u64)
+                    Some((place << 32) | (64 * element + 8 * row + column) as u64)
                 })
             })
             .collect();
@@ -174,9 +174,9 @@ mod tests {
         assert_eq!(at(0, 0), None);
         assert_eq!(at(1, 0), None);
         // Element 0 with corner 1 twice, element 1 with corner 0 twice.
-        assert_eq!(at(1, 1), Some(&[5, 16][..]));
-        assert_eq!(at(1, 2), Some(&[17][..]));
-        assert_eq!(at(2, 1), Some(&[20][..]));
-        assert_eq!(at(3, 3), Some(&[37][..]));
+        assert_eq!(at(1, 1), Some(&[9, 64][..]));
+        assert_eq!(at(1, 2), Some(&[65][..]));
+        assert_eq!(at(2, 1), Some(&[72][..]));
+        assert_eq!(at(3, 3), Some(&[137][..]));
     }
 }
