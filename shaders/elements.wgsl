@@ -19,6 +19,9 @@ override CABLE_ENERGIES: u32 = 0u;
 override DASHPOTS: u32 = 1u;
 override DASHPOT_SLOTS: u32 = 0u;
 override DASHPOT_ENERGIES: u32 = 0u;
+override FACES: u32 = 1u;
+override FACE_SLOTS: u32 = 0u;
+override FACE_ENERGIES: u32 = 0u;
 override GUIDES: u32 = 1u;
 override GUIDE_SLOTS: u32 = 0u;
 override GUIDE_ENERGIES: u32 = 0u;
@@ -50,6 +53,9 @@ override MARKER_ENERGIES: u32 = 0u;
 @group(0) @binding(26) var<storage, read> dashpots: array<u32>;
 // Words of a dashpot in a step: direction, stiffness [N/m], stretch of the prediction [m].
 @group(0) @binding(27) var<storage, read> dashpot_states: array<f32>;
+@group(0) @binding(28) var<storage, read> faces: array<u32>;
+// Pressure jump along the normal of every face [Pa].
+@group(0) @binding(29) var<storage, read> face_pressures: array<f32>;
 
 fn place(node: u32) -> Place {
     let k = (stage.point * NODES + node) * 3u;
@@ -59,14 +65,17 @@ fn place(node: u32) -> Place {
     );
 }
 
-// Displacement from the prediction [m].
-fn displacement(node: u32) -> vec3<f32> {
+fn predicted_place(node: u32) -> Place {
     let k = node * 3u;
-    let from_place = Place(
+    return Place(
         vec3<i32>(predicted_whole[k], predicted_whole[k + 1u], predicted_whole[k + 2u]),
         vec3<f32>(predicted_remainder[k], predicted_remainder[k + 1u], predicted_remainder[k + 2u]),
     );
-    return metres(between(from_place, place(node)));
+}
+
+// Displacement from the prediction [m].
+fn displacement(node: u32) -> vec3<f32> {
+    return metres(between(predicted_place(node), place(node)));
 }
 
 // Rest length squared: whole number of 2⁻³² m² (modulo 2³²), what is left of it in the same unit, and as it is [m²].

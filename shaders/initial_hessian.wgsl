@@ -115,6 +115,22 @@ fn curvature_blocks(
     }
 }
 
+// Pressure has no part in the initial Hessian; its slots held forces.
+@compute @workgroup_size(64)
+fn face_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= FACES {
+        return;
+    }
+    for (var corner = 0u; corner < 3u; corner++) {
+        contribute_block(FACE_SLOTS + corner * FACES + e, isotropic(0.0));
+    }
+}
+
 @compute @workgroup_size(64)
 fn dashpot_blocks(
     @builtin(workgroup_id) group: vec3<u32>,

@@ -6,6 +6,10 @@
 @group(0) @binding(20) var<storage, read_write> vectors: array<f32>;
 
 override NODE_ENERGIES: u32 = 0u;
+// A point in the middle of the structure, in 2⁻¹⁶ m, from where volumes are seen.
+override ORIGIN_X: i32 = 0;
+override ORIGIN_Y: i32 = 0;
+override ORIGIN_Z: i32 = 0;
 
 var<workgroup> partial_energies: array<vec2<f32>, 64>;
 
@@ -200,6 +204,40 @@ fn guide_forces(
         contribute(GUIDE_SLOTS + e, force);
     }
     gather_energy(GUIDE_ENERGIES, GUIDES, group.y * groups.x + group.x, local, energy);
+}
+
+// Pressure that follows the surface (src/cpu/cloth/pressure.rs), whose edges are held. The energy −p V counts from the prediction, so
+// that no volume is taken from another: with d = 6 V = a·S, a a corner and S the doubled area vector, d − d_p = (a − a_p)·S + a_p·(S − S_p).
+@compute @workgroup_size(64)
+fn face_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < FACES {
+        let nodes = vec3<u32>(faces[e], faces[FACES + e], faces[2u * FACES + e]);
+        let corner = place(nodes.x);
+        let along1 = metres(between(corner, place(nodes.y)));
+        let along2 = metres(between(corner, place(nodes.z)));
+        let moved = displacement(nodes.x);
+        let stretch1 = displacement(nodes.y) - moved;
+        let stretch2 = displacement(nodes.z) - moved;
+        let area = cross(along1, along2);
+        let turned = cross(along1 - stretch1, stretch2) + cross(stretch1, along2);
+        let origin = Place(vec3<i32>(ORIGIN_X, ORIGIN_Y, ORIGIN_Z), vec3<f32>(0.0));
+        let before = metres(between(origin, predicted_place(nodes.x)));
+        let share = face_pressures[e] / 6.0;
+        let lifted = share * dot(moved, area);
+        let swung = share * dot(before, turned);
+        energy = vec2<f32>(-lifted - swung, abs(lifted) + abs(swung));
+        let pull = -share * area;
+        contribute(FACE_SLOTS + e, pull);
+        contribute(FACE_SLOTS + FACES + e, pull);
+        contribute(FACE_SLOTS + 2u * FACES + e, pull);
+    }
+    gather_energy(FACE_ENERGIES, FACES, group.y * groups.x + group.x, local, energy);
 }
 
 // Reaction of the air: K (v − u*) at every marker, with v − u* = (sheet's velocity in the prediction − u*) + displacement / dt.

@@ -134,7 +134,7 @@ pub fn farthest(a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 /// The trial of both engines must agree; differences are measured against the largest of their kind.
-fn compare(
+pub fn compare(
     what: &str,
     cpu: &Probe,
     gpu: &Probe,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use libtest_mimic::Trial;
-use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::sheet::FabricModel;
 use ripstop::gpu::Device;
@@ -16,7 +16,7 @@ use ripstop::solve::multigrid::blocks::{BlockMatrix, Pattern};
 use ripstop::solve::multigrid::coarsening::Graph;
 use ripstop::solve::multigrid::hierarchy::hierarchy;
 
-use crate::device_cloth::{curtain, fabric, farthest, noise, on, on_device, square};
+use crate::device_cloth::{compare, curtain, fabric, farthest, noise, on, on_device, square};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {
@@ -24,6 +24,7 @@ pub fn trials() -> Vec<Trial> {
         on_device("multigrid_cycle_matches", cycle),
         on_device("multigrid_without_coarse_levels", smoother_alone),
         on_device("equilibrium_matches", equilibrium),
+        on_device("pressure_follows", following_pressure),
         on_device("multigrid_is_absent_unless_asked_for", absent),
     ]
 }
@@ -200,4 +201,58 @@ fn absent(device: &Arc<Device>) {
         let asked = kind == InitialHessian::Multigrid;
         assert_eq!(on_device.multigrid_traffic().is_some(), asked);
     }
+}
+
+/// A square sheet held along its rim under 2 kPa, which bulges it by a tenth of its side; far from the origin.
+fn following_pressure(device: &Arc<Device>) {
+    let n = 20;
+    let mut structure = square(n, FabricModel::Membrane, &fabric(8e6, 0.1));
+    for node in 0..(n + 1) * (n + 1) {
+        let (x, y) = (node % (n + 1), node / (n + 1));
+        structure.held[node] = x == 0 || y == 0 || x == n || y == n;
+        // Taut from the start: without strain, round-off would say whether it wrinkles.
+        let place = 1.01 * structure.positions_m[node];
+        structure.positions_m[node] = place + DVec3::new(300.0, -200.0, 100.0);
+    }
+    let input = StepInput {
+        pressure: Pressure::Uniform(2e3),
+        ..StepInput::default()
+    };
+    let mut on_device = on(device, &structure, &[]);
+    let mut cpu = Cloth::new(structure.clone());
+    let mut random = noise(3);
+    let direction: Vec<DVec3> = (0..structure.node_count())
+        .map(|_| DVec3::new(random(), 1.0 + random(), random()) * 0.02)
+        .collect();
+    for initial_hessian in [InitialHessian::BlockJacobi, InitialHessian::Multigrid] {
+        let settings = SolverSettings {
+            initial_hessian,
+            ..SETTINGS
+        };
+        let orders = (&input, &settings);
+        let exact = cpu.probe(orders, &direction, [1.0, 1e9]);
+        let found = on_device
+            .probe(&cpu, orders, &direction, [1.0, 1e9])
+            .unwrap();
+        let name = format!("following pressure, {initial_hessian:?}");
+        let allowed = [tolerance::GRADIENT, tolerance::MULTIGRID];
+        compare(&name, &exact, &found, 0.02, allowed);
+    }
+    let mut gpu = cpu.clone();
+    let a = cpu.solve_cloth(&input, &SETTINGS);
+    let b = on_device
+        .solve(&mut gpu, &input, &SETTINGS, &mut |_| true)
+        .unwrap();
+    assert_eq!(a.stop, Stop::Converged, "{a:?}");
+    assert_eq!(b.stop, Stop::Converged, "{b:?}");
+    let moved = farthest(&structure.positions_m, &cpu.positions_m);
+    assert!(moved > 0.05, "{moved}");
+    let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
+    assert!(error < tolerance::EQUILIBRIUM, "{error:e}");
+    // An edge that moves is refused, with its node.
+    structure.held[n / 2] = false;
+    let mut open = Cloth::new(structure.clone());
+    let refused = on(device, &structure, &[]).solve(&mut open, &input, &SETTINGS, &mut |_| true);
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains(&format!("node {}", n / 2)), "{message}");
 }

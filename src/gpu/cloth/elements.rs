@@ -154,8 +154,8 @@ fn law_pieces(laws: &[CableLaw]) -> (Vec<[f32; 4]>, Vec<u32>) {
 }
 
 impl Elements {
-    /// Lays out a structure; `markers` are (triangle, weights).
-    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])]) -> Self {
+    /// Lays out a structure; `markers` are (triangle, weights); triangles are faces too where pressure is to follow them.
+    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])], with_faces: bool) -> Self {
         let mut kinds = Vec::new();
         if structure.membrane.is_some() {
             kinds.push(Kind::new(
@@ -253,6 +253,12 @@ impl Elements {
                 words
             },
         ));
+        let faces = if with_faces {
+            &structure.triangles[..]
+        } else {
+            &[]
+        };
+        kinds.push(Kind::new("face", "faces", faces, |t| t.nodes, |_| []));
         kinds.push(Kind::new(
             "marker",
             "markers",

@@ -30,8 +30,9 @@ mod workspace;
 use std::sync::Arc;
 
 use crate::cloth::Structure;
+use crate::cpu::cloth::pressure::middle;
 use crate::cpu::cloth::stiffness::graph;
-use crate::cpu::cloth::{InitialHessian, SolverSettings};
+use crate::cpu::cloth::{InitialHessian, SolverSettings, StepInput};
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::{Multigrid, Traffic};
@@ -39,7 +40,7 @@ use crate::gpu::shaders;
 use crate::solve::lbfgs::HISTORY;
 use crate::solve::multigrid::hierarchy::hierarchy;
 
-use elements::Elements;
+use elements::{Elements, split};
 use gathering::Gathering;
 use parameters::ClothStage;
 use stiffness::Stiffness;
@@ -52,6 +53,8 @@ pub struct Cloth {
     device: Arc<Device>,
     nodes: usize,
     markers: Vec<(u32, [f64; 3])>,
+    /// Pressure can follow the triangles; made when a solve first asks for it.
+    faces: bool,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     forces: Gathering,
     blocks: Gathering,
@@ -108,8 +111,17 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
+        Self::with_faces(device, structure, markers, false)
+    }
+
+    fn with_faces(
+        device: Arc<Device>,
+        structure: &Structure,
+        markers: &[(u32, [f64; 3])],
+        faces: bool,
+    ) -> Result<Self, DeviceError> {
         let nodes = structure.node_count();
-        let elements = Elements::new(structure, markers);
+        let elements = Elements::new(structure, markers, faces);
         let constants = constants(structure, &elements);
         let gathering = |shader, what| {
             Gathering::new(&device, shader, what, &elements.kinds, nodes, &constants)
@@ -177,6 +189,10 @@ impl Cloth {
                     "dashpot_states",
                     device.storage("dashpot states", 20 * kind.count as u64)?,
                 )),
+                "face" => buffers.push((
+                    "face_pressures",
+                    device.storage("face pressures", 4 * kind.count as u64)?,
+                )),
                 _ => (),
             }
         }
@@ -185,6 +201,7 @@ impl Cloth {
             device,
             nodes,
             markers: markers.to_vec(),
+            faces,
             buffers,
             forces,
             blocks,
@@ -217,8 +234,12 @@ impl Cloth {
     fn prepare(
         &mut self,
         structure: &Structure,
-        settings: &SolverSettings,
+        (input, settings): (&StepInput, &SolverSettings),
     ) -> Result<(), DeviceError> {
+        if input.pressure_follows() && !self.faces {
+            let device = Arc::clone(&self.device);
+            *self = Self::with_faces(device, structure, &self.markers, true)?;
+        }
         self.make_room(settings.history)?;
         if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {
             self.multigrid = Some(self.whole_hessian(structure)?);
@@ -227,7 +248,7 @@ impl Cloth {
     }
 
     fn whole_hessian(&self, structure: &Structure) -> Result<WholeHessian, DeviceError> {
-        let elements = Elements::new(structure, &self.markers);
+        let elements = Elements::new(structure, &self.markers, self.faces);
         let constants = constants(structure, &elements);
         let shapes = hierarchy(graph(structure));
         let pattern = shapes
@@ -292,6 +313,10 @@ fn constants<'a>(structure: &Structure, elements: &'a Elements) -> Vec<(&'a str,
         .iter()
         .map(|(name, value)| (name.as_str(), *value))
         .collect();
+    let origin = middle(&structure.positions_m).to_array().map(split);
+    for (name, (whole, _)) in ["ORIGIN_X", "ORIGIN_Y", "ORIGIN_Z"].into_iter().zip(origin) {
+        constants.push((name, f64::from(whole)));
+    }
     if let Some(membrane) = &structure.membrane {
         let c = membrane.stiffness();
         constants.extend([

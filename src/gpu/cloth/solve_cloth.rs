@@ -11,6 +11,7 @@ use glam::DVec3;
 use crate::cloth::Structure;
 use crate::cpu::cloth::dashpots::dashpots;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
+use crate::cpu::cloth::pressure;
 use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
@@ -32,7 +33,7 @@ impl Cloth {
         input: &StepInput,
         settings: &SolverSettings,
     ) -> Result<(), DeviceError> {
-        self.prepare(&state.structure, settings)?;
+        self.prepare(&state.structure, (input, settings))?;
         self.constant_j = self.upload(state, input)?;
         Ok(())
     }
@@ -116,7 +117,7 @@ impl Cloth {
             history: 1,
             ..*settings
         };
-        self.prepare(&state.structure, &settings)?;
+        self.prepare(&state.structure, (input, &settings))?;
         let constant_j = self.upload(state, input)?;
         let mut space = self.space(input, constant_j, settings.initial_hessian)?;
         let point = space.point()?;
@@ -218,11 +219,6 @@ impl Cloth {
             )));
         }
         let start = &state.positions_m;
-        if input.pressure_follows() {
-            return Err(DeviceError::Command(
-                "pressure that follows the fabric is computed on the host only".to_owned(),
-            ));
-        }
         let predicted = prediction(structure, start, &state.velocities_m_s, input);
         // Of the prediction.
         let velocity = |node: usize| match input.time_step_s {
@@ -244,6 +240,19 @@ impl Cloth {
         let mut drive = loads.clone();
         add_pull_of_the_air(structure, input.markers, &mut drive);
         let mut constant_j = 0.0;
+        if self.faces {
+            let pressures: Vec<f32> = if input.pressure_follows() {
+                self.refuse_open_edges(state, input)?;
+                pressure::add_forces(structure, &predicted, input.pressure, &mut drive);
+                constant_j += pressure::potential_j(structure, start, &predicted, input.pressure);
+                let faces = 0..structure.triangles.len();
+                faces.map(|t| input.pressure.at(t) as f32).collect()
+            } else {
+                vec![0.0; structure.triangles.len()]
+            };
+            self.device
+                .write(self.buffer("face_pressures")?, 0, &pressures);
+        }
         for node in 0..self.nodes {
             constant_j -= loads[node].dot(predicted[node] - start[node]);
             if let Some(dt) = input.time_step_s {
@@ -286,6 +295,18 @@ impl Cloth {
             self.device.write(buffer, 0, &dashpots);
         }
         Ok(constant_j)
+    }
+
+    /// Along open edges that move, the host corrects the loads of following pressure from solve to solve; the device does not.
+    fn refuse_open_edges(&self, state: &State, input: &StepInput) -> Result<(), DeviceError> {
+        let open = pressure::first_open_edge(&state.structure, &state.positions_m, input.pressure);
+        match open {
+            None => Ok(()),
+            Some(node) => Err(DeviceError::Command(format!(
+                "pressure that follows the fabric is computed on the host only where an edge of the loaded fabric moves, as at node \
+                 {node}: hold the edge, or use --cloth host"
+            ))),
+        }
     }
 
     /// Copies the prediction to a point.

@@ -114,6 +114,10 @@ impl Stiffness {
                     kind.count, kind.plural
                 )));
             }
+            if kind.name == "face" {
+                // Pressure has no part in it.
+                continue;
+            }
             if kind.name == "triangle" {
                 let groups = device.workgroups(kind.count as u64);
                 dispatches.push((bound("triangle_stiffness", 0, &[])?, groups));
