@@ -4,7 +4,6 @@ use std::path::Path;
 
 use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 
-use super::stability::describe;
 use super::{Stop, work_precision};
 use crate::lattice::stability::Point;
 use crate::output::write_atomically;
@@ -137,41 +136,39 @@ pub(super) fn work_precision(
     write(path, plots, layout)
 }
 
-/// Largest Mach number survived at every angle, over τ − ½.
+/// Largest Mach number survived at every angle and on every engine, over τ − ½; models of an operator that agree share a line.
 pub(super) fn stability(path: &Path, points: &[Point]) -> Result<(), Stop> {
-    struct Series {
-        operator: String,
-        engines: Vec<String>,
+    struct Line {
+        operator: &'static str,
+        models: Vec<&'static str>,
         data: Vec<(f64, f64)>,
     }
-    let mut series: Vec<Series> = Vec::new();
+    let mut single: Vec<Line> = Vec::new();
     for point in points {
-        let operator = describe(point);
-        let known = series
+        let operator = point.operator.name();
+        let model = point.eddy_viscosity.map_or("none", |model| model.name());
+        let known = single
             .iter()
-            .position(|s| s.operator == operator && s.engines == [point.engine.as_str()]);
+            .position(|line| line.operator == operator && line.models == [model]);
         let index = known.unwrap_or_else(|| {
-            series.push(Series {
+            single.push(Line {
                 operator,
-                engines: vec![point.engine.clone()],
+                models: vec![model],
                 data: Vec::new(),
             });
-            series.len() - 1
+            single.len() - 1
         });
-        let data = &mut series[index].data;
+        let data = &mut single[index].data;
         match data.iter_mut().find(|(tau, _)| *tau == point.viscous_part) {
             Some((_, mach)) => *mach = mach.min(point.mach),
             None => data.push((point.viscous_part, point.mach)),
         }
     }
-    // Engines that agree share a line.
-    let mut lines: Vec<Series> = Vec::new();
-    for one in series {
-        match lines
-            .iter_mut()
-            .find(|line| line.operator == one.operator && line.data == one.data)
-        {
-            Some(line) => line.engines.extend(one.engines),
+    let mut lines: Vec<Line> = Vec::new();
+    for one in single {
+        let same = |line: &&mut Line| line.operator == one.operator && line.data == one.data;
+        match lines.iter_mut().find(same) {
+            Some(line) => line.models.extend(one.models),
             None => lines.push(one),
         }
     }
@@ -180,18 +177,18 @@ pub(super) fn stability(path: &Path, points: &[Point]) -> Result<(), Stop> {
         .enumerate()
         .map(|(i, line)| {
             // Lines that coincide must all be seen.
-            let width = 8.0 - 1.5 * i as f64;
+            let width = 8.0 - 1.2 * i as f64;
             LinePlot::new()
                 .with_data(line.data)
                 .with_color(COLOURS[i % COLOURS.len()])
                 .with_stroke_width(width.max(1.5))
-                .with_legend(format!("{} ({})", line.operator, line.engines.join(", ")))
+                .with_legend(format!("{} ({})", line.operator, line.models.join(", ")))
                 .into()
         })
         .collect();
     let layout = Layout::auto_from_plots(&plots)
         .with_log_x()
-        .with_title("Largest Mach number survived at every flow angle")
+        .with_title("Largest Mach number survived, by operator (model of eddy viscosity)")
         .with_x_label("relaxation time - 1/2")
         .with_y_label("Mach number");
     write(path, plots, layout)

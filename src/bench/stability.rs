@@ -124,7 +124,7 @@ pub fn table(points: &[Point]) -> String {
 }
 
 /// Operator and eddy viscosity in words.
-pub(super) fn describe(point: &Point) -> String {
+fn describe(point: &Point) -> String {
     let operator = point.operator.name();
     match point.eddy_viscosity {
         Some(model) => format!("{operator} + {}", model.name()),

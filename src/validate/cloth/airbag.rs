@@ -8,15 +8,23 @@ use super::super::{Gate, Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
+use crate::fabric::Fabric;
 use crate::frame::FabricState;
 use crate::geometry::airbag;
 
 const SIDE_M: f64 = 1.2 * std::f64::consts::FRAC_1_SQRT_2;
 const THICKNESS_M: f64 = 6e-4;
+/// Share of the compressive stiffness that keeps the folds of the sides in place. Without any, single nodes there are not determined: the
+/// middles of the sides scatter by 2 % from mesh to mesh; with 1e-3 they move 2 % less.
+const RESIDUAL: f64 = 1e-4;
+
 const SOURCE: &str = "Contri & Schrefler 1988";
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    let fabric = super::isotropic(5.88e8, 0.4, THICKNESS_M);
+    let fabric = Fabric {
+        residual_stiffness: RESIDUAL,
+        ..super::isotropic(5.88e8, 0.4, THICKNESS_M)
+    };
     let cells: &[usize] = session.size(&[16, 32], &[16, 32, 64]);
     let finest = cells[cells.len() - 1];
     for &cells in cells {
