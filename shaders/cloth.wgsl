@@ -45,7 +45,3 @@ fn between(a: Place, b: Place) -> Place {
 fn metres(p: Place) -> vec3<f32> {
     return vec3<f32>(p.whole) * UNIT + p.remainder;
 }
-
-fn is_finite(x: f32) -> bool {
-    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
-}

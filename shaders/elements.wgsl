@@ -10,9 +10,18 @@ override SPRING_ENERGIES: u32 = 0u;
 override BENDINGS: u32 = 1u;
 override BENDING_SLOTS: u32 = 0u;
 override BENDING_ENERGIES: u32 = 0u;
+override CURVATURES: u32 = 1u;
+override CURVATURE_SLOTS: u32 = 0u;
+override CURVATURE_ENERGIES: u32 = 0u;
 override CABLES: u32 = 1u;
 override CABLE_SLOTS: u32 = 0u;
 override CABLE_ENERGIES: u32 = 0u;
+override DASHPOTS: u32 = 1u;
+override DASHPOT_SLOTS: u32 = 0u;
+override DASHPOT_ENERGIES: u32 = 0u;
+override FACES: u32 = 1u;
+override FACE_SLOTS: u32 = 0u;
+override FACE_ENERGIES: u32 = 0u;
 override GUIDES: u32 = 1u;
 override GUIDE_SLOTS: u32 = 0u;
 override GUIDE_ENERGIES: u32 = 0u;
@@ -38,6 +47,15 @@ override MARKER_ENERGIES: u32 = 0u;
 @group(0) @binding(15) var<storage, read> node_slots: array<u32>;
 @group(0) @binding(16) var<storage, read> masses: array<f32>;
 @group(0) @binding(18) var<storage, read> held: array<u32>;
+@group(0) @binding(24) var<storage, read> curvatures: array<u32>;
+// Pieces of the cables' laws: strain and force where each begins, slope, energy up to there.
+@group(0) @binding(25) var<storage, read> cable_laws: array<vec4<f32>>;
+@group(0) @binding(26) var<storage, read> dashpots: array<u32>;
+// Words of a dashpot in a step: direction, stiffness [N/m], stretch of the prediction [m].
+@group(0) @binding(27) var<storage, read> dashpot_states: array<f32>;
+@group(0) @binding(28) var<storage, read> faces: array<u32>;
+// Pressure jump along the normal of every face [Pa].
+@group(0) @binding(29) var<storage, read> face_pressures: array<f32>;
 
 fn place(node: u32) -> Place {
     let k = (stage.point * NODES + node) * 3u;
@@ -47,14 +65,17 @@ fn place(node: u32) -> Place {
     );
 }
 
-// Displacement from the prediction [m].
-fn displacement(node: u32) -> vec3<f32> {
+fn predicted_place(node: u32) -> Place {
     let k = node * 3u;
-    let from_place = Place(
+    return Place(
         vec3<i32>(predicted_whole[k], predicted_whole[k + 1u], predicted_whole[k + 2u]),
         vec3<f32>(predicted_remainder[k], predicted_remainder[k + 1u], predicted_remainder[k + 2u]),
     );
-    return metres(between(from_place, place(node)));
+}
+
+// Displacement from the prediction [m].
+fn displacement(node: u32) -> vec3<f32> {
+    return metres(between(predicted_place(node), place(node)));
 }
 
 // Rest length squared: whole number of 2⁻³² m² (modulo 2³²), what is left of it in the same unit, and as it is [m²].
@@ -132,7 +153,8 @@ fn piece(a: u32, b: u32, rest: RestSquare, rest_length: f32) -> Piece {
     return Piece(edge, length, squared_elongation(along, edge, rest) / (length + rest_length));
 }
 
-// Words of a spring or cable: two nodes, rest square (three words), rest length, stiffnesses.
+// Words of a spring or cable: two nodes, rest square (three words), rest length; then stiffnesses, or first piece of the law and their
+// number.
 fn spring_piece(e: u32) -> Piece {
     let rest = RestSquare(
         springs[2u * SPRINGS + e],
@@ -149,6 +171,46 @@ fn cable_piece(e: u32) -> Piece {
         bitcast<f32>(cables[4u * CABLES + e]),
     );
     return piece(cables[e], cables[CABLES + e], rest, bitcast<f32>(cables[5u * CABLES + e]));
+}
+
+struct CableState {
+    tension: f32,
+    // dT/dε
+    tangent: f32,
+    // Per rest length.
+    energy: f32,
+}
+
+// Of a taut cable; slack ones carry nothing.
+fn cable_state(e: u32, strain: f32) -> CableState {
+    let first = cables[6u * CABLES + e];
+    var piece = cable_laws[first];
+    for (var k = 1u; k < cables[7u * CABLES + e]; k++) {
+        let next = cable_laws[first + k];
+        if next.x < strain {
+            piece = next;
+        }
+    }
+    let beyond = strain - piece.x;
+    let tension = piece.y + piece.z * beyond;
+    return CableState(tension, piece.z, piece.w + 0.5 * beyond * (piece.y + tension));
+}
+
+fn cable_rest_length(e: u32) -> f32 {
+    return bitcast<f32>(cables[5u * CABLES + e]);
+}
+
+// Words of a curvature: six nodes, their coefficients, stiffness.
+fn curvature_word(k: u32, e: u32) -> f32 {
+    return bitcast<f32>(curvatures[k * CURVATURES + e]);
+}
+
+fn dashpot_direction(e: u32) -> vec3<f32> {
+    return vec3<f32>(dashpot_states[e], dashpot_states[DASHPOTS + e], dashpot_states[2u * DASHPOTS + e]);
+}
+
+fn dashpot_stiffness(e: u32) -> f32 {
+    return dashpot_states[3u * DASHPOTS + e];
 }
 
 fn guide_word(k: u32, e: u32) -> f32 {

@@ -3,12 +3,6 @@
 
 @group(0) @binding(19) var<storage, read_write> inverse_blocks: array<f32>;
 
-struct Block {
-    diagonal: vec3<f32>,
-    // xy, xz, yz
-    off: vec3<f32>,
-}
-
 fn contribute_block(slot: u32, block: Block) {
     let k = slot * 6u;
     contributions[k] = block.diagonal.x;
@@ -19,34 +13,12 @@ fn contribute_block(slot: u32, block: Block) {
     contributions[k + 5u] = block.off.z;
 }
 
-fn plus(a: Block, b: Block) -> Block {
-    return Block(a.diagonal + b.diagonal, a.off + b.off);
-}
-
-// k a aᵀ.
-fn square(a: vec3<f32>, k: f32) -> Block {
-    return Block(k * a * a, k * vec3<f32>(a.x * a.y, a.x * a.z, a.y * a.z));
-}
-
 // k (a bᵀ + b aᵀ).
 fn cross_square(a: vec3<f32>, b: vec3<f32>, k: f32) -> Block {
     return Block(
         2.0 * k * a * b,
         k * vec3<f32>(a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y),
     );
-}
-
-fn isotropic(k: f32) -> Block {
-    return Block(vec3<f32>(k), vec3<f32>(0.0));
-}
-
-// k nnᵀ + t (1 − nnᵀ) along an edge.
-fn axial(edge: vec3<f32>, length: f32, k: f32, t: f32) -> Block {
-    var n = vec3<f32>(0.0);
-    if length > 0.0 {
-        n = edge / length;
-    }
-    return plus(isotropic(t), square(n, k - t));
 }
 
 // Block of the corner where `ends` ends and `starts` starts; k: the stiffness of the squared elongations.
@@ -105,14 +77,7 @@ fn spring_blocks(
         return;
     }
     let p = spring_piece(e);
-    let stretched = bitcast<f32>(springs[6u * SPRINGS + e]);
-    let shortened = bitcast<f32>(springs[7u * SPRINGS + e]);
-    var block: Block;
-    if p.elongation > 0.0 {
-        block = axial(p.edge, p.length, stretched, stretched * p.elongation / p.length);
-    } else {
-        block = axial(p.edge, p.length, max(shortened, 1e-3 * stretched), 0.0);
-    }
+    let block = spring_block(e, p);
     contribute_block(SPRING_SLOTS + e, block);
     contribute_block(SPRING_SLOTS + SPRINGS + e, block);
 }
@@ -134,6 +99,54 @@ fn bending_blocks(
 }
 
 @compute @workgroup_size(64)
+fn curvature_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= CURVATURES {
+        return;
+    }
+    for (var k = 0u; k < 6u; k++) {
+        let coefficient = curvature_word(6u + k, e);
+        let stiffness = curvature_word(12u, e) * coefficient * coefficient;
+        contribute_block(CURVATURE_SLOTS + k * CURVATURES + e, isotropic(stiffness));
+    }
+}
+
+// Pressure has no part in the initial Hessian; its slots held forces.
+@compute @workgroup_size(64)
+fn face_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= FACES {
+        return;
+    }
+    for (var corner = 0u; corner < 3u; corner++) {
+        contribute_block(FACE_SLOTS + corner * FACES + e, isotropic(0.0));
+    }
+}
+
+@compute @workgroup_size(64)
+fn dashpot_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= DASHPOTS {
+        return;
+    }
+    let block = square(dashpot_direction(e), dashpot_stiffness(e));
+    contribute_block(DASHPOT_SLOTS + e, block);
+    contribute_block(DASHPOT_SLOTS + DASHPOTS + e, block);
+}
+
+@compute @workgroup_size(64)
 fn cable_blocks(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -144,12 +157,7 @@ fn cable_blocks(
         return;
     }
     let p = cable_piece(e);
-    let stiffness = bitcast<f32>(cables[6u * CABLES + e]) / bitcast<f32>(cables[5u * CABLES + e]);
-    // A slack cable has no stiffness; a thousandth keeps steps that would tighten it within bounds.
-    var block = isotropic(1e-3 * stiffness);
-    if p.elongation > 0.0 {
-        block = axial(p.edge, p.length, stiffness, stiffness * p.elongation / p.length);
-    }
+    let block = cable_block(e, p);
     contribute_block(CABLE_SLOTS + e, block);
     contribute_block(CABLE_SLOTS + CABLES + e, block);
 }
@@ -206,27 +214,8 @@ fn gather_blocks(
     }
     block = plus(block, isotropic(masses[node] * stage.inertia));
     let largest = max(max(block.diagonal.x, block.diagonal.y), max(block.diagonal.z, stage.stiffness_floor));
-    // A millionth of the largest entry keeps the block regular where an element gives no transverse stiffness. The blocks are
-    // positive semidefinite, so no pivot of L D Lᵀ can be smaller than that; in f32 round-off can make one.
-    let least = 1e-6 * largest;
-    let d = block.diagonal + vec3<f32>(least);
-    let d0 = max(d.x, least);
-    let l10 = block.off.x / d0;
-    let l20 = block.off.y / d0;
-    let d1 = max(d.y - l10 * block.off.x, least);
-    let below = block.off.z - l20 * block.off.x;
-    let l21 = below / d1;
-    let d2 = max(d.z - l20 * block.off.y - l21 * below, least);
-    // L⁻¹ has the rows (1, 0, 0), (−l10, 1, 0), (m, −l21, 1).
-    let m = l10 * l21 - l20;
-    var inverse = Block(
-        vec3<f32>(1.0 / d0 + l10 * l10 / d1 + m * m / d2, 1.0 / d1 + l21 * l21 / d2, 1.0 / d2),
-        vec3<f32>(-l10 / d1 - m * l21 / d2, m / d2, -l21 / d2),
-    );
-    let sum = dot(inverse.diagonal, vec3<f32>(1.0)) + dot(abs(inverse.off), vec3<f32>(1.0));
-    if !is_finite(sum) {
-        inverse = isotropic(1.0 / largest);
-    }
+    // A millionth of the largest entry keeps the block regular where an element gives no transverse stiffness.
+    var inverse = inverted(block, largest);
     if held[node] != 0u {
         inverse = isotropic(0.0);
     }

@@ -10,6 +10,10 @@ override STIFFNESS_XS: f32 = 0.0;
 override STIFFNESS_YY: f32 = 1.0;
 override STIFFNESS_YS: f32 = 0.0;
 override STIFFNESS_SS: f32 = 1.0;
+// Nonlinear shear, 2ε₁₂ = c T + a T³ (src/fabric/shear.rs): c [m/N] and a [m³/N³].
+override NONLINEAR_SHEAR: bool = false;
+override SHEAR_COMPLIANCE: f32 = 1.0;
+override SHEAR_CUBIC: f32 = 0.0;
 // Share of the compressive stiffness that is kept.
 override RESIDUAL: f32 = 0.0;
 override ISOTROPIC: bool = false;
@@ -27,12 +31,57 @@ struct Response {
     across: vec3<f32>,
 }
 
-fn stiff(e: vec3<f32>) -> vec3<f32> {
+// Tension of a linear sheet of the given shear stiffness.
+fn stiff_with(shear: f32, e: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(
         STIFFNESS_XX * e.x + STIFFNESS_XY * e.y + STIFFNESS_XS * e.z,
         STIFFNESS_XY * e.x + STIFFNESS_YY * e.y + STIFFNESS_YS * e.z,
-        STIFFNESS_XS * e.x + STIFFNESS_YS * e.y + STIFFNESS_SS * e.z,
+        STIFFNESS_XS * e.x + STIFFNESS_YS * e.y + shear * e.z,
     );
+}
+
+// Root of a T³ + c T = γ: Newton's method from above falls towards it without overshooting.
+fn shear_tension(strain: f32) -> f32 {
+    let size = abs(strain);
+    var tension = size / SHEAR_COMPLIANCE;
+    if size > 0.0 && SHEAR_CUBIC * tension * tension * tension > size {
+        tension = pow(size / SHEAR_CUBIC, 1.0 / 3.0);
+    }
+    for (var k = 0u; k < 6u; k++) {
+        let square = SHEAR_CUBIC * tension * tension;
+        tension -= (tension * (SHEAR_COMPLIANCE + square) - size) / (SHEAR_COMPLIANCE + 3.0 * square);
+    }
+    return select(tension, -tension, strain < 0.0);
+}
+
+// T/γ, at γ → 0 as well.
+fn shear_secant(strain: f32) -> f32 {
+    let tension = shear_tension(strain);
+    return 1.0 / (SHEAR_COMPLIANCE + SHEAR_CUBIC * tension * tension);
+}
+
+// dT/dγ.
+fn shear_tangent(strain: f32) -> f32 {
+    let tension = shear_tension(strain);
+    return 1.0 / (SHEAR_COMPLIANCE + 3.0 * SHEAR_CUBIC * tension * tension);
+}
+
+// Tension of the sheet as it is, without wrinkles.
+fn stiff(e: vec3<f32>) -> vec3<f32> {
+    var tension = stiff_with(STIFFNESS_SS, e);
+    if NONLINEAR_SHEAR {
+        tension.z = shear_tension(e.z);
+    }
+    return tension;
+}
+
+// Energy per rest area of that sheet.
+fn energy_of(e: vec3<f32>, tension: vec3<f32>) -> f32 {
+    if NONLINEAR_SHEAR {
+        let square = tension.z * tension.z;
+        return 0.5 * dot(e.xy, tension.xy) + square * (0.5 * SHEAR_COMPLIANCE + 0.75 * SHEAR_CUBIC * square);
+    }
+    return 0.5 * dot(e, tension);
 }
 
 // Mean and radius of Mohr's circle of a symmetric tensor.
@@ -51,21 +100,21 @@ fn turned(v: vec2<f32>, by: vec2<f32>) -> vec2<f32> {
 }
 
 // Energy given up by wrinkling across `doubled`, doubled.
-fn gain(doubled: vec2<f32>, tension: vec3<f32>) -> f32 {
+fn gain(shear: f32, doubled: vec2<f32>, tension: vec3<f32>) -> f32 {
     let n = dyad(doubled);
     let across = min(dot(n, tension), 0.0);
-    return across * across / dot(n, stiff(n));
+    return across * across / dot(n, stiff_with(shear, n));
 }
 
 // Refines the direction that gives up most energy: the best of twelve, then Newton's method inside its bracket.
-fn wrinkle_direction(tension: vec3<f32>, guess: vec2<f32>) -> vec2<f32> {
+fn wrinkle_direction(shear: f32, tension: vec3<f32>, guess: vec2<f32>) -> vec2<f32> {
     const STEP = vec2<f32>(0.8660254, 0.5);
     var best = guess;
-    var best_gain = gain(guess, tension);
+    var best_gain = gain(shear, guess, tension);
     var candidate = guess;
     for (var k = 1u; k < 12u; k++) {
         candidate = turned(candidate, STEP);
-        let value = gain(candidate, tension);
+        let value = gain(shear, candidate, tension);
         if value > best_gain {
             best_gain = value;
             best = candidate;
@@ -83,13 +132,13 @@ fn wrinkle_direction(tension: vec3<f32>, guess: vec2<f32>) -> vec2<f32> {
         let n = dyad(doubled);
         let n1 = vec3<f32>(-0.5 * doubled.y, 0.5 * doubled.y, doubled.x);
         let n2 = vec3<f32>(-0.5 * doubled.x, 0.5 * doubled.x, -doubled.y);
-        let cn = stiff(n);
+        let cn = stiff_with(shear, n);
         let t = dot(n, tension);
         let t1 = dot(n1, tension);
         let t2 = dot(n2, tension);
         let q = dot(n, cn);
         let q1 = 2.0 * dot(n1, cn);
-        let q2 = 2.0 * (dot(n1, stiff(n1)) + dot(n2, cn));
+        let q2 = 2.0 * (dot(n1, stiff_with(shear, n1)) + dot(n2, cn));
         // For t < 0 the gain rises while this is negative.
         let slope = 2.0 * t1 * q - t * q1;
         let curvature = 2.0 * t2 * q + t1 * q1 - t * q2;
@@ -109,35 +158,69 @@ fn wrinkle_direction(tension: vec3<f32>, guess: vec2<f32>) -> vec2<f32> {
     return found;
 }
 
-// Energy, tension and state at a strain.
-fn respond(strain: vec3<f32>) -> Response {
-    let tension = stiff(strain);
-    let energy = 0.5 * dot(strain, tension);
+// A strain without its wrinkles.
+struct Relaxed {
+    strain: vec3<f32>,
+    state: u32,
+    // See Response.
+    across: vec3<f32>,
+}
+
+// For a linear sheet of the given shear stiffness.
+fn relax_linear(shear: f32, strain: vec3<f32>) -> Relaxed {
+    let tension = stiff_with(shear, strain);
     let stress = circle(tension.x, tension.y, tension.z);
     if stress.x - stress.y >= 0.0 {
-        return Response(energy, TAUT, tension, vec3<f32>(0.0));
+        return Relaxed(strain, TAUT, vec3<f32>(0.0));
     }
     let stretch = circle(strain.x, strain.y, 0.5 * strain.z);
     if stretch.x + stretch.y <= 0.0 {
-        return Response(RESIDUAL * energy, SLACK, RESIDUAL * tension, vec3<f32>(0.0));
+        return Relaxed(vec3<f32>(0.0), SLACK, vec3<f32>(0.0));
     }
     var doubled = vec2<f32>(-1.0, 0.0);
     if stretch.y != 0.0 {
         doubled = -vec2<f32>(0.5 * (strain.x - strain.y), 0.5 * strain.z) / stretch.y;
     }
     if !ISOTROPIC {
-        doubled = wrinkle_direction(tension, doubled);
+        doubled = wrinkle_direction(shear, tension, doubled);
     }
     let n = dyad(doubled);
-    let excess = max(-dot(n, tension) / dot(n, stiff(n)), 0.0);
-    let relaxed_strain = strain + excess * n;
-    let relaxed = stiff(relaxed_strain);
-    let relaxed_energy = 0.5 * dot(relaxed_strain, relaxed);
+    let excess = max(-dot(n, tension) / dot(n, stiff_with(shear, n)), 0.0);
+    return Relaxed(strain + excess * n, WRINKLED, n);
+}
+
+// With nonlinear shear the secant at the relaxed strain is iterated; it changes little with the wrinkles' share.
+fn relax(strain: vec3<f32>) -> Relaxed {
+    if !NONLINEAR_SHEAR {
+        return relax_linear(STIFFNESS_SS, strain);
+    }
+    var shear = shear_secant(strain.z);
+    var relaxed = relax_linear(shear, strain);
+    for (var k = 0u; k < 60u; k++) {
+        let secant = shear_secant(relaxed.strain.z);
+        if relaxed.state == SLACK || abs(secant - shear) <= 3e-7 * secant {
+            break;
+        }
+        shear = secant;
+        relaxed = relax_linear(shear, strain);
+    }
+    return relaxed;
+}
+
+// Energy, tension and state at a strain.
+fn respond(strain: vec3<f32>) -> Response {
+    let relaxed = relax(strain);
+    let tension = stiff(strain);
+    let energy = energy_of(strain, tension);
+    if relaxed.state == TAUT {
+        return Response(energy, TAUT, tension, relaxed.across);
+    }
+    let kept = stiff(relaxed.strain);
     return Response(
-        (1.0 - RESIDUAL) * relaxed_energy + RESIDUAL * energy,
-        WRINKLED,
-        (1.0 - RESIDUAL) * relaxed + RESIDUAL * tension,
-        n,
+        (1.0 - RESIDUAL) * energy_of(relaxed.strain, kept) + RESIDUAL * energy,
+        relaxed.state,
+        (1.0 - RESIDUAL) * kept + RESIDUAL * tension,
+        relaxed.across,
     );
 }
 
@@ -145,6 +228,7 @@ fn respond(strain: vec3<f32>) -> Response {
 // crests and against turning them where wrinkled, plus the residual (a thousandth at least).
 struct Tangent {
     share: f32,
+    shear: f32,
     stiffness_along: f32,
     turning: f32,
     along: vec3<f32>,
@@ -152,7 +236,10 @@ struct Tangent {
 }
 
 fn tangent_of(strain: vec3<f32>, response: Response) -> Tangent {
-    var t = Tangent(1.0, 0.0, 0.0, vec3<f32>(0.0), vec3<f32>(0.0));
+    var t = Tangent(1.0, STIFFNESS_SS, 0.0, 0.0, vec3<f32>(0.0), vec3<f32>(0.0));
+    if NONLINEAR_SHEAR {
+        t.shear = shear_tangent(strain.z);
+    }
     if response.state != TAUT {
         t.share = max(RESIDUAL, 1e-3);
     }
@@ -173,7 +260,7 @@ fn tangent_of(strain: vec3<f32>, response: Response) -> Tangent {
 }
 
 fn apply_tangent(t: Tangent, e: vec3<f32>) -> vec3<f32> {
-    return t.share * stiff(e)
+    return t.share * stiff_with(t.shear, e)
         + (t.stiffness_along * dot(t.along, e)) * t.along
         + (t.turning * dot(t.turn, e)) * t.turn;
 }

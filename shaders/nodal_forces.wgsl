@@ -6,6 +6,10 @@
 @group(0) @binding(20) var<storage, read_write> vectors: array<f32>;
 
 override NODE_ENERGIES: u32 = 0u;
+// A point in the middle of the structure, in 2⁻¹⁶ m, from where volumes are seen.
+override ORIGIN_X: i32 = 0;
+override ORIGIN_Y: i32 = 0;
+override ORIGIN_Z: i32 = 0;
 
 var<workgroup> partial_energies: array<vec2<f32>, 64>;
 
@@ -109,6 +113,51 @@ fn bending_forces(
 }
 
 @compute @workgroup_size(64)
+fn curvature_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < CURVATURES {
+        // Coefficients sum to zero: places count from that of the first node.
+        let origin = place(curvatures[e]);
+        var bend = vec3<f32>(0.0);
+        for (var k = 1u; k < 6u; k++) {
+            bend += curvature_word(6u + k, e) * metres(between(origin, place(curvatures[k * CURVATURES + e])));
+        }
+        let stiffness = curvature_word(12u, e);
+        energy = positive(0.5 * stiffness * dot(bend, bend));
+        for (var k = 0u; k < 6u; k++) {
+            contribute(CURVATURE_SLOTS + k * CURVATURES + e, (curvature_word(6u + k, e) * stiffness) * bend);
+        }
+    }
+    gather_energy(CURVATURE_ENERGIES, CURVATURES, group.y * groups.x + group.x, local, energy);
+}
+
+// Axial damping of cables (src/cpu/cloth/dashpots.rs).
+@compute @workgroup_size(64)
+fn dashpot_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < DASHPOTS {
+        let direction = dashpot_direction(e);
+        let moved = displacement(dashpots[DASHPOTS + e]) - displacement(dashpots[e]);
+        let stretch = dot(moved, direction) + dashpot_states[4u * DASHPOTS + e];
+        let pull = dashpot_stiffness(e) * stretch;
+        energy = positive(0.5 * pull * stretch);
+        contribute(DASHPOT_SLOTS + e, -pull * direction);
+        contribute(DASHPOT_SLOTS + DASHPOTS + e, pull * direction);
+    }
+    gather_energy(DASHPOT_ENERGIES, DASHPOTS, group.y * groups.x + group.x, local, energy);
+}
+
+@compute @workgroup_size(64)
 fn cable_forces(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -118,14 +167,13 @@ fn cable_forces(
     var energy = vec2<f32>(0.0);
     if e < CABLES {
         let p = cable_piece(e);
-        let rest_length = bitcast<f32>(cables[5u * CABLES + e]);
-        let axial_stiffness = bitcast<f32>(cables[6u * CABLES + e]);
+        let rest_length = cable_rest_length(e);
         var pull = vec3<f32>(0.0);
         // Slack cables carry nothing; an elongation that is not a number is not slack.
         if !(p.elongation <= 0.0) {
-            let tension = axial_stiffness * p.elongation / rest_length;
-            energy = positive(0.5 * tension * p.elongation);
-            pull = p.edge * (tension / p.length);
+            let state = cable_state(e, p.elongation / rest_length);
+            energy = positive(state.energy * rest_length);
+            pull = p.edge * (state.tension / p.length);
         }
         contribute(CABLE_SLOTS + e, -pull);
         contribute(CABLE_SLOTS + CABLES + e, pull);
@@ -158,6 +206,40 @@ fn guide_forces(
     gather_energy(GUIDE_ENERGIES, GUIDES, group.y * groups.x + group.x, local, energy);
 }
 
+// Pressure that follows the surface (src/cpu/cloth/pressure.rs), whose edges are held. The energy −p V counts from the prediction, so
+// that no volume is taken from another: with d = 6 V = a·S, a a corner and S the doubled area vector, d − d_p = (a − a_p)·S + a_p·(S − S_p).
+@compute @workgroup_size(64)
+fn face_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < FACES {
+        let nodes = vec3<u32>(faces[e], faces[FACES + e], faces[2u * FACES + e]);
+        let corner = place(nodes.x);
+        let along1 = metres(between(corner, place(nodes.y)));
+        let along2 = metres(between(corner, place(nodes.z)));
+        let moved = displacement(nodes.x);
+        let stretch1 = displacement(nodes.y) - moved;
+        let stretch2 = displacement(nodes.z) - moved;
+        let area = cross(along1, along2);
+        let turned = cross(along1 - stretch1, stretch2) + cross(stretch1, along2);
+        let origin = Place(vec3<i32>(ORIGIN_X, ORIGIN_Y, ORIGIN_Z), vec3<f32>(0.0));
+        let before = metres(between(origin, predicted_place(nodes.x)));
+        let share = face_pressures[e] / 6.0;
+        let lifted = share * dot(moved, area);
+        let swung = share * dot(before, turned);
+        energy = vec2<f32>(-lifted - swung, abs(lifted) + abs(swung));
+        let pull = -share * area;
+        contribute(FACE_SLOTS + e, pull);
+        contribute(FACE_SLOTS + FACES + e, pull);
+        contribute(FACE_SLOTS + 2u * FACES + e, pull);
+    }
+    gather_energy(FACE_ENERGIES, FACES, group.y * groups.x + group.x, local, energy);
+}
+
 // Reaction of the air: K (v − u*) at every marker, with v − u* = (sheet's velocity in the prediction − u*) + displacement / dt.
 @compute @workgroup_size(64)
 fn marker_forces(
@@ -185,7 +267,35 @@ fn marker_forces(
     gather_energy(MARKER_ENERGIES, MARKERS, group.y * groups.x + group.x, local, energy);
 }
 
-// Gradient of every node, and H₀ times it.
+// Gradient of a node, which is written, with the energy of its motion and loads.
+struct AtNode {
+    gradient: vec3<f32>,
+    energy: vec2<f32>,
+}
+
+fn at_node(node: u32) -> AtNode {
+    var gradient = vec3<f32>(0.0);
+    for (var k = node_first[node]; k < node_first[node + 1u]; k++) {
+        let slot = node_slots[k] * 3u;
+        gradient += vec3<f32>(contributions[slot], contributions[slot + 1u], contributions[slot + 2u]);
+    }
+    let moved = displacement(node);
+    let inertia = masses[node] * stage.inertia * moved;
+    let load = vec3<f32>(loads[node * 3u], loads[node * 3u + 1u], loads[node * 3u + 2u]);
+    let kinetic = 0.5 * dot(inertia, moved);
+    let work = dot(load, moved);
+    gradient += inertia - load;
+    if held[node] != 0u {
+        gradient = vec3<f32>(0.0);
+    }
+    let at = (stage.gradient * NODES + node) * 3u;
+    vectors[at] = gradient.x;
+    vectors[at + 1u] = gradient.y;
+    vectors[at + 2u] = gradient.z;
+    return AtNode(gradient, vec2<f32>(kinetic - work, abs(kinetic) + abs(work)));
+}
+
+// Gradient of every node, and H₀ times it, H₀ being block-Jacobi.
 @compute @workgroup_size(64)
 fn gather_forces(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -195,25 +305,9 @@ fn gather_forces(
     let node = thread_index(group, groups, local);
     var energy = vec2<f32>(0.0);
     if node < NODES {
-        var gradient = vec3<f32>(0.0);
-        for (var k = node_first[node]; k < node_first[node + 1u]; k++) {
-            let slot = node_slots[k] * 3u;
-            gradient += vec3<f32>(contributions[slot], contributions[slot + 1u], contributions[slot + 2u]);
-        }
-        let moved = displacement(node);
-        let inertia = masses[node] * stage.inertia * moved;
-        let load = vec3<f32>(loads[node * 3u], loads[node * 3u + 1u], loads[node * 3u + 2u]);
-        let kinetic = 0.5 * dot(inertia, moved);
-        let work = dot(load, moved);
-        energy = vec2<f32>(kinetic - work, abs(kinetic) + abs(work));
-        gradient += inertia - load;
-        if held[node] != 0u {
-            gradient = vec3<f32>(0.0);
-        }
-        let at = (stage.gradient * NODES + node) * 3u;
-        vectors[at] = gradient.x;
-        vectors[at + 1u] = gradient.y;
-        vectors[at + 2u] = gradient.z;
+        let found = at_node(node);
+        let gradient = found.gradient;
+        energy = found.energy;
         let b = node * 6u;
         let off = vec3<f32>(inverse_blocks[b + 3u], inverse_blocks[b + 4u], inverse_blocks[b + 5u]);
         let step = vec3<f32>(
@@ -225,6 +319,21 @@ fn gather_forces(
         vectors[to] = step.x;
         vectors[to + 1u] = step.y;
         vectors[to + 2u] = step.z;
+    }
+    gather_energy(NODE_ENERGIES, NODES, group.y * groups.x + group.x, local, energy);
+}
+
+// Gradient of every node alone.
+@compute @workgroup_size(64)
+fn gather_gradient(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let node = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if node < NODES {
+        energy = at_node(node).energy;
     }
     gather_energy(NODE_ENERGIES, NODES, group.y * groups.x + group.x, local, energy);
 }

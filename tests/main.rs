@@ -19,6 +19,7 @@ mod command_line;
 mod coupling;
 mod device;
 mod device_cloth;
+mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
 mod tolerances;
@@ -38,6 +39,7 @@ fn main() -> std::process::ExitCode {
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),
+        device_multigrid::trials(),
         canopy::trials(),
         bodies::trials(),
         cases::trials(),

@@ -135,6 +135,14 @@ pub mod device_cloth {
     /// H₀ times the gradient, and dot products: blocks that are a thousand times softer across the sheet lose digits when they are
     /// inverted (1.8e-5 for fabric, 4e-7 otherwise).
     pub const INITIAL_HESSIAN: f64 = 1e-4;
+    /// One multigrid cycle on the same matrix, over its largest result: sums in another order, on several levels
+    /// (9e-7).
+    pub const CYCLE: f64 = 1e-5;
+    /// H₀ times the gradient and dot products with multigrid: both engines store the matrix in `f32`, the device assembles it so too
+    /// (3.9e-5 for fabric, 2e-5 for springs that nothing holds).
+    pub const MULTIGRID: f64 = 2e-4;
+    /// Equilibria solved to 1e-3 of the loads' energy norm, over the way that the sheet moved (3e-4: each stops a little elsewhere).
+    pub const EQUILIBRIUM: f64 = 1e-3;
     /// Gradient of wrinkled fabric: the tension left is a small difference where the fabric is folded far (6.1e-6).
     pub const WRINKLED: f64 = 3e-5;
     /// H₀ of fabric without any stiffness across its wrinkles (6.2e-5).
@@ -144,6 +152,9 @@ pub mod device_cloth {
     /// Gradient at strains of 1e-6 of edges of 5 cm: positions to 5e-13 m (4.3e-5). Plain `f32` strains would be wrong by 6e-2,
     /// plain `f32` positions altogether.
     pub const SMALL_STRAIN: f64 = 2e-4;
+    /// Noise of nodal forces, over the load of 50 Pa on a mesh of 10 mm, 10 m from the origin: the gate (2.3e-4;
+    /// positions in single precision would give 17 to 20 times the load).
+    pub const FORCE_NOISE: f64 = 1e-2;
     /// One step solved to 1e-5, over the way that the sheet moved (1.6e-7: both engines take the same iterations).
     pub const ONE_STEP: f64 = 1e-5;
     /// Fifty steps solved to 1e-4 each (2.3e-5).

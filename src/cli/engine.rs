@@ -159,13 +159,8 @@ impl EngineArguments {
             .body
             .as_ref()
             .map_or(0, |body| body.structure.node_count() as u64);
-        let needs_host = scene
-            .body
-            .as_ref()
-            .is_some_and(|body| body.structure.needs_host().is_some());
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            _ if needs_host => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);
@@ -178,7 +173,7 @@ impl EngineArguments {
                     device = Device::open(&AdapterChoice::Hardware).ok();
                 }
                 many && device.as_ref().is_some_and(|d| {
-                    d.info().kind != AdapterKind::Software && fabric_fits(nodes, d).is_ok()
+                    d.info().kind != AdapterKind::Software && fabric_fits(scene, d).is_ok()
                 })
             }
         };
@@ -198,7 +193,7 @@ impl EngineArguments {
             air_fits(scene, &placement, device)?;
         }
         if let (true, Some(device)) = (cloth_on_device, &device) {
-            fabric_fits(nodes, device)?;
+            fabric_fits(scene, device)?;
         }
         let chosen_by_itself = engine == Engine::Auto
             && self.cloth != ClothChoice::Device
@@ -243,10 +238,16 @@ fn air_fits(scene: &Scene, placement: &Placement, device: &Device) -> Result<(),
 }
 
 /// Whether the largest buffer of the fabric is within the device's limits.
-fn fabric_fits(nodes: u64, device: &Device) -> Result<(), DeviceError> {
+fn fabric_fits(scene: &Scene, device: &Device) -> Result<(), DeviceError> {
+    let Some(body) = &scene.body else {
+        return Ok(());
+    };
+    let nodes = body.structure.node_count();
     let what = format!("the minimiser's memory for {nodes} nodes");
     let remedy = "use a coarser mesh, or --cloth host";
-    fits(what, largest_buffer_bytes(nodes), remedy, device)
+    // The static equilibrium takes multigrid as its initial Hessian.
+    let bytes = largest_buffer_bytes(&body.structure, scene.equilibrium.is_some());
+    fits(what, bytes, remedy, device)
 }
 
 fn fits(

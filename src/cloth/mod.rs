@@ -98,24 +98,6 @@ impl Structure {
         self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
     }
 
-    /// What only the CPU can compute, if the structure has any of it.
-    #[must_use]
-    pub fn needs_host(&self) -> Option<&'static str> {
-        let law = |cable: &CableSegment| &self.cable_laws[cable.law as usize];
-        let is_table = |cable| matches!(law(cable), CableLaw::Table(_));
-        if self.membrane.is_some_and(|m| m.shear().is_some()) {
-            Some("nonlinear shear of the fabric")
-        } else if !self.curvatures.is_empty() {
-            Some("bending of membranes")
-        } else if self.cables.iter().any(is_table) {
-            Some("force–strain tables of cables")
-        } else if self.cables.iter().any(|cable| cable.damping_n_s > 0.0) {
-            Some("damping of cables")
-        } else {
-            None
-        }
-    }
-
     /// Rest sizes of the triangles.
     pub fn extents(&self) -> impl Iterator<Item = Extent> {
         self.triangles.iter().map(|t| Extent {

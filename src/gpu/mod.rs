@@ -19,6 +19,7 @@ pub mod device;
 mod error;
 pub mod fluid;
 pub mod immersed;
+pub mod multigrid;
 pub mod pipeline;
 pub mod raster;
 pub mod shaders;

@@ -12,7 +12,7 @@ use super::shaders::Shader;
 pub const WORKGROUP: u32 = 64;
 
 /// One entry point, ready to be dispatched.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Pipeline {
     name: String,
     raw: wgpu::ComputePipeline,

@@ -75,7 +75,14 @@ shaders! {
     NODAL_FORCES = "nodal_forces":
         "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
     INITIAL_HESSIAN = "initial_hessian":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "initial_hessian.wgsl";
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
+        "initial_hessian.wgsl";
+    STIFFNESS = "stiffness":
+        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
+        "stiffness.wgsl";
+    MULTIGRID = "multigrid": "threads.wgsl", "block_rows.wgsl", "multigrid.wgsl";
+    MULTIGRID_REFRESH = "multigrid_refresh":
+        "threads.wgsl", "block_rows.wgsl", "symmetric_block.wgsl", "multigrid_refresh.wgsl";
     VECTORS = "vectors": "threads.wgsl", "cloth.wgsl", "vectors.wgsl";
 }
 
@@ -122,6 +129,7 @@ pub fn layouts() -> Vec<Layout> {
         super::fluid::macroscopic::OWN_LAYOUTS,
         super::fluid::OWN_LAYOUTS,
         super::immersed::OWN_LAYOUTS,
+        super::multigrid::parameters::OWN_LAYOUTS,
         super::raster::geometry::OWN_LAYOUTS,
     ]
     .concat()

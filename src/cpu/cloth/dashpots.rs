@@ -8,16 +8,18 @@ use crate::cloth::Structure;
 
 /// Damping of one cable segment during one step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Dashpot {
+pub struct Dashpot {
     /// Ends.
     pub nodes: [u32; 2],
-    direction: DVec3,
+    /// From the first end to the second, at the start of the step.
+    pub direction: DVec3,
     /// c/(L dt) [N/m].
-    stiffness_n_m: f64,
+    pub stiffness_n_m: f64,
 }
 
 /// Those of a step of `time_step_s` that starts at `positions`.
-pub(super) fn dashpots(
+#[must_use]
+pub fn dashpots(
     structure: &Structure,
     positions: &[DVec3],
     time_step_s: Option<f64>,
@@ -41,6 +43,7 @@ pub(super) fn dashpots(
 
 impl Dashpot {
     /// Dissipation of a step from `start` to `point` [J], and the gradient at the second end [N]; the opposite at the first.
+    #[must_use]
     pub fn energy_and_gradient(&self, start: &[DVec3], point: &[DVec3]) -> (f64, DVec3) {
         let [a, b] = self.nodes.map(|n| n as usize);
         let stretch = ((point[b] - start[b]) - (point[a] - start[a])).dot(self.direction);
@@ -51,6 +54,7 @@ impl Dashpot {
     }
 
     /// Hessian at one of the ends [N/m].
+    #[must_use]
     pub fn block(&self) -> DMat3 {
         outer(self.direction, self.direction) * self.stiffness_n_m
     }

@@ -8,7 +8,7 @@
 //! * [`read_outs`]: tensions and reactions;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
 
-mod dashpots;
+pub mod dashpots;
 pub mod gather;
 pub mod initial_hessian;
 pub mod loads;

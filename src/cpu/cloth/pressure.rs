@@ -134,8 +134,40 @@ pub(super) fn edge_correction(
     forces
 }
 
+/// −pV at `positions`, seen from the middle of `start` [J].
+#[must_use]
+pub fn potential_j(
+    structure: &Structure,
+    start: &[DVec3],
+    positions: &[DVec3],
+    pressure: Pressure,
+) -> f64 {
+    let origin = middle(start);
+    let triangles = structure.triangles.iter().enumerate();
+    triangles
+        .map(|(index, triangle)| {
+            let [a, b, c] = triangle.nodes.map(|n| positions[n as usize] - origin);
+            -pressure.at(index) / 6.0 * a.dot(b.cross(c))
+        })
+        .sum()
+}
+
+/// The first node that moves at an edge of a patch of equal pressure, if there is one.
+#[must_use]
+pub fn first_open_edge(
+    structure: &Structure,
+    positions: &[DVec3],
+    pressure: Pressure,
+) -> Option<usize> {
+    let gather = Gather::new(structure);
+    let origin = middle(positions);
+    let missing = edge_correction(structure, &gather, positions, origin, pressure);
+    missing.iter().position(|force| *force != DVec3::ZERO)
+}
+
 /// A point in the middle of the structure [m], from which volumes are seen.
-pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
+#[must_use]
+pub fn middle(positions: &[DVec3]) -> DVec3 {
     let sum: DVec3 = positions.iter().sum();
     sum / positions.len().max(1) as f64
 }

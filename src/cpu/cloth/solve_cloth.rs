@@ -37,7 +37,7 @@ pub struct SolverSettings {
     pub history: usize,
     /// Iterations between refreshes of the initial Hessian within one solve.
     pub refresh_every: Option<usize>,
-    /// Kind of the initial Hessian on the host.
+    /// Kind of the initial Hessian.
     pub initial_hessian: InitialHessian,
 }
 
@@ -459,11 +459,12 @@ impl Cloth {
         outcome
     }
 
-    /// One trial from the start of a step along `direction` [m], `[node_count]`: its `length`, and the longest way of a node [m].
+    /// One trial from the start of a step along `direction` [m], `[node_count]`: its `length`, and the longest way of a node [m]; of the
+    /// settings only the initial Hessian counts.
     #[must_use]
     pub fn probe(
         &self,
-        input: &StepInput,
+        (input, settings): (&StepInput, &SolverSettings),
         direction: &[DVec3],
         [length, step_limit_m]: [f64; 2],
     ) -> Probe {
@@ -475,7 +476,7 @@ impl Cloth {
             &mut prepared,
             [start, &self.velocities_m_s],
             input,
-            InitialHessian::BlockJacobi,
+            settings.initial_hessian,
         );
         let zeros = vec![DVec3::ZERO; structure.node_count()];
         let [mut g, mut h, mut landed, mut new_g, mut new_h] =

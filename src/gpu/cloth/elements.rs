@@ -3,8 +3,9 @@
 //! Words are stored word by word, `[word][element]`, so that neighbouring threads read neighbouring addresses. An element writes
 //! one slot per corner; nodes gather theirs through a list in ascending order of slots, always the same.
 
-use crate::cloth::Structure;
+use crate::cloth::{CableSegment, Structure};
 use crate::gpu::pipeline::WORKGROUP;
+use crate::lines::CableLaw;
 
 /// Points farther than this from the origin are refused as not finite [m]: whole numbers of 2⁻¹⁶ m end at 32 km, and a step
 /// must not leave them.
@@ -72,6 +73,16 @@ impl Kind {
         }
     }
 
+    /// Nodes of an element.
+    pub const fn corner_count(&self) -> usize {
+        self.corners.len() / self.count
+    }
+
+    /// A node of an element.
+    pub fn node(&self, element: usize, corner: usize) -> u32 {
+        self.corners[corner * self.count + element]
+    }
+
     /// Workgroups of one thread per element.
     pub fn groups(&self) -> usize {
         self.count.div_ceil(WORKGROUP as usize)
@@ -91,6 +102,8 @@ pub(super) struct Elements {
     pub node_first: Vec<u32>,
     /// Slots of the nodes.
     pub node_slots: Vec<u32>,
+    /// Pieces of the cables' laws: strain and force [N] where each begins, slope [N], energy per rest length up to there [N].
+    pub cable_laws: Vec<[f32; 4]>,
     /// Counts and first entries, as constants of the shaders.
     pub constants: Vec<(String, f64)>,
 }
@@ -111,9 +124,38 @@ fn rest_square(square_m2: f64) -> [u32; 3] {
     ]
 }
 
+/// Cable segments with axial damping, in their order.
+pub(super) fn damped_cables(structure: &Structure) -> impl Iterator<Item = &CableSegment> {
+    structure.cables.iter().filter(|c| c.damping_n_s > 0.0)
+}
+
+/// Straight pieces of all laws, and where those of every law begin.
+fn law_pieces(laws: &[CableLaw]) -> (Vec<[f32; 4]>, Vec<u32>) {
+    let mut pieces = Vec::new();
+    let mut first = vec![0];
+    for law in laws {
+        match law {
+            CableLaw::Linear { axial_stiffness_n } => {
+                pieces.push([0.0, 0.0, *axial_stiffness_n as f32, 0.0]);
+            }
+            CableLaw::Table(table) => {
+                let mut start = [0.0; 2];
+                for &[strain, force] in table.points() {
+                    let slope = (force - start[1]) / (strain - start[0]);
+                    let energy = law.at(start[0]).energy_n;
+                    pieces.push([start[0], start[1], slope, energy].map(|x| x as f32));
+                    start = [strain, force];
+                }
+            }
+        }
+        first.push(pieces.len() as u32);
+    }
+    (pieces, first)
+}
+
 impl Elements {
-    /// Lays out a structure; `markers` are (triangle, weights).
-    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])]) -> Self {
+    /// Lays out a structure; `markers` are (triangle, weights); triangles are faces too where pressure is to follow them.
+    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])], with_faces: bool) -> Self {
         let mut kinds = Vec::new();
         if structure.membrane.is_some() {
             kinds.push(Kind::new(
@@ -159,6 +201,17 @@ impl Elements {
             |b| [bits(b.stiffness_n_m)],
         ));
         kinds.push(Kind::new(
+            "curvature",
+            "curvatures",
+            &structure.curvatures,
+            |c| c.nodes,
+            |c| {
+                let [c0, c1, c2, c3, c4, c5] = c.coefficients.map(bits);
+                [c0, c1, c2, c3, c4, c5, bits(c.stiffness_n_m)]
+            },
+        ));
+        let (cable_laws, law_first) = law_pieces(&structure.cable_laws);
+        kinds.push(Kind::new(
             "cable",
             "cables",
             &structure.cables,
@@ -170,9 +223,18 @@ impl Elements {
                     part,
                     square,
                     bits(c.rest_length_m),
-                    bits(structure.cable_laws[c.law as usize].initial_stiffness_n()),
+                    law_first[c.law as usize],
+                    law_first[c.law as usize + 1] - law_first[c.law as usize],
                 ]
             },
+        ));
+        let damped: Vec<[u32; 2]> = damped_cables(structure).map(|c| c.nodes).collect();
+        kinds.push(Kind::new(
+            "dashpot",
+            "dashpots",
+            &damped,
+            |nodes| *nodes,
+            |_| [],
         ));
         kinds.push(Kind::new(
             "guide",
@@ -191,6 +253,12 @@ impl Elements {
                 words
             },
         ));
+        let faces = if with_faces {
+            &structure.triangles[..]
+        } else {
+            &[]
+        };
+        kinds.push(Kind::new("face", "faces", faces, |t| t.nodes, |_| []));
         kinds.push(Kind::new(
             "marker",
             "markers",
@@ -199,7 +267,10 @@ impl Elements {
             |(_, weights)| weights.map(bits),
         ));
         kinds.retain(|kind| kind.count > 0);
-        Self::of_kinds(kinds, structure.node_count())
+        Self {
+            cable_laws,
+            ..Self::of_kinds(kinds, structure.node_count())
+        }
     }
 
     fn of_kinds(kinds: Vec<Kind>, nodes: usize) -> Self {
@@ -237,6 +308,7 @@ impl Elements {
             energies,
             node_first,
             node_slots,
+            cable_laws: Vec::new(),
             constants,
         }
     }

@@ -11,7 +11,7 @@ use crate::gpu::shaders::Shader;
 use super::elements::Kind;
 
 /// Dispatches over elements, then one that gathers them at the nodes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Gathering {
     elements: Vec<(Pipeline, [u32; 2])>,
     nodes: (Pipeline, [u32; 2]),
@@ -43,6 +43,21 @@ impl Gathering {
         Ok(Self {
             elements,
             nodes: (pipeline("gather")?, device.workgroups(nodes as u64)),
+        })
+    }
+
+    /// The same elements, gathered by another entry point of the shader.
+    pub fn gathered_by(
+        &self,
+        device: &Device,
+        shader: &Shader,
+        entry: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, DeviceError> {
+        let [pipeline] = device.pipelines(shader, [entry], constants)?;
+        Ok(Self {
+            elements: self.elements.clone(),
+            nodes: (pipeline, self.nodes.1),
         })
     }
 

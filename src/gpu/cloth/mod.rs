@@ -4,32 +4,48 @@
 //! |---|---|
 //! | `elements` | the structure as words for the shaders; which slots every node gathers |
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
+//! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that [`crate::solve::lbfgs`] works in |
+//! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!
 //! *Departures from the CPU*: displacements count from the prediction xⁿ + dt vⁿ instead of from xⁿ, so that the velocity change,
 //! which decides, is not the small difference of two large numbers; what that adds to the objective is constant or linear and is
 //! put together on the host in `f64`. Elongations come from whole numbers (`shaders/elements.wgsl`), so strains are as fine as
 //! positions, 5e-13 m over an edge, not as `f32`. Everything is computed in the same order every time: same bits on one device.
+//!
+//! *What single precision limits*: forces are rounded to 2⁻²⁴ of the tension T that they come from. Noise on a sheet of 10 mm mesh, 10 m
+//! from the origin, is 2e-4 of the nodal load of 50 Pa. In a static equilibrium the energy norm cannot fall below that of this
+//! rounding: for a hanging cable of stiffness EA about 2⁻²⁴ √(EA/T) of the loads' (4e-6 reached in `cases/hanging-chain.toml`, where
+//! this is 8e-6), because the transverse part of the rounding moves a cable that only T holds, while the loads only stretch it.
 
 mod elements;
 mod gathering;
 pub mod parameters;
 mod solve_cloth;
+mod stiffness;
 mod vectors;
+mod workspace;
 
 use std::sync::Arc;
 
 use crate::cloth::Structure;
+use crate::cpu::cloth::pressure::middle;
+use crate::cpu::cloth::stiffness::graph;
+use crate::cpu::cloth::{InitialHessian, SolverSettings, StepInput};
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
+use crate::gpu::multigrid::{Multigrid, Traffic};
 use crate::gpu::shaders;
 use crate::solve::lbfgs::HISTORY;
+use crate::solve::multigrid::hierarchy::hierarchy;
 
-use elements::Elements;
+use elements::{Elements, split};
 use gathering::Gathering;
 use parameters::ClothStage;
-use vectors::{Operations, POINTS, PointSlot, Workspace};
+use stiffness::Stiffness;
+use vectors::{POINTS, PointSlot};
+use workspace::{Operations, Workspace};
 
 /// A structure on the device.
 #[derive(Debug)]
@@ -37,11 +53,15 @@ pub struct Cloth {
     device: Arc<Device>,
     nodes: usize,
     markers: Vec<(u32, [f64; 3])>,
+    /// Pressure can follow the triangles; made when a solve first asks for it.
+    faces: bool,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     forces: Gathering,
     blocks: Gathering,
     operations: Operations,
     workspace: Option<Workspace>,
+    /// Made when a solve first asks for it.
+    multigrid: Option<WholeHessian>,
     /// Loads as they were last uploaded.
     loads: Vec<[f32; 3]>,
     /// Loads that set the scale of the tolerance, as they were last uploaded.
@@ -54,10 +74,34 @@ pub struct Cloth {
     staging: Staging,
 }
 
-/// Bytes of the largest buffer for a structure of `nodes` nodes: the minimiser's vectors.
+/// Multigrid on the whole Hessian in place of block-Jacobi.
+#[derive(Debug)]
+struct WholeHessian {
+    multigrid: Multigrid,
+    stiffness: Stiffness,
+    /// Nodal forces without block-Jacobi.
+    gradient: Gathering,
+}
+
+/// Bytes of the largest buffer for a structure: the minimiser's vectors, or the matrix of a solve that asks for multigrid.
 #[must_use]
-pub const fn largest_buffer_bytes(nodes: u64) -> u64 {
-    12 * nodes * vectors::vector_slots(HISTORY) as u64
+pub const fn largest_buffer_bytes(structure: &Structure, multigrid: bool) -> u64 {
+    let nodes = structure.node_count() as u64;
+    let vectors = 12 * nodes * workspace::vector_slots(HISTORY) as u64;
+    if !multigrid {
+        return vectors;
+    }
+    // Every inner edge of a mesh belongs to two triangles; a network's springs lie on those edges, its bending reaches one node farther.
+    let triangles = 3 * structure.triangles.len();
+    let springs = 2 * structure.springs.len();
+    let edges = if triangles > springs {
+        triangles
+    } else {
+        springs
+    };
+    let blocks = nodes + (edges + 2 * structure.bendings.len() + 2 * structure.cables.len()) as u64;
+    let matrix = 36 * blocks;
+    if matrix > vectors { matrix } else { vectors }
 }
 
 impl Cloth {
@@ -67,26 +111,18 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
+        Self::with_faces(device, structure, markers, false)
+    }
+
+    fn with_faces(
+        device: Arc<Device>,
+        structure: &Structure,
+        markers: &[(u32, [f64; 3])],
+        faces: bool,
+    ) -> Result<Self, DeviceError> {
         let nodes = structure.node_count();
-        let elements = Elements::new(structure, markers);
-        let mut constants: Vec<(&str, f64)> = elements
-            .constants
-            .iter()
-            .map(|(name, value)| (name.as_str(), *value))
-            .collect();
-        if let Some(membrane) = &structure.membrane {
-            let c = membrane.stiffness();
-            constants.extend([
-                ("STIFFNESS_XX", c[0][0]),
-                ("STIFFNESS_XY", c[0][1]),
-                ("STIFFNESS_XS", c[0][2]),
-                ("STIFFNESS_YY", c[1][1]),
-                ("STIFFNESS_YS", c[1][2]),
-                ("STIFFNESS_SS", c[2][2]),
-                ("RESIDUAL", membrane.residual()),
-                ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
-            ]);
-        }
+        let elements = Elements::new(structure, markers, faces);
+        let constants = constants(structure, &elements);
         let gathering = |shader, what| {
             Gathering::new(&device, shader, what, &elements.kinds, nodes, &constants)
         };
@@ -144,24 +180,41 @@ impl Cloth {
         ];
         for kind in &elements.kinds {
             buffers.push((kind.plural, device.storage_of(kind.plural, &kind.words)?));
+            match kind.name {
+                "cable" => buffers.push((
+                    "cable_laws",
+                    device.storage_of("cable laws", &elements.cable_laws)?,
+                )),
+                "dashpot" => buffers.push((
+                    "dashpot_states",
+                    device.storage("dashpot states", 20 * kind.count as u64)?,
+                )),
+                "face" => buffers.push((
+                    "face_pressures",
+                    device.storage("face pressures", 4 * kind.count as u64)?,
+                )),
+                _ => (),
+            }
         }
         let staging = Staging::new(&device, 24 * nodes as u64)?;
         let mut cloth = Self {
             device,
             nodes,
             markers: markers.to_vec(),
+            faces,
             buffers,
             forces,
             blocks,
             operations,
             workspace: None,
+            multigrid: None,
             loads: Vec::new(),
             drive: Vec::new(),
             constant_j: 0.0,
             solution: None,
             staging,
         };
-        cloth.prepare(HISTORY)?;
+        cloth.make_room(HISTORY)?;
         Ok(cloth)
     }
 
@@ -171,24 +224,78 @@ impl Cloth {
         &self.device
     }
 
+    /// Bytes that multigrid has moved between host and device; `None` before a solve asks for it.
+    #[must_use]
+    pub fn multigrid_traffic(&self) -> Option<Traffic> {
+        self.multigrid.as_ref().map(|m| m.multigrid.traffic())
+    }
+
+    /// Makes what a solve with these settings needs and is not there yet.
+    fn prepare(
+        &mut self,
+        structure: &Structure,
+        (input, settings): (&StepInput, &SolverSettings),
+    ) -> Result<(), DeviceError> {
+        if input.pressure_follows() && !self.faces {
+            let device = Arc::clone(&self.device);
+            *self = Self::with_faces(device, structure, &self.markers, true)?;
+        }
+        self.make_room(settings.history)?;
+        if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {
+            self.multigrid = Some(self.whole_hessian(structure)?);
+        }
+        Ok(())
+    }
+
+    fn whole_hessian(&self, structure: &Structure) -> Result<WholeHessian, DeviceError> {
+        let elements = Elements::new(structure, &self.markers, self.faces);
+        let constants = constants(structure, &elements);
+        let shapes = hierarchy(graph(structure));
+        let pattern = shapes
+            .first()
+            .map(|shape| shape.pattern.clone())
+            .unwrap_or_default();
+        let multigrid = Multigrid::new(&self.device, shapes)?;
+        let (matrix, sliced) = multigrid.finest()?;
+        let stiffness = Stiffness::new(
+            &self.device,
+            structure,
+            &elements.kinds,
+            &constants,
+            &self.named_buffers(),
+            (matrix, &pattern, sliced),
+        )?;
+        let shader = &shaders::NODAL_FORCES;
+        let gradient =
+            self.forces
+                .gathered_by(&self.device, shader, "gather_gradient", &constants)?;
+        Ok(WholeHessian {
+            multigrid,
+            stiffness,
+            gradient,
+        })
+    }
+
     /// Makes room for `history` pairs of the minimiser.
-    fn prepare(&mut self, history: usize) -> Result<(), DeviceError> {
+    fn make_room(&mut self, history: usize) -> Result<(), DeviceError> {
         if self.workspace.as_ref().map(|w| w.history) == Some(history) {
             return Ok(());
         }
         self.workspace = None;
         self.drive.clear();
-        let buffers: Vec<(&str, &wgpu::Buffer)> =
-            self.buffers.iter().map(|(name, b)| (*name, b)).collect();
         self.workspace = Some(Workspace::new(
             &self.device,
             &self.operations,
             [&self.forces, &self.blocks],
-            &buffers,
+            &self.named_buffers(),
             history,
             self.nodes,
         )?);
         Ok(())
+    }
+
+    fn named_buffers(&self) -> Vec<(&str, &wgpu::Buffer)> {
+        self.buffers.iter().map(|(name, b)| (*name, b)).collect()
     }
 
     fn buffer(&self, wanted: &str) -> Result<&wgpu::Buffer, DeviceError> {
@@ -197,4 +304,38 @@ impl Cloth {
             .find_map(|(name, buffer)| (*name == wanted).then_some(buffer))
             .ok_or_else(|| DeviceError::Command(format!("no buffer {wanted}")))
     }
+}
+
+/// What a structure fixes in the shaders of its elements.
+fn constants<'a>(structure: &Structure, elements: &'a Elements) -> Vec<(&'a str, f64)> {
+    let mut constants: Vec<(&str, f64)> = elements
+        .constants
+        .iter()
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
+    let origin = middle(&structure.positions_m).to_array().map(split);
+    for (name, (whole, _)) in ["ORIGIN_X", "ORIGIN_Y", "ORIGIN_Z"].into_iter().zip(origin) {
+        constants.push((name, f64::from(whole)));
+    }
+    if let Some(membrane) = &structure.membrane {
+        let c = membrane.stiffness();
+        constants.extend([
+            ("STIFFNESS_XX", c[0][0]),
+            ("STIFFNESS_XY", c[0][1]),
+            ("STIFFNESS_XS", c[0][2]),
+            ("STIFFNESS_YY", c[1][1]),
+            ("STIFFNESS_YS", c[1][2]),
+            ("STIFFNESS_SS", c[2][2]),
+            ("RESIDUAL", membrane.residual()),
+            ("ISOTROPIC", f64::from(u8::from(membrane.is_isotropic()))),
+        ]);
+        if let Some(shear) = membrane.shear() {
+            constants.extend([
+                ("NONLINEAR_SHEAR", 1.0),
+                ("SHEAR_COMPLIANCE", shear.compliance_m_n),
+                ("SHEAR_CUBIC", shear.cubic_m3_n3),
+            ]);
+        }
+    }
+    constants
 }

@@ -9,17 +9,20 @@
 use glam::DVec3;
 
 use crate::cloth::Structure;
+use crate::cpu::cloth::dashpots::dashpots;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
+use crate::cpu::cloth::pressure;
 use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
-use crate::cpu::cloth::{Cloth as State, Probe, SolverSettings, StepInput};
+use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
 use crate::solve::{Landing, Step, VectorSpace};
 
 use super::Cloth;
-use super::elements::{joined, split};
+use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
-use super::vectors::{DRIVE, PointSlot, Space, Workspace};
+use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
+use super::workspace::Workspace;
 
 impl Cloth {
     /// Stage `send_nodes`: the state of the nodes, their loads and the markers' reactions. The structure must be the one given to
@@ -30,7 +33,7 @@ impl Cloth {
         input: &StepInput,
         settings: &SolverSettings,
     ) -> Result<(), DeviceError> {
-        self.prepare(settings.history)?;
+        self.prepare(&state.structure, (input, settings))?;
         self.constant_j = self.upload(state, input)?;
         Ok(())
     }
@@ -43,7 +46,7 @@ impl Cloth {
         settings: &SolverSettings,
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
-        let mut space = self.space(input, self.constant_j)?;
+        let mut space = self.space(input, self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
         let options = options(structure, settings);
@@ -55,22 +58,19 @@ impl Cloth {
 
     /// Stage `fetch_nodes`: positions and velocities of `state` become those of the solution; the prediction where there is none.
     pub fn fetch_nodes(&mut self, state: &mut State, input: &StepInput) -> Result<(), DeviceError> {
-        let mut new = match self.solution.take() {
-            Some(point) => self.positions(&point)?,
-            None => prediction(
-                &state.structure,
-                &state.positions_m,
-                &state.velocities_m_s,
-                input,
-            ),
-        };
-        for ((new, old), &held) in new
-            .iter_mut()
-            .zip(&state.positions_m)
-            .zip(&state.structure.held)
-        {
-            if held {
-                *new = *old;
+        let mut new = prediction(
+            &state.structure,
+            &state.positions_m,
+            &state.velocities_m_s,
+            input,
+        );
+        if let Some(point) = self.solution.take() {
+            let solved = self.positions(&point)?;
+            for ((new, solved), &held) in new.iter_mut().zip(solved).zip(&state.structure.held) {
+                // Held nodes are where the step puts them, to the last bit.
+                if !held {
+                    *new = solved;
+                }
             }
         }
         match input.time_step_s {
@@ -104,17 +104,22 @@ impl Cloth {
         Ok(outcome)
     }
 
-    /// One trial from the start of a step along `direction` [m], `[node_count]`, as [`State::probe`] makes it on the CPU.
+    /// One trial from the start of a step along `direction` [m], `[node_count]`, as [`State::probe`] makes it on the CPU; of the settings
+    /// only the initial Hessian counts.
     pub fn probe(
         &mut self,
         state: &State,
-        input: &StepInput,
+        (input, settings): (&StepInput, &SolverSettings),
         direction: &[DVec3],
         [length, step_limit_m]: [f64; 2],
     ) -> Result<Probe, DeviceError> {
-        self.prepare(1)?;
+        let settings = SolverSettings {
+            history: 1,
+            ..*settings
+        };
+        self.prepare(&state.structure, (input, &settings))?;
         let constant_j = self.upload(state, input)?;
-        let mut space = self.space(input, constant_j)?;
+        let mut space = self.space(input, constant_j, settings.initial_hessian)?;
         let point = space.point()?;
         self.place_at_prediction(&point)?;
         let mut landed = space.point()?;
@@ -164,7 +169,12 @@ impl Cloth {
     }
 
     /// The objective of a step whose state was uploaded.
-    fn space(&self, input: &StepInput, constant_j: f64) -> Result<Space<'_>, DeviceError> {
+    fn space(
+        &self,
+        input: &StepInput,
+        constant_j: f64,
+        kind: InitialHessian,
+    ) -> Result<Space<'_>, DeviceError> {
         let mut stage = ClothStage {
             stiffness_floor: FREE_NODE_STIFFNESS as f32,
             ..ClothStage::default()
@@ -174,13 +184,24 @@ impl Cloth {
             stage.rate = (1.0 / dt) as f32;
             stage.time_step = dt as f32;
         }
-        Ok(Space::new(
+        let workspace = self.workspace()?;
+        let mut space = Space::new(
             &self.device,
-            self.workspace()?,
+            workspace,
             self.buffer("stage")?,
             stage,
             constant_j,
-        ))
+        );
+        if let (InitialHessian::Multigrid, Some(whole)) = (kind, &self.multigrid) {
+            let mut buffers = self.named_buffers();
+            buffers.push(("vectors", &workspace.vectors));
+            space.multigrid = Some(MultigridHessian {
+                multigrid: &whole.multigrid,
+                stiffness: &whole.stiffness,
+                gradient: whole.gradient.bind(&self.device, &buffers)?,
+            });
+        }
+        Ok(space)
     }
 
     /// Uploads the prediction, the loads and the markers; returns the part of the objective that stays constant [J].
@@ -198,14 +219,13 @@ impl Cloth {
             )));
         }
         let start = &state.positions_m;
-        let velocity = |node: usize| {
-            if structure.held[node] || input.time_step_s.is_none() {
-                DVec3::ZERO
-            } else {
-                state.velocities_m_s[node]
-            }
-        };
         let predicted = prediction(structure, start, &state.velocities_m_s, input);
+        // Of the prediction.
+        let velocity = |node: usize| match input.time_step_s {
+            None => DVec3::ZERO,
+            Some(dt) if structure.held[node] => (predicted[node] - start[node]) / dt,
+            Some(_) => state.velocities_m_s[node],
+        };
         let (whole, remainder): (Vec<i32>, Vec<f32>) = predicted
             .iter()
             .flat_map(|x| x.to_array())
@@ -220,15 +240,27 @@ impl Cloth {
         let mut drive = loads.clone();
         add_pull_of_the_air(structure, input.markers, &mut drive);
         let mut constant_j = 0.0;
+        if self.faces {
+            let pressures: Vec<f32> = if input.pressure_follows() {
+                self.refuse_open_edges(state, input)?;
+                pressure::add_forces(structure, &predicted, input.pressure, &mut drive);
+                constant_j += pressure::potential_j(structure, start, &predicted, input.pressure);
+                let faces = 0..structure.triangles.len();
+                faces.map(|t| input.pressure.at(t) as f32).collect()
+            } else {
+                vec![0.0; structure.triangles.len()]
+            };
+            self.device
+                .write(self.buffer("face_pressures")?, 0, &pressures);
+        }
         for node in 0..self.nodes {
             constant_j -= loads[node].dot(predicted[node] - start[node]);
             if let Some(dt) = input.time_step_s {
                 let mass = structure.masses_kg[node];
                 let damping = input.damping_1_s * mass;
                 constant_j += 0.5 * dt * damping * velocity(node).length_squared();
-                if structure.held[node] {
-                    constant_j += 0.5 * mass * state.velocities_m_s[node].length_squared();
-                }
+                let change = velocity(node) - state.velocities_m_s[node];
+                constant_j += 0.5 * mass * change.length_squared();
                 loads[node] -= velocity(node) * damping;
             }
         }
@@ -257,7 +289,24 @@ impl Cloth {
             }
         }
         self.device.write(self.buffer("reactions")?, 0, &reactions);
+        let dashpots = dashpot_states(structure, start, &velocity, input.time_step_s);
+        if !dashpots.is_empty() {
+            let buffer = self.buffer("dashpot_states")?;
+            self.device.write(buffer, 0, &dashpots);
+        }
         Ok(constant_j)
+    }
+
+    /// Along open edges that move, the host corrects the loads of following pressure from solve to solve; the device does not.
+    fn refuse_open_edges(&self, state: &State, input: &StepInput) -> Result<(), DeviceError> {
+        let open = pressure::first_open_edge(&state.structure, &state.positions_m, input.pressure);
+        match open {
+            None => Ok(()),
+            Some(node) => Err(DeviceError::Command(format!(
+                "pressure that follows the fabric is computed on the host only where an edge of the loaded fabric moves, as at node \
+                 {node}: hold the edge, or use --cloth host"
+            ))),
+        }
     }
 
     /// Copies the prediction to a point.
@@ -308,6 +357,36 @@ impl Cloth {
         })?;
         Ok(positions)
     }
+}
+
+/// What damping needs of a step that starts at `start`, as `shaders/elements.wgsl` reads it; `velocity` is that of the prediction.
+fn dashpot_states(
+    structure: &Structure,
+    start: &[DVec3],
+    velocity: &dyn Fn(usize) -> DVec3,
+    time_step_s: Option<f64>,
+) -> Vec<f32> {
+    let count = damped_cables(structure).count();
+    let mut words = vec![0.0; 5 * count];
+    let Some(dt) = time_step_s else {
+        return words;
+    };
+    let dashpots = dashpots(structure, start, time_step_s);
+    let mut taut = dashpots.iter().peekable();
+    for (k, cable) in damped_cables(structure).enumerate() {
+        // Slack segments have none; the others come in the order of the segments.
+        let Some(dashpot) = taut.next_if(|dashpot| dashpot.nodes == cable.nodes) else {
+            continue;
+        };
+        let [a, b] = dashpot.nodes.map(|n| n as usize);
+        let stretch_m = (velocity(b) - velocity(a)).dot(dashpot.direction) * dt;
+        let [x, y, z] = narrow(&dashpot.direction);
+        let state = [x, y, z, dashpot.stiffness_n_m as f32, stretch_m as f32];
+        for (word, value) in state.into_iter().enumerate() {
+            words[word * count + k] = value;
+        }
+    }
+    words
 }
 
 fn narrow(v: &DVec3) -> [f32; 3] {

@@ -4,29 +4,21 @@
 //! node by node before the step. Sums come back as one number per workgroup and are added on the host in `f64`, always in the
 //! same order.
 
-use crate::gpu::device::{Device, Staging};
+use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::{Bound, Pipeline, WORKGROUP, compute_pass};
-use crate::gpu::shaders;
+use crate::gpu::multigrid::Multigrid;
+use crate::gpu::pipeline::compute_pass;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
-use super::gathering::{BoundGathering, Gathering};
+use super::gathering::BoundGathering;
 use super::parameters::ClothStage;
+use super::stiffness::Stiffness;
+use super::workspace::{ENTRY, FIRST_FREE, HEADER, Workspace};
 
-/// Workgroups that stride over the nodes.
-const STRIDES: usize = 256;
-/// Workgroups that stride over the nodes for one row of products; what they return goes to the host.
-const PRODUCT_STRIDES: usize = 64;
-/// Nodes that a thread adds up for a row of products at least, before its workgroup shares its sums.
-const NODES_PER_THREAD: usize = 4;
 /// In place of a slot: none.
 const NONE: u32 = u32::MAX;
 /// In place of a slot: the energies.
 const ENERGY: u32 = u32::MAX - 1;
-/// Words before the products in a report.
-const HEADER: usize = 4;
-/// Words of one workgroup in one row of a report.
-const ENTRY: usize = 4;
 /// Error of the energy by round-off, over the sum of its parts' magnitudes: a few roundings of 6e-8 per part.
 const ROUND_OFF: f64 = 1e-6;
 
@@ -34,7 +26,6 @@ const ROUND_OFF: f64 = 1e-6;
 pub(super) const DRIVE: u32 = 0;
 /// Slot of H₀ times these.
 const DRIVE_STEP: u32 = 1;
-const FIRST_FREE: u32 = 2;
 /// Present point and trial.
 pub(super) const POINTS: u64 = 2;
 
@@ -45,130 +36,6 @@ pub(super) struct Slot(pub u32);
 /// A point on the device.
 #[derive(Debug)]
 pub(super) struct PointSlot(pub u32);
-
-/// Pipelines of the bulk operations.
-#[derive(Debug)]
-pub(super) struct Operations {
-    combine: Pipeline,
-    advance: Pipeline,
-    precondition: Pipeline,
-    products: Pipeline,
-    strides: u32,
-    product_strides: u32,
-}
-
-impl Operations {
-    /// Builds the pipelines.
-    pub fn new(
-        device: &Device,
-        nodes: usize,
-        constants: &[(&str, f64)],
-    ) -> Result<Self, DeviceError> {
-        let groups = nodes.div_ceil(WORKGROUP as usize).max(1);
-        let strides = groups.min(STRIDES) as u32;
-        let product_strides = groups.div_ceil(NODES_PER_THREAD).min(PRODUCT_STRIDES) as u32;
-        let mut constants = constants.to_vec();
-        constants.push(("STRIDES", f64::from(strides)));
-        constants.push(("PRODUCT_STRIDES", f64::from(product_strides)));
-        let [combine, advance, precondition, products] = device.pipelines(
-            &shaders::VECTORS,
-            ["combine", "advance", "precondition", "products"],
-            &constants,
-        )?;
-        Ok(Self {
-            combine,
-            advance,
-            precondition,
-            products,
-            strides,
-            product_strides,
-        })
-    }
-}
-
-/// Everything with its buffers, for one length of history.
-#[derive(Debug)]
-pub(super) struct Workspace {
-    /// Pairs of the minimiser that there is room for.
-    pub history: usize,
-    /// Vectors, `[slot][node][axis]`.
-    pub vectors: wgpu::Buffer,
-    vector_slots: u32,
-    program: wgpu::Buffer,
-    program_words: usize,
-    rows: wgpu::Buffer,
-    transforms: wgpu::Buffer,
-    report: wgpu::Buffer,
-    staging: Staging,
-    combine: Bound,
-    advance: Bound,
-    precondition: Bound,
-    products: Bound,
-    forces: BoundGathering,
-    blocks: BoundGathering,
-    strides: u32,
-    product_strides: u32,
-}
-
-/// Vectors kept for `history` pairs.
-pub(super) const fn vector_slots(history: usize) -> usize {
-    // g, H₀ g, g⁺, H₀ g⁺, d; one pair more than the history while the oldest goes.
-    FIRST_FREE as usize + 5 + 3 * (history + 1)
-}
-
-impl Workspace {
-    /// Room for `history` pairs of vectors of `nodes`; `buffers` are those that do not depend on the history.
-    pub fn new(
-        device: &Device,
-        operations: &Operations,
-        [forces, blocks]: [&Gathering; 2],
-        buffers: &[(&str, &wgpu::Buffer)],
-        history: usize,
-        nodes: usize,
-    ) -> Result<Self, DeviceError> {
-        let pairs = history + 1;
-        let vector_slots = vector_slots(history);
-        // Four combinations of one iteration, of at most 2 · history + 1 terms.
-        let program_words = 4 * (2 + 2 * (2 * pairs + 1));
-        let row_count = (2 * pairs + 3).max(2 + pairs + pairs * (pairs + 1) / 2);
-        let report_bytes =
-            4 * (HEADER + ENTRY * row_count * operations.product_strides as usize) as u64;
-        let vectors = device.storage("cloth vectors", (vector_slots * nodes * 12) as u64)?;
-        let program = device.storage("cloth program", 4 * program_words as u64)?;
-        let rows = device.storage("cloth products", 16 * row_count as u64)?;
-        let transforms = device.storage("cloth transforms", 8 * (pairs as u64 + 2))?;
-        let reach = device.storage("cloth reach", 4 * u64::from(operations.strides))?;
-        let report = device.storage("cloth report", report_bytes)?;
-        let mut all = buffers.to_vec();
-        all.extend([
-            ("vectors", &vectors),
-            ("program", &program),
-            ("rows", &rows),
-            ("transforms", &transforms),
-            ("reach", &reach),
-            ("report", &report),
-        ]);
-        Ok(Self {
-            history,
-            vector_slots: vector_slots as u32,
-            program_words,
-            staging: Staging::new(device, report_bytes)?,
-            combine: device.bind(&operations.combine, &all)?,
-            advance: device.bind(&operations.advance, &all)?,
-            precondition: device.bind(&operations.precondition, &all)?,
-            products: device.bind(&operations.products, &all)?,
-            forces: forces.bind(device, &all)?,
-            blocks: blocks.bind(device, &all)?,
-            strides: operations.strides,
-            product_strides: operations.product_strides,
-            vectors,
-            program,
-            rows,
-            transforms,
-            report,
-        })
-    }
-}
 
 /// One row of products (a, a′, b, b′).
 #[derive(Debug, Clone, Copy)]
@@ -183,6 +50,14 @@ struct Product {
     longest: f64,
 }
 
+/// Multigrid as H₀, in place of block-Jacobi.
+#[derive(Debug)]
+pub(super) struct MultigridHessian<'a> {
+    pub multigrid: &'a Multigrid,
+    pub stiffness: &'a Stiffness,
+    pub gradient: BoundGathering,
+}
+
 /// The objective of one step, on device vectors.
 #[derive(Debug)]
 pub(super) struct Space<'a> {
@@ -194,6 +69,8 @@ pub(super) struct Space<'a> {
     pub stage: ClothStage,
     /// What the device leaves out of the objective because it never changes during a step [J].
     pub constant_j: f64,
+    /// Absent where H₀ is block-Jacobi.
+    pub multigrid: Option<MultigridHessian<'a>>,
     program: Vec<u32>,
     operations: u32,
     next_vector: u32,
@@ -214,6 +91,7 @@ impl<'a> Space<'a> {
             stage_buffer,
             stage,
             constant_j,
+            multigrid: None,
             program: Vec::new(),
             operations: 0,
             next_vector: FIRST_FREE,
@@ -240,18 +118,16 @@ impl<'a> Space<'a> {
         &mut self,
         stage: ClothStage,
         rows: &[[u32; 4]],
-        dispatches: impl FnOnce(&Workspace, &mut wgpu::ComputePass<'_>),
+        dispatches: impl FnOnce(&Self, &mut wgpu::CommandEncoder) -> Result<(), DeviceError>,
     ) -> Result<(f64, Vec<Product>), DeviceError> {
         let workspace = self.workspace;
         self.upload(stage);
         self.device.write(&workspace.rows, 0, rows);
         let mut commands = self.device.record("cloth");
+        self.combine_now(&mut commands);
+        dispatches(self, &mut commands)?;
         {
             let mut pass = compute_pass(&mut commands, "cloth");
-            workspace
-                .combine
-                .dispatch(&mut pass, [workspace.strides, 1]);
-            dispatches(workspace, &mut pass);
             workspace
                 .products
                 .dispatch(&mut pass, [workspace.product_strides, rows.len() as u32]);
@@ -269,6 +145,75 @@ impl<'a> Space<'a> {
             answer = (f64::from(f32::from_bits(report[0])), products.collect());
         })?;
         Ok(answer)
+    }
+
+    /// Records the program that was uploaded.
+    fn combine_now(&self, commands: &mut wgpu::CommandEncoder) {
+        let mut pass = compute_pass(commands, "cloth combine");
+        let groups = [self.workspace.strides, 1];
+        self.workspace.combine.dispatch(&mut pass, groups);
+    }
+
+    /// Energy and gradient of the point; and H₀ times the gradient where H₀ is block-Jacobi.
+    fn evaluate(&self, pass: &mut wgpu::ComputePass<'_>) {
+        match &self.multigrid {
+            Some(hessian) => hessian.gradient.dispatch(pass),
+            None => self.workspace.forces.dispatch(pass),
+        }
+    }
+
+    /// H₀ times vectors, (from, to).
+    fn precondition(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        transforms: &[[u32; 2]],
+    ) -> Result<(), DeviceError> {
+        let workspace = self.workspace;
+        if let Some(hessian) = &self.multigrid {
+            for slots in transforms {
+                let places = slots.map(|slot| u64::from(slot) * workspace.vector_bytes);
+                hessian
+                    .multigrid
+                    .cycle(commands, &workspace.vectors, places)?;
+            }
+            return Ok(());
+        }
+        self.device.write(&workspace.transforms, 0, transforms);
+        let mut pass = compute_pass(commands, "cloth precondition");
+        workspace
+            .precondition
+            .dispatch(&mut pass, [workspace.strides, transforms.len() as u32]);
+        Ok(())
+    }
+
+    /// Rebuilds H₀ around the point of `stage`: block-Jacobi within `commands`, multigrid before them.
+    fn rebuild(&mut self, stage: ClothStage) -> Result<(), DeviceError> {
+        if self.multigrid.is_none() {
+            return Ok(());
+        }
+        self.upload(stage);
+        let mut commands = self.device.record("cloth stiffness");
+        self.combine_now(&mut commands);
+        let Some(hessian) = &self.multigrid else {
+            return Ok(());
+        };
+        commands.clear_buffer(hessian.multigrid.finest()?.0, 0, None);
+        {
+            let mut pass = compute_pass(&mut commands, "cloth stiffness");
+            hessian
+                .stiffness
+                .dispatch(&mut pass, self.stage.inertia > 0.0);
+        }
+        hessian.multigrid.refresh(&mut commands)?;
+        self.device.submit(commands);
+        hessian.multigrid.invert_coarsest(self.device)
+    }
+
+    /// Records block-Jacobi around the point, where it is H₀.
+    fn rebuild_blocks(&self, pass: &mut wgpu::ComputePass<'_>) {
+        if self.multigrid.is_none() {
+            self.workspace.blocks.dispatch(pass);
+        }
     }
 
     fn objective(&self, energy: &Product) -> (f64, f64) {
@@ -338,19 +283,23 @@ impl VectorSpace for Space<'_> {
             preconditioned: preconditioned.0,
             ..self.stage
         };
-        self.device
-            .write(&self.workspace.transforms, 0, &[[DRIVE, DRIVE_STEP]]);
         let rows = [
             [ENERGY, NONE, NONE, NONE],
             [gradient.0, NONE, preconditioned.0, NONE],
             [DRIVE, NONE, DRIVE_STEP, NONE],
         ];
-        let (_, products) = self.run(stage, &rows, |workspace, pass| {
-            workspace.blocks.dispatch(pass);
-            workspace.forces.dispatch(pass);
-            workspace
-                .precondition
-                .dispatch(pass, [workspace.strides, 1]);
+        let mut transforms = vec![[DRIVE, DRIVE_STEP]];
+        if self.multigrid.is_some() {
+            transforms.push([gradient.0, preconditioned.0]);
+        }
+        self.rebuild(stage)?;
+        let (_, products) = self.run(stage, &rows, |space, commands| {
+            {
+                let mut pass = compute_pass(commands, "cloth start");
+                space.rebuild_blocks(&mut pass);
+                space.evaluate(&mut pass);
+            }
+            space.precondition(commands, &transforms)
         })?;
         let [energy, norm, drive] = products[..] else {
             return Err(incomplete());
@@ -397,9 +346,19 @@ impl VectorSpace for Space<'_> {
                 .iter()
                 .map(|vector| [gradient, from.gradient.0, vector.0, NONE]),
         );
-        let (length, products) = self.run(stage, &rows, |workspace, pass| {
-            workspace.advance.dispatch(pass, [workspace.strides, 1]);
-            workspace.forces.dispatch(pass);
+        let (length, products) = self.run(stage, &rows, |space, commands| {
+            let workspace = space.workspace;
+            {
+                let mut pass = compute_pass(commands, "cloth attempt");
+                workspace
+                    .advance
+                    .dispatch(&mut pass, [workspace.strides, 1]);
+                space.evaluate(&mut pass);
+            }
+            if space.multigrid.is_some() {
+                space.precondition(commands, &[[gradient, preconditioned]])?;
+            }
+            Ok(())
         })?;
         let [energy, along, norm, ref stored @ ..] = products[..] else {
             return Err(incomplete());
@@ -445,13 +404,10 @@ impl VectorSpace for Space<'_> {
                 rows.push([pairs[i].0.0, NONE, pairs[j].1.0, NONE]);
             }
         }
-        self.device
-            .write(&self.workspace.transforms, 0, &transforms);
-        let (_, products) = self.run(stage, &rows, |workspace, pass| {
-            workspace.blocks.dispatch(pass);
-            workspace
-                .precondition
-                .dispatch(pass, [workspace.strides, transforms.len() as u32]);
+        self.rebuild(stage)?;
+        let (_, products) = self.run(stage, &rows, |space, commands| {
+            space.rebuild_blocks(&mut compute_pass(commands, "cloth blocks"));
+            space.precondition(commands, &transforms)
         })?;
         let [norm, drive, ref rest @ ..] = products[..] else {
             return Err(incomplete());
@@ -477,7 +433,7 @@ impl VectorSpace for Space<'_> {
                     ..self.stage
                 },
                 &[[ENERGY, NONE, NONE, NONE]],
-                |_, _| (),
+                |_, _| Ok(()),
             )?;
         }
         self.program.extend([result.0, terms.len() as u32]);

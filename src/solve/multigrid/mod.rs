@@ -8,39 +8,31 @@
 
 pub mod blocks;
 pub mod coarsening;
+pub mod hierarchy;
 
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
 use rayon::prelude::*;
 
 use blocks::{Block, BlockMatrix, Pattern};
-use coarsening::{Graph, Interpolation, coarse_pattern};
-
-/// At most this many nodes are solved directly.
-const DIRECT_NODES: usize = 150;
-
-/// Coarsening ends where a level keeps more than this share of its nodes.
-const SLOWEST_COARSENING: f64 = 0.8;
-
-const LEVEL_LIMIT: usize = 20;
+use coarsening::{Graph, Interpolation};
+use hierarchy::{coarsest_inverse, hierarchy};
 
 /// Degree of the smoother's polynomial, before and after the coarse correction.
-const DEGREE: usize = 2;
+pub const DEGREE: usize = 2;
 
 /// Degree on a coarsest level that is too large to be solved directly.
-const COARSEST_DEGREE: usize = 20;
+pub const COARSEST_DEGREE: usize = 20;
 
 /// The smoother damps eigenvalues from the largest down to this share of it.
-const SMOOTHED_SHARE: f32 = 0.1;
+pub const SMOOTHED_SHARE: f32 = 0.1;
 
 /// Power iterations for the largest eigenvalue, at first and at a refresh.
-const POWER_ITERATIONS: [usize; 2] = [12, 3];
+pub const POWER_ITERATIONS: [usize; 2] = [12, 3];
 
 /// Safety on the largest eigenvalue, which the power iteration approaches from below.
-const EIGENVALUE_MARGIN: f32 = 1.15;
+pub const EIGENVALUE_MARGIN: f32 = 1.15;
 
 /// Added to the diagonal of a block, as a share of its largest entry, so that directions without stiffness stay regular.
-const REGULARISATION: f32 = 1e-6;
+pub const REGULARISATION: f32 = 1e-6;
 
 /// Nodes that one task works on.
 const NODES_AT_ONCE: usize = 2048;
@@ -106,6 +98,19 @@ fn times(b: &Block, v: [f32; 3]) -> [f32; 3] {
     ]
 }
 
+/// Anything with a part along the eigenvector sought, the same every time.
+#[must_use]
+pub fn eigenvector_guess(rows: usize) -> Vec<[f32; 3]> {
+    (0..rows)
+        .map(|i| {
+            [0, 1, 2].map(|k| {
+                let hash = ((3 * i + k) as u32).wrapping_mul(2_654_435_761) >> 8;
+                hash as f32 / (1 << 24) as f32 - 0.5
+            })
+        })
+        .collect()
+}
+
 impl Level {
     fn new(pattern: Pattern) -> Self {
         let rows = pattern.row_count();
@@ -114,16 +119,7 @@ impl Level {
             matrix: BlockMatrix::new(pattern),
             inverse_diagonal: vec![[0.0; 9]; rows],
             largest_eigenvalue: 0.0,
-            // Anything with a part along the eigenvector sought.
-            eigenvector: (0..rows)
-                .map(|i| {
-                    let noise = |k: usize| {
-                        let hash = ((3 * i + k) as u32).wrapping_mul(2_654_435_761) >> 8;
-                        hash as f32 / (1 << 24) as f32 - 0.5
-                    };
-                    [noise(0), noise(1), noise(2)]
-                })
-                .collect(),
+            eigenvector: eigenvector_guess(rows),
             interpolation: None,
             right: zeros(),
             solution: zeros(),
@@ -244,21 +240,13 @@ impl Multigrid {
     /// [`Multigrid::refresh`].
     #[must_use]
     pub fn new(graph: Graph) -> Self {
-        let mut levels = vec![Level::new(graph.pattern.clone())];
-        let mut graph = graph;
-        while graph.pattern.row_count() > DIRECT_NODES && levels.len() < LEVEL_LIMIT {
-            let (interpolation, count) = graph.interpolation();
-            if count == 0 || count as f64 > SLOWEST_COARSENING * graph.pattern.row_count() as f64 {
-                break;
-            }
-            let from_coarse = interpolation.transposed(count);
-            let pattern = coarse_pattern(&graph.pattern, &interpolation, &from_coarse);
-            graph = graph.coarse(&interpolation, &from_coarse, &pattern);
-            if let Some(level) = levels.last_mut() {
-                level.interpolation = Some([interpolation, from_coarse]);
-            }
-            levels.push(Level::new(pattern));
-        }
+        let levels = hierarchy(graph)
+            .into_iter()
+            .map(|shape| Level {
+                interpolation: shape.interpolation,
+                ..Level::new(shape.pattern)
+            })
+            .collect();
         Self {
             levels,
             coarsest_inverse: Vec::new(),
@@ -295,51 +283,8 @@ impl Multigrid {
             }
             self.levels[i].refresh(first);
         }
-        self.invert_coarsest();
-    }
-
-    fn invert_coarsest(&mut self) {
-        self.coarsest_inverse.clear();
-        let Some(level) = self.levels.last() else {
-            return;
-        };
-        let nodes = level.node_count();
-        if nodes > DIRECT_NODES {
-            return;
-        }
-        let mut dense = Mat::<f64>::zeros(3 * nodes, 3 * nodes);
-        let mut largest: f64 = 0.0;
-        for row in 0..nodes {
-            for (&column, block) in level
-                .matrix
-                .pattern
-                .columns(row)
-                .iter()
-                .zip(level.matrix.row(row))
-            {
-                for a in 0..3 {
-                    for b in 0..3 {
-                        dense[(3 * row + a, 3 * column as usize + b)] = f64::from(block[3 * a + b]);
-                    }
-                }
-            }
-            for a in 0..3 {
-                largest = largest.max(dense[(3 * row + a, 3 * row + a)]);
-            }
-        }
-        if !(largest > 0.0 && largest.is_finite()) {
-            return;
-        }
-        for i in 0..3 * nodes {
-            dense[(i, i)] += f64::from(REGULARISATION) * largest;
-        }
-        // Rounding can make it indefinite; the smoother then takes the place of the inverse.
-        if let Ok(factors) = dense.llt(Side::Lower) {
-            let inverse = factors.inverse();
-            self.coarsest_inverse = (0..3 * nodes)
-                .flat_map(|i| (0..3 * nodes).map(move |j| (i, j)))
-                .map(|place| inverse[place] as f32)
-                .collect();
+        if let Some(level) = self.levels.last() {
+            self.coarsest_inverse = coarsest_inverse(&level.matrix);
         }
     }
 

@@ -55,9 +55,8 @@ struct Sheet {
 impl Session<'_> {
     /// A structure on the engine of the order: on the device, unless only the CPU can compute what is asked for.
     fn sheet(&self, cloth: Cloth, needs_host: bool) -> Result<Sheet, Stop> {
-        let on_host = needs_host || cloth.structure.needs_host().is_some();
         let device = match (self.order.placement, &self.order.device) {
-            (AirPlacement::Gpu(_), Some(device)) if !on_host => Some(DeviceCloth::new(
+            (AirPlacement::Gpu(_), Some(device)) if !needs_host => Some(DeviceCloth::new(
                 std::sync::Arc::clone(device),
                 &cloth.structure,
                 &[],
