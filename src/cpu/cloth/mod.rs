@@ -4,8 +4,10 @@
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
+//! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
 
+pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;
 pub mod nodal_forces;
@@ -20,6 +22,7 @@ use nodal_forces::Pulls;
 
 use crate::cloth::Structure;
 use crate::solve::multigrid::Multigrid;
+pub use evaluator::Evaluator;
 pub use solve_cloth::{InitialHessian, MarkerReaction, Probe, SolverSettings, StepInput};
 
 /// Moving state of a structure.
@@ -44,6 +47,14 @@ struct Prepared {
     multigrid: Option<Multigrid>,
 }
 
+impl Prepared {
+    /// The levels of the structure, made if they are not yet.
+    fn multigrid(&mut self, structure: &Structure) -> &mut Multigrid {
+        self.multigrid
+            .get_or_insert_with(|| Multigrid::new(stiffness::graph(structure)))
+    }
+}
+
 impl Cloth {
     /// The structure at rest in its start position.
     #[must_use]
@@ -57,6 +68,19 @@ impl Cloth {
             },
             structure,
         }
+    }
+
+    /// Makes now what a solve with this initial Hessian would make when it is first needed.
+    pub fn prepare(&mut self, initial_hessian: InitialHessian) {
+        if initial_hessian == InitialHessian::Multigrid {
+            self.prepared.multigrid(&self.structure);
+        }
+    }
+
+    /// Multigrid cycles so far.
+    #[must_use]
+    pub fn multigrid_cycles(&self) -> u64 {
+        self.prepared.multigrid.as_ref().map_or(0, Multigrid::cycles)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].
