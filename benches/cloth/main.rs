@@ -15,7 +15,11 @@
     reason = "a benchmark that cannot run should stop"
 )]
 
+mod meter;
+mod newton;
 mod ours;
+mod peers;
+mod serve;
 mod sheet;
 
 use ours::Setting;
@@ -30,6 +34,8 @@ struct Request {
     file: Option<String>,
     sides: Vec<usize>,
     words: Vec<String>,
+    /// `history=5`, `refresh=20`, `tolerance=1e-3`.
+    overrides: Vec<(String, f64)>,
 }
 
 impl Request {
@@ -43,8 +49,10 @@ impl Request {
                 request.sides.push(side);
             } else if argument.ends_with(".json") {
                 request.file = Some(argument);
-            } else if ["table", "scale", "peers", "step", "serve"].contains(&argument.as_str()) {
+            } else if ["table", "scale", "peers", "problems", "step", "serve"].contains(&argument.as_str()) {
                 request.part = argument;
+            } else if let Some((name, value)) = argument.split_once('=') {
+                request.overrides.push((name.to_owned(), value.parse().unwrap()));
             } else {
                 request.words.push(argument);
             }
@@ -58,6 +66,18 @@ impl Request {
         } else {
             self.sides.clone()
         }
+    }
+
+    fn overridden(&self, mut setting: Setting) -> Setting {
+        for (name, value) in &self.overrides {
+            match name.as_str() {
+                "history" => setting.history = *value as usize,
+                "refresh" => setting.refresh_every = (*value > 0.0).then_some(*value as usize),
+                "tolerance" => setting.tolerance = *value,
+                _ => panic!("no setting {name}"),
+            }
+        }
+        setting
     }
 
     fn wants(&self, name: &str) -> bool {
@@ -75,7 +95,7 @@ fn table(request: &Request) -> Vec<Value> {
                 ..Problem::new(fabric, side)
             };
             for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi] {
-                let setting = Setting::new(initial_hessian, 1e-4);
+                let setting = request.overridden(Setting::new(initial_hessian, 1e-4));
                 let slow = initial_hessian == InitialHessian::BlockJacobi && side > 60;
                 if !slow && request.wants(&format!("{} {}", problem.name(), setting.label())) {
                     rows.push(ours::solve(&problem, &setting));
@@ -93,8 +113,63 @@ fn scale(request: &Request) -> Vec<Value> {
         for side in request.sides(&[1000]) {
             let problem = Problem::new(fabric, side);
             if request.wants(&problem.name()) {
-                let setting = Setting::new(InitialHessian::Multigrid, 1e-2);
+                let setting = request.overridden(Setting::new(InitialHessian::Multigrid, 1e-2));
                 rows.push(ours::solve(&problem, &setting));
+            }
+        }
+    }
+    rows
+}
+
+/// Where multigrid begins to pay in implicit steps.
+fn steps(request: &Request) -> Vec<Value> {
+    println!(
+        "{:>32} {:>4} {:>10} {:>12} conv. {:>4} {:>6} {:>9} {:>9}",
+        "problem", "side", "cells/step", "initial", "eval.", "cycles", "seconds", "CPU s"
+    );
+    let mut rows = Vec::new();
+    for (fabric, softness) in [("network", 1.0), ("network", 1e-2), ("tension", 1.0)] {
+        for side in request.sides(&[25, 50, 100]) {
+            for time_step_s in [1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2] {
+                let problem = Problem {
+                    time_step_s: Some(time_step_s),
+                    softness,
+                    ..Problem::new(fabric, side)
+                };
+                if !request.wants(&problem.name()) || problem.cells_crossed() > 300.0 {
+                    continue;
+                }
+                for initial_hessian in [InitialHessian::BlockJacobi, InitialHessian::Multigrid] {
+                    let setting = Setting {
+                        refresh_every: (initial_hessian == InitialHessian::Multigrid).then_some(10),
+                        ..Setting::new(initial_hessian, 1e-3)
+                    };
+                    rows.push(ours::motion(&problem, &request.overridden(setting)));
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// Ours and others, problem by problem; the numbers on the command line choose problems of the list.
+fn compare(request: &Request) -> Vec<Value> {
+    let problems = peers::problems();
+    let all: Vec<usize> = (0..problems.len()).collect();
+    let mut rows = Vec::new();
+    for number in request.sides(&all) {
+        let problem = &problems[number];
+        let methods: [(&str, &dyn Fn() -> Value); 6] = [
+            ("multigrid", &|| ours::compared(problem, InitialHessian::Multigrid)),
+            ("block-Jacobi", &|| ours::compared(problem, InitialHessian::BlockJacobi)),
+            ("newton", &|| newton::newton(problem, 0.1)),
+            ("newton", &|| newton::newton(problem, 0.5)),
+            ("liblbfgs", &|| peers::liblbfgs(problem)),
+            ("relaxation", &|| peers::dynamic_relaxation(problem)),
+        ];
+        for (name, method) in methods {
+            if request.wants(name) {
+                rows.push(method());
             }
         }
     }
@@ -104,6 +179,16 @@ fn scale(request: &Request) -> Vec<Value> {
 fn main() {
     let request = Request::read();
     let rows = match request.part.as_str() {
+        "step" => steps(&request),
+        "peers" => compare(&request),
+        "problems" => {
+            println!("{}", serde_json::to_string(&peers::problems()).unwrap());
+            return;
+        }
+        "serve" => {
+            serve::serve(&peers::problems()[request.sides[0]]);
+            return;
+        }
         "scale" => scale(&request),
         _ => table(&request),
     };

@@ -4,9 +4,11 @@ use std::time::Instant;
 
 use glam::DVec3;
 use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings};
-use ripstop::solve::lbfgs::HISTORY;
+use ripstop::solve::lbfgs::{HISTORY, Stop};
 use serde_json::{Value, json};
 
+use crate::meter::{EVALUATION_LIMIT, print_row};
+use crate::peers::TOLERANCE;
 use crate::sheet::Problem;
 
 /// How we solve it.
@@ -130,6 +132,7 @@ pub fn solve(problem: &Problem, setting: &Setting) -> Value {
     let cycles = cloth.multigrid_cycles() - cycles_before;
     let sag = cloth.positions_m.iter().map(|x| x.z).fold(0.0, f64::max);
     let solution = std::mem::replace(&mut cloth.positions_m, flat);
+    cloth.velocities_m_s.fill(DVec3::ZERO);
     let gradient = gradient_norm(&mut cloth, problem, &solution) / first_norm;
     let stop = format!("{:?}", outcome.stop);
     let seconds_per_evaluation = seconds / outcome.evaluations as f64;
@@ -149,5 +152,60 @@ pub fn solve(problem: &Problem, setting: &Setting) -> Value {
         "stop": stop, "iterations": outcome.iterations, "evaluations": outcome.evaluations, "cycles": cycles,
         "seconds": seconds, "processor_s": processor_s, "seconds_per_evaluation": seconds_per_evaluation, "setup_s": setup_s,
         "peak_megabytes": peak, "relative_gradient": gradient, "sag_m": sag,
+    })
+}
+
+/// The same as a row of the comparison with others.
+pub fn compared(problem: &Problem, initial_hessian: InitialHessian) -> Value {
+    let mut cloth = start(problem);
+    let input = problem.input();
+    let setting = Setting::new(initial_hessian, TOLERANCE);
+    let at_start = cloth.positions_m.clone();
+    let before = cloth.multigrid_cycles();
+    let began = Instant::now();
+    let outcome = cloth.solve_cloth(&input, &Setting { evaluation_limit: EVALUATION_LIMIT, ..setting }.solver());
+    let seconds = began.elapsed().as_secs_f64();
+    let cycles = (cloth.multigrid_cycles() - before) as usize;
+    let reached = std::mem::replace(&mut cloth.positions_m, at_start);
+    cloth.velocities_m_s.fill(DVec3::ZERO);
+    let mut evaluator = cloth.evaluator(&input, InitialHessian::Multigrid);
+    let mut gradient = vec![DVec3::ZERO; reached.len()];
+    evaluator.evaluate(&reached, &mut gradient);
+    let norm = evaluator.relative_energy_norm(&reached, &gradient);
+    let method = format!("ours, {}", setting.label());
+    let stop = if outcome.stop == Stop::Converged { "reached" } else { "stalled" };
+    print_row(problem, &method, stop, outcome.evaluations, Some(cycles), seconds, norm);
+    json!({
+        "problem": problem, "method": method, "stop": stop, "evaluations": outcome.evaluations, "cycles": cycles,
+        "seconds": seconds, "relative_energy_norm": norm,
+    })
+}
+
+/// Steps of a motion that are timed.
+const STEPS: usize = 5;
+
+/// Some steps of the motion from flat; prints a row and returns it.
+pub fn motion(problem: &Problem, setting: &Setting) -> Value {
+    let mut cloth = start(problem);
+    let input = problem.input();
+    cloth.prepare(setting.initial_hessian);
+    let (began, processor) = (Instant::now(), processor_s());
+    let (mut evaluations, mut converged) = (0, 0);
+    for _ in 0..STEPS {
+        let outcome = cloth.solve_cloth(&input, &setting.solver());
+        evaluations += outcome.evaluations;
+        converged += usize::from(outcome.stop == Stop::Converged);
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    let processor_s = processor_s().zip(processor).map_or(f64::NAN, |(after, before)| after - before);
+    let crossing = problem.cells_crossed();
+    println!(
+        "{:>32} {:>4} {crossing:>10.2} {:>12} {converged}/{STEPS} {evaluations:>6} {:>6} {seconds:>9.3} {processor_s:>9.3}",
+        problem.name(), problem.side, setting.label(), cloth.multigrid_cycles(),
+    );
+    json!({
+        "problem": problem, "cells_crossed_per_step": crossing, "initial_hessian": setting.label(), "steps": STEPS,
+        "converged": converged, "evaluations": evaluations, "cycles": cloth.multigrid_cycles(), "seconds": seconds,
+        "processor_s": processor_s,
     })
 }

@@ -51,13 +51,23 @@ impl Problem {
         let step = self
             .time_step_s
             .map_or("static".to_owned(), |dt| format!("step {dt} s"));
-        let soft = if self.softness == 1.0 { "" } else { ", soft" };
+        let soft = if self.softness == 1.0 {
+            String::new()
+        } else {
+            format!(", {} E", self.softness)
+        };
         let warm = if self.warm_pressure_pa.is_some() {
             ", warm"
         } else {
             ""
         };
         format!("{} {step}{soft}{warm}", self.fabric)
+    }
+
+    /// Cells that a stretching wave crosses in a step, √(E/ρ) dt over the mesh size.
+    pub fn cells_crossed(&self) -> f64 {
+        let speed_m_s = (RIPSTOP.warp_modulus_pa * self.softness / RIPSTOP.density_kg_m3).sqrt();
+        self.time_step_s.map_or(f64::INFINITY, |dt| speed_m_s * dt * self.side as f64)
     }
 
     /// The sheet where the solve starts, but for a warm start flat.

@@ -3,6 +3,7 @@
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
 pub mod elements;
+mod waves;
 
 use glam::DVec3;
 

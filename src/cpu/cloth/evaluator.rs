@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::solve_cloth::{Objective, prediction};
-use super::vectors::{dot, single};
+use super::vectors::{double, single};
 use super::{Cloth, InitialHessian, StepInput};
 
 /// Objective of one implicit step, or of the static equilibrium, of a structure.
@@ -48,13 +48,38 @@ impl Evaluator<'_> {
         self.objective.evaluate_double(point_m, gradient)
     }
 
+    /// Builds H₀ around a point.
+    pub fn rebuild(&mut self, point_m: &[DVec3]) {
+        self.objective.rebuild(point_m);
+    }
+
+    /// H₀ times a vector, with the H₀ built last.
+    pub fn precondition(&mut self, vector: &[DVec3]) -> Vec<DVec3> {
+        let vector = single(vector);
+        let mut result = vec![Vec3::ZERO; vector.len()];
+        self.objective.apply_inverse(&vector, &mut result);
+        double(&result)
+    }
+
+    /// The projected Hessian that H₀ was built from, times a vector; `None` unless that is multigrid.
+    pub fn stiffness_times(&self, vector: &[DVec3]) -> Option<Vec<DVec3>> {
+        let mut product = vec![Vec3::ZERO; vector.len()];
+        self.objective
+            .multigrid()?
+            .multiply(&single(vector), &mut product);
+        Some(double(&product))
+    }
+
+    /// √(bᵀH₀b) of the loads b.
+    pub fn load_norm(&mut self) -> f64 {
+        self.objective.load_norm()
+    }
+
     /// √(gᵀH₀g) relative to that of the loads, with H₀ built at the point: what [`super::SolverSettings::tolerance`] is the goal of.
     pub fn relative_energy_norm(&mut self, point_m: &[DVec3], gradient: &[DVec3]) -> f64 {
-        self.objective.rebuild(point_m);
-        let gradient = single(gradient);
-        let mut displacements = vec![Vec3::ZERO; gradient.len()];
-        self.objective.precondition(&gradient, &mut displacements);
-        let square = dot(&gradient, &displacements).max(0.0);
-        square.sqrt() / self.objective.load_norm()
+        self.rebuild(point_m);
+        let displacements = self.precondition(gradient);
+        let square: f64 = gradient.iter().zip(&displacements).map(|(g, d)| g.dot(*d)).sum();
+        square.max(0.0).sqrt() / self.load_norm()
     }
 }

@@ -7,6 +7,7 @@
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
 
+mod driver;
 pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;

@@ -16,9 +16,11 @@ use rayon::prelude::*;
 
 use super::nodal_forces::CHUNK;
 use super::vectors::{self, chunked_sum, dot, fill, longest_m};
-use super::{Cloth, Prepared, initial_hessian, nodal_forces, stiffness};
+use super::{Cloth, Prepared, driver, initial_hessian, nodal_forces, stiffness};
 use crate::cloth::Structure;
-use crate::solve::lbfgs::{self, Options, Outcome, Watch};
+pub use crate::solve::InitialHessian;
+use crate::solve::lbfgs::{Options, Outcome, Watch};
+use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 /// How hard the minimiser tries.
@@ -36,16 +38,6 @@ pub struct SolverSettings {
     pub refresh_every: Option<usize>,
     /// Kind of the initial Hessian on the host.
     pub initial_hessian: InitialHessian,
-}
-
-/// Approximate inverse of the Hessian that L-BFGS starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum InitialHessian {
-    /// Inverses of the diagonal blocks: cheap; enough for steps so short that inertia holds every node.
-    #[default]
-    BlockJacobi,
-    /// One multigrid cycle on the whole projected Hessian: evaluations hardly grow with the mesh.
-    Multigrid,
 }
 
 /// One marker as the cloth feels it.
@@ -134,7 +126,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    fn evaluate(&mut self, point: &[DVec3], gradient: &mut [Vec3]) -> f64 {
+    pub(super) fn evaluate(&mut self, point: &[DVec3], gradient: &mut [Vec3]) -> f64 {
         let mut forces = std::mem::take(&mut self.forces);
         forces.resize(point.len(), DVec3::ZERO);
         let value = self.evaluate_double(point, &mut forces);
@@ -217,6 +209,45 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Writes where a step leads, clipped; returns its length.
+    pub(super) fn move_along(
+        &self,
+        from: &Step<'_, Vec<DVec3>, Vec<Vec3>>,
+        point: &mut [DVec3],
+    ) -> f64 {
+        let reach = from.length * longest_m(from.direction);
+        let length = if reach > from.step_limit_m {
+            from.length * (from.step_limit_m / reach)
+        } else {
+            from.length
+        };
+        fill(point, |i| {
+            from.point[i] + from.direction[i].as_dvec3() * length
+        });
+        length
+    }
+
+    pub(super) const fn structure(&self) -> &'a Structure {
+        self.structure
+    }
+
+    pub(super) const fn input(&self) -> &'a StepInput<'a> {
+        self.input
+    }
+
+    pub(super) const fn kind(&self) -> InitialHessian {
+        self.kind
+    }
+
+    /// Estimate of the error of an objective.
+    pub(super) fn round_off(objective: f64) -> f64 {
+        ROUND_OFF * objective.abs()
+    }
+
+    pub(super) fn multigrid(&self) -> Option<&Multigrid> {
+        self.prepared.multigrid.as_ref()
+    }
+
     fn rebuild_blocks(&mut self, point: &[DVec3]) {
         let structure = self.structure;
         self.inverse_blocks.clear();
@@ -244,7 +275,7 @@ impl<'a> Objective<'a> {
         );
     }
 
-    pub(super) fn precondition(&mut self, vector: &[Vec3], result: &mut [Vec3]) {
+    pub(super) fn apply_inverse(&mut self, vector: &[Vec3], result: &mut [Vec3]) {
         match (self.kind, &mut self.prepared.multigrid) {
             (InitialHessian::Multigrid, Some(multigrid)) => multigrid.apply(vector, result),
             _ => {
@@ -265,7 +296,7 @@ impl<'a> Objective<'a> {
         }
         let loads = vectors::single(&loads);
         let mut displacements = vec![Vec3::ZERO; loads.len()];
-        self.precondition(&loads, &mut displacements);
+        self.apply_inverse(&loads, &mut displacements);
         dot(&loads, &displacements).max(0.0).sqrt()
     }
 }
@@ -297,12 +328,16 @@ impl VectorSpace for Objective<'_> {
         gradient: &mut Vec<Vec3>,
         preconditioned: &mut Vec<Vec3>,
     ) -> Result<Start, Infallible> {
+        // A solve must not depend on what was solved before it: a run that is resumed goes on as it would have.
+        if let Some(multigrid) = &mut self.prepared.multigrid {
+            multigrid.forget();
+        }
         self.rebuild(point);
         let objective = self.evaluate(point, gradient);
-        self.precondition(gradient, preconditioned);
+        self.apply_inverse(gradient, preconditioned);
         Ok(Start {
             objective,
-            round_off: ROUND_OFF * objective.abs(),
+            round_off: Self::round_off(objective),
             norm_square: dot(gradient, preconditioned),
             longest_m: longest_m(preconditioned),
             reference: self.load_norm(),
@@ -315,17 +350,9 @@ impl VectorSpace for Objective<'_> {
         to: &mut Landing<'_, Vec<DVec3>, Vec<Vec3>>,
         stored: &[&Vec<Vec3>],
     ) -> Result<Attempt, Infallible> {
-        let reach = from.length * longest_m(from.direction);
-        let length = if reach > from.step_limit_m {
-            from.length * (from.step_limit_m / reach)
-        } else {
-            from.length
-        };
-        fill(to.point, |i| {
-            from.point[i] + from.direction[i].as_dvec3() * length
-        });
+        let length = self.move_along(from, to.point);
         let objective = self.evaluate(to.point, to.gradient);
-        self.precondition(to.gradient, to.preconditioned);
+        self.apply_inverse(to.gradient, to.preconditioned);
         let stored: Vec<&[Vec3]> = stored.iter().map(|v| v.as_slice()).collect();
         let found = vectors::products(
             [to.gradient, from.gradient],
@@ -335,7 +362,7 @@ impl VectorSpace for Objective<'_> {
         );
         Ok(Attempt {
             objective,
-            round_off: ROUND_OFF * objective.abs(),
+            round_off: Self::round_off(objective),
             length,
             slope: found.slope,
             slope_change: found.slope_change,
@@ -355,9 +382,9 @@ impl VectorSpace for Objective<'_> {
         pairs: &mut [(&Vec<Vec3>, &mut Vec<Vec3>)],
     ) -> Result<Refreshed, Infallible> {
         self.rebuild(point);
-        self.precondition(gradient, preconditioned);
+        self.apply_inverse(gradient, preconditioned);
         for (change, preconditioned_change) in &mut *pairs {
-            self.precondition(change, preconditioned_change);
+            self.apply_inverse(change, preconditioned_change);
         }
         Ok(Refreshed {
             reference: self.load_norm(),
@@ -406,7 +433,7 @@ impl Cloth {
             settings.initial_hessian,
         );
         let options = options(structure, settings);
-        let Ok(outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+        let outcome = driver::minimise(&mut objective, &mut point, &options, watch);
         match input.time_step_s {
             Some(dt) => {
                 for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {

@@ -108,6 +108,19 @@ fn times(b: &Block, v: [f32; 3]) -> [f32; 3] {
     ]
 }
 
+/// Anything with a part along the eigenvector sought, the same every time.
+#[must_use]
+pub fn eigenvector_guess(rows: usize) -> Vec<[f32; 3]> {
+    (0..rows)
+        .map(|i| {
+            [0, 1, 2].map(|k| {
+                let hash = ((3 * i + k) as u32).wrapping_mul(2_654_435_761) >> 8;
+                hash as f32 / (1 << 24) as f32 - 0.5
+            })
+        })
+        .collect()
+}
+
 impl Level {
     fn new(pattern: Pattern) -> Self {
         let rows = pattern.row_count();
@@ -116,16 +129,7 @@ impl Level {
             matrix: BlockMatrix::new(pattern),
             inverse_diagonal: vec![[0.0; 9]; rows],
             largest_eigenvalue: 0.0,
-            // Anything with a part along the eigenvector sought.
-            eigenvector: (0..rows)
-                .map(|i| {
-                    let noise = |k: usize| {
-                        let hash = ((3 * i + k) as u32).wrapping_mul(2_654_435_761) >> 8;
-                        hash as f32 / (1 << 24) as f32 - 0.5
-                    };
-                    [noise(0), noise(1), noise(2)]
-                })
-                .collect(),
+            eigenvector: eigenvector_guess(rows),
             interpolation: None,
             right: zeros(),
             solution: zeros(),
@@ -374,6 +378,27 @@ impl Multigrid {
             .zip(&self.levels[0].solution)
             .with_min_len(NODES_AT_ONCE)
             .for_each(|(r, s)| *r = Vec3::from_array(*s) * largest);
+    }
+
+    /// The finest matrix times a vector.
+    pub fn multiply(&self, vector: &[Vec3], product: &mut [Vec3]) {
+        let matrix = &self.levels[0].matrix;
+        let vector: &[[f32; 3]] = bytemuck::cast_slice(vector);
+        product
+            .par_iter_mut()
+            .with_min_len(NODES_AT_ONCE)
+            .enumerate()
+            .for_each(|(row, p)| *p = matrix.multiply_row(row, vector).into());
+    }
+
+    /// Forgets what the last refresh has found: the next one does not depend on it.
+    pub fn forget(&mut self) {
+        if self.refreshed {
+            self.refreshed = false;
+            for level in &mut self.levels {
+                level.eigenvector = eigenvector_guess(level.node_count());
+            }
+        }
     }
 
     /// V-cycles since the levels were made.
