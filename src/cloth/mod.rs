@@ -5,6 +5,7 @@
 pub mod curvature;
 pub mod elements;
 pub mod faults;
+mod waves;
 
 use glam::DVec3;
 

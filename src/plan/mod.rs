@@ -1,6 +1,7 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
 mod estimate;
+mod initial_hessian;
 mod placement;
 mod report;
 pub mod stages;
@@ -14,6 +15,7 @@ pub use stages::{PlannedStage, Stage};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow};
 use crate::immersed::markers;
+use crate::solve::InitialHessian;
 
 /// Floating-point type of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -66,6 +68,8 @@ pub struct Plan {
     pub placement: Placement,
     /// Sizes and bytes.
     pub sizes: Sizes,
+    /// What the implicit steps of the fabric start from.
+    pub step_hessian: InitialHessian,
     /// What is left out.
     pub skips: Vec<Skip>,
 }
@@ -89,7 +93,11 @@ impl Plan {
             start_steps,
             steps,
             sizes,
-            skips: skips(scene),
+            step_hessian: initial_hessian::of_steps(scene, &placement),
+            skips: skips(scene)
+                .into_iter()
+                .chain(initial_hessian::skipped(scene, &placement))
+                .collect(),
             placement,
         }
     }

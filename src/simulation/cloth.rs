@@ -9,12 +9,20 @@ use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
 use crate::cpu::cloth::{InitialHessian, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
+use crate::plan::Plan;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
 
 /// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
 const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 
+/// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
+const REFRESH_EVERY: usize = 10;
+
 impl Simulation {
+    fn step_settings(&self) -> SolverSettings {
+        step_settings(&self.scene, &self.plan)
+    }
+
     /// True if the fabric is solved in this step: after release, every `every` steps.
     fn solves_now(&self, every: u32) -> bool {
         self.step >= self.plan.start_steps
@@ -30,8 +38,9 @@ impl Simulation {
             coupled.gather_reactions();
         }
         let input = step_input(&self.scene, self.coupled.as_ref(), every);
+        let settings = self.step_settings();
         if let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) {
-            device_cloth.send_nodes(cloth, &input, &step_settings(&self.scene))?;
+            device_cloth.send_nodes(cloth, &input, &settings)?;
         }
         Ok(())
     }
@@ -52,7 +61,7 @@ impl Simulation {
             }
             return Ok(());
         }
-        let settings = step_settings(&self.scene);
+        let settings = self.step_settings();
         let Some(cloth) = &mut self.cloth else {
             return Ok(());
         };
@@ -124,7 +133,7 @@ impl Simulation {
             displacement_floor_m: 0.0,
             evaluation_limit: equilibrium.evaluation_limit,
             history: HISTORY,
-            refresh_every: Some(10),
+            refresh_every: Some(REFRESH_EVERY),
             initial_hessian: InitialHessian::Multigrid,
         };
         let outcome = match &mut self.device_cloth {
@@ -167,14 +176,18 @@ fn step_from(before: &[DVec3], cloth: &mut crate::cpu::cloth::Cloth, time_step_s
     }
 }
 
-pub(super) fn step_settings(scene: &Scene) -> SolverSettings {
+/// How hard the minimiser tries in a step, from the initial Hessian that the plan has chosen.
+pub(super) fn step_settings(scene: &Scene, plan: &Plan) -> SolverSettings {
     SolverSettings {
         tolerance: scene.solver.tolerance,
         displacement_floor_m: DISPLACEMENT_FLOOR_M,
         evaluation_limit: scene.solver.evaluation_limit,
         history: HISTORY,
-        refresh_every: None,
-        initial_hessian: InitialHessian::BlockJacobi,
+        refresh_every: match plan.step_hessian {
+            InitialHessian::BlockJacobi => None,
+            InitialHessian::Multigrid => Some(REFRESH_EVERY),
+        },
+        initial_hessian: plan.step_hessian,
     }
 }
 

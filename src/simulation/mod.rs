@@ -103,7 +103,7 @@ impl Simulation {
             && let BodyKind::Canopy(canopy) = &body.kind
         {
             opening = Some(
-                opening::open(cloth, canopy, &cloth::step_settings(&scene))
+                opening::open(cloth, canopy, &cloth::step_settings(&scene, &plan))
                     .map_err(Failure::Start)?,
             );
         }

@@ -4,7 +4,8 @@
 //! changes and z_i = H₀ y_i, the direction is a linear combination of {H₀ g, z_i, s_i} whose coefficients need only
 //! dot products. A trial returns those of the new gradient and of its change; the others follow by recurrence in `f64`:
 //! s·y = α (d·y), and d·y_j from the coefficients of d, since H₀ is symmetric and so H₀g·y_j = g·z_j. One trial, one answer.
-//! *Departure from the cited form*: H₀ is a matrix, not a scalar, so z_i are stored instead of recombining y_i.
+//! *Departure from the cited form*: H₀ is a matrix, not a scalar, so z_i are stored instead of recombining y_i. The recursion starts from
+//! γ H₀, with the usual scale γ of the newest pair; norms are those of H₀ itself.
 //!
 //! Steps are accepted on sufficient decrease (Armijo) or, where differences of the objective drown in round-off, on the
 //! gradient alone (approximate Wolfe condition, Hager & Zhang 2005).
@@ -13,8 +14,8 @@ use std::collections::VecDeque;
 
 use super::{Attempt, Landing, Step, VectorSpace};
 
-/// Pairs usually kept.
-pub const HISTORY: usize = 8;
+/// Pairs usually kept: with a good H₀, more of them cost more cycles at every refresh than they spare.
+pub const HISTORY: usize = 5;
 
 /// How hard to try.
 #[derive(Debug, Clone, Copy)]
@@ -94,8 +95,10 @@ struct Products {
     change_change: VecDeque<VecDeque<f64>>,
 }
 
-/// A direction d = −H₀ g + Σ change_i z_i − step_i s_i.
+/// A direction d = −γ H₀ g + Σ change_i z_i − step_i s_i.
 struct Direction {
+    /// γ
+    scale: f64,
     change: Vec<f64>,
     step: Vec<f64>,
     /// g · d
@@ -201,7 +204,7 @@ pub fn minimise_watched<S: VectorSpace>(
             products = Products::default();
             plan = products.direction(norm * norm);
         }
-        let mut terms = vec![(-1.0, &preconditioned)];
+        let mut terms = vec![(-plan.scale, &preconditioned)];
         for (i, pair) in pairs.iter().enumerate() {
             terms.push((plan.change[i], &pair.preconditioned_change));
             terms.push((-plan.step[i], &pair.step));
@@ -365,31 +368,46 @@ impl Products {
             alpha[i] = projection / self.step_change[i][i];
         }
         let mut gain = vec![0.0; m];
+        let scale = self.scale();
         for i in 0..m {
             let mut projection = self.gradient_change[i];
             for j in 0..m {
                 projection -= alpha[j] * self.change_change[i][j];
             }
+            projection *= scale;
             for j in 0..i {
                 projection += gain[j] * self.step_change[j][i];
             }
             gain[i] = alpha[i] - projection / self.step_change[i][i];
         }
-        let mut slope = -norm_square;
+        let mut slope = -scale * norm_square;
         let mut along_changes = vec![0.0; m];
         for i in 0..m {
-            slope += alpha[i] * self.gradient_change[i] - gain[i] * self.gradient_step[i];
-            along_changes[i] = -self.gradient_change[i];
+            slope += scale * alpha[i] * self.gradient_change[i] - gain[i] * self.gradient_step[i];
+            along_changes[i] = -scale * self.gradient_change[i];
             for j in 0..m {
                 along_changes[i] +=
-                    alpha[j] * self.change_change[j][i] - gain[j] * self.step_change[j][i];
+                    scale * alpha[j] * self.change_change[j][i] - gain[j] * self.step_change[j][i];
             }
         }
         Direction {
-            change: alpha,
+            scale,
+            change: alpha.iter().map(|a| scale * a).collect(),
             step: gain,
             slope,
             along_changes,
+        }
+    }
+
+    /// γ = s·y / y·H₀y of the newest pair (Nocedal & Wright, equation 7.20, with H₀ for the identity): how much too soft or too stiff H₀ is
+    /// along the last step. It spares a quarter to a half of the evaluations of sheets that stiffen as they are stretched.
+    fn scale(&self) -> f64 {
+        let last = |matrix: &VecDeque<VecDeque<f64>>| matrix.back()?.back().copied();
+        match (last(&self.step_change), last(&self.change_change)) {
+            (Some(curvature), Some(change_square)) if curvature > 0.0 && change_square > 0.0 => {
+                curvature / change_square
+            }
+            _ => 1.0,
         }
     }
 
@@ -442,4 +460,4 @@ impl Products {
 
 #[cfg(test)]
 #[path = "lbfgs_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -6,11 +6,11 @@ use super::super::{Refreshed, Start};
 use super::*;
 
 /// ½ xᵀAx − bᵀx on plain vectors, A tridiagonal; optionally with a quartic term.
-struct Quadratic {
-    size: usize,
-    quartic: f64,
+pub(in crate::solve) struct Quadratic {
+    pub(in crate::solve) size: usize,
+    pub(in crate::solve) quartic: f64,
     /// H₀ = `inverse` · 1; halved or doubled at every refresh where `drifting`.
-    inverse: f64,
+    pub(in crate::solve) inverse: f64,
     drifting: bool,
 }
 
@@ -33,7 +33,7 @@ fn longest(step: &[f64]) -> f64 {
 }
 
 impl Quadratic {
-    fn new(size: usize, quartic: f64) -> Self {
+    pub(in crate::solve) fn new(size: usize, quartic: f64) -> Self {
         Self {
             size,
             quartic,
@@ -42,7 +42,7 @@ impl Quadratic {
         }
     }
 
-    fn evaluate(&self, x: &[f64], g: &mut [f64]) -> f64 {
+    pub(in crate::solve) fn evaluate(&self, x: &[f64], g: &mut [f64]) -> f64 {
         let n = self.size;
         let mut value = 0.0;
         for i in 0..n {
@@ -224,6 +224,23 @@ fn a_changing_initial_hessian_stays_quasi_newton() {
     let (_, outcome) = solved(space, &refreshed);
     assert_eq!(outcome.stop, Stop::Converged);
     assert!(outcome.iterations <= 60, "{}", outcome.iterations);
+}
+
+/// However wrong the scale of H₀, the first pair puts it right.
+#[test]
+fn the_scale_of_the_initial_hessian_does_not_matter() {
+    let counts = [0.5, 0.5e-3, 0.5e-6].map(|inverse| {
+        let space = Quadratic {
+            inverse,
+            ..Quadratic::new(40, 0.0)
+        };
+        // The norm √(gᵀH₀g) has the scale, too.
+        let (_, outcome) = solved(space, &options(6, 1e-6 * inverse.sqrt()));
+        assert_eq!(outcome.stop, Stop::Converged);
+        outcome.evaluations
+    });
+    assert!(counts[1] <= counts[0] + counts[0] / 2, "{counts:?}");
+    assert!(counts[2] <= counts[0] + counts[0] / 2, "{counts:?}");
 }
 
 #[test]

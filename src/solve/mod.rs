@@ -2,6 +2,17 @@
 
 pub mod lbfgs;
 pub mod multigrid;
+pub mod newton;
+
+/// Approximate inverse of the Hessian that a minimiser starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InitialHessian {
+    /// Inverses of the diagonal blocks: cheap; enough for steps so short that inertia holds every node.
+    #[default]
+    BlockJacobi,
+    /// One multigrid cycle on the whole projected Hessian: evaluations hardly grow with the mesh.
+    Multigrid,
+}
 
 /// What a minimiser needs of the space it works in: the objective with its gradient and an approximate inverse Hessian H₀,
 /// asked for in few, large operations.

@@ -6,9 +6,12 @@
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
 //! * [`read_outs`]: tensions and reactions;
-//! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`].
+//! * [`evaluator`]: energy and gradient one by one, for other minimisers;
+//! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
 pub mod dashpots;
+mod driver;
+pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;
 pub mod loads;
@@ -26,6 +29,7 @@ use nodal_forces::Pulls;
 
 use crate::cloth::Structure;
 use crate::solve::multigrid::Multigrid;
+pub use evaluator::Evaluator;
 pub use loads::{MarkerReaction, StepInput};
 pub use pressure::Pressure;
 pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
@@ -52,6 +56,14 @@ struct Prepared {
     multigrid: Option<Multigrid>,
 }
 
+impl Prepared {
+    /// The levels of the structure, made if they are not yet.
+    fn multigrid(&mut self, structure: &Structure) -> &mut Multigrid {
+        self.multigrid
+            .get_or_insert_with(|| Multigrid::new(stiffness::graph(structure)))
+    }
+}
+
 impl Cloth {
     /// The structure at rest in its start position.
     #[must_use]
@@ -65,6 +77,19 @@ impl Cloth {
             },
             structure,
         }
+    }
+
+    /// Makes now what a solve with this initial Hessian would make when it is first needed.
+    pub fn prepare(&mut self, initial_hessian: InitialHessian) {
+        if initial_hessian == InitialHessian::Multigrid {
+            self.prepared.multigrid(&self.structure);
+        }
+    }
+
+    /// Multigrid cycles so far.
+    #[must_use]
+    pub fn multigrid_cycles(&self) -> u64 {
+        self.prepared.multigrid.as_ref().map_or(0, Multigrid::cycles)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].

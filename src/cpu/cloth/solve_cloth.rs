@@ -11,16 +11,17 @@
 
 use std::convert::Infallible;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::nodal_forces::CHUNK;
-use super::vectors::{chunked_sum, dot, dot_both, fill, longest_m};
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
-use super::{Cloth, Prepared, initial_hessian, nodal_forces, pressure, stiffness};
+use super::vectors::{self, chunked_sum, dot, fill, longest_m};
+use super::{Cloth, Prepared, driver, initial_hessian, nodal_forces, pressure, stiffness};
 use crate::cloth::Structure;
-use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
+pub use crate::solve::InitialHessian;
+use crate::solve::lbfgs::{Options, Outcome, Stop, Watch};
 use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
@@ -41,15 +42,6 @@ pub struct SolverSettings {
     pub initial_hessian: InitialHessian,
 }
 
-/// Approximate inverse of the Hessian that L-BFGS starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum InitialHessian {
-    /// Inverses of the diagonal blocks: cheap; enough for steps so short that inertia holds every node.
-    #[default]
-    BlockJacobi,
-    /// One multigrid cycle on the whole projected Hessian: evaluations hardly grow with the mesh.
-    Multigrid,
-}
 
 /// What one trial found; for comparing engines.
 #[derive(Debug, Clone)]
@@ -67,7 +59,7 @@ pub struct Probe {
 }
 
 /// The objective, on host vectors.
-struct Objective<'a> {
+pub(super) struct Objective<'a> {
     structure: &'a Structure,
     prepared: &'a mut Prepared,
     start: &'a [DVec3],
@@ -81,6 +73,8 @@ struct Objective<'a> {
     kind: InitialHessian,
     /// Of block-Jacobi.
     inverse_blocks: Vec<DMat3>,
+    /// Where the gradient is added up [N].
+    forces: Vec<DVec3>,
 }
 
 /// Stiffness below which a node counts as held by nothing [N/m].
@@ -93,7 +87,7 @@ const EDGE_PASS_LIMIT: usize = 30;
 const ROUND_OFF: f64 = 1e-10;
 
 impl<'a> Objective<'a> {
-    fn new(
+    pub(super) fn new(
         structure: &'a Structure,
         prepared: &'a mut Prepared,
         [start, velocities]: [&'a [DVec3]; 2],
@@ -111,10 +105,21 @@ impl<'a> Objective<'a> {
             dashpots: dashpots(structure, start, input.time_step_s),
             kind,
             inverse_blocks: Vec::new(),
+            forces: Vec::new(),
         }
     }
 
-    fn evaluate(&mut self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
+    pub(super) fn evaluate(&mut self, point: &[DVec3], gradient: &mut [Vec3]) -> f64 {
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.resize(point.len(), DVec3::ZERO);
+        let value = self.evaluate_double(point, &mut forces);
+        fill(gradient, |i| forces[i].as_vec3());
+        self.forces = forces;
+        value
+    }
+
+    /// The objective; writes its gradient.
+    pub(super) fn evaluate_double(&mut self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         let structure = self.structure;
         let Prepared { gather, pulls, .. } = &mut *self.prepared;
         let mut value = nodal_forces::elastic_gradient(structure, gather, point, pulls, gradient);
@@ -201,27 +206,62 @@ impl<'a> Objective<'a> {
         if largest > 0.0 { change / largest } else { 0.0 }
     }
 
-    fn rebuild(&mut self, point: &[DVec3]) {
+    pub(super) fn rebuild(&mut self, point: &[DVec3]) {
         match self.kind {
             InitialHessian::BlockJacobi => self.rebuild_blocks(point),
             InitialHessian::Multigrid => {
-                let structure = self.structure;
+                let (structure, input) = (self.structure, self.input);
+                self.prepared.multigrid(structure);
                 let Prepared {
                     gather, multigrid, ..
                 } = &mut *self.prepared;
-                let multigrid =
-                    multigrid.get_or_insert_with(|| Multigrid::new(stiffness::graph(structure)));
-                multigrid.refresh(|matrix| {
-                    stiffness::assemble(
-                        structure,
-                        gather,
-                        (self.input, &self.dashpots),
-                        point,
-                        matrix,
-                    );
-                });
+                let dashpots = &self.dashpots;
+                if let Some(multigrid) = multigrid {
+                    multigrid.refresh(|matrix| {
+                        stiffness::assemble(structure, gather, (input, dashpots), point, matrix);
+                    });
+                }
             }
         }
+    }
+
+    /// Writes where a step leads, clipped; returns its length.
+    pub(super) fn move_along(
+        &self,
+        from: &Step<'_, Vec<DVec3>, Vec<Vec3>>,
+        point: &mut [DVec3],
+    ) -> f64 {
+        let reach = from.length * longest_m(from.direction);
+        let length = if reach > from.step_limit_m {
+            from.length * (from.step_limit_m / reach)
+        } else {
+            from.length
+        };
+        fill(point, |i| {
+            from.point[i] + from.direction[i].as_dvec3() * length
+        });
+        length
+    }
+
+    pub(super) const fn structure(&self) -> &'a Structure {
+        self.structure
+    }
+
+    pub(super) const fn input(&self) -> &'a StepInput<'a> {
+        self.input
+    }
+
+    pub(super) const fn kind(&self) -> InitialHessian {
+        self.kind
+    }
+
+    /// Estimate of the error of an objective.
+    pub(super) fn round_off(objective: f64) -> f64 {
+        ROUND_OFF * objective.abs()
+    }
+
+    pub(super) fn multigrid(&self) -> Option<&Multigrid> {
+        self.prepared.multigrid.as_ref()
     }
 
     fn rebuild_blocks(&mut self, point: &[DVec3]) {
@@ -256,18 +296,18 @@ impl<'a> Objective<'a> {
         );
     }
 
-    fn precondition(&mut self, vector: &[DVec3], result: &mut [DVec3]) {
+    pub(super) fn apply_inverse(&mut self, vector: &[Vec3], result: &mut [Vec3]) {
         match (self.kind, &mut self.prepared.multigrid) {
             (InitialHessian::Multigrid, Some(multigrid)) => multigrid.apply(vector, result),
             _ => {
                 let blocks = &self.inverse_blocks;
-                fill(result, |i| blocks[i] * vector[i]);
+                fill(result, |i| (blocks[i] * vector[i].as_dvec3()).as_vec3());
             }
         }
     }
 
     /// √(bᵀ H₀ b) of the applied loads b: those that stay, pressure that follows, and the pull of the air on a sheet at rest.
-    fn load_norm(&mut self, point: &[DVec3]) -> f64 {
+    pub(super) fn load_norm(&mut self, point: &[DVec3]) -> f64 {
         let mut loads = self.loads.clone();
         if self.origin_m.is_some() {
             pressure::add_forces(self.structure, point, self.input.pressure, &mut loads);
@@ -278,8 +318,9 @@ impl<'a> Objective<'a> {
                 *load = DVec3::ZERO;
             }
         }
-        let mut displacements = vec![DVec3::ZERO; loads.len()];
-        self.precondition(&loads, &mut displacements);
+        let loads = vectors::single(&loads);
+        let mut displacements = vec![Vec3::ZERO; loads.len()];
+        self.apply_inverse(&loads, &mut displacements);
         dot(&loads, &displacements).max(0.0).sqrt()
     }
 }
@@ -294,29 +335,33 @@ fn add_to(result: &mut [DVec3], of: impl Fn(usize) -> DVec3 + Sync) {
 
 impl VectorSpace for Objective<'_> {
     type Point = Vec<DVec3>;
-    type Vector = Vec<DVec3>;
+    type Vector = Vec<Vec3>;
     type Error = Infallible;
 
     fn point(&mut self) -> Result<Vec<DVec3>, Infallible> {
-        self.vector()
+        Ok(vec![DVec3::ZERO; self.structure.node_count()])
     }
 
-    fn vector(&mut self) -> Result<Vec<DVec3>, Infallible> {
-        Ok(vec![DVec3::ZERO; self.structure.node_count()])
+    fn vector(&mut self) -> Result<Vec<Vec3>, Infallible> {
+        Ok(vec![Vec3::ZERO; self.structure.node_count()])
     }
 
     fn start(
         &mut self,
         point: &Vec<DVec3>,
-        gradient: &mut Vec<DVec3>,
-        preconditioned: &mut Vec<DVec3>,
+        gradient: &mut Vec<Vec3>,
+        preconditioned: &mut Vec<Vec3>,
     ) -> Result<Start, Infallible> {
+        // A solve must not depend on what was solved before it: a run that is resumed goes on as it would have.
+        if let Some(multigrid) = &mut self.prepared.multigrid {
+            multigrid.forget();
+        }
         self.rebuild(point);
         let objective = self.evaluate(point, gradient);
-        self.precondition(gradient, preconditioned);
+        self.apply_inverse(gradient, preconditioned);
         Ok(Start {
             objective,
-            round_off: ROUND_OFF * objective.abs(),
+            round_off: Self::round_off(objective),
             norm_square: dot(gradient, preconditioned),
             longest_m: longest_m(preconditioned),
             reference: self.load_norm(point),
@@ -325,56 +370,45 @@ impl VectorSpace for Objective<'_> {
 
     fn attempt(
         &mut self,
-        from: &Step<'_, Vec<DVec3>, Vec<DVec3>>,
-        to: &mut Landing<'_, Vec<DVec3>, Vec<DVec3>>,
-        stored: &[&Vec<DVec3>],
+        from: &Step<'_, Vec<DVec3>, Vec<Vec3>>,
+        to: &mut Landing<'_, Vec<DVec3>, Vec<Vec3>>,
+        stored: &[&Vec<Vec3>],
     ) -> Result<Attempt, Infallible> {
-        let reach = from.length * longest_m(from.direction);
-        let length = if reach > from.step_limit_m {
-            from.length * (from.step_limit_m / reach)
-        } else {
-            from.length
-        };
-        fill(to.point, |i| from.point[i] + from.direction[i] * length);
+        let length = self.move_along(from, to.point);
         let objective = self.evaluate(to.point, to.gradient);
-        self.precondition(to.gradient, to.preconditioned);
-        let (gradient, preconditioned) = (&*to.gradient, &*to.preconditioned);
-        let [mut change, mut preconditioned_change] =
-            [(); 2].map(|()| vec![DVec3::ZERO; gradient.len()]);
-        fill(&mut change, |i| gradient[i] - from.gradient[i]);
-        fill(&mut preconditioned_change, |i| {
-            preconditioned[i] - from.preconditioned[i]
-        });
-        let [slope, slope_change] = dot_both(gradient, &change, from.direction);
-        let [gradient_change, change_square] = dot_both(gradient, &change, &preconditioned_change);
+        self.apply_inverse(to.gradient, to.preconditioned);
+        let stored: Vec<&[Vec3]> = stored.iter().map(|v| v.as_slice()).collect();
+        let found = vectors::products(
+            [to.gradient, from.gradient],
+            [to.preconditioned, from.preconditioned],
+            from.direction,
+            &stored,
+        );
         Ok(Attempt {
             objective,
-            round_off: ROUND_OFF * objective.abs(),
+            round_off: Self::round_off(objective),
             length,
-            slope,
-            slope_change,
-            norm_square: dot(gradient, preconditioned),
-            gradient_change,
-            change_square,
-            longest_m: longest_m(preconditioned),
-            stored: stored
-                .iter()
-                .map(|vector| dot_both(gradient, &change, vector))
-                .collect(),
+            slope: found.slope,
+            slope_change: found.slope_change,
+            norm_square: found.norm_square,
+            gradient_change: found.gradient_change,
+            change_square: found.change_square,
+            longest_m: found.longest_m,
+            stored: found.stored,
         })
     }
 
     fn refresh(
         &mut self,
         point: &Vec<DVec3>,
-        gradient: &Vec<DVec3>,
-        preconditioned: &mut Vec<DVec3>,
-        pairs: &mut [(&Vec<DVec3>, &mut Vec<DVec3>)],
+        gradient: &Vec<Vec3>,
+        preconditioned: &mut Vec<Vec3>,
+        pairs: &mut [(&Vec<Vec3>, &mut Vec<Vec3>)],
     ) -> Result<Refreshed, Infallible> {
         self.rebuild(point);
-        self.precondition(gradient, preconditioned);
+        self.apply_inverse(gradient, preconditioned);
         for (change, preconditioned_change) in &mut *pairs {
-            self.precondition(change, preconditioned_change);
+            self.apply_inverse(change, preconditioned_change);
         }
         Ok(Refreshed {
             reference: self.load_norm(point),
@@ -390,16 +424,11 @@ impl VectorSpace for Objective<'_> {
 
     fn combine(
         &mut self,
-        result: &mut Vec<DVec3>,
-        terms: &[(f64, &Vec<DVec3>)],
+        result: &mut Vec<Vec3>,
+        terms: &[(f64, &Vec<Vec3>)],
     ) -> Result<(), Infallible> {
-        fill(result, |i| {
-            terms
-                .iter()
-                .fold(DVec3::ZERO, |sum, (coefficient, vector)| {
-                    sum + vector[i] * *coefficient
-                })
-        });
+        let terms: Vec<(f64, &[Vec3])> = terms.iter().map(|(c, v)| (*c, v.as_slice())).collect();
+        vectors::combine(result, &terms);
         Ok(())
     }
 }
@@ -430,7 +459,7 @@ impl Cloth {
         let mut options = options(structure, settings);
         let dead = objective.loads.clone();
         objective.correct_edges(&dead, &point);
-        let Ok(mut outcome) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+        let mut outcome = driver::minimise(&mut objective, &mut point, &options, watch);
         // Edges of patches of equal pressure, until what they lack stands still.
         for _ in 0..EDGE_PASS_LIMIT {
             let change = objective.correct_edges(&dead, &point);
@@ -440,7 +469,7 @@ impl Cloth {
             options.evaluation_limit = settings
                 .evaluation_limit
                 .saturating_sub(outcome.evaluations);
-            let Ok(next) = lbfgs::minimise_watched(&mut objective, &mut point, &options, watch);
+            let next = driver::minimise(&mut objective, &mut point, &options, watch);
             outcome = Outcome {
                 iterations: outcome.iterations + next.iterations,
                 evaluations: outcome.evaluations + next.evaluations,
@@ -478,15 +507,15 @@ impl Cloth {
             input,
             settings.initial_hessian,
         );
-        let zeros = vec![DVec3::ZERO; structure.node_count()];
-        let [mut g, mut h, mut landed, mut new_g, mut new_h] =
-            std::array::from_fn(|_| zeros.clone());
+        let mut landed = vec![DVec3::ZERO; structure.node_count()];
+        let [mut g, mut h, mut new_g, mut new_h] =
+            [(); 4].map(|()| vec![Vec3::ZERO; structure.node_count()]);
         let Ok(start) = objective.start(&point, &mut g, &mut h);
         let from = Step {
             point: &point,
             gradient: &g,
             preconditioned: &h,
-            direction: &direction.to_vec(),
+            direction: &vectors::single(direction),
             length,
             step_limit_m,
         };
@@ -499,8 +528,8 @@ impl Cloth {
         Probe {
             start,
             attempt,
-            gradient: new_g,
-            preconditioned: new_h,
+            gradient: vectors::double(&new_g),
+            preconditioned: vectors::double(&new_h),
             positions_m: landed,
         }
     }

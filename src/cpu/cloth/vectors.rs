@@ -1,7 +1,11 @@
 //! Vector operations of the minimiser on the host: parallel, with sums over chunks of fixed size, so that results do not depend on the
 //! number of threads.
+//!
+//! Vectors are in single precision, like those of a device: they hold gradients and displacements, which only have to be right relative
+//! to their own size, and what is summed of them is summed in double precision. Positions, energies and the forces that a gradient is
+//! added up from are in double precision.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::nodal_forces::CHUNK;
@@ -24,57 +28,181 @@ pub(super) fn chunked_sum<const K: usize>(
     sums
 }
 
-pub(super) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let [sum] = chunked_sum(a.len(), |range| {
-        let terms = a[range.clone()].iter().zip(&b[range]);
-        [terms.map(|(a, b)| a.dot(*b)).sum()]
-    });
+/// Numbers that are summed side by side.
+const LANES: usize = 8;
+
+/// Dot product of two short vectors, in double precision.
+fn short_dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let (a, b): (&[f32], &[f32]) = (bytemuck::cast_slice(a), bytemuck::cast_slice(b));
+    let (mut a, mut b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.by_ref().zip(b.by_ref()) {
+        for k in 0..LANES {
+            sums[k] += f64::from(a[k]) * f64::from(b[k]);
+        }
+    }
+    let mut rest = 0.0;
+    for (a, b) in a.remainder().iter().zip(b.remainder()) {
+        rest += f64::from(*a) * f64::from(*b);
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let [sum] = chunked_sum(a.len(), |range| [short_dot(&a[range.clone()], &b[range])]);
     sum
 }
 
-/// Dot products of two vectors with a third, in one pass.
-pub(super) fn dot_both(a: &[DVec3], b: &[DVec3], with: &[DVec3]) -> [f64; 2] {
-    chunked_sum(a.len(), |range| {
-        let mut sums = [0.0; 2];
-        for i in range {
-            sums[0] += a[i].dot(with[i]);
-            sums[1] += b[i].dot(with[i]);
+/// Longest of some vectors; NaN if an element is not finite.
+fn longest(vectors: &[Vec3]) -> f64 {
+    let mut longest: f32 = 0.0;
+    for v in vectors {
+        if !v.is_finite() {
+            return f64::NAN;
         }
-        sums
-    })
+        longest = longest.max(v.abs().max_element());
+    }
+    if longest == 0.0 {
+        return 0.0;
+    }
+    // Squares of small numbers would vanish in single precision.
+    let mut square: f64 = 0.0;
+    for v in vectors {
+        square = square.max(v.as_dvec3().length_squared());
+    }
+    square.sqrt()
+}
+
+/// The larger; NaN if one is. f64::max would lose NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
 }
 
 /// Longest displacement [m]; NaN if an element is not finite.
-pub(super) fn longest_m(step: &[DVec3]) -> f64 {
+pub(super) fn longest_m(step: &[Vec3]) -> f64 {
     step.par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut longest: f64 = 0.0;
-            for v in chunk {
-                if !v.is_finite() {
-                    return f64::NAN;
+        .map(longest)
+        .reduce(|| 0.0, larger)
+}
+
+/// What a trial tells, all in one pass; y = g⁺ − g.
+pub(super) struct Products {
+    /// g⁺ · d
+    pub slope: f64,
+    /// y · d
+    pub slope_change: f64,
+    /// g⁺ · H₀ g⁺
+    pub norm_square: f64,
+    /// g⁺ · H₀ y
+    pub gradient_change: f64,
+    /// y · H₀ y
+    pub change_square: f64,
+    /// Longest of H₀ g⁺ [m]; NaN if an element is not finite.
+    pub longest_m: f64,
+    /// (g⁺ · v, y · v) of every stored vector v.
+    pub stored: Vec<[f64; 2]>,
+}
+
+/// `gradients` and `preconditioned` are those of the trial (g⁺, H₀ g⁺) and of where it started (g, H₀ g).
+pub(super) fn products(
+    gradients: [&[Vec3]; 2],
+    preconditioned: [&[Vec3]; 2],
+    direction: &[Vec3],
+    stored: &[&[Vec3]],
+) -> Products {
+    const OWN: usize = 6;
+    let count = direction.len();
+    let parts: Vec<Vec<f64>> = (0..count.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || [(); 2].map(|()| Vec::with_capacity(CHUNK)),
+            |[change, preconditioned_change], chunk| {
+                let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
+                let [new, old] = gradients.map(|v| &v[range.clone()]);
+                let [new_z, old_z] = preconditioned.map(|v| &v[range.clone()]);
+                change.clear();
+                change.extend(new.iter().zip(old).map(|(a, b)| *a - *b));
+                preconditioned_change.clear();
+                preconditioned_change.extend(new_z.iter().zip(old_z).map(|(a, b)| *a - *b));
+                let along = &direction[range.clone()];
+                let mut sums = Vec::with_capacity(OWN + 2 * stored.len());
+                sums.extend([
+                    short_dot(new, along),
+                    short_dot(change, along),
+                    short_dot(new, new_z),
+                    short_dot(new, preconditioned_change),
+                    short_dot(change, preconditioned_change),
+                    longest(new_z),
+                ]);
+                for vector in stored {
+                    let vector = &vector[range.clone()];
+                    sums.extend([short_dot(new, vector), short_dot(change, vector)]);
                 }
-                longest = longest.max(v.length_squared());
-            }
-            longest.sqrt()
-        })
-        .reduce(
-            || 0.0,
-            // f64::max would lose NaN.
-            |a, b| {
-                if a.is_nan() || b.is_nan() {
-                    f64::NAN
-                } else {
-                    a.max(b)
-                }
+                sums
             },
         )
+        .collect();
+    let mut sums = vec![0.0; OWN + 2 * stored.len()];
+    for part in &parts {
+        for (k, (sum, value)) in sums.iter_mut().zip(part).enumerate() {
+            *sum = if k == OWN - 1 {
+                larger(*sum, *value)
+            } else {
+                *sum + value
+            };
+        }
+    }
+    Products {
+        slope: sums[0],
+        slope_change: sums[1],
+        norm_square: sums[2],
+        gradient_change: sums[3],
+        change_square: sums[4],
+        longest_m: sums[5],
+        stored: sums[OWN..].chunks_exact(2).map(|s| [s[0], s[1]]).collect(),
+    }
+}
+
+/// `result = Σ coefficient · vector`.
+pub(super) fn combine(result: &mut [Vec3], terms: &[(f64, &[Vec3])]) {
+    let result: &mut [f32] = bytemuck::cast_slice_mut(result);
+    result
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .for_each(|(chunk, result)| {
+            let range = chunk * CHUNK..chunk * CHUNK + result.len();
+            let mut sums = [0.0f64; CHUNK];
+            for (coefficient, vector) in terms {
+                let vector: &[f32] = bytemuck::cast_slice(vector);
+                for (sum, v) in sums.iter_mut().zip(&vector[range.clone()]) {
+                    *sum += coefficient * f64::from(*v);
+                }
+            }
+            for (r, sum) in result.iter_mut().zip(&sums) {
+                *r = *sum as f32;
+            }
+        });
 }
 
 /// `result[i] = of(i)`.
-pub(super) fn fill(result: &mut [DVec3], of: impl Fn(usize) -> DVec3 + Sync) {
+pub(super) fn fill<V: Send>(result: &mut [V], of: impl Fn(usize) -> V + Sync) {
     result
         .par_iter_mut()
         .with_min_len(CHUNK)
         .enumerate()
         .for_each(|(i, r)| *r = of(i));
+}
+
+/// In single precision.
+pub(super) fn single(vector: &[DVec3]) -> Vec<Vec3> {
+    vector.par_iter().map(|v| v.as_vec3()).collect()
+}
+
+/// In double precision.
+pub(super) fn double(vector: &[Vec3]) -> Vec<DVec3> {
+    vector.iter().map(|v| v.as_dvec3()).collect()
 }

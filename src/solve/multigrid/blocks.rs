@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// A 3×3 block, row by row.
@@ -90,6 +91,7 @@ impl Pattern {
 pub struct BlockMatrix {
     /// Which blocks there are.
     pub pattern: Pattern,
+    /// One more than the pattern has, so that four numbers can be read from where the last row of a block begins.
     values: Vec<Block>,
 }
 
@@ -97,7 +99,7 @@ impl BlockMatrix {
     /// All zero.
     #[must_use]
     pub fn new(pattern: Pattern) -> Self {
-        let values = vec![[0.0; 9]; pattern.block_count()];
+        let values = vec![[0.0; 9]; pattern.block_count() + 1];
         Self { pattern, values }
     }
 
@@ -143,17 +145,19 @@ impl BlockMatrix {
     #[must_use]
     pub fn multiply_row(&self, row: usize, vector: &[[f32; 3]]) -> [f32; 3] {
         let range = self.pattern.row(row);
-        let mut sum = [0.0; 3];
-        for (&column, block) in self.pattern.columns[range.clone()]
-            .iter()
-            .zip(&self.values[range])
-        {
-            let v = vector[column as usize];
-            sum[0] += block[0] * v[0] + block[1] * v[1] + block[2] * v[2];
-            sum[1] += block[3] * v[0] + block[4] * v[1] + block[5] * v[2];
-            sum[2] += block[6] * v[0] + block[7] * v[1] + block[8] * v[2];
+        let columns = &self.pattern.columns[range.clone()];
+        // Rows of blocks times (x, y, z, 0), side by side; the fourth lane holds the next row's beginning and is dropped.
+        let blocks = &self.values.as_flattened()[9 * range.start..9 * range.end + 3];
+        let mut sums = [Vec4::ZERO; 3];
+        for (place, &column) in columns.iter().enumerate() {
+            let [x, y, z] = vector[column as usize];
+            let v = Vec4::new(x, y, z, 0.0);
+            let block = &blocks[9 * place..9 * place + 10];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += Vec4::from_slice(&block[3 * k..3 * k + 4]) * v;
+            }
         }
-        sum
+        sums.map(|sum| sum.x + sum.y + sum.z)
     }
 
     /// Diagonal block of a row.

@@ -10,6 +10,7 @@ pub mod blocks;
 pub mod coarsening;
 pub mod hierarchy;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use blocks::{Block, BlockMatrix, Pattern};
@@ -60,6 +61,7 @@ pub struct Multigrid {
     /// Dense, row by row; empty where the coarsest level is too large.
     coarsest_inverse: Vec<f32>,
     refreshed: bool,
+    cycles: u64,
 }
 
 fn inverse(block: &Block) -> Block {
@@ -251,6 +253,7 @@ impl Multigrid {
             levels,
             coarsest_inverse: Vec::new(),
             refreshed: false,
+            cycles: 0,
         }
     }
 
@@ -289,16 +292,19 @@ impl Multigrid {
     }
 
     /// One V-cycle for `right`, from zero. Vectors have one entry per node of the finest level.
-    pub fn apply(&mut self, right: &[glam::DVec3], result: &mut [glam::DVec3]) {
-        let finite = right.iter().all(|v| v.is_finite());
-        let largest = right
-            .iter()
-            .map(|v| v.abs().max_element())
-            .fold(0.0, f64::max);
+    pub fn apply(&mut self, right: &[Vec3], result: &mut [Vec3]) {
+        self.cycles += 1;
+        let (finite, largest) = right
+            .par_chunks(NODES_AT_ONCE)
+            .map(|chunk| {
+                let largest = chunk.iter().fold(0.0, |m: f32, v| m.max(v.abs().max_element()));
+                (chunk.iter().all(|v| v.is_finite()), largest)
+            })
+            .reduce(|| (true, 0.0), |a, b| (a.0 && b.0, a.1.max(b.1)));
         if !finite || largest == 0.0 {
             // NaN goes on to the minimiser, which stops at it.
-            let filling = if finite { 0.0 } else { f64::NAN };
-            result.fill(glam::DVec3::splat(filling));
+            let filling = if finite { 0.0 } else { f32::NAN };
+            result.fill(Vec3::splat(filling));
             return;
         }
         self.levels[0]
@@ -306,13 +312,40 @@ impl Multigrid {
             .par_iter_mut()
             .zip(right)
             .with_min_len(NODES_AT_ONCE)
-            .for_each(|(r, v)| *r = (*v / largest).as_vec3().to_array());
+            .for_each(|(r, v)| *r = (*v / largest).to_array());
         self.cycle();
         result
             .par_iter_mut()
             .zip(&self.levels[0].solution)
             .with_min_len(NODES_AT_ONCE)
-            .for_each(|(r, s)| *r = glam::Vec3::from_array(*s).as_dvec3() * largest);
+            .for_each(|(r, s)| *r = Vec3::from_array(*s) * largest);
+    }
+
+    /// The finest matrix times a vector.
+    pub fn multiply(&self, vector: &[Vec3], product: &mut [Vec3]) {
+        let matrix = &self.levels[0].matrix;
+        let vector: &[[f32; 3]] = bytemuck::cast_slice(vector);
+        product
+            .par_iter_mut()
+            .with_min_len(NODES_AT_ONCE)
+            .enumerate()
+            .for_each(|(row, p)| *p = matrix.multiply_row(row, vector).into());
+    }
+
+    /// Forgets what the last refresh has found: the next one does not depend on it.
+    pub fn forget(&mut self) {
+        if self.refreshed {
+            self.refreshed = false;
+            for level in &mut self.levels {
+                level.eigenvector = eigenvector_guess(level.node_count());
+            }
+        }
+    }
+
+    /// V-cycles since the levels were made.
+    #[must_use]
+    pub const fn cycles(&self) -> u64 {
+        self.cycles
     }
 
     fn cycle(&mut self) {

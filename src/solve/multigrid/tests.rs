@@ -48,6 +48,14 @@ fn sheet(n: usize, stretch: f32) -> (Multigrid, BlockMatrix) {
     (multigrid, matrix)
 }
 
+/// One cycle, with its argument and result in double precision.
+fn cycle(multigrid: &mut Multigrid, right: &[DVec3]) -> Vec<DVec3> {
+    let right: Vec<Vec3> = right.iter().map(|v| v.as_vec3()).collect();
+    let mut result = vec![Vec3::ZERO; right.len()];
+    multigrid.apply(&right, &mut result);
+    result.iter().map(|v| v.as_dvec3()).collect()
+}
+
 fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
@@ -73,8 +81,7 @@ fn iterations(multigrid: &mut Multigrid, matrix: &BlockMatrix) -> usize {
             .collect()
     };
     let mut residual = noise(count, 7);
-    let mut z = vec![DVec3::ZERO; count];
-    multigrid.apply(&residual, &mut z);
+    let mut z = cycle(multigrid, &residual);
     let mut direction = z.clone();
     let mut square = dot(&residual, &z);
     let goal = 1e-8 * square;
@@ -87,7 +94,7 @@ fn iterations(multigrid: &mut Multigrid, matrix: &BlockMatrix) -> usize {
         for (r, p) in residual.iter_mut().zip(&product) {
             *r -= *p * alpha;
         }
-        multigrid.apply(&residual, &mut z);
+        z = cycle(multigrid, &residual);
         let new = dot(&residual, &z);
         for (d, z) in direction.iter_mut().zip(&z) {
             *d = *z + *d * (new / square);
@@ -102,11 +109,7 @@ fn one_cycle_is_a_symmetric_positive_operator() {
     let (mut multigrid, matrix) = sheet(40, 30.0);
     let count = matrix.pattern.row_count();
     let (a, b) = (noise(count, 1), noise(count, 2));
-    let mut apply = |v: &[DVec3]| {
-        let mut result = vec![DVec3::ZERO; count];
-        multigrid.apply(v, &mut result);
-        result
-    };
+    let mut apply = |v: &[DVec3]| cycle(&mut multigrid, v);
     let (ma, mb) = (apply(&a), apply(&b));
     let (ab, ba) = (dot(&a, &mb), dot(&b, &ma));
     let scale = (dot(&a, &ma) * dot(&b, &mb)).sqrt();

@@ -1,5 +1,7 @@
 //! Starts that no designer would choose: random places, one point, inside out, slivers, over stiffnesses and time steps. Each run takes some
-//! steps of free fabric held at a corner; every state must be finite, and the sum of kinetic and elastic energy must never rise.
+//! steps of free fabric held at a corner; every state must be finite, and the sum of kinetic and elastic energy of fabric that does not push
+//! must never rise. (Implicit Euler cannot gain energy where the elastic one is convex over the step; fabric that pushes is not, when it is
+//! collapsed, and its gain is only stated.)
 
 use glam::DVec3;
 
@@ -25,6 +27,9 @@ const RISE: f64 = 1e-6;
 
 /// The same of a solve that stops before it has converged: what it leaves is only as good as its residual.
 const UNFINISHED_RISE: f64 = 1e-4;
+
+/// Share of compressive stiffness of fabric that pushes, so that collapsed shapes are under load.
+const PUSHING: f64 = 0.1;
 
 const EVALUATION_LIMIT: usize = 1000;
 
@@ -70,7 +75,11 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         across: DVec3::X,
         down: DVec3::Y,
     };
-    for model in [FabricModel::Membrane, FabricModel::Network] {
+    for (model, residual_stiffness) in [
+        (FabricModel::Membrane, 0.0),
+        (FabricModel::Network, 0.0),
+        (FabricModel::Membrane, PUSHING),
+    ] {
         for (name, start) in STARTS {
             let (mut runs, mut broken, mut evaluations) = (0, 0, 0);
             let (mut rise, mut unfinished, mut unfinished_rise) = (0.0_f64, 0, 0.0_f64);
@@ -79,8 +88,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 for time_step_s in TIME_STEPS_S {
                     for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi] {
                         let fabric = Fabric {
-                            // Pushes a little, so that collapsed shapes are under load.
-                            residual_stiffness: 0.1,
+                            residual_stiffness,
                             ..super::isotropic(stiffness / 1e-4, 0.3, 1e-4)
                         };
                         let Some(mut structure) = sheet::build(&shape, &fabric, model) else {
@@ -128,7 +136,9 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 }
             }
             let Some(sheet) = last else { continue };
+            let pushes = residual_stiffness > 0.0;
             let model = match model {
+                FabricModel::Membrane if pushes => "pushing membrane",
                 FabricModel::Membrane => "membrane",
                 FabricModel::Network => "network",
             };
@@ -139,25 +149,27 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                     f64::from(broken),
                 )
                 .gate(Gate::AtMost(0.0));
-            session
-                .sheet_row(
-                    &sheet,
-                    format!("{model}, {name}: largest rise of energy over the first"),
-                    rise,
-                )
-                .gate(Gate::AtMost(RISE));
+            let row = session.sheet_row(
+                &sheet,
+                format!("{model}, {name}: largest rise of energy over the first"),
+                rise,
+            );
+            if !pushes {
+                row.gate(Gate::AtMost(RISE));
+            }
             session.sheet_row(
                 &sheet,
                 format!("{model}, {name}: of {} steps not converged", runs * STEPS),
                 f64::from(unfinished),
             );
-            session
-                .sheet_row(
-                    &sheet,
-                    format!("{model}, {name}: largest rise of energy in these"),
-                    unfinished_rise,
-                )
-                .gate(Gate::AtMost(UNFINISHED_RISE));
+            let row = session.sheet_row(
+                &sheet,
+                format!("{model}, {name}: largest rise of energy in these"),
+                unfinished_rise,
+            );
+            if !pushes {
+                row.gate(Gate::AtMost(UNFINISHED_RISE));
+            }
             session.sheet_row(
                 &sheet,
                 format!("{model}, {name}: evaluations per step"),

@@ -1,0 +1,198 @@
+//! What an equilibrium of fabric costs, over mesh size and initial Hessian, and beside other minimisers.
+//!
+//! `cargo bench --bench cloth -- [table|scale|peers|step] [FILE.json] [SIDE...]` prints a table and, with FILE.json, writes the same as
+//! JSON. Other words choose problems by their names.
+//!
+//! * `table`: a square sheet of 1 m² of stiff ripstop nylon (E = 430 MPa, 0.1 mm, 53 g/m²) that hangs at its four corners under a dead
+//!   load of 50 Pa, from flat with 10 µm of noise: one implicit step of 10 ms, and the static equilibrium; springs that also push, or
+//!   tension-only membrane. To a relative energy norm of 1e-4.
+//! * `scale`: the static equilibrium to 1e-2; 1000 cells along a side unless told otherwise.
+//!
+//! Every evaluation is one energy with its gradient; beside it stands |g|/|g at the start|.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a benchmark that cannot run should stop"
+)]
+
+mod meter;
+mod newton;
+mod ours;
+mod peers;
+mod serve;
+mod sheet;
+
+use ours::Setting;
+use ripstop::cpu::cloth::InitialHessian;
+use serde_json::Value;
+use sheet::Problem;
+
+/// What the command line asks for.
+#[derive(Default)]
+struct Request {
+    part: String,
+    file: Option<String>,
+    sides: Vec<usize>,
+    words: Vec<String>,
+    /// `history=5`, `refresh=20`, `tolerance=1e-3`.
+    overrides: Vec<(String, f64)>,
+}
+
+impl Request {
+    fn read() -> Self {
+        let mut request = Self {
+            part: "table".to_owned(),
+            ..Self::default()
+        };
+        for argument in std::env::args().skip(1).filter(|a| !a.starts_with("--")) {
+            if let Ok(side) = argument.parse() {
+                request.sides.push(side);
+            } else if argument.ends_with(".json") {
+                request.file = Some(argument);
+            } else if ["table", "scale", "peers", "problems", "step", "serve"].contains(&argument.as_str()) {
+                request.part = argument;
+            } else if let Some((name, value)) = argument.split_once('=') {
+                request.overrides.push((name.to_owned(), value.parse().unwrap()));
+            } else {
+                request.words.push(argument);
+            }
+        }
+        request
+    }
+
+    fn sides(&self, otherwise: &[usize]) -> Vec<usize> {
+        if self.sides.is_empty() {
+            otherwise.to_vec()
+        } else {
+            self.sides.clone()
+        }
+    }
+
+    fn overridden(&self, mut setting: Setting) -> Setting {
+        for (name, value) in &self.overrides {
+            match name.as_str() {
+                "history" => setting.history = *value as usize,
+                "refresh" => setting.refresh_every = (*value > 0.0).then_some(*value as usize),
+                "tolerance" => setting.tolerance = *value,
+                _ => panic!("no setting {name}"),
+            }
+        }
+        setting
+    }
+
+    fn wants(&self, name: &str) -> bool {
+        self.words.iter().all(|word| name.contains(word.as_str()))
+    }
+}
+
+fn table(request: &Request) -> Vec<Value> {
+    ours::print_head();
+    let mut rows = Vec::new();
+    for (fabric, time_step_s) in [("network", Some(1e-2)), ("network", None), ("tension", None)] {
+        for side in request.sides(&[50, 100, 200]) {
+            let problem = Problem {
+                time_step_s,
+                ..Problem::new(fabric, side)
+            };
+            for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi] {
+                let setting = request.overridden(Setting::new(initial_hessian, 1e-4));
+                let slow = initial_hessian == InitialHessian::BlockJacobi && side > 60;
+                if !slow && request.wants(&format!("{} {}", problem.name(), setting.label())) {
+                    rows.push(ours::solve(&problem, &setting));
+                }
+            }
+        }
+    }
+    rows
+}
+
+fn scale(request: &Request) -> Vec<Value> {
+    ours::print_head();
+    let mut rows = Vec::new();
+    for fabric in ["network", "membrane", "tension"] {
+        for side in request.sides(&[1000]) {
+            let problem = Problem::new(fabric, side);
+            if request.wants(&problem.name()) {
+                let setting = request.overridden(Setting::new(InitialHessian::Multigrid, 1e-2));
+                rows.push(ours::solve(&problem, &setting));
+            }
+        }
+    }
+    rows
+}
+
+/// Where multigrid begins to pay in implicit steps.
+fn steps(request: &Request) -> Vec<Value> {
+    println!(
+        "{:>32} {:>4} {:>10} {:>12} conv. {:>4} {:>6} {:>9} {:>9}",
+        "problem", "side", "cells/step", "initial", "eval.", "cycles", "seconds", "CPU s"
+    );
+    let mut rows = Vec::new();
+    for (fabric, softness) in [("network", 1.0), ("network", 1e-2), ("tension", 1.0)] {
+        for side in request.sides(&[25, 50, 100]) {
+            for time_step_s in [1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2] {
+                let problem = Problem {
+                    time_step_s: Some(time_step_s),
+                    softness,
+                    ..Problem::new(fabric, side)
+                };
+                if !request.wants(&problem.name()) || problem.cells_crossed() > 300.0 {
+                    continue;
+                }
+                for initial_hessian in [InitialHessian::BlockJacobi, InitialHessian::Multigrid] {
+                    let setting = Setting {
+                        refresh_every: (initial_hessian == InitialHessian::Multigrid).then_some(10),
+                        ..Setting::new(initial_hessian, 1e-3)
+                    };
+                    rows.push(ours::motion(&problem, &request.overridden(setting)));
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// Ours and others, problem by problem; the numbers on the command line choose problems of the list.
+fn compare(request: &Request) -> Vec<Value> {
+    let problems = peers::problems();
+    let all: Vec<usize> = (0..problems.len()).collect();
+    let mut rows = Vec::new();
+    for number in request.sides(&all) {
+        let problem = &problems[number];
+        let methods: [(&str, &dyn Fn() -> Value); 6] = [
+            ("multigrid", &|| ours::compared(problem, InitialHessian::Multigrid)),
+            ("block-Jacobi", &|| ours::compared(problem, InitialHessian::BlockJacobi)),
+            ("newton", &|| newton::newton(problem, 0.1)),
+            ("newton", &|| newton::newton(problem, 0.5)),
+            ("liblbfgs", &|| peers::liblbfgs(problem)),
+            ("relaxation", &|| peers::dynamic_relaxation(problem)),
+        ];
+        for (name, method) in methods {
+            if request.wants(name) {
+                rows.push(method());
+            }
+        }
+    }
+    rows
+}
+
+fn main() {
+    let request = Request::read();
+    let rows = match request.part.as_str() {
+        "step" => steps(&request),
+        "peers" => compare(&request),
+        "problems" => {
+            println!("{}", serde_json::to_string(&peers::problems()).unwrap());
+            return;
+        }
+        "serve" => {
+            serve::serve(&peers::problems()[request.sides[0]]);
+            return;
+        }
+        "scale" => scale(&request),
+        _ => table(&request),
+    };
+    if let Some(file) = &request.file {
+        std::fs::write(file, serde_json::to_string_pretty(&rows).unwrap()).unwrap();
+    }
+}

@@ -1,0 +1,47 @@
+//! Which initial Hessian the implicit steps of the fabric start from.
+
+use super::{Placement, Skip};
+use crate::case::Scene;
+use crate::solve::InitialHessian;
+
+/// From so many elements that a stretching wave crosses in a step on, multigrid is faster than block-Jacobi.
+///
+/// Inertia holds the nodes in short steps, and block-Jacobi needs few evaluations, each a third as dear; in long steps its evaluations
+/// grow with the elements that one step couples, those of multigrid hardly. Measured (`cargo bench --bench cloth -- step`): the two
+/// meet between 5 and 20 elements, over meshes of 25² to 100² cells, a hundredfold in stiffness, and springs or tension-only membrane.
+const ELEMENTS_CROSSED: f64 = 10.0;
+
+/// Elements that a stretching wave crosses in one implicit step; `None` without fabric or time steps.
+fn elements_crossed(scene: &Scene) -> Option<f64> {
+    let every = scene.coupling.map_or(1, |c| c.structure_every);
+    let time_step_s = scene.time?.step_s * f64::from(every);
+    Some(scene.body.as_ref()?.structure.elements_crossed(time_step_s))
+}
+
+/// What implicit steps start from.
+pub fn of_steps(scene: &Scene, placement: &Placement) -> InitialHessian {
+    // On a device the choice is not measured yet.
+    if !placement.cloth_on_device() && elements_crossed(scene) >= Some(ELEMENTS_CROSSED) {
+        InitialHessian::Multigrid
+    } else {
+        InitialHessian::BlockJacobi
+    }
+}
+
+/// What the choice leaves out.
+pub fn skipped(scene: &Scene, placement: &Placement) -> Option<Skip> {
+    let crossed = elements_crossed(scene)?;
+    let why = match of_steps(scene, placement) {
+        InitialHessian::Multigrid => return None,
+        InitialHessian::BlockJacobi if placement.cloth_on_device() => {
+            "block-Jacobi is used on a device".to_owned()
+        }
+        InitialHessian::BlockJacobi => format!(
+            "a stretching wave crosses {crossed:.2} elements in a step: block-Jacobi is faster up to {ELEMENTS_CROSSED}"
+        ),
+    };
+    Some(Skip {
+        what: "multigrid in the steps of the fabric",
+        why,
+    })
+}
