@@ -252,7 +252,7 @@ fn hanging_cable() {
         },
         &settings,
     );
-    assert_eq!(outcome.stop, Stop::Converged);
+    assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
     let lowest = cloth
         .positions_m
