@@ -41,6 +41,7 @@ pub fn trials() -> Vec<Trial> {
         on_device("steps_are_clipped", clipped),
         on_device("one_step_with_markers", one_step_with_markers),
         on_device("sheet_in_motion", sheet_in_motion),
+        on_device("supports_that_move", moved_supports),
         on_device("catenary", hanging_cable),
         on_device("hanging_sheet", hanging_sheet),
         on_device("free_fall", free_fall),
@@ -585,6 +586,42 @@ const STATIC: SolverSettings = SolverSettings {
     ..SETTINGS
 };
 
+/// One corner of a curtain is led away, with markers in the wind and damping, which feel its speed.
+fn moved_supports(device: &Arc<Device>) {
+    let structure = curtain(12, FabricModel::Membrane);
+    let start = structure.positions_m.clone();
+    let markers = markers(&structure, 1);
+    let mut on_device = on(device, &structure, &markers);
+    let mut cpu = Cloth::new(structure);
+    let mut gpu = cpu.clone();
+    for step in 1..=5 {
+        let place = start[0] + DVec3::new(-1e-3, 2e-3, 0.5e-3) * f64::from(step);
+        let input = StepInput {
+            time_step_s: Some(1e-3),
+            damping_1_s: 3.0,
+            markers: &markers,
+            moved_supports: &[(0, place)],
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            ..SETTINGS
+        };
+        let a = cpu.solve_cloth(&input, &settings);
+        let b = on_device
+            .solve(&mut gpu, &input, &settings, &mut |_| true)
+            .unwrap();
+        assert_eq!(a.stop, Stop::Converged, "{a:?}");
+        assert_eq!(b.stop, Stop::Converged, "{b:?}");
+        let energy = (a.objective - b.objective).abs() / a.objective.abs();
+        assert!(energy < tolerance::MOTION, "{energy:e}");
+        assert_eq!(gpu.positions_m[0], place);
+    }
+    let moved = farthest(&start, &cpu.positions_m);
+    let error = farthest(&cpu.positions_m, &gpu.positions_m);
+    assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
+}
+
 fn equilibrium(
     device: &Arc<Device>,
     structure: Structure,
@@ -775,6 +812,20 @@ fn same_bits_twice(device: &Arc<Device>) {
         (positions, energy)
     };
     assert!(run() == run());
+    // Multigrid: a solve does not depend on those before it.
+    let input = StepInput {
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        ..StepInput::default()
+    };
+    let mut on_device = on(device, &structure, &[]);
+    let mut solve = || {
+        let mut cloth = Cloth::new(structure.clone());
+        on_device
+            .solve(&mut cloth, &input, &STATIC, &mut |_| true)
+            .unwrap();
+        cloth.positions_m
+    };
+    assert!(solve() == solve());
 }
 
 /// Something larger than a buffer may be is an error that says so, and nothing panics.

@@ -90,9 +90,9 @@ fn cycle_error(device: &Arc<Device>, n: usize, all_held: bool) -> f64 {
     let narrow: Vec<[f32; 3]> = right.iter().map(|v| v.to_array()).collect();
     let mut cycled = vec![Vec3::ZERO; right.len()];
     let mut worst: f64 = 0.0;
-    for _ in 0..2 {
+    for first in [true, false] {
         host.refresh(|fine| fine.clone_from(&matrix));
-        on_device.set_matrix(device, &matrix).unwrap();
+        on_device.set_matrix(device, &matrix, first).unwrap();
         host.apply(&right, &mut cycled);
         let expected: Vec<DVec3> = cycled.iter().map(|v| v.as_dvec3()).collect();
         let found: Vec<DVec3> = on_device

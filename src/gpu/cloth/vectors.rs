@@ -186,8 +186,8 @@ impl<'a> Space<'a> {
         Ok(())
     }
 
-    /// Rebuilds H₀ around the point of `stage`: block-Jacobi within `commands`, multigrid before them.
-    fn rebuild(&mut self, stage: ClothStage) -> Result<(), DeviceError> {
+    /// Rebuilds multigrid around the point of `stage`, where it is H₀; `first` in a solve.
+    fn rebuild(&mut self, stage: ClothStage, first: bool) -> Result<(), DeviceError> {
         if self.multigrid.is_none() {
             return Ok(());
         }
@@ -204,7 +204,7 @@ impl<'a> Space<'a> {
                 .stiffness
                 .dispatch(&mut pass, self.stage.inertia > 0.0);
         }
-        hessian.multigrid.refresh(&mut commands)?;
+        hessian.multigrid.refresh(&mut commands, first)?;
         self.device.submit(commands);
         hessian.multigrid.invert_coarsest(self.device)
     }
@@ -292,7 +292,7 @@ impl VectorSpace for Space<'_> {
         if self.multigrid.is_some() {
             transforms.push([gradient.0, preconditioned.0]);
         }
-        self.rebuild(stage)?;
+        self.rebuild(stage, true)?;
         let (_, products) = self.run(stage, &rows, |space, commands| {
             {
                 let mut pass = compute_pass(commands, "cloth start");
@@ -404,7 +404,7 @@ impl VectorSpace for Space<'_> {
                 rows.push([pairs[i].0.0, NONE, pairs[j].1.0, NONE]);
             }
         }
-        self.rebuild(stage)?;
+        self.rebuild(stage, false)?;
         let (_, products) = self.run(stage, &rows, |space, commands| {
             space.rebuild_blocks(&mut compute_pass(commands, "cloth blocks"));
             space.precondition(commands, &transforms)

@@ -83,7 +83,11 @@ impl Buffers {
                 "chebyshev",
                 device.storage("smoother", 8 * COARSEST_DEGREE as u64)?,
             ),
-            ("eigenvector", device.storage_of("eigenvector", &guess)?),
+            ("eigenvector", device.storage("eigenvector", vector_bytes)?),
+            (
+                "eigenvector_guess",
+                device.storage_of("guess of the eigenvector", &guess)?,
+            ),
             (
                 "squares",
                 device.storage("squares", 4 * u64::from(strides))?,

@@ -184,9 +184,19 @@ impl Multigrid {
         self.traffic.get()
     }
 
-    /// Records what follows from a new finest matrix; [`Multigrid::invert_coarsest`] must come after the submission.
-    pub(super) fn refresh(&self, commands: &mut wgpu::CommandEncoder) -> Result<(), DeviceError> {
-        let first = self.traffic.get().refreshes == 0;
+    /// Records what follows from a new finest matrix; [`Multigrid::invert_coarsest`] must come after the submission. The first refresh of
+    /// a solve forgets the eigenvectors of the one before, so that a solve does not depend on others.
+    pub(super) fn refresh(
+        &self,
+        commands: &mut wgpu::CommandEncoder,
+        first: bool,
+    ) -> Result<(), DeviceError> {
+        if first {
+            for level in &self.buffers {
+                let (from, to) = (level.get("eigenvector_guess")?, level.get("eigenvector")?);
+                commands.copy_buffer_to_buffer(from, 0, to, 0, level.vector_bytes);
+            }
+        }
         {
             let mut pass = compute_pass(commands, "multigrid_refresh");
             for level in &self.levels {
@@ -247,12 +257,17 @@ impl Multigrid {
         Ok(())
     }
 
-    /// Takes a finest matrix from the host, with the pattern of the first shape.
-    pub fn set_matrix(&self, device: &Device, matrix: &BlockMatrix) -> Result<(), DeviceError> {
+    /// Takes a finest matrix from the host, with the pattern of the first shape; `first` as in a refresh.
+    pub fn set_matrix(
+        &self,
+        device: &Device,
+        matrix: &BlockMatrix,
+        first: bool,
+    ) -> Result<(), DeviceError> {
         let (buffer, sliced) = self.finest()?;
         device.write(buffer, 0, &sliced.values(matrix));
         let mut commands = device.record("multigrid_refresh");
-        self.refresh(&mut commands)?;
+        self.refresh(&mut commands, first)?;
         device.submit(commands);
         self.invert_coarsest(device)
     }
