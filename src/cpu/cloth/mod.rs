@@ -81,7 +81,10 @@ impl Cloth {
     /// Multigrid cycles so far.
     #[must_use]
     pub fn multigrid_cycles(&self) -> u64 {
-        self.prepared.multigrid.as_ref().map_or(0, Multigrid::cycles)
+        self.prepared
+            .multigrid
+            .as_ref()
+            .map_or(0, Multigrid::cycles)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].
