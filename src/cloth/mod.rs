@@ -93,7 +93,7 @@ impl Structure {
     }
 
     /// Bytes held by the host's engine for this structure, vectors of the minimiser (`history` pairs) and multigrid included. A sheet of
-    /// 1000² cells took 0.95 to 0.97 of it (springs, membrane).
+    /// 1000² cells took 0.97 of it with springs, 0.99 as a membrane.
     #[must_use]
     pub fn estimated_bytes(&self, history: usize) -> u64 {
         let [nodes, triangles, springs, bendings] = [
