@@ -1,14 +1,19 @@
 //! What an equilibrium of fabric costs, over mesh size and initial Hessian, and beside other minimisers.
 //!
-//! `cargo bench --bench cloth -- [table|scale|peers|step] [FILE.json] [SIDE...]` prints a table and, with FILE.json, writes the same as
-//! JSON. Other words choose problems by their names.
+//! `cargo bench --bench cloth -- [table|scale|step|peers] [FILE.json] [SIDE...] [WORD...]` prints a table and, with FILE.json, puts the
+//! same there as JSON under the name of the part, with machine, commit and date from the environment (`RIPSTOP_MACHINE`,
+//! `RIPSTOP_COMMIT`, `RIPSTOP_DATE`). Words choose problems by their names; `history=5`, `refresh=20`, `tolerance=1e-3` replace settings.
 //!
 //! * `table`: a square sheet of 1 m² of stiff ripstop nylon (E = 430 MPa, 0.1 mm, 53 g/m²) that hangs at its four corners under a dead
 //!   load of 50 Pa, from flat with 10 µm of noise: one implicit step of 10 ms, and the static equilibrium; springs that also push, or
 //!   tension-only membrane. To a relative energy norm of 1e-4.
 //! * `scale`: the static equilibrium to 1e-2; 1000 cells along a side unless told otherwise.
+//! * `step`: five implicit steps from flat, to 1e-3, over the elements that a stretching wave crosses in a step: where multigrid pays.
+//! * `peers`: ours, Newton's method, the crate liblbfgs and dynamic relaxation on the same energy, from the same start, to the same norm;
+//!   here numbers choose problems. `benches/peers/cloth_compare.py` adds scipy.
 //!
-//! Every evaluation is one energy with its gradient; beside it stands |g|/|g at the start|.
+//! Every evaluation is one energy with its gradient. Beside it stand the multigrid cycles, the set-up of the levels, the peak of memory,
+//! and |g|/|g at the start|: the flat sheet resists with its soft bending only, so that |g| first grows, and says less than the energy norm.
 
 #![allow(
     clippy::unwrap_used,
@@ -24,7 +29,7 @@ mod sheet;
 
 use ours::Setting;
 use ripstop::cpu::cloth::InitialHessian;
-use serde_json::Value;
+use serde_json::{Value, json};
 use sheet::Problem;
 
 /// What the command line asks for.
@@ -49,10 +54,14 @@ impl Request {
                 request.sides.push(side);
             } else if argument.ends_with(".json") {
                 request.file = Some(argument);
-            } else if ["table", "scale", "peers", "problems", "step", "serve"].contains(&argument.as_str()) {
+            } else if ["table", "scale", "peers", "problems", "step", "serve"]
+                .contains(&argument.as_str())
+            {
                 request.part = argument;
             } else if let Some((name, value)) = argument.split_once('=') {
-                request.overrides.push((name.to_owned(), value.parse().unwrap()));
+                request
+                    .overrides
+                    .push((name.to_owned(), value.parse().unwrap()));
             } else {
                 request.words.push(argument);
             }
@@ -88,7 +97,11 @@ impl Request {
 fn table(request: &Request) -> Vec<Value> {
     ours::print_head();
     let mut rows = Vec::new();
-    for (fabric, time_step_s) in [("network", Some(1e-2)), ("network", None), ("tension", None)] {
+    for (fabric, time_step_s) in [
+        ("network", Some(1e-2)),
+        ("network", None),
+        ("tension", None),
+    ] {
         for side in request.sides(&[50, 100, 200]) {
             let problem = Problem {
                 time_step_s,
@@ -160,8 +173,12 @@ fn compare(request: &Request) -> Vec<Value> {
     for number in request.sides(&all) {
         let problem = &problems[number];
         let methods: [(&str, &dyn Fn() -> Value); 6] = [
-            ("multigrid", &|| ours::compared(problem, InitialHessian::Multigrid)),
-            ("block-Jacobi", &|| ours::compared(problem, InitialHessian::BlockJacobi)),
+            ("multigrid", &|| {
+                ours::compared(problem, InitialHessian::Multigrid)
+            }),
+            ("block-Jacobi", &|| {
+                ours::compared(problem, InitialHessian::BlockJacobi)
+            }),
             ("newton", &|| newton::newton(problem, 0.1)),
             ("newton", &|| newton::newton(problem, 0.5)),
             ("liblbfgs", &|| peers::liblbfgs(problem)),
@@ -193,6 +210,12 @@ fn main() {
         _ => table(&request),
     };
     if let Some(file) = &request.file {
-        std::fs::write(file, serde_json::to_string_pretty(&rows).unwrap()).unwrap();
+        let mut report: Value = std::fs::read_to_string(file)
+            .map_or_else(|_| json!({}), |text| serde_json::from_str(&text).unwrap());
+        report[&request.part] = json!({
+            "machine": std::env::var("RIPSTOP_MACHINE").ok(), "commit": std::env::var("RIPSTOP_COMMIT").ok(),
+            "date": std::env::var("RIPSTOP_DATE").ok(), "threads": rayon::current_num_threads(), "rows": rows,
+        });
+        std::fs::write(file, serde_json::to_string_pretty(&report).unwrap()).unwrap();
     }
 }

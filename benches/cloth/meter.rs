@@ -63,7 +63,15 @@ impl<'a> Meter<'a> {
     pub fn row(&self, problem: &Problem, method: &str, stop: &str, cycles: Option<usize>) -> Value {
         let seconds = self.seconds();
         let stop = if self.reached { "reached" } else { stop };
-        print_row(problem, method, stop, self.evaluations, cycles, seconds, self.norm);
+        print_row(
+            problem,
+            method,
+            stop,
+            self.evaluations,
+            cycles,
+            seconds,
+            self.norm,
+        );
         json!({
             "problem": problem, "method": method, "stop": stop, "evaluations": self.evaluations, "cycles": cycles,
             "seconds": seconds, "relative_energy_norm": self.norm,

@@ -20,7 +20,10 @@ pub fn newton(problem: &Problem, forcing: f64) -> Value {
     let mut cloth = ours::start(problem);
     let step_limit_m = 2.0 * 2.0f64.sqrt() / problem.side as f64;
     let input = problem.input();
-    let mut meter = Meter::new(cloth.evaluator(&input, InitialHessian::Multigrid), TOLERANCE);
+    let mut meter = Meter::new(
+        cloth.evaluator(&input, InitialHessian::Multigrid),
+        TOLERANCE,
+    );
     let mut point = meter.evaluator.prediction_m().to_vec();
     let count = point.len();
     let mut gradient = vec![DVec3::ZERO; count];
@@ -63,10 +66,16 @@ pub fn newton(problem: &Problem, forcing: f64) -> Value {
         let longest = step.iter().map(|s| s.length()).fold(0.0, f64::max);
         let mut length = (step_limit_m / longest).min(1.0);
         loop {
-            let trial: Vec<DVec3> = point.iter().zip(&step).map(|(x, s)| *x + *s * length).collect();
+            let trial: Vec<DVec3> = point
+                .iter()
+                .zip(&step)
+                .map(|(x, s)| *x + *s * length)
+                .collect();
             let mut new_gradient = vec![DVec3::ZERO; count];
             let value = meter.evaluate(&trial, &mut new_gradient);
-            if value <= objective + 1e-4 * length * slope || (value - objective).abs() < 1e-10 * objective.abs() {
+            if value <= objective + 1e-4 * length * slope
+                || (value - objective).abs() < 1e-10 * objective.abs()
+            {
                 (point, gradient, objective) = (trial, new_gradient, value);
                 break;
             }

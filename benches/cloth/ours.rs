@@ -93,13 +93,30 @@ fn gradient_norm(cloth: &mut Cloth, problem: &Problem, at: &[DVec3]) -> f64 {
     let mut evaluator = cloth.evaluator(&input, InitialHessian::BlockJacobi);
     let mut gradient = vec![DVec3::ZERO; at.len()];
     evaluator.evaluate(at, &mut gradient);
-    gradient.iter().map(|g| g.length_squared()).sum::<f64>().sqrt()
+    gradient
+        .iter()
+        .map(|g| g.length_squared())
+        .sum::<f64>()
+        .sqrt()
 }
 
 pub fn print_head() {
     println!(
         "{:>24} {:>5} {:>12} {:>11} {:>6} {:>6} {:>7} {:>9} {:>9} {:>9} {:>7} {:>8} {:>9} {:>9}",
-        "problem", "side", "initial", "stop", "iter.", "eval.", "cycles", "seconds", "CPU s", "s/eval.", "set-up", "peak MB", "|g|/|g0|", "sag [m]"
+        "problem",
+        "side",
+        "initial",
+        "stop",
+        "iter.",
+        "eval.",
+        "cycles",
+        "seconds",
+        "CPU s",
+        "s/eval.",
+        "set-up",
+        "peak MB",
+        "|g|/|g0|",
+        "sag [m]"
     );
 }
 
@@ -119,13 +136,20 @@ pub fn solve(problem: &Problem, setting: &Setting) -> Value {
     let mut next = 0;
     let outcome = cloth.solve_cloth_watched(&input, &setting.solver(), &mut |progress| {
         if verbose && progress.evaluations >= next {
-            eprintln!("{:>6} {:.3e} {:.1} s", progress.evaluations, progress.relative_norm, began.elapsed().as_secs_f64());
+            eprintln!(
+                "{:>6} {:.3e} {:.1} s",
+                progress.evaluations,
+                progress.relative_norm,
+                began.elapsed().as_secs_f64()
+            );
             next = progress.evaluations + 10;
         }
         true
     });
     let seconds = began.elapsed().as_secs_f64();
-    let processor_s = processor_s().zip(processor).map(|(after, before)| after - before);
+    let processor_s = processor_s()
+        .zip(processor)
+        .map(|(after, before)| after - before);
     let peak = peak_megabytes();
     let cycles = cloth.multigrid_cycles() - cycles_before;
     let sag = cloth.positions_m.iter().map(|x| x.z).fold(0.0, f64::max);
@@ -161,7 +185,14 @@ pub fn compared(problem: &Problem, initial_hessian: InitialHessian) -> Value {
     let at_start = cloth.positions_m.clone();
     let before = cloth.multigrid_cycles();
     let began = Instant::now();
-    let outcome = cloth.solve_cloth(&input, &Setting { evaluation_limit: EVALUATION_LIMIT, ..setting }.solver());
+    let outcome = cloth.solve_cloth(
+        &input,
+        &Setting {
+            evaluation_limit: EVALUATION_LIMIT,
+            ..setting
+        }
+        .solver(),
+    );
     let seconds = began.elapsed().as_secs_f64();
     let cycles = (cloth.multigrid_cycles() - before) as usize;
     let reached = std::mem::replace(&mut cloth.positions_m, at_start);
@@ -171,8 +202,20 @@ pub fn compared(problem: &Problem, initial_hessian: InitialHessian) -> Value {
     evaluator.evaluate(&reached, &mut gradient);
     let norm = evaluator.relative_energy_norm(&reached, &gradient);
     let method = format!("ours, {}", setting.label());
-    let stop = if outcome.stop == Stop::Converged { "reached" } else { "stalled" };
-    print_row(problem, &method, stop, outcome.evaluations, Some(cycles), seconds, norm);
+    let stop = if outcome.stop == Stop::Converged {
+        "reached"
+    } else {
+        "stalled"
+    };
+    print_row(
+        problem,
+        &method,
+        stop,
+        outcome.evaluations,
+        Some(cycles),
+        seconds,
+        norm,
+    );
     json!({
         "problem": problem, "method": method, "stop": stop, "evaluations": outcome.evaluations, "cycles": cycles,
         "seconds": seconds, "relative_energy_norm": norm,
@@ -195,11 +238,16 @@ pub fn motion(problem: &Problem, setting: &Setting) -> Value {
         converged += usize::from(outcome.stop == Stop::Converged);
     }
     let seconds = began.elapsed().as_secs_f64();
-    let processor_s = processor_s().zip(processor).map_or(f64::NAN, |(after, before)| after - before);
+    let processor_s = processor_s()
+        .zip(processor)
+        .map_or(f64::NAN, |(after, before)| after - before);
     let crossing = problem.cells_crossed();
     println!(
         "{:>32} {:>4} {crossing:>10.2} {:>12} {converged}/{STEPS} {evaluations:>6} {:>6} {seconds:>9.3} {processor_s:>9.3}",
-        problem.name(), problem.side, setting.label(), cloth.multigrid_cycles(),
+        problem.name(),
+        problem.side,
+        setting.label(),
+        cloth.multigrid_cycles(),
     );
     json!({
         "problem": problem, "cells_crossed_per_step": crossing, "initial_hessian": setting.label(), "steps": STEPS,

@@ -17,7 +17,11 @@ pub const TOLERANCE: f64 = 1e-4;
 pub fn problems() -> Vec<Problem> {
     let mut problems = Vec::new();
     for side in [50, 100, 200] {
-        for (fabric, time_step_s) in [("network", None), ("network", Some(1e-2)), ("tension", None)] {
+        for (fabric, time_step_s) in [
+            ("network", None),
+            ("network", Some(1e-2)),
+            ("tension", None),
+        ] {
             problems.push(Problem {
                 time_step_s,
                 ..Problem::new(fabric, side)
@@ -61,10 +65,17 @@ pub fn liblbfgs(problem: &Problem) -> Value {
         },
         |progress| {
             let mut meter = meter.borrow_mut();
-            meter.ends(bytemuck::cast_slice(progress.x), bytemuck::cast_slice(progress.gx))
+            meter.ends(
+                bytemuck::cast_slice(progress.x),
+                bytemuck::cast_slice(progress.gx),
+            )
         },
     );
-    let stop = if outcome.is_err() { "line search" } else { "limit" };
+    let stop = if outcome.is_err() {
+        "line search"
+    } else {
+        "limit"
+    };
     meter.into_inner().row(problem, "liblbfgs", stop, None)
 }
 
@@ -87,7 +98,10 @@ pub fn dynamic_relaxation(problem: &Problem) -> Value {
     let mut cloth = ours::start(problem);
     let structure = cloth.structure.clone();
     let input = problem.input();
-    let mut meter = Meter::new(cloth.evaluator(&input, InitialHessian::Multigrid), TOLERANCE);
+    let mut meter = Meter::new(
+        cloth.evaluator(&input, InitialHessian::Multigrid),
+        TOLERANCE,
+    );
     let mut point = meter.evaluator.prediction_m().to_vec();
     let mut gradient = vec![DVec3::ZERO; point.len()];
     let mut velocities = gradient.clone();
@@ -100,10 +114,18 @@ pub fn dynamic_relaxation(problem: &Problem) -> Value {
             // After a stop, half a step from rest.
             *v = if fresh { *g * (-0.5 / m) } else { *v - *g / *m };
         }
-        let energy: f64 = velocities.iter().zip(&mass).map(|(v, m)| 0.5 * m * v.length_squared()).sum();
+        let energy: f64 = velocities
+            .iter()
+            .zip(&mass)
+            .map(|(v, m)| 0.5 * m * v.length_squared())
+            .sum();
         if energy < kinetic && !fresh {
             // The peak was half a step before the last one: back to it.
-            for ((x, v), (g, m)) in point.iter_mut().zip(&velocities).zip(gradient.iter().zip(&mass)) {
+            for ((x, v), (g, m)) in point
+                .iter_mut()
+                .zip(&velocities)
+                .zip(gradient.iter().zip(&mass))
+            {
                 let before = *v + *g / *m;
                 *x -= before * 1.5 - *g * (0.5 / m);
             }

@@ -18,7 +18,8 @@ pub fn serve(problem: &Problem) {
     let mut point = evaluator.prediction_m().to_vec();
     let mut gradient = vec![DVec3::ZERO; point.len()];
     let (mut source, mut sink) = (std::io::stdin().lock(), std::io::stdout().lock());
-    sink.write_all(&(3.0 * point.len() as f64).to_ne_bytes()).unwrap();
+    sink.write_all(&(3.0 * point.len() as f64).to_ne_bytes())
+        .unwrap();
     sink.write_all(bytemuck::cast_slice(&point)).unwrap();
     sink.flush().unwrap();
     let mut request = [0];
@@ -27,7 +28,9 @@ pub fn serve(problem: &Problem) {
             Err(end) if end.kind() == ErrorKind::UnexpectedEof => return,
             read => read.unwrap(),
         }
-        source.read_exact(bytemuck::cast_slice_mut(&mut point)).unwrap();
+        source
+            .read_exact(bytemuck::cast_slice_mut(&mut point))
+            .unwrap();
         let energy = evaluator.evaluate(&point, &mut gradient);
         if request == *b"e" {
             sink.write_all(&energy.to_ne_bytes()).unwrap();

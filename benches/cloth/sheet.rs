@@ -70,7 +70,8 @@ impl Problem {
     /// Cells that a stretching wave crosses in a step, √(E/ρ) dt over the mesh size.
     pub fn cells_crossed(&self) -> f64 {
         let speed_m_s = (RIPSTOP.warp_modulus_pa * self.softness / RIPSTOP.density_kg_m3).sqrt();
-        self.time_step_s.map_or(f64::INFINITY, |dt| speed_m_s * dt * self.side as f64)
+        self.time_step_s
+            .map_or(f64::INFINITY, |dt| speed_m_s * dt * self.side as f64)
     }
 
     /// The sheet where the solve starts, but for a warm start flat.

@@ -226,6 +226,70 @@ fn a_changing_initial_hessian_stays_quasi_newton() {
     assert!(outcome.iterations <= 60, "{}", outcome.iterations);
 }
 
+/// The recursion against the dense matrix that it stands for, H⁺ = (1 − ρ s yᵀ) H (1 − ρ y sᵀ) + ρ s sᵀ from γ H₀.
+#[test]
+fn the_direction_is_that_of_the_dense_formula() {
+    const H0: [f64; 4] = [0.3, 1.7, 0.9, 2.2];
+    let steps = [
+        [1.0, 0.2, -0.4, 0.3],
+        [0.1, -0.8, 0.5, 0.2],
+        [0.6, 0.3, 0.9, -0.7],
+    ];
+    // y = A s, A tridiagonal and positive definite.
+    let changes = steps.map(|s| {
+        let at = |i: usize| s.get(i).copied().unwrap_or(0.0);
+        [0, 1, 2, 3].map(|i| 3.0 * s[i] - at(i + 1) - if i > 0 { s[i - 1] } else { 0.0 })
+    });
+    let scaled = changes.map(|y| [0, 1, 2, 3].map(|i| H0[i] * y[i]));
+    let table = |a: &[[f64; 4]], b: &[[f64; 4]]| -> VecDeque<VecDeque<f64>> {
+        let row = |v: &[f64; 4]| b.iter().map(|w| dot(v, w)).collect();
+        a.iter().map(row).collect()
+    };
+    let gradient = [0.7, -0.2, 1.1, 0.4];
+    let preconditioned = [0, 1, 2, 3].map(|i| H0[i] * gradient[i]);
+    let products = Products {
+        gradient_step: steps.iter().map(|s| dot(&gradient, s)).collect(),
+        gradient_change: scaled.iter().map(|z| dot(&gradient, z)).collect(),
+        step_change: table(&steps, &changes),
+        change_change: table(&changes, &scaled),
+    };
+    let plan = products.direction(dot(&gradient, &preconditioned));
+    let direction: Vec<f64> = (0..4)
+        .map(|k| {
+            let pairs = (0..3).map(|i| plan.change[i] * scaled[i][k] - plan.step[i] * steps[i][k]);
+            pairs.sum::<f64>() - plan.scale * preconditioned[k]
+        })
+        .collect();
+    let scale = dot(&steps[2], &changes[2]) / dot(&changes[2], &scaled[2]);
+    let mut dense =
+        [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if i == j { scale * H0[i] } else { 0.0 }));
+    for (s, y) in steps.iter().zip(&changes) {
+        let rho = 1.0 / dot(s, y);
+        let of_change = dense.map(|row| dot(&row, y));
+        let square = dot(y, &of_change);
+        for i in 0..4 {
+            for j in 0..4 {
+                dense[i][j] += rho
+                    * ((1.0 + rho * square) * s[i] * s[j]
+                        - s[i] * of_change[j]
+                        - of_change[i] * s[j]);
+            }
+        }
+    }
+    for k in 0..4 {
+        let expected = -dot(&dense[k], &gradient);
+        assert!(
+            (direction[k] - expected).abs() < 1e-12,
+            "{k}: {} {expected}",
+            direction[k]
+        );
+    }
+    assert!((plan.slope - dot(&gradient, &direction)).abs() < 1e-12);
+    for (found, change) in plan.along_changes.iter().zip(&changes) {
+        assert!((found - dot(&direction, change)).abs() < 1e-12);
+    }
+}
+
 /// However wrong the scale of H₀, the first pair puts it right.
 #[test]
 fn the_scale_of_the_initial_hessian_does_not_matter() {

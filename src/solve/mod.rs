@@ -1,4 +1,5 @@
-//! Minimisation: knows vectors and an objective, nothing of cloth.
+//! Minimisation: knows vectors and an objective, nothing of cloth. [`lbfgs`] is what drives most solves, [`newton`] those of tension-only
+//! fabric; both start from the initial Hessian of the space, which may be a cycle of [`multigrid`].
 
 pub mod lbfgs;
 pub mod multigrid;

@@ -104,7 +104,11 @@ pub fn minimise_watched<S: Curvature>(
             outcome.stop = Stop::LimitReached;
             return Ok(outcome);
         }
-        stagnant = if norm < 0.9 * lowest_norm { 0 } else { stagnant };
+        stagnant = if norm < 0.9 * lowest_norm {
+            0
+        } else {
+            stagnant
+        };
         lowest_norm = lowest_norm.min(norm);
         if stagnant >= STAGNATION_LIMIT {
             outcome.stop = Stop::Stalled;

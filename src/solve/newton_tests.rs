@@ -170,7 +170,6 @@ fn a_start_that_is_not_finite_is_refused() {
         step_limit_m: f64::INFINITY,
     };
     let mut x = vec![0.0, f64::NAN, 0.0];
-    let Ok(outcome) =
-        minimise_watched(&mut Known::new(3, 0.0), &mut x, &options, &mut |_| true);
+    let Ok(outcome) = minimise_watched(&mut Known::new(3, 0.0), &mut x, &options, &mut |_| true);
     assert_eq!(outcome.stop, Stop::NotFinite);
 }

@@ -8,9 +8,9 @@ use super::StepInput;
 use super::solve_cloth::{InitialHessian, Objective};
 use super::vectors::dot;
 use crate::cloth::Structure;
+use crate::solve::Step;
 use crate::solve::lbfgs::{self, Options, Outcome, Watch};
 use crate::solve::newton::{self, Curvature, Trial};
-use crate::solve::Step;
 
 /// Share of compressive stiffness below which fabric counts as tension-only.
 const TENSION_ONLY: f64 = 0.1;

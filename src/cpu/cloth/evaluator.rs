@@ -80,7 +80,11 @@ impl Evaluator<'_> {
     pub fn relative_energy_norm(&mut self, point_m: &[DVec3], gradient: &[DVec3]) -> f64 {
         self.rebuild(point_m);
         let displacements = self.precondition(gradient);
-        let square: f64 = gradient.iter().zip(&displacements).map(|(g, d)| g.dot(*d)).sum();
+        let square: f64 = gradient
+            .iter()
+            .zip(&displacements)
+            .map(|(g, d)| g.dot(*d))
+            .sum();
         square.max(0.0).sqrt() / self.load_norm(point_m)
     }
 }

@@ -6,6 +6,7 @@
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
 //! * [`read_outs`]: tensions and reactions;
+//! * `driver`: which minimiser drives a solve;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
@@ -89,7 +90,10 @@ impl Cloth {
     /// Multigrid cycles so far.
     #[must_use]
     pub fn multigrid_cycles(&self) -> u64 {
-        self.prepared.multigrid.as_ref().map_or(0, Multigrid::cycles)
+        self.prepared
+            .multigrid
+            .as_ref()
+            .map_or(0, Multigrid::cycles)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].

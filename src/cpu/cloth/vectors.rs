@@ -84,9 +84,7 @@ fn larger(a: f64, b: f64) -> f64 {
 
 /// Longest displacement [m]; NaN if an element is not finite.
 pub(super) fn longest_m(step: &[Vec3]) -> f64 {
-    step.par_chunks(CHUNK)
-        .map(longest)
-        .reduce(|| 0.0, larger)
+    step.par_chunks(CHUNK).map(longest).reduce(|| 0.0, larger)
 }
 
 /// What a trial tells, all in one pass; y = g⁺ − g.

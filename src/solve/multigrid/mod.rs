@@ -297,7 +297,9 @@ impl Multigrid {
         let (finite, largest) = right
             .par_chunks(NODES_AT_ONCE)
             .map(|chunk| {
-                let largest = chunk.iter().fold(0.0, |m: f32, v| m.max(v.abs().max_element()));
+                let largest = chunk
+                    .iter()
+                    .fold(0.0, |m: f32, v| m.max(v.abs().max_element()));
                 (chunk.iter().all(|v| v.is_finite()), largest)
             })
             .reduce(|| (true, 0.0), |a, b| (a.0 && b.0, a.1.max(b.1)));
