@@ -128,7 +128,8 @@ impl Structure {
         // Beside the elements, what they pull with, how stiff they are, and where they meet.
         let of_elements = triangles * (size_of::<Triangle>() + 130)
             + springs * (size_of::<Spring>() + 16)
-            + bendings * (size_of::<Bending>() + 12)
+            + bendings * (size_of::<Bending<3>>() + 12)
+            + self.curvatures.len() * (size_of::<Bending<6>>() + 24)
             + self.cables.len() * (size_of::<CableSegment>() + 16);
         // Blocks of the stiffness matrix and their columns; the coarser levels add two fifths.
         let blocks = nodes + (3 * triangles).max(2 * springs) + 2 * bendings;
