@@ -3,7 +3,7 @@
 //! A triangle with the jump p along its normal pulls each of its nodes with p A n/3. In a time step the load is that at the start of the
 //! step. In the static limit it follows: −p V, with V the volume under the triangle as seen from a point o, has these pulls as its
 //! gradient, but for terms along the edges of a patch of equal pressure, which cancel where the edge is held. They are taken from the
-//! last iterate and corrected until they stand still ([`edge_correction`]).
+//! last iterate and corrected until they stand still (`edge_correction`).
 
 use glam::DVec3;
 use rayon::prelude::*;
