@@ -83,7 +83,10 @@ impl Request {
                 "history" => setting.history = *value as usize,
                 "refresh" => setting.refresh_every = (*value > 0.0).then_some(*value as usize),
                 "tolerance" => setting.tolerance = *value,
-                _ => panic!("no setting {name}"),
+                _ => {
+                    eprintln!("no setting {name}: history, refresh or tolerance");
+                    std::process::exit(2)
+                }
             }
         }
         setting

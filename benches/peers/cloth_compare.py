@@ -152,17 +152,23 @@ def main():
         row = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
         show(row)
         rows.append(row)
-    if options.json:
-        report = json.loads(options.json.read_text()) if options.json.exists() else {}
-        report["peers"] = {
-            "machine": os.environ.get("RIPSTOP_MACHINE", platform.processor() or platform.machine()),
-            "commit": os.environ.get("RIPSTOP_COMMIT") or subprocess.run(
-                ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip(),
-            "date": os.environ.get("RIPSTOP_DATE", datetime.date.today().isoformat()),
-            "scipy": PINNED[0], "tolerance": TOLERANCE, "rows": rows,
-        }
-        options.json.write_text(json.dumps(report, indent=1) + "\n")
-        print(f"written to {options.json}")
+        if options.json:
+            write(options.json, rows)
+
+
+def write(file, rows):
+    """Takes the place of rows of the same problems."""
+    report = json.loads(file.read_text()) if file.exists() else {}
+    new = [row["problem"] for row in rows]
+    kept = [row for row in report.get("peers", {}).get("rows", []) if row["problem"] not in new]
+    report["peers"] = {
+        "machine": os.environ.get("RIPSTOP_MACHINE", platform.processor() or platform.machine()),
+        "commit": os.environ.get("RIPSTOP_COMMIT") or subprocess.run(
+            ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip(),
+        "date": os.environ.get("RIPSTOP_DATE", datetime.date.today().isoformat()),
+        "scipy": PINNED[0], "tolerance": TOLERANCE, "rows": kept + rows,
+    }
+    file.write_text(json.dumps(report, indent=1) + "\n")
 
 
 if __name__ == "__main__":

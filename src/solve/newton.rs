@@ -227,7 +227,7 @@ impl<V> Equations<V> {
             space.combine(&mut self.spare, &terms)?;
             std::mem::swap(&mut self.residual, &mut self.spare);
             let new = space.precondition(&self.residual, &mut self.product)?;
-            if !(new > goal) {
+            if new <= goal || new.is_nan() {
                 return Ok(());
             }
             let terms = [(1.0, &self.product), (new / square, &self.direction)];

@@ -18,7 +18,8 @@ const TENSION_ONLY: f64 = 0.1;
 /// True where Newton's method is faster than L-BFGS: tension-only membranes that seek their equilibrium with multigrid.
 ///
 /// Measured (`cargo bench --bench cloth -- peers`): a cold sheet of 50² to 200² cells takes a half to a quarter of the time. Springs that
-/// push take up to four times as long, since the projection leaves out what makes them buckle; and implicit steps are as fast with L-BFGS.
+/// push take up to four times as long, since the projection leaves out what makes them buckle. Implicit
+/// steps are left to L-BFGS: Newton's method was slower with springs, and is not measured there with tension-only fabric.
 fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -> bool {
     kind == InitialHessian::Multigrid
         && input.time_step_s.is_none()
