@@ -12,8 +12,8 @@ use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
 use crate::geometry::{cable, fabric_surface, sheet};
-use crate::rigid::Surface;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
+use crate::rigid::Surface;
 
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
@@ -151,7 +151,12 @@ fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Pr
 /// Length that lines have beyond the one drawn \[m\]; negative for lines that are tight.
 fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
     let slack_m = lines.slack_m.unwrap_or(0.0);
-    within("lines.slack_m", slack_m, -0.1 * lines.length_m, lines.length_m)
+    within(
+        "lines.slack_m",
+        slack_m,
+        -0.1 * lines.length_m,
+        lines.length_m,
+    )
 }
 
 fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {

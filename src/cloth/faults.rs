@@ -12,7 +12,9 @@ pub enum Fault {
     #[error("node {0} has a mass that is negative or not finite")]
     Mass(usize),
     /// Nothing holds a free node: neither an element nor, in motion, inertia.
-    #[error("node {0} is not held, belongs to no element and has no inertia: nothing says where it is")]
+    #[error(
+        "node {0} is not held, belongs to no element and has no inertia: nothing says where it is"
+    )]
     Loose(usize),
     /// A cable segment without rest length.
     #[error("cable segment {0} has a rest length that is not positive")]

@@ -13,8 +13,8 @@ pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
-use crate::lines::{CableLaw, CableState};
 use crate::immersed::markers::Extent;
+use crate::lines::{CableLaw, CableState};
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

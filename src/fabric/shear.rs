@@ -56,10 +56,13 @@ mod tests {
             for strain in [-0.3, -1e-6, 0.0, 1e-9, 1e-3, 0.2] {
                 let t = law.tension_n_m(strain);
                 let back = 1e-3 * t + cubic_m3_n3 * t.powi(3);
-                assert!((back - strain).abs() <= 1e-12 * strain.abs(), "{back} {strain}");
+                assert!(
+                    (back - strain).abs() <= 1e-12 * strain.abs(),
+                    "{back} {strain}"
+                );
                 let step = 1e-6;
-                let [up, down] = [strain + step, strain - step]
-                    .map(|s| law.energy_j_m2(law.tension_n_m(s)));
+                let [up, down] =
+                    [strain + step, strain - step].map(|s| law.energy_j_m2(law.tension_n_m(s)));
                 assert!(((up - down) / (2.0 * step) - t).abs() < 1e-4 * t.abs().max(1.0));
                 let [up, down] = [strain + step, strain - step].map(|s| law.tension_n_m(s));
                 let slope = (up - down) / (2.0 * step);

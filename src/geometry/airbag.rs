@@ -64,7 +64,12 @@ pub fn build(side_m: f64, cells: usize, fabric: &Fabric) -> Option<Airbag> {
     for j in 0..n {
         for i in 0..n {
             let place = |i: usize, j: usize| j * row + i;
-            let quad = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+            let quad = [
+                place(i, j),
+                place(i + 1, j),
+                place(i + 1, j + 1),
+                place(i, j + 1),
+            ];
             // Alternate diagonals, mirrored about both middles, so that the bag stays symmetric.
             let halves = if (i + j) % 2 == 0 {
                 [[0, 1, 2], [0, 2, 3]]

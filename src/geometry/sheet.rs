@@ -75,7 +75,8 @@ pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<
             };
             for nodes in halves {
                 let rest = nodes.map(|n| structure.positions_m[n as usize]);
-                let triangle = Triangle::laid_out(nodes, rest, shape.across, fabric.initial_strain)?;
+                let triangle =
+                    Triangle::laid_out(nodes, rest, shape.across, fabric.initial_strain)?;
                 for node in nodes {
                     structure.masses_kg[node as usize] +=
                         fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
@@ -153,11 +154,16 @@ fn add_network(
     for j in 0..=rows {
         for i in 0..=columns {
             if i + 2 <= columns {
-                structure.bendings.push(Bending::second_difference([shape.node(i, j), shape.node(i + 1, j), shape.node(i + 2, j)], flexural[0][0] * cell[1] / cell[0].powi(3) * cells_at(j, rows)));
+                structure.bendings.push(Bending::second_difference(
+                    [shape.node(i, j), shape.node(i + 1, j), shape.node(i + 2, j)],
+                    flexural[0][0] * cell[1] / cell[0].powi(3) * cells_at(j, rows),
+                ));
             }
             if j + 2 <= rows {
-                structure.bendings.push(Bending::second_difference([shape.node(i, j), shape.node(i, j + 1), shape.node(i, j + 2)], flexural[1][1] * cell[0] / cell[1].powi(3)
-                        * cells_at(i, columns)));
+                structure.bendings.push(Bending::second_difference(
+                    [shape.node(i, j), shape.node(i, j + 1), shape.node(i, j + 2)],
+                    flexural[1][1] * cell[0] / cell[1].powi(3) * cells_at(i, columns),
+                ));
             }
         }
     }

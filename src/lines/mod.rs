@@ -64,7 +64,9 @@ pub enum TableError {
     #[error("it has no points")]
     Empty,
     /// Number of the first wrong point, from 1.
-    #[error("point {0} does not lie beyond the one before (from 0, 0 on): strain and force must grow")]
+    #[error(
+        "point {0} does not lie beyond the one before (from 0, 0 on): strain and force must grow"
+    )]
     NotGrowing(usize),
 }
 
@@ -163,10 +165,17 @@ mod tests {
     fn a_table_is_straight_between_its_points() {
         let table = ForceStrainTable::new(vec![[0.01, 100.0], [0.03, 500.0]]).unwrap();
         let law = CableLaw::Table(table);
-        for (strain, force) in [(-0.1, 0.0), (0.0, 0.0), (0.005, 50.0), (0.02, 300.0), (0.04, 700.0)] {
+        for (strain, force) in [
+            (-0.1, 0.0),
+            (0.0, 0.0),
+            (0.005, 50.0),
+            (0.02, 300.0),
+            (0.04, 700.0),
+        ] {
             assert!((law.at(strain).tension_n - force).abs() < 1e-9, "{strain}");
             let step = 1e-7;
-            let slope = (law.at(strain + step).energy_n - law.at(strain - step).energy_n) / (2.0 * step);
+            let slope =
+                (law.at(strain + step).energy_n - law.at(strain - step).energy_n) / (2.0 * step);
             assert!((slope - force).abs() < 1e-3, "{strain}");
         }
         assert!((law.initial_stiffness_n() - 1e4).abs() < 1e-9);
@@ -176,7 +185,10 @@ mod tests {
     fn tables_that_fall_are_refused() {
         assert_eq!(ForceStrainTable::new(vec![]), Err(TableError::Empty));
         for points in [vec![[0.0, 1.0]], vec![[0.01, 0.0]], vec![[f64::NAN, 1.0]]] {
-            assert_eq!(ForceStrainTable::new(points), Err(TableError::NotGrowing(1)));
+            assert_eq!(
+                ForceStrainTable::new(points),
+                Err(TableError::NotGrowing(1))
+            );
         }
         let falls = vec![[0.01, 100.0], [0.02, 90.0]];
         assert_eq!(ForceStrainTable::new(falls), Err(TableError::NotGrowing(2)));

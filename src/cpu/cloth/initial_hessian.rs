@@ -5,8 +5,8 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::cloth::{Bending, CableSegment, Structure};
 use crate::cloth::elements::EDGES;
+use crate::cloth::{Bending, CableSegment, Structure};
 
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)

@@ -133,11 +133,7 @@ fn bending_energy<const N: usize>(bending: &Bending<N>, positions: &[DVec3]) -> 
 }
 
 /// Gradient of a bending term at one of its nodes [N].
-fn bending_pull<const N: usize>(
-    bending: &Bending<N>,
-    corner: usize,
-    positions: &[DVec3],
-) -> DVec3 {
+fn bending_pull<const N: usize>(bending: &Bending<N>, corner: usize, positions: &[DVec3]) -> DVec3 {
     bend(bending, positions) * (bending.coefficients[corner] * bending.stiffness_n_m)
 }
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::nodal_forces::elastic_gradient;
 use super::loads::{StepInput, dead_loads};
+use super::nodal_forces::elastic_gradient;
 use super::{Cloth, pressure};
 use crate::cloth::{Structure, Triangle};
 use crate::fabric::membrane::{Membrane, Response, principal};

@@ -14,9 +14,9 @@ use std::convert::Infallible;
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::nodal_forces::CHUNK;
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
+use super::nodal_forces::CHUNK;
 use super::vectors::{self, chunked_sum, dot, fill, longest_m};
 use super::{Cloth, Prepared, driver, initial_hessian, nodal_forces, pressure, stiffness};
 use crate::cloth::Structure;
@@ -41,7 +41,6 @@ pub struct SolverSettings {
     /// Kind of the initial Hessian.
     pub initial_hessian: InitialHessian,
 }
-
 
 /// What one trial found; for comparing engines.
 #[derive(Debug, Clone)]

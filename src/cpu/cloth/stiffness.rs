@@ -7,9 +7,9 @@
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
+use super::dashpots::Dashpot;
 use super::gather::Gather;
 use super::initial_hessian::{axial_block, cable_block};
-use super::dashpots::Dashpot;
 use super::loads::StepInput;
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};

@@ -74,8 +74,18 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         let [wrinkled, slack] = [FabricState::Wrinkled, FabricState::Slack].map(area);
         for (what, value, reference, band) in [
             ("half the height in the middle, m", height, 0.2167, 0.015),
-            ("way inwards of the sides' middles, m", inwards, 0.1227, 0.015),
-            ("largest principal stress in the middle, Pa", stress, 3.8e6, 0.08),
+            (
+                "way inwards of the sides' middles, m",
+                inwards,
+                0.1227,
+                0.015,
+            ),
+            (
+                "largest principal stress in the middle, Pa",
+                stress,
+                3.8e6,
+                0.08,
+            ),
         ] {
             let row = session
                 .sheet_row(&sheet, format!("{what}, {cells} cells per side"), value)

@@ -21,8 +21,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let fabric = super::isotropic(modulus_pa, 0.3, thickness_m);
     let pressure_pa = LOAD * modulus_pa * thickness_m / RADIUS_M;
     let deflection = 0.6534 * LOAD.cbrt() * RADIUS_M;
-    let tension = 0.4311
-        * (modulus_pa * thickness_m * (pressure_pa * RADIUS_M).powi(2)).cbrt();
+    let tension = 0.4311 * (modulus_pa * thickness_m * (pressure_pa * RADIUS_M).powi(2)).cbrt();
     let rings: &[usize] = session.size(&[5, 10, 20, 40], &[5, 10, 20, 40, 80, 160]);
     let finest = rings[rings.len() - 1];
     let mut errors = Vec::new();
@@ -69,7 +68,11 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             .collect();
         let found = around.iter().sum::<f64>() / around.len() as f64;
         let row = session
-            .sheet_row(&sheet, format!("tension in the middle, N/m, {rings} rings"), found)
+            .sheet_row(
+                &sheet,
+                format!("tension in the middle, N/m, {rings} rings"),
+                found,
+            )
             .reference(tension, "Hencky 1915, Fichter 1997");
         if rings == finest {
             row.gate(Gate::Within(0.03));

@@ -40,7 +40,9 @@ const STARTS: [(&str, Start); 5] = [
     ("random places", |_, noise| noise),
     ("all in one point", |_, _| DVec3::ZERO),
     ("inside out", |flat, noise| -flat + 1e-3 * noise),
-    ("slivers", |flat, _| DVec3::new(1e-9 * flat.x, 1.5 * flat.y, 0.0)),
+    ("slivers", |flat, _| {
+        DVec3::new(1e-9 * flat.x, 1.5 * flat.y, 0.0)
+    }),
     ("stretched tenfold", |flat, noise| 10.0 * flat + 0.1 * noise),
 ];
 
@@ -86,7 +88,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             let mut last = None;
             for stiffness in STIFFNESSES_N_M {
                 for time_step_s in TIME_STEPS_S {
-                    for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi] {
+                    for initial_hessian in [InitialHessian::Multigrid, InitialHessian::BlockJacobi]
+                    {
                         let fabric = Fabric {
                             residual_stiffness,
                             ..super::isotropic(stiffness / 1e-4, 0.3, 1e-4)

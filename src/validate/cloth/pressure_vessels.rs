@@ -110,7 +110,9 @@ fn capsule(length_m: f64, edge_m: f64) -> Surface {
     let last = rings.len() - 1;
     for i in 0..around {
         surface.triangles.push([0, node(i + 1, 0), node(i, 0)]);
-        surface.triangles.push([1, node(i, last), node(i + 1, last)]);
+        surface
+            .triangles
+            .push([1, node(i, last), node(i + 1, last)]);
         for j in 0..last {
             let (a, b) = (node(i, j), node(i + 1, j));
             let (c, d) = (node(i + 1, j + 1), node(i, j + 1));

@@ -10,8 +10,8 @@ use super::SETTINGS;
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
-use crate::geometry::sheet::{self, FabricModel, SheetShape};
 use crate::geometry::coupon;
+use crate::geometry::sheet::{self, FabricModel, SheetShape};
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     wagner(session)?;
@@ -54,15 +54,27 @@ fn wagner(session: &mut Session) -> Result<(), Stop> {
     session.solve(&mut sheet, &StepInput::default(), &settings)?;
     let loads = triangle_loads(&sheet.cloth.structure, &sheet.cloth.positions_m);
     let count = loads.len() as f64;
-    let larger = loads.iter().map(|l| l.principal_tensions_n_m[0]).sum::<f64>() / count;
+    let larger = loads
+        .iter()
+        .map(|l| l.principal_tensions_n_m[0])
+        .sum::<f64>()
+        / count;
     let shear = loads.iter().map(|l| l.shear_tension_n_m).sum::<f64>() / count;
     let exact = modulus_pa * 1e-4 * 0.5 * SHEAR;
     session
-        .sheet_row(&sheet, "Wagner: diagonal tension over E h gamma/2", larger / exact)
+        .sheet_row(
+            &sheet,
+            "Wagner: diagonal tension over E h gamma/2",
+            larger / exact,
+        )
         .reference(1.0, "Wagner 1929")
         .gate(Gate::Within(1e-3));
     session
-        .sheet_row(&sheet, "Wagner: shear over diagonal tension", shear / larger)
+        .sheet_row(
+            &sheet,
+            "Wagner: shear over diagonal tension",
+            shear / larger,
+        )
         .reference(0.5, "Wagner 1929")
         .gate(Gate::Within(1e-3));
     Ok(())
