@@ -74,12 +74,24 @@ pub struct StructureFrame {
     pub positions_m: Vec<DVec3>,
     /// Node velocities [m/s], `[node_count]`.
     pub velocities_m_s: Vec<DVec3>,
+    /// Forces with which supports hold the structure [N], `[node_count]`; zero where a node is free.
+    pub reactions_n: Vec<DVec3>,
     /// Node indices of every fabric triangle, `[triangle_count]`.
     pub triangles: Vec<[u32; 3]>,
     /// Principal membrane tensions, larger first [N/m], `[triangle_count]`.
     pub principal_tensions_n_m: Vec<[f64; 2]>,
     /// Largest principal stress [Pa], `[triangle_count]`.
     pub stress_pa: Vec<f64>,
+    /// Von Mises stress of plane stress [Pa], `[triangle_count]`.
+    pub von_mises_pa: Vec<f64>,
+    /// Shear stress between warp and weft [Pa], `[triangle_count]`.
+    pub shear_stress_pa: Vec<f64>,
+    /// Shear strain 2ε₁₂ between warp and weft, `[triangle_count]`.
+    pub shear_strain: Vec<f64>,
+    /// Von Mises stress from which fabric counts as yielding [Pa]; `None`: never.
+    pub yield_stress_pa: Option<f64>,
+    /// Rest area [m²], `[triangle_count]`.
+    pub rest_areas_m2: Vec<f64>,
     /// Taut, wrinkled or slack, `[triangle_count]`.
     pub states: Vec<FabricState>,
     /// Node indices of every cable segment, `[cable_count]`.

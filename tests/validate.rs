@@ -10,11 +10,33 @@ use crate::engines::{needs_device, plain};
 /// Problems that take some seconds on any engine.
 const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
 
+/// Problems of fabric and cables.
+const FABRIC: [&str; 9] = [
+    "membrane-patch",
+    "catenary",
+    "hencky",
+    "airbag",
+    "pressure-vessels",
+    "shear-panel",
+    "heavy-cantilever",
+    "drum",
+    "hostile-starts",
+];
+
+/// Those that a software device solves in seconds.
+const FABRIC_ON_DEVICE: [&str; 3] = ["membrane-patch", "catenary", "heavy-cantilever"];
+
 pub fn trials() -> Vec<Trial> {
-    let mut trials = plain("validate::fast_problems::cpu_f32", || fast("cpu"));
+    let mut trials = plain("validate::fabric::cpu", || problems(&FABRIC, "cpu"));
+    trials.push(needs_device("validate::fabric::gpu".to_owned(), || {
+        problems(&FABRIC_ON_DEVICE, "gpu");
+    }));
+    trials.extend(plain("validate::fast_problems::cpu_f32", || {
+        problems(&FAST, "cpu");
+    }));
     trials.push(needs_device(
         "validate::fast_problems::gpu".to_owned(),
-        || fast("gpu"),
+        || problems(&FAST, "gpu"),
     ));
     trials.extend(plain("validate::usage_errors", usage));
     trials.extend(plain("validate::sphere", sphere));
@@ -24,9 +46,9 @@ pub fn trials() -> Vec<Trial> {
     trials
 }
 
-fn fast(engine: &str) {
+fn problems(names: &[&str], engine: &str) {
     let folder = tempfile::tempdir().unwrap();
-    for problem in FAST {
+    for &problem in names {
         let out = folder.path().join(problem);
         let output = ripstop(&[
             "validate",

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 pub use super::file_bodies::*;
+pub use super::file_specimens::*;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -133,6 +134,9 @@ pub struct StructureTable {
     pub sheet: Option<Sheet>,
     pub cable: Option<HangingCable>,
     pub mesh: Option<MeshFile>,
+    pub airbag: Option<Airbag>,
+    pub disc: Option<Disc>,
+    pub coupon: Option<Coupon>,
 }
 
 /// `[structure.flat_circular]`.
@@ -330,6 +334,7 @@ pub struct Time {
 pub struct Equilibrium {
     pub tolerance: f64,
     pub evaluation_limit: usize,
+    pub pressure_pa: Option<f64>,
 }
 
 /// `[steady]`.

@@ -4,8 +4,10 @@ mod air;
 mod bodies;
 pub mod file;
 mod file_bodies;
+mod file_specimens;
 pub mod locate;
 pub mod scene;
+mod specimens;
 mod structure;
 
 use std::path::Path;
@@ -15,7 +17,13 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 5] = [
+pub const SHIPPED: [(&str, &str); 8] = [
+    ("airbag", include_str!("../../cases/airbag.toml")),
+    (
+        "bias-extension",
+        include_str!("../../cases/bias-extension.toml"),
+    ),
+    ("hencky-disc", include_str!("../../cases/hencky-disc.toml")),
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),

@@ -122,6 +122,24 @@ pub enum BodyKind {
     },
     /// A mesh from a file.
     Mesh,
+    /// A square airbag.
+    Airbag {
+        /// Nodes in the middle of the upper and of the lower sheet.
+        middles: [u32; 2],
+    },
+    /// A strip that is pulled.
+    Coupon(Coupon),
+}
+
+/// What is measured on a strip that is pulled along x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coupon {
+    /// Width times thickness [m²].
+    pub cross_section_m2: f64,
+    /// Nodes whose distance is measured.
+    pub gauge: [u32; 2],
+    /// Their distance at rest [m].
+    pub gauge_length_m: f64,
 }
 
 /// What is measured on a canopy.
@@ -233,6 +251,8 @@ pub struct Equilibrium {
     pub tolerance: f64,
     /// Evaluations allowed.
     pub evaluation_limit: usize,
+    /// Pressure jump along the triangle normals, which follows the fabric \[Pa\]; `None`: none.
+    pub pressure_pa: Option<f64>,
 }
 
 /// What to write.
@@ -427,6 +447,10 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             Ok(Equilibrium {
                 tolerance: within("equilibrium.tolerance", e.tolerance, 1e-12, 0.5)?,
                 evaluation_limit: at_least_one("equilibrium.evaluation_limit", e.evaluation_limit)?,
+                pressure_pa: e
+                    .pressure_pa
+                    .map(|p| within("equilibrium.pressure_pa", p, -PLAUSIBLE, PLAUSIBLE))
+                    .transpose()?,
             })
         })
         .transpose()?;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
+use super::specimens;
 use crate::fabric::Fabric;
 use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
@@ -27,24 +28,50 @@ pub(super) fn check(
     let Some(table) = &file.structure else {
         return Ok(None);
     };
-    let body = match (
-        &table.flat_circular,
-        &table.sheet,
-        &table.cable,
-        &table.mesh,
-    ) {
-        (Some(canopy), None, None, None) => check_canopy(file, canopy)?,
-        (None, Some(sheet), None, None) => check_sheet(file, sheet)?,
-        (None, None, Some(cable), None) => check_cable(cable, gravity)?,
-        (None, None, None, Some(mesh)) => check_mesh(file, mesh, folder)?,
-        _ => {
-            return Err(Problem::new(
-                "structure",
-                "[structure] needs exactly one shape",
-                "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh]",
-            ));
-        }
+    let shapes = [
+        table.flat_circular.is_some(),
+        table.sheet.is_some(),
+        table.cable.is_some(),
+        table.mesh.is_some(),
+        table.airbag.is_some(),
+        table.disc.is_some(),
+        table.coupon.is_some(),
+    ];
+    let body = if shapes.into_iter().filter(|is_there| *is_there).count() != 1 {
+        None
+    } else if let Some(canopy) = &table.flat_circular {
+        Some(check_canopy(file, canopy)?)
+    } else if let Some(sheet) = &table.sheet {
+        Some(check_sheet(file, sheet)?)
+    } else if let Some(cable) = &table.cable {
+        Some(check_cable(cable, gravity)?)
+    } else if let Some(mesh) = &table.mesh {
+        Some(check_mesh(file, mesh, folder)?)
+    } else if let Some(airbag) = &table.airbag {
+        Some(specimens::check_airbag(airbag, &check_fabric(file)?)?)
+    } else if let Some(disc) = &table.disc {
+        Some(specimens::check_disc(disc, &check_fabric(file)?)?)
+    } else if let Some(coupon) = &table.coupon {
+        Some(specimens::check_coupon(coupon, &check_fabric(file)?)?)
+    } else {
+        None
     };
+    let body = body.ok_or_else(|| {
+        Problem::new(
+            "structure",
+            "[structure] needs exactly one shape",
+            "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh], \
+             [structure.airbag], [structure.disc], [structure.coupon]",
+        )
+    })?;
+    let moves = file.time.is_some() || file.air.is_some();
+    body.structure.check(moves).map_err(|fault| {
+        Problem::new(
+            "structure",
+            format!("the structure cannot be solved: {fault} (numbers count from 0)"),
+            "mend the mesh or the lengths, or hold the node",
+        )
+    })?;
     Ok(Some(body))
 }
 

@@ -6,7 +6,7 @@ use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
 use super::{Record, bodies, catenary};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
-use crate::frame::{CableKind, StructureFrame};
+use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::output::{Quantity, Results};
 use crate::simulation::Simulation;
 use crate::steady::{self, SHORTEST_WINDOW, Window};
@@ -343,7 +343,9 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
         insert("end_tension_n", end, "N", exact.map(|c| c.end_tension_n));
         return;
     }
+    specimen_results(results, kind, structure);
     results.insert("lowest_point_m", Quantity::new(lowest, "m"));
+    results.insert("highest_point_m", Quantity::new(highest, "m"));
     let springs = "springs carry no membrane tension";
     for (name, unit, value) in [
         (
@@ -356,6 +358,16 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
             "Pa",
             largest_of(structure.stress_pa.iter().copied()),
         ),
+        (
+            "von_mises_max_pa",
+            "Pa",
+            largest_of(structure.von_mises_pa.iter().copied()),
+        ),
+        (
+            "shear_stress_max_pa",
+            "Pa",
+            largest_of(structure.shear_stress_pa.iter().map(|s| s.abs())),
+        ),
     ] {
         let quantity = if value.is_nan() {
             Quantity::missing(unit, springs)
@@ -363,6 +375,26 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
             Quantity::new(value, unit)
         };
         results.insert(name, quantity);
+    }
+    let area: f64 = structure.rest_areas_m2.iter().sum();
+    let share = |is_counted: &dyn Fn(usize) -> bool| {
+        let areas = structure.rest_areas_m2.iter().enumerate();
+        areas
+            .filter(|(triangle, _)| is_counted(*triangle))
+            .map(|(_, area)| area)
+            .sum::<f64>()
+            / area
+    };
+    for (name, state) in [
+        ("wrinkled_area_share", FabricState::Wrinkled),
+        ("slack_area_share", FabricState::Slack),
+    ] {
+        let value = share(&|triangle| structure.states[triangle] == state);
+        results.insert(name, Quantity::new(value, "1"));
+    }
+    if let Some(yield_pa) = structure.yield_stress_pa {
+        let value = share(&|triangle| structure.von_mises_pa[triangle] > yield_pa);
+        results.insert("yielding_area_share", Quantity::new(value, "1"));
     }
     results.insert("weight_n", Quantity::new(weight_n, "N"));
     if structure.cable_kinds.contains(&CableKind::SuspensionLine) {
@@ -372,6 +404,36 @@ fn body_results(results: &mut Results, kind: &BodyKind, structure: &StructureFra
             .copied()
             .fold(0.0, f64::max);
         results.insert("line_tension_max_n", Quantity::new(tension, "N"));
+    }
+}
+
+/// What airbags and coupons are made for.
+fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &StructureFrame) {
+    let place = |node: u32| structure.positions_m[node as usize];
+    match kind {
+        BodyKind::Airbag { middles } => {
+            let [up, down] = middles.map(place);
+            results.insert(
+                "half_height_m",
+                Quantity::new(0.5 * (up.z - down.z), "m").with_note("in the middle"),
+            );
+        }
+        BodyKind::Coupon(coupon) => {
+            let [a, b] = coupon.gauge.map(place);
+            let strain = a.distance(b) / coupon.gauge_length_m - 1.0;
+            // Both clamps pull alike.
+            let pull = 0.5 * structure.reactions_n.iter().map(|f| f.x.abs()).sum::<f64>();
+            results.insert("pull_n", Quantity::new(pull, "N"));
+            results.insert(
+                "gauge_strain",
+                Quantity::new(strain, "1").with_note("middle third of the length"),
+            );
+            results.insert(
+                "modulus_pa",
+                Quantity::new(pull / coupon.cross_section_m2 / strain, "Pa"),
+            );
+        }
+        BodyKind::Canopy(_) | BodyKind::Sheet | BodyKind::Cable { .. } | BodyKind::Mesh => {}
     }
 }
 

@@ -25,6 +25,8 @@ const NO_CODE: i8 = -1;
 /// | `velocity_m_s` | points | 3 x f64 | node velocity (m/s) |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
 /// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
+/// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |
+/// | `shear_stress_pa`, `shear_strain` | cells | f64 | between warp and weft (Pa, 1); NaN on cables |
 /// | `fabric_state` | cells | i8 | 0 taut, 1 wrinkled, 2 slack; -1 on cables |
 /// | `cable_tension_n` | cells | f64 | tension (N); NaN on fabric |
 /// | `cable_kind` | cells | i8 | 0 suspension line, 1 belt, 2 free cable; -1 on fabric |
@@ -108,6 +110,8 @@ fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> Stri
         not_on_cables().chain(tensions.map(move |pair| [pair[rank]]))
     };
     let stress = not_on_cables().chain(structure.stress_pa.iter().map(|&stress| [stress]));
+    let on_fabric =
+        |values: &'a [f64]| repeat_n([f64::NAN], lines).chain(values.iter().map(|&value| [value]));
     let states = structure.states.iter().map(|&state| [state_code(state)]);
     let states = repeat_n([NO_CODE], lines).chain(states);
     let cable_tensions = structure.cable_tensions_n.iter().map(|&tension| [tension]);
@@ -118,6 +122,13 @@ fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> Stri
     let mut xml = data.array("tension_1_n_m", cells, tension(0));
     xml += &data.array("tension_2_n_m", cells, tension(1));
     xml += &data.array("stress_pa", cells, stress);
+    for (name, values) in [
+        ("von_mises_pa", &structure.von_mises_pa),
+        ("shear_stress_pa", &structure.shear_stress_pa),
+        ("shear_strain", &structure.shear_strain),
+    ] {
+        xml += &data.array(name, cells, on_fabric(values));
+    }
     xml += &data.array("fabric_state", cells, states);
     xml += &data.array("cable_tension_n", cells, cable_tensions);
     xml += &data.array("cable_kind", cells, kinds);
@@ -160,7 +171,14 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     check_length("node velocities", structure.velocities_m_s.len(), nodes)?;
     let tensions = structure.principal_tensions_n_m.len();
     check_length("principal tensions", tensions, triangles)?;
-    check_length("stresses", structure.stress_pa.len(), triangles)?;
+    for (what, values) in [
+        ("stresses", &structure.stress_pa),
+        ("von Mises stresses", &structure.von_mises_pa),
+        ("shear stresses", &structure.shear_stress_pa),
+        ("shear strains", &structure.shear_strain),
+    ] {
+        check_length(what, values.len(), triangles)?;
+    }
     check_length("fabric states", structure.states.len(), triangles)?;
     check_length("cable kinds", structure.cable_kinds.len(), cables)?;
     check_length("cable tensions", structure.cable_tensions_n.len(), cables)?;
@@ -300,8 +318,14 @@ mod tests {
             positions_m: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_Z],
             velocities_m_s: vec![DVec3::new(1.0, 2.0, 3.0); 4],
             triangles: vec![[0, 1, 2]],
+            reactions_n: Vec::new(),
             principal_tensions_n_m: vec![[30.0, -0.5]],
             stress_pa: vec![4e5],
+            von_mises_pa: vec![3e5],
+            shear_stress_pa: vec![1e5],
+            shear_strain: vec![0.01],
+            yield_stress_pa: None,
+            rest_areas_m2: vec![0.5],
             states: vec![FabricState::Wrinkled],
             cables: vec![[0, 3], [1, 3]],
             cable_kinds: vec![CableKind::SuspensionLine, CableKind::Belt],

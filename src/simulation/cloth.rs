@@ -126,11 +126,19 @@ impl Simulation {
         let start = Instant::now();
         let input = StepInput {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+            pressure: equilibrium
+                .pressure_pa
+                .map_or(Pressure::None, Pressure::Uniform),
             ..StepInput::default()
         };
         let settings = SolverSettings {
             tolerance: equilibrium.tolerance,
-            displacement_floor_m: 0.0,
+            displacement_floor_m: if input.gravity_m_s2 == DVec3::ZERO && input.pressure.is_none() {
+                // Nothing to be relative to but the mesh: supports drive the structure.
+                equilibrium.tolerance * cloth.structure.smallest_element_m()
+            } else {
+                0.0
+            },
             evaluation_limit: equilibrium.evaluation_limit,
             history: HISTORY,
             refresh_every: Some(REFRESH_EVERY),

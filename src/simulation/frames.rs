@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::cpu::cloth::{Cloth, read_outs};
+use crate::cpu::cloth::{Cloth, Pressure, StepInput, read_outs};
 use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
 
@@ -24,7 +24,17 @@ impl Simulation {
             time_s: self.time_s(),
             step: self.step,
             fluid: None,
-            structure: self.cloth.as_ref().map(structure_frame),
+            structure: self.cloth.as_ref().map(|cloth| {
+                let input = StepInput {
+                    gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+                    pressure: match self.scene.equilibrium.and_then(|e| e.pressure_pa) {
+                        Some(pressure_pa) => Pressure::Uniform(pressure_pa),
+                        None => Pressure::None,
+                    },
+                    ..StepInput::default()
+                };
+                structure_frame(cloth, &input)
+            }),
             bodies: self.bodies_frame(),
         }
     }
@@ -66,10 +76,15 @@ impl Simulation {
     }
 }
 
-fn structure_frame(cloth: &Cloth) -> StructureFrame {
+fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
     let structure = &cloth.structure;
     let loads = read_outs::triangle_loads(structure, &cloth.positions_m);
+    let mut reactions_n = vec![DVec3::ZERO; structure.node_count()];
+    for (node, force) in cloth.reactions_n(input) {
+        reactions_n[node as usize] = force;
+    }
     StructureFrame {
+        reactions_n,
         positions_m: cloth.positions_m.clone(),
         velocities_m_s: cloth.velocities_m_s.clone(),
         triangles: structure.triangles.iter().map(|t| t.nodes).collect(),
@@ -78,6 +93,17 @@ fn structure_frame(cloth: &Cloth) -> StructureFrame {
             .iter()
             .map(|l| l.principal_tensions_n_m[0] / structure.thickness_m)
             .collect(),
+        von_mises_pa: loads
+            .iter()
+            .map(|l| l.von_mises_n_m() / structure.thickness_m)
+            .collect(),
+        shear_stress_pa: loads
+            .iter()
+            .map(|l| l.shear_tension_n_m / structure.thickness_m)
+            .collect(),
+        shear_strain: loads.iter().map(|l| l.shear_strain).collect(),
+        yield_stress_pa: structure.yield_stress_pa,
+        rest_areas_m2: structure.triangles.iter().map(|t| t.rest_area_m2).collect(),
         states: loads.iter().map(|l| l.state).collect(),
         cables: structure.cables.iter().map(|c| c.nodes).collect(),
         cable_kinds: structure.cables.iter().map(|c| c.kind).collect(),

@@ -41,7 +41,10 @@ fn noise() -> impl FnMut() -> f64 {
 fn square(n: usize, jitter: f64) -> Option<(Structure, Vec<DVec2>)> {
     let mut random = noise();
     let h = 1.0 / n as f64;
-    let border = |k: usize| k % (n + 1) == 0 || k % (n + 1) == n || k / (n + 1) % n == 0;
+    let border = |k: usize| {
+        let (i, j) = (k % (n + 1), k / (n + 1));
+        [0, n].contains(&i) || [0, n].contains(&j)
+    };
     let flat: Vec<DVec2> = (0..(n + 1) * (n + 1))
         .map(|k| {
             let place = DVec2::new((k % (n + 1)) as f64, (k / (n + 1)) as f64) * h;

@@ -1,0 +1,125 @@
+//! Checks of test specimens of fabric: `[structure.airbag]`, `[structure.disc]`, `[structure.coupon]`.
+
+use glam::DVec3;
+
+use super::Problem;
+use super::file;
+use super::scene::{Body, BodyKind, Coupon, positive, within};
+use crate::cloth::Structure;
+use crate::fabric::Fabric;
+use crate::geometry::mesh::quality;
+use crate::geometry::{airbag, coupon, fabric_surface, surfaces};
+
+/// Most cells along a side, or rings.
+const DIVISION_LIMIT: usize = 2_000;
+
+fn divisions(key: &str, count: usize, least: usize) -> Result<usize, Problem> {
+    if (least..=DIVISION_LIMIT).contains(&count) {
+        return Ok(count);
+    }
+    Err(Problem::new(
+        key,
+        format!("{key} = {count} is out of range"),
+        format!("allowed are {least} to {DIVISION_LIMIT}"),
+    ))
+}
+
+/// Shapes that cannot be built in spite of sound numbers, such as cells without any area.
+fn impossible(key: &str) -> Problem {
+    Problem::new(
+        key,
+        format!("[{key}] has triangles without area"),
+        "make it larger, or divide it less",
+    )
+}
+
+fn body(structure: Structure, rest_m: &[DVec3], kind: BodyKind) -> Body {
+    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
+    Body {
+        quality: quality::measure(rest_m, &triangles),
+        kind,
+        structure,
+    }
+}
+
+pub(super) fn check_airbag(written: &file::Airbag, fabric: &Fabric) -> Result<Body, Problem> {
+    const KEY: &str = "structure.airbag";
+    let side_m = positive(&format!("{KEY}.side_m"), written.side_m)?;
+    let key = format!("{KEY}.cells_per_side");
+    let cells = divisions(&key, written.cells_per_side, 2)?;
+    let Some(bag) = airbag::build(side_m, cells, fabric) else {
+        return Err(Problem::new(
+            &key,
+            format!("{key} = {cells} is odd"),
+            "an even number of cells has nodes in the middles of the sides",
+        ));
+    };
+    let flat: Vec<DVec3> = bag
+        .structure
+        .positions_m
+        .iter()
+        .map(|x| x.with_z(0.0))
+        .collect();
+    Ok(body(
+        bag.structure,
+        &flat,
+        BodyKind::Airbag {
+            middles: bag.middles,
+        },
+    ))
+}
+
+pub(super) fn check_disc(written: &file::Disc, fabric: &Fabric) -> Result<Body, Problem> {
+    const KEY: &str = "structure.disc";
+    let radius_m = positive(&format!("{KEY}.radius_m"), written.radius_m)?;
+    let rings = divisions(&format!("{KEY}.rings"), written.rings, 1)?;
+    let mut surface = surfaces::disk(radius_m, radius_m / rings as f64);
+    for place in &mut surface.positions_m {
+        // From the plane x = 0 into z = 0.
+        *place = DVec3::new(place.y, place.z, place.x);
+    }
+    let mut structure =
+        fabric_surface::build(&surface, DVec3::X, fabric).map_err(|_| impossible(KEY))?;
+    for (place, held) in structure.positions_m.iter_mut().zip(&mut structure.held) {
+        let share = place.length_squared() / (radius_m * radius_m);
+        *held = share > 1.0 - 1e-9;
+        if !*held {
+            // A slight bulge to start from.
+            place.z = 1e-3 * radius_m * (1.0 - share);
+        }
+    }
+    Ok(body(structure, &surface.positions_m, BodyKind::Sheet))
+}
+
+pub(super) fn check_coupon(written: &file::Coupon, fabric: &Fabric) -> Result<Body, Problem> {
+    const KEY: &str = "structure.coupon";
+    let key = |name: &str| format!("{KEY}.{name}");
+    let shape = coupon::Coupon {
+        length_m: positive(&key("length_m"), written.length_m)?,
+        width_m: positive(&key("width_m"), written.width_m)?,
+        cells_across: divisions(&key("cells_across"), written.cells_across, 2)?,
+        warp_angle_deg: within(
+            &key("warp_angle_deg"),
+            written.warp_angle_deg,
+            -180.0,
+            180.0,
+        )?,
+        elongation: within(&key("elongation"), written.elongation, 1e-9, 1.0)?,
+    };
+    let strip = coupon::build(&shape, fabric).ok_or_else(|| impossible(KEY))?;
+    let mut structure = strip.structure;
+    for (node, place) in strip.moved {
+        structure.positions_m[node as usize] = place;
+    }
+    // Stretched a little, which the quality of triangles does not feel.
+    let rest = structure.positions_m.clone();
+    Ok(body(
+        structure,
+        &rest,
+        BodyKind::Coupon(Coupon {
+            cross_section_m2: shape.width_m * fabric.thickness_m,
+            gauge: strip.gauge,
+            gauge_length_m: strip.gauge_length_m,
+        }),
+    ))
+}
