@@ -39,7 +39,7 @@
 //! | [`cloth`] | what a structure is made of | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
-//! | [`solve`] | L-BFGS; knows no cloth | – |
+//! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
 //! | [`units`] | SI ↔ lattice, only here | – |
