@@ -31,6 +31,10 @@ pub fn trials() -> Vec<Trial> {
             network_and_membrane,
         ),
         plain("cloth::hostile_starts", hostile_starts),
+        plain(
+            "cloth::a_step_does_not_depend_on_solves_before",
+            independent_solves,
+        ),
     ]
     .into_iter()
     .flatten()
@@ -408,6 +412,36 @@ fn network_and_membrane() {
         (network / membrane - 1.0).abs() < 2e-3,
         "{network} {membrane}"
     );
+}
+
+/// A run that is resumed prepares its solver anew, and must go on with the same bits.
+fn independent_solves() {
+    let mut structure = square(12, FabricModel::Membrane, &fabric(1e-3));
+    structure.held[0] = true;
+    structure.held[12] = true;
+    let mut cloth = Cloth::new(structure.clone());
+    let input = StepInput {
+        time_step_s: Some(0.02),
+        gravity_m_s2: DVec3::new(0.5, 2.0, -9.81),
+        ..StepInput::default()
+    };
+    let settings = SolverSettings {
+        tolerance: 1e-3,
+        refresh_every: Some(3),
+        initial_hessian: InitialHessian::Multigrid,
+        ..SETTINGS
+    };
+    for _ in 0..3 {
+        cloth.solve_cloth(&input, &settings);
+    }
+    let mut resumed = Cloth::new(structure);
+    resumed.positions_m.clone_from(&cloth.positions_m);
+    resumed.velocities_m_s.clone_from(&cloth.velocities_m_s);
+    for cloth in [&mut cloth, &mut resumed] {
+        let outcome = cloth.solve_cloth(&input, &settings);
+        assert!(outcome.iterations > 3, "{outcome:?}");
+    }
+    assert_eq!(cloth.positions_m, resumed.positions_m);
 }
 
 /// Random, collapsed and inverted starts, soft to stiff: finite, or refused.

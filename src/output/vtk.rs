@@ -23,6 +23,7 @@ const NO_CODE: i8 = -1;
 /// | array | on | type | meaning |
 /// |---|---|---|---|
 /// | `velocity_m_s` | points | 3 x f64 | node velocity (m/s) |
+/// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N); zero where it is free |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
 /// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
 /// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |
@@ -54,6 +55,8 @@ pub fn write_canopy_vtp(
     xml += "<PointData Vectors=\"velocity_m_s\">\n";
     let velocities = structure.velocities_m_s.iter().map(|v| v.to_array());
     xml += &data.array("velocity_m_s", nodes, velocities);
+    let reactions = structure.reactions_n.iter().map(|v| v.to_array());
+    xml += &data.array("reaction_n", nodes, reactions);
     xml += "</PointData>\n<CellData Scalars=\"tension_1_n_m\">\n";
     xml += &cell_data(&mut data, structure);
     xml += "</CellData>\n<Points>\n";
@@ -169,6 +172,7 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     let nodes = structure.positions_m.len();
     let (cables, triangles) = (structure.cables.len(), structure.triangles.len());
     check_length("node velocities", structure.velocities_m_s.len(), nodes)?;
+    check_length("reactions", structure.reactions_n.len(), nodes)?;
     let tensions = structure.principal_tensions_n_m.len();
     check_length("principal tensions", tensions, triangles)?;
     for (what, values) in [
@@ -318,7 +322,7 @@ mod tests {
             positions_m: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NEG_Z],
             velocities_m_s: vec![DVec3::new(1.0, 2.0, 3.0); 4],
             triangles: vec![[0, 1, 2]],
-            reactions_n: Vec::new(),
+            reactions_n: vec![DVec3::ZERO; 4],
             principal_tensions_n_m: vec![[30.0, -0.5]],
             stress_pa: vec![4e5],
             von_mises_pa: vec![3e5],

@@ -17,7 +17,7 @@ fn structure() -> StructureFrame {
         ],
         velocities_m_s: vec![DVec3::ZERO; 5],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        reactions_n: Vec::new(),
+        reactions_n: vec![DVec3::ZERO; 5],
         principal_tensions_n_m: vec![[4.0, 1.0], [8.0, 1.0]],
         stress_pa: vec![4e4, 8e4],
         von_mises_pa: vec![4e4, 8e4],
