@@ -149,6 +149,13 @@ mod tests {
         for (found, expected) in load.principal_tensions_n_m.iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-12);
         }
+        // The same stretch at 45° to the warp.
+        let [mean, half] = [0.5 * (strain[0] + strain[1]), strain[0] - strain[1]];
+        let turned = [mean, mean, half];
+        let across = TriangleLoad::new(&turned, &membrane.respond(&turned));
+        for (found, expected) in across.principal_tensions_n_m.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12);
+        }
         let [n1, n2] = expected;
         let mises = (0.5 * ((n1 - n2).powi(2) + n1 * n1 + n2 * n2)).sqrt();
         assert!((load.von_mises_n_m() / mises - 1.0).abs() < 1e-12);
