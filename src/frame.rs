@@ -74,7 +74,8 @@ pub struct StructureFrame {
     pub positions_m: Vec<DVec3>,
     /// Node velocities [m/s], `[node_count]`.
     pub velocities_m_s: Vec<DVec3>,
-    /// Forces with which supports hold the structure [N], `[node_count]`; zero where a node is free.
+    /// Forces with which supports hold the structure [N], `[node_count]`; zero where a node is free. The pull of the air on a held node
+    /// itself is not in it.
     pub reactions_n: Vec<DVec3>,
     /// Node indices of every fabric triangle, `[triangle_count]`.
     pub triangles: Vec<[u32; 3]>,

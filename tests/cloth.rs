@@ -5,7 +5,8 @@ use libtest_mimic::Trial;
 use ripstop::cloth::{Guide, Structure, Triangle};
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
-use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use ripstop::cpu::cloth::pressure::add_forces;
+use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::fabric::membrane::Membrane;
 use ripstop::geometry::cable;
@@ -26,6 +27,7 @@ pub fn trials() -> Vec<Trial> {
         plain("cloth::free_fall", free_fall),
         plain("cloth::backward_euler_damping", backward_euler_damping),
         plain("cloth::hanging_sheet_carries_its_weight", hanging_sheet),
+        plain("cloth::pressure_follows_open_edges", open_edges),
         plain(
             "cloth::network_and_membrane_agree_in_small_stretch",
             network_and_membrane,
@@ -384,6 +386,55 @@ fn hanging_sheet() {
             carried.x.abs() < 1e-3 * weight && carried.y.abs() < 1e-3 * weight,
             "{model:?}: {carried}"
         );
+    }
+}
+
+/// Pressure that follows a sheet held along two sides, the others free, the same everywhere or on one half only: every free node is in balance with the pulls
+/// on the triangles as they are in the end, also where −pV lacks something.
+fn open_edges() {
+    let divisions = 8;
+    let mut structure = square(divisions, FabricModel::Membrane, &fabric(1e-2));
+    for row in 0..=divisions {
+        for column in [0, divisions] {
+            structure.held[row * (divisions + 1) + column] = true;
+        }
+    }
+    let half: Vec<f64> = (0..structure.triangles.len())
+        .map(|t| {
+            if t % (2 * divisions) < divisions {
+                40.0
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    for pressure in [Pressure::Uniform(40.0), Pressure::PerTriangle(&half)] {
+        let mut cloth = Cloth::new(structure.clone());
+        let input = StepInput {
+            pressure,
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            evaluation_limit: 20_000,
+            refresh_every: Some(10),
+            initial_hessian: InitialHessian::Multigrid,
+            ..SETTINGS
+        };
+        let outcome = cloth.solve_cloth(&input, &settings);
+        assert_eq!(outcome.stop, Stop::Converged, "{pressure:?} {outcome:?}");
+        let count = structure.node_count();
+        let (mut pulls, mut elastic) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
+        add_forces(&structure, &cloth.positions_m, pressure, &mut pulls);
+        energy_and_gradient(&structure, &cloth.positions_m, &mut elastic);
+        let largest = pulls.iter().map(|p| p.length()).fold(0.0, f64::max);
+        for node in (0..count).filter(|&node| !structure.held[node]) {
+            let left = (elastic[node] - pulls[node]).length() / largest;
+            assert!(
+                left < tolerances::FOLLOWING_PRESSURE,
+                "node {node}: {left:e}"
+            );
+        }
     }
 }
 

@@ -86,6 +86,10 @@ pub const GRADIENT: f64 = 1e-4;
 /// Affine boundary displacements must give affine interiors (gate C1, membrane).
 pub const PATCH: f64 = 1e-6;
 
+/// What is left of the balance of a node under pressure that follows, over the largest nodal load: solved to 1e-5 in energy norm, in which
+/// forces of soft directions weigh more.
+pub const FOLLOWING_PRESSURE: f64 = 1e-3;
+
 /// Spread force balance of the three routes (the gate is 2 %).
 pub const FORCE_IMBALANCE: f64 = 0.02;
 

@@ -23,7 +23,7 @@ const NO_CODE: i8 = -1;
 /// | array | on | type | meaning |
 /// |---|---|---|---|
 /// | `velocity_m_s` | points | 3 x f64 | node velocity (m/s) |
-/// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N); zero where it is free |
+/// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N), without the air's pull on the node itself; zero where it is free |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
 /// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
 /// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |

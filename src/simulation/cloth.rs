@@ -123,12 +123,11 @@ impl Simulation {
     pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
         let equilibrium = self.scene.equilibrium?;
         let cloth = self.cloth.as_mut()?;
+        self.pressure_pa = equilibrium.pressure_pa;
         let start = Instant::now();
         let input = StepInput {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure: equilibrium
-                .pressure_pa
-                .map_or(Pressure::None, Pressure::Uniform),
+            pressure: self.pressure_pa.map_or(Pressure::None, Pressure::Uniform),
             ..StepInput::default()
         };
         let settings = SolverSettings {

@@ -27,10 +27,7 @@ impl Simulation {
             structure: self.cloth.as_ref().map(|cloth| {
                 let input = StepInput {
                     gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-                    pressure: match self.scene.equilibrium.and_then(|e| e.pressure_pa) {
-                        Some(pressure_pa) => Pressure::Uniform(pressure_pa),
-                        None => Pressure::None,
-                    },
+                    pressure: self.pressure_pa.map_or(Pressure::None, Pressure::Uniform),
                     ..StepInput::default()
                 };
                 structure_frame(cloth, &input)

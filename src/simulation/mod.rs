@@ -83,6 +83,8 @@ pub struct Simulation {
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
     largest_marker_motion: f64,
+    /// Pressure jump along the normals that acts on the fabric now [Pa]: once the equilibrium is sought.
+    pressure_pa: Option<f64>,
     cost: Cost,
 }
 
@@ -144,6 +146,7 @@ impl Simulation {
             step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
+            pressure_pa: None,
             cost: Cost::default(),
         };
         if simulation.plan.start_steps == 0 {

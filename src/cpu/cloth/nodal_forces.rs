@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gather::Gather;
+use super::vectors::{ALONE, each};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::Membrane;
@@ -31,19 +32,28 @@ fn fill<E: Sync, P: Send + Clone + Default>(
     of: impl Fn(&E) -> (P, f64) + Sync,
 ) -> f64 {
     pulls.resize(elements.len(), P::default());
-    let energies: Vec<f64> = elements
-        .par_chunks(CHUNK)
-        .zip(pulls.par_chunks_mut(CHUNK))
-        .map(|(elements, pulls)| {
-            let mut sum = 0.0;
-            for (element, pull) in elements.iter().zip(pulls) {
-                let (found, energy) = of(element);
-                *pull = found;
-                sum += energy;
-            }
-            sum
-        })
-        .collect();
+    let one = |(elements, pulls): (&[E], &mut [P])| {
+        let mut sum = 0.0;
+        for (element, pull) in elements.iter().zip(pulls) {
+            let (found, energy) = of(element);
+            *pull = found;
+            sum += energy;
+        }
+        sum
+    };
+    let energies: Vec<f64> = if elements.len() <= ALONE {
+        elements
+            .chunks(CHUNK)
+            .zip(pulls.chunks_mut(CHUNK))
+            .map(one)
+            .collect()
+    } else {
+        elements
+            .par_chunks(CHUNK)
+            .zip(pulls.par_chunks_mut(CHUNK))
+            .map(one)
+            .collect()
+    };
     energies.iter().sum()
 }
 
@@ -109,13 +119,9 @@ pub fn elastic_gradient(
         energy += 0.5 * (guide.stiffness_n_m * offset).dot(offset);
     }
     let pulls = &*pulls;
-    gradient
-        .par_iter_mut()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .for_each(|(node, gradient)| {
-            *gradient = at_node(structure, gather, positions, pulls, node);
-        });
+    each(gradient, |node, gradient| {
+        *gradient = at_node(structure, gather, positions, pulls, node);
+    });
     energy
 }
 

@@ -6,11 +6,9 @@
 //! last iterate and corrected until they stand still (`edge_correction`).
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::gather::Gather;
-use super::nodal_forces::CHUNK;
-use super::vectors::chunked_sum;
+use super::vectors::{chunked_sum, each};
 use crate::cloth::Structure;
 
 /// Pressure jumps, positive along the normals of triangles.
@@ -88,15 +86,11 @@ pub(super) fn add_potential(
     pressure: Pressure,
     gradient: &mut [DVec3],
 ) -> f64 {
-    gradient
-        .par_iter_mut()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .for_each(|(node, gradient)| {
-            for corner in gather.triangles.at(node) {
-                *gradient -= corner_force(structure, positions, origin, corner, pressure);
-            }
-        });
+    each(gradient, |node, gradient| {
+        for corner in gather.triangles.at(node) {
+            *gradient -= corner_force(structure, positions, origin, corner, pressure);
+        }
+    });
     let [energy] = chunked_sum(structure.triangles.len(), |range| {
         let volume = |t: usize| {
             let [a, b, c] = structure.triangles[t]

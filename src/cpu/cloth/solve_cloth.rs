@@ -4,20 +4,19 @@
 //!
 //! Π(x) = ½ (v − v̂)ᵀ M (v − v̂) + E(x) − f·x + ½ dt β vᵀMv + ½ dt Σ_k K_k |v_k − u*_k|²  \[J\],
 //!
-//! v̂ = vⁿ, f gravity and (lagged) pressure, β mass-proportional damping, v_k the velocity of marker k and K_k its
-//! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). The inertia and reaction terms are
-//! absent in the static limit. Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
+//! v̂ = vⁿ, f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
+//! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Damped cables add their dissipation
+//! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
+//! −f·x ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
 
 use std::convert::Infallible;
 
 use glam::{DMat3, DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
-use super::nodal_forces::CHUNK;
-use super::vectors::{self, chunked_sum, dot, fill, longest_m};
+use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{Cloth, Prepared, driver, initial_hessian, nodal_forces, pressure, stiffness};
 use crate::cloth::Structure;
 pub use crate::solve::InitialHessian;
@@ -325,11 +324,7 @@ impl<'a> Objective<'a> {
 }
 
 fn add_to(result: &mut [DVec3], of: impl Fn(usize) -> DVec3 + Sync) {
-    result
-        .par_iter_mut()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .for_each(|(i, r)| *r += of(i));
+    each(result, |i, r| *r += of(i));
 }
 
 impl VectorSpace for Objective<'_> {
@@ -460,9 +455,13 @@ impl Cloth {
         objective.correct_edges(&dead, &point);
         let mut outcome = driver::minimise(&mut objective, &mut point, &options, watch);
         // Edges of patches of equal pressure, until what they lack stands still.
-        for _ in 0..EDGE_PASS_LIMIT {
+        for pass in 0..=EDGE_PASS_LIMIT {
             let change = objective.correct_edges(&dead, &point);
             if outcome.stop != Stop::Converged || change <= settings.tolerance {
+                break;
+            }
+            if pass == EDGE_PASS_LIMIT {
+                outcome.stop = Stop::Stalled;
                 break;
             }
             options.evaluation_limit = settings

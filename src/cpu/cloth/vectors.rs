@@ -5,22 +5,52 @@
 //! to their own size, and what is summed of them is summed in double precision. Positions, energies and the forces that a gradient is
 //! added up from are in double precision.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::nodal_forces::CHUNK;
 
+/// Up to so many items one thread is faster: waking others takes longer than the work.
+pub(super) const ALONE: usize = 4 * CHUNK;
+
+/// What `of` finds for every chunk of `count` items, in order.
+fn of_chunks<R: Send>(count: usize, of: impl Fn(Range<usize>) -> R + Sync) -> Vec<R> {
+    let range = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
+    let chunks = 0..count.div_ceil(CHUNK);
+    if count <= ALONE {
+        chunks.map(|chunk| of(range(chunk))).collect()
+    } else {
+        chunks
+            .into_par_iter()
+            .map(|chunk| of(range(chunk)))
+            .collect()
+    }
+}
+
+/// Does `of` to every item, given its number.
+pub(super) fn each<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
+    if items.len() <= ALONE {
+        for (i, item) in items.iter_mut().enumerate() {
+            of(i, item);
+        }
+    } else {
+        items
+            .par_iter_mut()
+            .with_min_len(CHUNK)
+            .enumerate()
+            .for_each(|(i, item)| of(i, item));
+    }
+}
+
 /// Sum over chunks of `count` items.
 pub(super) fn chunked_sum<const K: usize>(
     count: usize,
-    of: impl Fn(std::ops::Range<usize>) -> [f64; K] + Sync,
+    of: impl Fn(Range<usize>) -> [f64; K] + Sync,
 ) -> [f64; K] {
-    let parts: Vec<[f64; K]> = (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| of(chunk * CHUNK..((chunk + 1) * CHUNK).min(count)))
-        .collect();
     let mut sums = [0.0; K];
-    for part in parts {
+    for part in of_chunks(count, of) {
         for k in 0..K {
             sums[k] += part[k];
         }
@@ -84,7 +114,8 @@ fn larger(a: f64, b: f64) -> f64 {
 
 /// Longest displacement [m]; NaN if an element is not finite.
 pub(super) fn longest_m(step: &[Vec3]) -> f64 {
-    step.par_chunks(CHUNK).map(longest).reduce(|| 0.0, larger)
+    let parts = of_chunks(step.len(), |range| longest(&step[range]));
+    parts.into_iter().fold(0.0, larger)
 }
 
 /// What a trial tells, all in one pass; y = g⁺ − g.
@@ -114,36 +145,30 @@ pub(super) fn products(
 ) -> Products {
     const OWN: usize = 6;
     let count = direction.len();
-    let parts: Vec<Vec<f64>> = (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(
-            || [(); 2].map(|()| Vec::with_capacity(CHUNK)),
-            |[change, preconditioned_change], chunk| {
-                let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-                let [new, old] = gradients.map(|v| &v[range.clone()]);
-                let [new_z, old_z] = preconditioned.map(|v| &v[range.clone()]);
-                change.clear();
-                change.extend(new.iter().zip(old).map(|(a, b)| *a - *b));
-                preconditioned_change.clear();
-                preconditioned_change.extend(new_z.iter().zip(old_z).map(|(a, b)| *a - *b));
-                let along = &direction[range.clone()];
-                let mut sums = Vec::with_capacity(OWN + 2 * stored.len());
-                sums.extend([
-                    short_dot(new, along),
-                    short_dot(change, along),
-                    short_dot(new, new_z),
-                    short_dot(new, preconditioned_change),
-                    short_dot(change, preconditioned_change),
-                    longest(new_z),
-                ]);
-                for vector in stored {
-                    let vector = &vector[range.clone()];
-                    sums.extend([short_dot(new, vector), short_dot(change, vector)]);
-                }
-                sums
-            },
-        )
-        .collect();
+    let parts: Vec<Vec<f64>> = of_chunks(count, |range| {
+        let difference = |a: &[Vec3], b: &[Vec3]| -> Vec<Vec3> {
+            a.iter().zip(b).map(|(a, b)| *a - *b).collect()
+        };
+        let [new, old] = gradients.map(|v| &v[range.clone()]);
+        let [new_z, old_z] = preconditioned.map(|v| &v[range.clone()]);
+        let change = difference(new, old);
+        let preconditioned_change = difference(new_z, old_z);
+        let along = &direction[range.clone()];
+        let mut sums = Vec::with_capacity(OWN + 2 * stored.len());
+        sums.extend([
+            short_dot(new, along),
+            short_dot(&change, along),
+            short_dot(new, new_z),
+            short_dot(new, &preconditioned_change),
+            short_dot(&change, &preconditioned_change),
+            longest(new_z),
+        ]);
+        for vector in stored {
+            let vector = &vector[range.clone()];
+            sums.extend([short_dot(new, vector), short_dot(&change, vector)]);
+        }
+        sums
+    });
     let mut sums = vec![0.0; OWN + 2 * stored.len()];
     for part in &parts {
         for (k, (sum, value)) in sums.iter_mut().zip(part).enumerate() {
@@ -168,36 +193,35 @@ pub(super) fn products(
 /// `result = Σ coefficient · vector`.
 pub(super) fn combine(result: &mut [Vec3], terms: &[(f64, &[Vec3])]) {
     let result: &mut [f32] = bytemuck::cast_slice_mut(result);
-    result
-        .par_chunks_mut(CHUNK)
-        .enumerate()
-        .for_each(|(chunk, result)| {
-            let range = chunk * CHUNK..chunk * CHUNK + result.len();
-            let mut sums = [0.0f64; CHUNK];
-            for (coefficient, vector) in terms {
-                let vector: &[f32] = bytemuck::cast_slice(vector);
-                for (sum, v) in sums.iter_mut().zip(&vector[range.clone()]) {
-                    *sum += coefficient * f64::from(*v);
-                }
+    let mut chunks: Vec<&mut [f32]> = result.chunks_mut(CHUNK).collect();
+    let one = |(chunk, result): (usize, &mut &mut [f32])| {
+        let range = chunk * CHUNK..chunk * CHUNK + result.len();
+        let mut sums = [0.0f64; CHUNK];
+        for (coefficient, vector) in terms {
+            let vector: &[f32] = bytemuck::cast_slice(vector);
+            for (sum, v) in sums.iter_mut().zip(&vector[range.clone()]) {
+                *sum += coefficient * f64::from(*v);
             }
-            for (r, sum) in result.iter_mut().zip(&sums) {
-                *r = *sum as f32;
-            }
-        });
+        }
+        for (r, sum) in result.iter_mut().zip(&sums) {
+            *r = *sum as f32;
+        }
+    };
+    if chunks.len() * CHUNK <= 3 * ALONE {
+        chunks.iter_mut().enumerate().for_each(one);
+    } else {
+        chunks.par_iter_mut().enumerate().for_each(one);
+    }
 }
 
 /// `result[i] = of(i)`.
 pub(super) fn fill<V: Send>(result: &mut [V], of: impl Fn(usize) -> V + Sync) {
-    result
-        .par_iter_mut()
-        .with_min_len(CHUNK)
-        .enumerate()
-        .for_each(|(i, r)| *r = of(i));
+    each(result, |i, r| *r = of(i));
 }
 
 /// In single precision.
 pub(super) fn single(vector: &[DVec3]) -> Vec<Vec3> {
-    vector.par_iter().map(|v| v.as_vec3()).collect()
+    vector.iter().map(|v| v.as_vec3()).collect()
 }
 
 /// In double precision.

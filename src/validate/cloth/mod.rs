@@ -52,6 +52,17 @@ struct Sheet {
     device: Option<DeviceCloth>,
 }
 
+impl Sheet {
+    /// Who computes, and in which precision.
+    const fn engine(&self) -> &'static str {
+        if self.device.is_some() {
+            "gpu f32"
+        } else {
+            "cpu f64"
+        }
+    }
+}
+
 impl Session<'_> {
     /// A structure on the engine of the order: on the device, unless only the CPU can compute what is asked for.
     fn sheet(&self, cloth: Cloth, needs_host: bool) -> Result<Sheet, Stop> {
@@ -92,15 +103,10 @@ impl Session<'_> {
 
     /// Adds a row about a sheet.
     fn sheet_row(&mut self, sheet: &Sheet, quantity: impl Into<String>, value: f64) -> &mut Row {
-        let engine = if sheet.device.is_some() {
-            "gpu f32"
-        } else {
-            "cpu f64"
-        };
         let nodes = sheet.cloth.structure.node_count();
         let row = self.row([0; 3], quantity, value);
         row.nodes = Some(nodes);
-        row.engine = Some(engine);
+        row.engine = Some(sheet.engine());
         row.is_judged = true;
         row
     }
