@@ -56,6 +56,46 @@ pub enum FabricState {
     Slack,
 }
 
+/// What a picture of fabric shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FabricQuantity {
+    /// Larger principal tension [N/m].
+    #[default]
+    Tension,
+    /// Largest principal stress [Pa].
+    Stress,
+    /// Von Mises stress [Pa].
+    VonMises,
+    /// Shear stress between warp and weft [Pa].
+    ShearStress,
+    /// Taut, wrinkled or slack, with the direction of wrinkles.
+    Wrinkles,
+}
+
+impl FabricQuantity {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Tension,
+        Self::Stress,
+        Self::VonMises,
+        Self::ShearStress,
+        Self::Wrinkles,
+    ];
+
+    /// The word of case files and file names.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tension => "tension",
+            Self::Stress => "stress",
+            Self::VonMises => "von_mises",
+            Self::ShearStress => "shear_stress",
+            Self::Wrinkles => "wrinkles",
+        }
+    }
+}
+
 /// What a cable is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CableKind {
@@ -81,6 +121,8 @@ pub struct StructureFrame {
     pub triangles: Vec<[u32; 3]>,
     /// Principal membrane tensions, larger first [N/m], `[triangle_count]`.
     pub principal_tensions_n_m: Vec<[f64; 2]>,
+    /// Unit vectors along the larger principal tension, along which wrinkles run, `[triangle_count]`; zero where there is no tension.
+    pub tension_directions: Vec<DVec3>,
     /// Largest principal stress [Pa], `[triangle_count]`.
     pub stress_pa: Vec<f64>,
     /// Von Mises stress of plane stress [Pa], `[triangle_count]`.

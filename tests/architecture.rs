@@ -74,7 +74,8 @@ const ALLOWED: [(&str, &[&str]); 26] = [
     (
         "case",
         &[
-            "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "rigid", "units",
+            "cloth", "fabric", "frame", "geometry", "immersed", "lattice", "lines", "rigid",
+            "units",
         ],
     ),
     ("plan", &["case", "immersed", "lattice", "solve"]),

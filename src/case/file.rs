@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 pub use super::file_bodies::*;
 pub use super::file_specimens::*;
+use crate::frame::FabricQuantity;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -361,4 +362,5 @@ pub struct Output {
     pub bodies_interval_s: Option<f64>,
     pub flow_interval_s: Option<f64>,
     pub picture_times_s: Option<Vec<f64>>,
+    pub picture_fabric: Option<Vec<FabricQuantity>>,
 }

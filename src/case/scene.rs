@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::file::File;
 use super::{Problem, air, bodies, structure};
 use crate::cloth::Structure;
+use crate::frame::FabricQuantity;
 use crate::geometry::mesh::quality::Quality;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
@@ -268,6 +269,8 @@ pub struct Output {
     pub flow_interval_s: Option<f64>,
     /// Times of pictures besides the last [s].
     pub picture_times_s: Vec<f64>,
+    /// What the fabric's colours show: one picture each.
+    pub picture_fabric: Vec<FabricQuantity>,
 }
 
 /// Largest and (inverted) smallest quantity taken for a real one, in SI units.
@@ -470,6 +473,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         bodies_interval_s: optional("output.bodies_interval_s", written.bodies_interval_s)?,
         flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
         picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
+        picture_fabric: picture_fabric(written.picture_fabric)?,
     };
     let steady_drag_confidence = file
         .steady
@@ -515,6 +519,23 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
         )?,
         damping_1_s,
     })
+}
+
+/// What the fabric's colours show: its tension if nothing is said; each quantity once.
+fn picture_fabric(written: Option<Vec<FabricQuantity>>) -> Result<Vec<FabricQuantity>, Problem> {
+    let quantities = written.unwrap_or_else(|| vec![FabricQuantity::Tension]);
+    let repeated = (1..quantities.len()).find(|&i| quantities[..i].contains(&quantities[i]));
+    if quantities.is_empty() || repeated.is_some() {
+        let found = repeated.map_or("nothing".to_owned(), |i| {
+            format!("{:?} twice", quantities[i].name())
+        });
+        return Err(Problem::new(
+            "output.picture_fabric",
+            format!("output.picture_fabric holds {found}"),
+            "name some of tension, stress, von_mises, shear_stress, wrinkles, each once, or leave the key out",
+        ));
+    }
+    Ok(quantities)
 }
 
 /// Refuses times before release, or none at all; times beyond the end are simply not reached.

@@ -26,6 +26,7 @@ const NO_CODE: i8 = -1;
 /// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N), without the air's pull on the node itself; zero where it is free |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
 /// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
+/// | `tension_1_direction` | cells | 3 × f64 | unit vector along `tension_1_n_m`, along which wrinkles run; 0 without tension, NaN on cables |
 /// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |
 /// | `shear_stress_pa`, `shear_strain` | cells | f64 | between warp and weft (Pa, 1); NaN on cables |
 /// | `fabric_state` | cells | i8 | 0 taut, 1 wrinkled, 2 slack; -1 on cables |
@@ -132,6 +133,9 @@ fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> Stri
     ] {
         xml += &data.array(name, cells, on_fabric(values));
     }
+    let directions = structure.tension_directions.iter().map(|d| d.to_array());
+    let directions = repeat_n([f64::NAN; 3], lines).chain(directions);
+    xml += &data.array("tension_1_direction", cells, directions);
     xml += &data.array("fabric_state", cells, states);
     xml += &data.array("cable_tension_n", cells, cable_tensions);
     xml += &data.array("cable_kind", cells, kinds);
@@ -183,6 +187,8 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     ] {
         check_length(what, values.len(), triangles)?;
     }
+    let directions = structure.tension_directions.len();
+    check_length("tension directions", directions, triangles)?;
     check_length("fabric states", structure.states.len(), triangles)?;
     check_length("cable kinds", structure.cable_kinds.len(), cables)?;
     check_length("cable tensions", structure.cable_tensions_n.len(), cables)?;
@@ -324,6 +330,7 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             reactions_n: vec![DVec3::ZERO; 4],
             principal_tensions_n_m: vec![[30.0, -0.5]],
+            tension_directions: vec![DVec3::X],
             stress_pa: vec![4e5],
             von_mises_pa: vec![3e5],
             shear_stress_pa: vec![1e5],

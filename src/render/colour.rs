@@ -20,6 +20,8 @@ pub enum ColourScale {
     Inferno,
     /// Near white to slate blue, a quiet background; lightness falls.
     Mist,
+    /// Three bands for the states of fabric, told apart also by colour-blind eyes (after Okabe and Ito 2008).
+    States,
 }
 
 /// Coefficients of the constant to the sixth-degree term, red, green and blue each.
@@ -66,6 +68,9 @@ const MIST: [Rgb; 7] = [
     [104, 149, 187],
 ];
 
+/// Sky blue, orange, reddish purple.
+const STATES: [Rgb; 3] = [[86, 180, 233], [230, 159, 0], [204, 121, 167]];
+
 impl ColourScale {
     /// The colour at `t`, clamped to 0…1; [`NO_DATA`] where `t` is not a number.
     #[must_use]
@@ -79,6 +84,7 @@ impl ColourScale {
             Self::Plasma => evaluate(&PLASMA, t),
             Self::Inferno => evaluate(&INFERNO, t),
             Self::Mist => interpolate(&MIST, t),
+            Self::States => STATES[((t * 3.0) as usize).min(2)],
         }
     }
 

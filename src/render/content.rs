@@ -1,4 +1,4 @@
-//! Drawable pieces of a frame: fabric, lines and slices of air.
+//! Drawable pieces of a frame: lines, rigid bodies and slices of air.
 
 use glam::DVec3;
 
@@ -6,14 +6,11 @@ use super::colour::{ColourScale, Rgb};
 use super::picture::{LineStyle, Polyline, Slice, SliceDepth, Surface};
 use crate::frame::{BodiesFrame, CableKind, FluidFrame, StructureFrame};
 
-/// Colours of tension.
-pub(super) const TENSION_SCALE: ColourScale = ColourScale::Plasma;
-
 /// Colours of air speed.
 pub(super) const SPEED_SCALE: ColourScale = ColourScale::Mist;
 
 /// Colour of lines and outlines.
-const INK: Rgb = [28, 32, 40];
+pub(super) const INK: Rgb = [28, 32, 40];
 
 /// Values above this share of all do not widen a range.
 const RANGE_SHARE: f64 = 0.98;
@@ -61,40 +58,6 @@ pub fn range_from_zero(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [0.0, if top > 0.0 { top } else { 1.0 }]
 }
 
-/// Larger principal tension of every triangle [N/m], NaN where the frame has none.
-pub(super) fn tensions(structure: &StructureFrame) -> impl Iterator<Item = f64> {
-    let known = structure
-        .principal_tensions_n_m
-        .iter()
-        .map(|tension| tension[0]);
-    known
-        .chain(std::iter::repeat(f64::NAN))
-        .take(structure.triangles.len())
-}
-
-/// The fabric, coloured by its larger principal tension over `range` [N/m]; `None` without fabric.
-pub(super) fn fabric(
-    structure: &StructureFrame,
-    range: [f64; 2],
-    mesh_edges: bool,
-    zoom: f64,
-) -> Option<Surface> {
-    let style = |width: f64, opacity| LineStyle {
-        width_px: width * zoom,
-        colour: INK,
-        opacity,
-    };
-    (!structure.triangles.is_empty()).then(|| Surface {
-        vertices_m: structure.positions_m.clone(),
-        triangles: structure.triangles.clone(),
-        values: smoothed(&tensions(structure).collect::<Vec<_>>(), structure),
-        range,
-        scale: TENSION_SCALE,
-        mesh_edges: mesh_edges.then(|| style(0.6, 0.22)),
-        boundary: Some(style(1.4, 0.9)),
-    })
-}
-
 /// Rigid bodies, in one grey.
 pub(super) fn bodies(bodies: &BodiesFrame, zoom: f64) -> Surface {
     let style = |width: f64, opacity| LineStyle {
@@ -112,31 +75,6 @@ pub(super) fn bodies(bodies: &BodiesFrame, zoom: f64) -> Surface {
         mesh_edges: Some(style(0.4, 0.12)),
         boundary: Some(style(1.4, 0.9)),
     }
-}
-
-/// Values of triangles as means over their nodes' means: linear triangles alternate around the true tension, which hides its
-/// course in a picture (the files keep the triangles' own values). Values that are not finite stay out.
-fn smoothed(values: &[f64], structure: &StructureFrame) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); structure.positions_m.len()];
-    for (nodes, value) in structure.triangles.iter().zip(values) {
-        for &node in nodes {
-            if let Some(sum) = sums.get_mut(node as usize)
-                && value.is_finite()
-            {
-                sum.0 += value;
-                sum.1 += 1.0;
-            }
-        }
-    }
-    let mean = |node: &u32| {
-        sums.get(*node as usize)
-            .map_or(f64::NAN, |(sum, count)| sum / count)
-    };
-    structure
-        .triangles
-        .iter()
-        .map(|nodes| nodes.iter().map(mean).sum::<f64>() / 3.0)
-        .collect()
 }
 
 /// The cables, joined into lines where one segment starts at the end of the one before.

@@ -11,6 +11,7 @@ pub(crate) mod annotate;
 mod camera;
 pub mod colour;
 mod content;
+mod fabric;
 pub mod picture;
 pub mod raster;
 pub mod scene;

@@ -9,15 +9,15 @@ use glam::DVec3;
 use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
 use super::colour::{ColourScale, Rgb};
 use super::content::{
-    Axis, SPEED_SCALE, TENSION_SCALE, air_box, bodies, cables, fabric, range_from_zero,
-    speed_slice, tensions, thinnest_axis,
+    Axis, SPEED_SCALE, air_box, bodies, cables, range_from_zero, speed_slice, thinnest_axis,
 };
+use super::fabric;
 use super::picture::{
-    Camera, ColourBar, Label, Picture, PixelRect, Slice, SliceDepth, TextAlign, TextSize,
+    Camera, ColourBar, Label, Picture, PixelRect, Slice, SliceDepth, TextAlign, TextSize, Tick,
     nice_ticks,
 };
 use super::text::{line_height, text_width};
-use crate::frame::{FluidFrame, Frame};
+use crate::frame::{FabricQuantity, FluidFrame, Frame};
 
 /// Colour of the page.
 const PAGE: Rgb = [255, 255, 255];
@@ -45,8 +45,10 @@ pub struct PictureOptions {
     pub title: Option<String>,
     /// Text below the view.
     pub caption: Option<String>,
-    /// Ends of the tension scale [N/m]; by default 0 and the 98th percentile of this frame.
-    pub tension_range_n_m: Option<[f64; 2]>,
+    /// What the fabric's colours show.
+    pub fabric: FabricQuantity,
+    /// Ends of the fabric's scale [N/m or MPa]; by default 0 and the 98th percentile of this frame.
+    pub fabric_range: Option<[f64; 2]>,
     /// Ends of the speed scale [m/s]; by default 0 and the 98th percentile of this frame.
     pub speed_range_m_s: Option<[f64; 2]>,
     /// How far the eye is turned towards upstream from looking along +y [°].
@@ -71,7 +73,8 @@ impl Default for PictureOptions {
             height_px: 720,
             title: None,
             caption: None,
-            tension_range_n_m: None,
+            fabric: FabricQuantity::Tension,
+            fabric_range: None,
             speed_range_m_s: None,
             azimuth_deg: 28.0,
             elevation_deg: 14.0,
@@ -113,20 +116,31 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         Some(slice)
     });
     let surface = structure.and_then(|structure| {
-        let automatic = || range_from_zero(tensions(structure));
-        let range = options.tension_range_n_m.unwrap_or_else(automatic);
-        fabric(structure, range, options.mesh_edges, zoom)
+        let values = fabric::values(options.fabric, structure);
+        let automatic = || fabric::range(options.fabric, &values);
+        let range = options.fabric_range.unwrap_or_else(automatic);
+        let (quantity, edges) = (options.fabric, options.mesh_edges);
+        fabric::surface(structure, quantity, &values, range, edges, zoom)
     });
 
     let mut bars = Vec::new();
     if let Some(surface) = &surface {
-        bars.push(("Tension [N/m]", surface.range, TENSION_SCALE));
+        bars.push(Legend {
+            title: fabric::title(options.fabric),
+            range: surface.range,
+            scale: surface.scale,
+            ticks: fabric::ticks(options.fabric, surface.range),
+        });
     }
     if let Some(slice) = &slice {
-        bars.push(("Air speed [m/s]", slice.range, SPEED_SCALE));
+        bars.push(Legend {
+            title: "Air speed [m/s]",
+            range: slice.range,
+            scale: SPEED_SCALE,
+            ticks: nice_ticks(slice.range, 6),
+        });
     }
-    let titles: Vec<&str> = bars.iter().map(|bar| bar.0).collect();
-    let mut layout = Layout::new(options, zoom, &titles);
+    let mut layout = Layout::new(options, zoom, &bars);
     let camera = match &slice {
         Some(slice) if solid.is_empty() => square_camera(slice, normal, &mut layout.viewport),
         _ => camera(
@@ -148,10 +162,16 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
             .into_iter()
             .chain(frame.bodies.as_ref().map(|b| bodies(b, zoom)))
             .collect(),
-        polylines: structure.map_or_else(Vec::new, |structure| cables(structure, zoom)),
+        polylines: structure.map_or_else(Vec::new, |structure| {
+            let mut lines = cables(structure, zoom);
+            if options.fabric == FabricQuantity::Wrinkles {
+                lines.extend(fabric::wrinkle_strokes(structure, zoom));
+            }
+            lines
+        }),
         slices: slice.into_iter().collect(),
         labels: layout.labels(frame.time_s, options),
-        colour_bars: layout.colour_bars(&bars),
+        colour_bars: layout.colour_bars(bars),
     }
 }
 
@@ -244,6 +264,14 @@ fn with_wake([low, high]: [DVec3; 2], air: [DVec3; 2]) -> Vec<DVec3> {
     points
 }
 
+/// What one colour bar says.
+struct Legend {
+    title: &'static str,
+    range: [f64; 2],
+    scale: ColourScale,
+    ticks: Vec<Tick>,
+}
+
 /// Where things go on the page.
 struct Layout {
     page: [u32; 2],
@@ -255,15 +283,20 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(options: &PictureOptions, zoom: f64, titles: &[&str]) -> Self {
+    fn new(options: &PictureOptions, zoom: f64, bars: &[Legend]) -> Self {
         let px = |size: f64| (size * zoom).round() as u32;
         let (width, height) = (options.width_px, options.height_px);
         let margin = px(16.0);
         let text = TextSize::fitting(20.0 * zoom);
         let heading = TextSize::fitting(26.0 * zoom);
-        let widest = titles
+        // Ticks stand beside the bar, one margin and a half wide.
+        let beside = |tick: &Tick| 5 * margin / 2 + text_width(&tick.text, text, false);
+        let widest = bars
             .iter()
-            .map(|title| text_width(title, text, true))
+            .flat_map(|bar| {
+                let title = text_width(bar.title, text, true);
+                bar.ticks.iter().map(beside).chain([title])
+            })
             .max();
         let strip = widest.map_or(margin, |widest| 2 * margin + widest);
         let (top, bottom) = (
@@ -340,27 +373,27 @@ impl Layout {
         labels
     }
 
-    fn colour_bars(&self, bars: &[(&str, [f64; 2], ColourScale)]) -> Vec<ColourBar> {
+    fn colour_bars(&self, bars: Vec<Legend>) -> Vec<ColourBar> {
         let title = line_height(self.text) + 2 * self.margin / 3;
         let count = (bars.len() as u32).max(2);
         let port = self.viewport;
         let share = port.height / count;
         let x = (self.page[0] - self.strip.min(self.page[0])) + self.margin;
-        let bar = |(k, (text, range, scale)): (usize, &(&str, [f64; 2], ColourScale))| ColourBar {
-            title: (*text).to_owned(),
-            range: *range,
-            scale: *scale,
+        let bar = |(k, legend): (usize, Legend)| ColourBar {
+            title: legend.title.to_owned(),
+            range: legend.range,
+            scale: legend.scale,
             rect: PixelRect {
                 x,
                 y: port.y + share * k as u32 + title,
                 width: self.margin * 3 / 2,
                 height: share.saturating_sub(title + self.margin),
             },
-            ticks: nice_ticks(*range, 6),
+            ticks: legend.ticks,
             text_size: self.text,
             text_colour: TEXT,
         };
-        bars.iter().enumerate().map(bar).collect()
+        bars.into_iter().enumerate().map(bar).collect()
     }
 }
 

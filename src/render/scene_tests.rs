@@ -19,6 +19,7 @@ fn structure() -> StructureFrame {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         reactions_n: vec![DVec3::ZERO; 5],
         principal_tensions_n_m: vec![[4.0, 1.0], [8.0, 1.0]],
+        tension_directions: vec![DVec3::Y; 2],
         stress_pa: vec![4e4, 8e4],
         von_mises_pa: vec![4e4, 8e4],
         shear_stress_pa: vec![0.0; 2],
@@ -122,7 +123,7 @@ fn slice_interpolates_across_its_plane() {
 #[test]
 fn given_ranges_and_box_are_kept() {
     let options = PictureOptions {
-        tension_range_n_m: Some([0.0, 50.0]),
+        fabric_range: Some([0.0, 50.0]),
         speed_range_m_s: Some([1.0, 9.0]),
         framing_box_m: Some([DVec3::splat(-0.6), DVec3::splat(0.6)]),
         ..PictureOptions::default()
@@ -134,6 +135,40 @@ fn given_ranges_and_box_are_kept() {
     assert_eq!(picture.surfaces[0].range, [0.0, 50.0]);
     assert_eq!(picture.slices[0].range, [1.0, 9.0]);
     assert_eq!(picture.camera, still.camera);
+}
+
+#[test]
+fn wrinkles_are_orange_with_strokes_along_them() {
+    let mut wrinkled = structure();
+    wrinkled.states = vec![FabricState::Taut, FabricState::Wrinkled];
+    let options = PictureOptions {
+        fabric: FabricQuantity::Wrinkles,
+        mesh_edges: false,
+        ..PictureOptions::default()
+    };
+    let picture = picture_of(&frame(None, Some(wrinkled)), &options);
+    let surface = &picture.surfaces[0];
+    let colours = surface
+        .values
+        .iter()
+        .map(|v| surface.scale.of(*v, surface.range));
+    assert_eq!(
+        colours.collect::<Vec<_>>(),
+        [[86, 180, 233], [230, 159, 0]],
+        "values are not smoothed"
+    );
+    // One line to the point upstream, and one stroke across the middle of the second triangle along y.
+    let stroke = &picture.polylines.last().unwrap().points_m;
+    assert_eq!(picture.polylines.len(), 2);
+    let middle = 0.5 * (stroke[0] + stroke[1]);
+    assert!(middle.abs_diff_eq(DVec3::new(0.0, -1.0 / 6.0, 1.0 / 6.0), 1e-12));
+    assert_eq!((stroke[1] - stroke[0]).normalize(), DVec3::Y);
+    let marks = &picture.colour_bars[0].ticks;
+    assert_eq!(
+        marks.iter().map(|t| &t.text[..]).collect::<Vec<_>>(),
+        ["taut", "wrinkled", "slack"]
+    );
+    rasterise(&picture).unwrap();
 }
 
 #[test]

@@ -10,6 +10,7 @@ use super::RunError;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::frame::FabricQuantity;
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
@@ -18,6 +19,9 @@ use crate::output::{
 };
 use crate::render::{self, Picture, PictureOptions, RenderError};
 use crate::simulation::Simulation;
+
+/// Fabric alone whose height is less than this share of its width and length is seen from further above.
+const FLAT: f64 = 0.25;
 
 /// What has been written so far, by a run that is resumed.
 #[derive(Debug, Default)]
@@ -84,6 +88,9 @@ pub(super) fn remove_stale(folder: &Path) {
             || numbered("bodies_", ".vtp")
             || numbered("flow_", ".vti")
             || numbered("snapshot_", ".png")
+            || FabricQuantity::ALL
+                .iter()
+                .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
             || [
                 "summary.json",
                 "canopy_last_good.vtp",
@@ -277,6 +284,18 @@ impl<'a> Files<'a> {
             // A plane curve, seen squarely.
             (options.azimuth_deg, options.elevation_deg) = (0.0, 0.0);
         }
+        if let Some(structure) = frame.structure.as_ref().filter(|_| frame.fluid.is_none()) {
+            let places = || structure.positions_m.iter();
+            let extent = |axis: usize| {
+                let ends = places().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+                    [low.min(p[axis]), high.max(p[axis])]
+                });
+                ends[1] - ends[0]
+            };
+            if extent(2) < FLAT * extent(0).min(extent(1)) {
+                options.elevation_deg = 55.0;
+            }
+        }
         if scene.body.is_none() {
             // A body is small in its tunnel: its wake matters.
             options.whole_domain = !scene.rigid_bodies.is_empty();
@@ -292,13 +311,23 @@ impl<'a> Files<'a> {
                 confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
             ]);
         }
-        let image = self.draw(&render::picture_of(&frame, &options))?;
-        let bytes = render::png_bytes(&image)?;
-        let path = self
-            .folder
-            .join(format!("snapshot_{:03}.png", self.timed_pictures));
-        write_atomically(&path, |out| out.write_all(&bytes))?;
-        self.last_picture = Some(path);
+        // The first quantity has the plain name; scenes without fabric have one picture.
+        let number = self.timed_pictures;
+        let shown = &scene.output.picture_fabric[..];
+        let has_fabric = (frame.structure.as_ref()).is_some_and(|s| !s.triangles.is_empty());
+        let shown = if has_fabric { shown } else { &shown[..1] };
+        for (index, &fabric) in shown.iter().enumerate().rev() {
+            options.fabric = fabric;
+            let image = self.draw(&render::picture_of(&frame, &options))?;
+            let bytes = render::png_bytes(&image)?;
+            let name = match index {
+                0 => format!("snapshot_{number:03}.png"),
+                _ => format!("snapshot_{number:03}_{}.png", fabric.name()),
+            };
+            let path = self.folder.join(name);
+            write_atomically(&path, |out| out.write_all(&bytes))?;
+            self.last_picture = Some(path);
+        }
         Ok(())
     }
 }

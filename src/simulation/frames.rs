@@ -86,6 +86,7 @@ fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
         velocities_m_s: cloth.velocities_m_s.clone(),
         triangles: structure.triangles.iter().map(|t| t.nodes).collect(),
         principal_tensions_n_m: loads.iter().map(|l| l.principal_tensions_n_m).collect(),
+        tension_directions: loads.iter().map(|l| l.direction).collect(),
         stress_pa: loads
             .iter()
             .map(|l| l.principal_tensions_n_m[0] / structure.thickness_m)

@@ -14,6 +14,8 @@ use crate::frame::FabricState;
 pub struct TriangleLoad {
     /// Principal tensions per present width (Cauchy stress times present thickness), larger first [N/m].
     pub principal_tensions_n_m: [f64; 2],
+    /// Unit vector along the larger principal tension, along which wrinkles run; zero where there is none.
+    pub direction: DVec3,
     /// Shear tension between warp and weft (second Piola–Kirchhoff) [N/m].
     pub shear_tension_n_m: f64,
     /// Shear strain 2ε₁₂ between warp and weft (Green).
@@ -27,6 +29,7 @@ impl TriangleLoad {
     const fn of_network(state: FabricState) -> Self {
         Self {
             principal_tensions_n_m: [f64::NAN; 2],
+            direction: DVec3::ZERO,
             shear_tension_n_m: f64::NAN,
             shear_strain: f64::NAN,
             state,
@@ -50,6 +53,7 @@ impl TriangleLoad {
         };
         Self {
             principal_tensions_n_m,
+            direction: DVec3::ZERO,
             shear_tension_n_m: t[2],
             shear_strain: strain[2],
             state: response.state,
@@ -65,8 +69,38 @@ impl TriangleLoad {
 }
 
 fn load(membrane: &Membrane, triangle: &Triangle, positions: &[DVec3]) -> TriangleLoad {
-    let strain = triangle.strain(&triangle.edge_vectors(positions));
-    TriangleLoad::new(&strain, &membrane.respond(&strain))
+    let edges = triangle.edge_vectors(positions);
+    let strain = triangle.strain(&edges);
+    let response = membrane.respond(&strain);
+    TriangleLoad {
+        direction: principal_direction(triangle, &edges, &response.tension),
+        ..TriangleLoad::new(&strain, &response)
+    }
+}
+
+/// Unit vector along the larger principal tension: of the sum Σ w_i x_i⊗x_i over the edges x_i, which is that of the tensions per present
+/// width but for a factor, with w = Bᵀ T the derivative of energy by squared edge lengths.
+fn principal_direction(triangle: &Triangle, edges: &[DVec3; 3], tension: &[f64; 3]) -> DVec3 {
+    let b = &triangle.strain_from_squares;
+    let weight = |i: usize| (0..3).map(|row| b[row][i] * tension[row]).sum::<f64>();
+    let Some(x) = edges[0].try_normalize() else {
+        return DVec3::ZERO;
+    };
+    let Some(y) = (edges[1] - x * edges[1].dot(x)).try_normalize() else {
+        return x;
+    };
+    let mut sums = [0.0; 3];
+    for (i, edge) in edges.iter().enumerate() {
+        let (w, along, across) = (weight(i), edge.dot(x), edge.dot(y));
+        sums[0] += w * along * along;
+        sums[1] += w * across * across;
+        sums[2] += w * along * across;
+    }
+    if sums == [0.0; 3] {
+        return DVec3::ZERO;
+    }
+    let angle = 0.5 * (2.0 * sums[2]).atan2(sums[0] - sums[1]);
+    x * angle.cos() + y * angle.sin()
 }
 
 /// Loads of all triangles; without tensions (NaN) where a spring network carries the load.
@@ -137,6 +171,25 @@ impl Cloth {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wrinkles_run_along_the_tension() {
+        // Pulled along a direction at 30° to the warp, contracted across it, turned in space.
+        let membrane = Membrane::new([[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 500.0]], 0.0);
+        let rest = [[0.1, 0.2], [0.9, 0.05], [0.3, 0.8]].map(|p| glam::DVec2::from_array(p));
+        let triangle = Triangle::new([0, 1, 2], rest).unwrap();
+        let (s, c) = 30f64.to_radians().sin_cos();
+        let (along, across) = (glam::DVec2::new(c, s), glam::DVec2::new(-s, c));
+        let turn = glam::DQuat::from_rotation_x(0.7) * glam::DQuat::from_rotation_z(0.4);
+        let place = |p: glam::DVec2| {
+            let flat = along * (1.1 * p.dot(along)) + across * (0.8 * p.dot(across));
+            turn * flat.extend(0.0)
+        };
+        let load = load(&membrane, &triangle, &rest.map(place));
+        assert_eq!(load.state, FabricState::Wrinkled);
+        let expected = turn * along.extend(0.0);
+        assert!((load.direction.dot(expected).abs() - 1.0).abs() < 1e-12);
+    }
 
     #[test]
     fn tensions_are_per_present_width() {
