@@ -15,6 +15,7 @@
 // Row of every place of the coarser matrix; NONE where it only fills up.
 @group(0) @binding(17) var<storage, read> coarse_rows: array<u32>;
 @group(0) @binding(18) var<storage, read_write> coarse_matrix: array<f32>;
+@group(0) @binding(19) var<storage, read> eigenvector_guess: array<f32>;
 
 // Values of src/solve/multigrid/mod.rs.
 override SWEEPS: u32 = 1u;
@@ -120,7 +121,23 @@ fn invert_diagonal(
     inverse_diagonal[to + 5u] = inverse.off.z;
 }
 
-// D⁻¹A times the unit vector so far (the operand), and its square.
+// The stiffest place may have moved to where the last eigenvector has no part.
+@compute @workgroup_size(64)
+fn power_start(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let row = thread_index(group, groups, local);
+    if row >= level.nodes {
+        return;
+    }
+    for (var k = row * 3u; k < row * 3u + 3u; k++) {
+        eigenvector[k] += eigenvector_guess[k];
+    }
+}
+
+// D⁻¹A times the vector so far (the operand), and its square.
 @compute @workgroup_size(64)
 fn power_step(
     @builtin(workgroup_id) group: vec3<u32>,

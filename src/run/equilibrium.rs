@@ -51,6 +51,7 @@ impl Run<'_> {
                 Stop::Stalled => "STALLED before its tolerance",
                 Stop::LimitReached => "NOT reached within evaluation_limit",
                 Stop::NotFinite => "not finite",
+                Stop::Indefinite => "NOT reached: the preconditioner is not positive there",
                 Stop::Interrupted => "interrupted",
             },
             outcome.iterations,
@@ -66,6 +67,9 @@ impl Run<'_> {
                     "a device computes forces in f32, which may not reach equilibrium.tolerance: use --cloth host, or raise it"
                 }
                 Stop::Stalled => "raise equilibrium.tolerance",
+                Stop::Indefinite => {
+                    "the mesh or the materials defeat the multigrid cycle: avoid slivers and jumps of stiffness, and report the case"
+                }
                 _ => "raise equilibrium.evaluation_limit or its tolerance",
             };
             self.notes.push(format!(

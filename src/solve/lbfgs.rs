@@ -12,7 +12,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Attempt, Landing, Step, VectorSpace};
+use super::{Attempt, Landing, Refreshed, Step, VectorSpace};
 
 /// Pairs usually kept: with a good H₀, more of them cost more cycles at every refresh than they spare.
 pub const HISTORY: usize = 5;
@@ -45,6 +45,8 @@ pub enum Stop {
     LimitReached,
     /// The objective or its gradient is not finite at the start.
     NotFinite,
+    /// H₀, built anew, is not positive along the gradient, so that it measures no distance from the minimum.
+    Indefinite,
     /// The watcher asked for it.
     Interrupted,
 }
@@ -135,6 +137,7 @@ pub fn minimise_watched<S: VectorSpace>(
     let start = space.start(point, &mut gradient, &mut preconditioned)?;
     let mut objective = start.objective;
     let mut round_off = start.round_off;
+    let mut indefinite = start.norm_square < 0.0;
     let mut norm = start.norm_square.max(0.0).sqrt();
     let mut longest_m = start.longest_m;
     let mut reference = start.reference;
@@ -166,19 +169,26 @@ pub fn minimise_watched<S: VectorSpace>(
         let converged = |norm: f64, longest_m: f64, reference: f64| {
             norm <= options.tolerance * reference || longest_m <= options.displacement_floor_m
         };
-        if converged(norm, longest_m, reference) {
+        if indefinite || converged(norm, longest_m, reference) {
             if options.refresh_every.is_none() || since_refresh == 0 {
-                outcome.stop = Stop::Converged;
+                outcome.stop = if indefinite {
+                    Stop::Indefinite
+                } else {
+                    Stop::Converged
+                };
                 return Ok(outcome);
             }
             // An H₀ that was built elsewhere does not measure the distance from here.
             since_refresh = 0;
-            (norm, longest_m, reference) = renew(
+            let renewed = renew(
                 space,
                 (&*point, &gradient, &mut preconditioned),
                 &mut pairs,
                 &mut products,
             )?;
+            indefinite = renewed.norm_square < 0.0;
+            norm = renewed.norm_square.max(0.0).sqrt();
+            (longest_m, reference) = (renewed.longest_m, renewed.reference);
             continue;
         }
         if outcome.evaluations >= options.evaluation_limit {
@@ -296,17 +306,21 @@ pub fn minimise_watched<S: VectorSpace>(
         }
         pairs.push_back(pair);
         products.push(&plan, &attempt);
-        norm = attempt.norm_square.max(0.0).sqrt();
+        let mut norm_square = attempt.norm_square;
         longest_m = attempt.longest_m;
         if refresh {
             since_refresh = 0;
-            (norm, longest_m, reference) = renew(
+            let renewed = renew(
                 space,
                 (&trial, &trial_gradient, &mut trial_preconditioned),
                 &mut pairs,
                 &mut products,
             )?;
+            norm_square = renewed.norm_square;
+            (longest_m, reference) = (renewed.longest_m, renewed.reference);
         }
+        indefinite = norm_square < 0.0;
+        norm = norm_square.max(0.0).sqrt();
         if !products.newest_curves() {
             products.remove(pairs.len() - 1);
             spare.extend(pairs.pop_back());
@@ -329,21 +343,20 @@ pub fn minimise_watched<S: VectorSpace>(
     }
 }
 
-/// Rebuilds H₀ around a point with its gradient g; writes H₀ g, renews all z_i and what depends on them, and returns the energy norm of
-/// g, its longest displacement \[m\] and the reference of the norm.
+/// Rebuilds H₀ around a point with its gradient g; writes H₀ g, renews all z_i and what depends on them, and returns what the space told.
 fn renew<S: VectorSpace>(
     space: &mut S,
     (point, gradient, preconditioned): (&S::Point, &S::Vector, &mut S::Vector),
     pairs: &mut VecDeque<Pair<S::Vector>>,
     products: &mut Products,
-) -> Result<(f64, f64, f64), S::Error> {
+) -> Result<Refreshed, S::Error> {
     let mut changes: Vec<_> = pairs
         .iter_mut()
         .map(|pair| (&pair.change, &mut pair.preconditioned_change))
         .collect();
     let refreshed = space.refresh(point, gradient, preconditioned, &mut changes)?;
-    products.gradient_change = refreshed.gradient_change.into();
-    let mut entries = refreshed.change_change.into_iter();
+    products.gradient_change = refreshed.gradient_change.iter().copied().collect();
+    let mut entries = refreshed.change_change.iter().copied();
     for i in 0..pairs.len() {
         for j in 0..=i {
             let entry = entries.next().unwrap_or(f64::NAN);
@@ -351,8 +364,7 @@ fn renew<S: VectorSpace>(
             products.change_change[j][i] = entry;
         }
     }
-    let norm = refreshed.norm_square.max(0.0).sqrt();
-    Ok((norm, refreshed.longest_m, refreshed.reference))
+    Ok(refreshed)
 }
 
 impl Products {

@@ -307,6 +307,17 @@ fn the_scale_of_the_initial_hessian_does_not_matter() {
     assert!(counts[2] <= counts[0] + counts[0] / 2, "{counts:?}");
 }
 
+/// A negative gᵀH₀g is no small norm.
+#[test]
+fn an_indefinite_initial_hessian_is_no_convergence() {
+    let space = Quadratic {
+        inverse: -0.5,
+        ..Quadratic::new(40, 0.0)
+    };
+    let (_, outcome) = solved(space, &options(6, 1e-6));
+    assert_eq!(outcome.stop, Stop::Indefinite);
+}
+
 #[test]
 fn no_node_moves_farther_than_the_limit() {
     let limited = Options {

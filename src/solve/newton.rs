@@ -74,13 +74,13 @@ pub fn minimise_watched<S: Curvature>(
     let mut preconditioned = space.vector()?;
     let start = space.start(point, &mut gradient, &mut preconditioned)?;
     let (mut objective, mut round_off) = (start.objective, start.round_off);
-    let mut norm_square = start.norm_square.max(0.0);
+    let mut norm_square = start.norm_square;
     let (mut longest_m, mut reference) = (start.longest_m, start.reference);
     let mut outcome = Outcome {
         stop: Stop::Stalled,
         iterations: 0,
         evaluations: 1,
-        energy_norm: norm_square.sqrt(),
+        energy_norm: norm_square.max(0.0).sqrt(),
         objective,
     };
     if !objective.is_finite() || !start.norm_square.is_finite() || !longest_m.is_finite() {
@@ -93,9 +93,13 @@ pub fn minimise_watched<S: Curvature>(
     let mut lowest_norm = f64::INFINITY;
     let mut stagnant = 0;
     loop {
-        let norm = norm_square.sqrt();
+        let norm = norm_square.max(0.0).sqrt();
         outcome.energy_norm = norm;
         outcome.objective = objective;
+        if norm_square < 0.0 {
+            outcome.stop = Stop::Indefinite;
+            return Ok(outcome);
+        }
         if norm <= options.tolerance * reference || longest_m <= options.displacement_floor_m {
             outcome.stop = Stop::Converged;
             return Ok(outcome);
@@ -171,7 +175,7 @@ pub fn minimise_watched<S: Curvature>(
         std::mem::swap(point, &mut trial);
         std::mem::swap(&mut gradient, &mut trial_gradient);
         let refreshed = space.refresh(point, &gradient, &mut preconditioned, &mut [])?;
-        norm_square = refreshed.norm_square.max(0.0);
+        norm_square = refreshed.norm_square;
         (longest_m, reference) = (refreshed.longest_m, refreshed.reference);
     }
 }

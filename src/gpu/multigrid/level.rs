@@ -58,15 +58,6 @@ impl Buffers {
         };
         let level = device.uniform::<MultigridLevel>("multigrid level")?;
         device.write(&level, 0, &[sizes]);
-        let mut guess = eigenvector_guess(nodes);
-        let square: f64 = guess
-            .as_flattened()
-            .iter()
-            .map(|x| f64::from(*x) * f64::from(*x))
-            .sum();
-        for x in guess.as_flattened_mut() {
-            *x /= square.sqrt() as f32;
-        }
         let mut named = vec![
             ("level", level),
             ("slices", device.storage_of("slices", &sliced.slices)?),
@@ -86,7 +77,7 @@ impl Buffers {
             ("eigenvector", device.storage("eigenvector", vector_bytes)?),
             (
                 "eigenvector_guess",
-                device.storage_of("guess of the eigenvector", &guess)?,
+                device.storage_of("guess of the eigenvector", &eigenvector_guess(nodes))?,
             ),
             (
                 "squares",
@@ -186,6 +177,7 @@ pub(super) struct Level {
     direct: Option<Dispatch>,
     galerkin: Option<Dispatch>,
     invert_diagonal: Dispatch,
+    power_start: Dispatch,
     power: [Dispatch; 2],
 }
 
@@ -219,6 +211,7 @@ impl Level {
             direct: None,
             galerkin: None,
             invert_diagonal: rows(&refresh.invert_diagonal, &[])?,
+            power_start: rows(&refresh.power_start, &[])?,
             power: [
                 Dispatch(
                     own.bind(
@@ -298,6 +291,7 @@ impl Level {
         self.invert_diagonal
             .0
             .dispatch(pass, self.invert_diagonal.1);
+        self.power_start.0.dispatch(pass, self.power_start.1);
         for _ in 0..power_iterations {
             record(&self.power, pass);
         }

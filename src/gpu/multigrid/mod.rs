@@ -43,6 +43,7 @@ struct Cycle {
 struct Refresh {
     galerkin: Pipeline,
     invert_diagonal: Pipeline,
+    power_start: Pipeline,
     power_step: Pipeline,
     power_normalise: Pipeline,
 }
@@ -104,11 +105,18 @@ impl Multigrid {
             smooth_corrected,
             solve_coarsest,
         };
-        let [galerkin, invert_diagonal, power_step, power_normalise] = device.pipelines(
+        let [
+            galerkin,
+            invert_diagonal,
+            power_start,
+            power_step,
+            power_normalise,
+        ] = device.pipelines(
             &shaders::MULTIGRID_REFRESH,
             [
                 "galerkin",
                 "invert_diagonal",
+                "power_start",
                 "power_step",
                 "power_normalise",
             ],
@@ -121,6 +129,7 @@ impl Multigrid {
         let refresh = Refresh {
             galerkin,
             invert_diagonal,
+            power_start,
             power_step,
             power_normalise,
         };

@@ -2,6 +2,35 @@ use glam::DVec3;
 
 use super::*;
 
+/// The stiffest place moves between refreshes, to where the last eigenvector has no part; a smoother whose interval it leaves would take the
+/// cycle its sign. One triangle of equal springs among three nodes that pull as one, nnᵀ over all three, has three times its diagonal.
+#[test]
+fn the_largest_eigenvalue_is_found_where_it_has_moved_to() {
+    let count = 3000;
+    let groups: Vec<[u32; 3]> = (0..count as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
+    let pattern = Pattern::from_groups(count, groups.iter().map(|g| &g[..]));
+    let graph = Graph::new(pattern, vec![false; count], |_, _| 1.0);
+    let mut multigrid = Multigrid::new(graph);
+    for stiff in [700, 2100, 1400] {
+        multigrid.refresh(|fine| {
+            fine.fill_rows(
+                || (),
+                |(), row, columns, blocks| {
+                    for (block, &column) in blocks.iter_mut().zip(columns) {
+                        let inside = |node: usize| (stiff..stiff + 3).contains(&node);
+                        let own = column as usize == row;
+                        let together = inside(row) && inside(column as usize);
+                        let value = if own { 1.0 } else { 0.0 } + if together { 1e6 } else { 0.0 };
+                        *block = [value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value];
+                    }
+                },
+            );
+        });
+        let found = multigrid.levels[0].largest_eigenvalue;
+        assert!(found * EIGENVALUE_MARGIN > 3.0, "at {stiff}: {found}");
+    }
+}
+
 /// A square sheet of `n`² nodes under isotropic tension 1 whose plane also stretches: stiffness `stretch` along edges, 1 across them.
 /// Nodes of the first column are held.
 fn sheet(n: usize, stretch: f32) -> (Multigrid, BlockMatrix) {
