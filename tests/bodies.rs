@@ -336,7 +336,7 @@ impl Body for Resume {
             record.save(out)
         })
         .unwrap();
-        let stored = checkpoint::Reader::open(folder.path(), "test").unwrap();
+        let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
         let mut resumed = new();
         let mut resumed_record = Record::new(&resumed);
         resumed.restore(&stored).unwrap();

@@ -74,7 +74,7 @@ pub struct Finished {
     pub errors: String,
 }
 
-fn command(arguments: &[&str]) -> Command {
+pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ripstop"));
     command
         .args(arguments)
@@ -89,7 +89,7 @@ pub fn ripstop(arguments: &[&str]) -> Finished {
     finished(command(arguments).output().unwrap())
 }
 
-fn finished(output: std::process::Output) -> Finished {
+pub fn finished(output: std::process::Output) -> Finished {
     // Validation layers, where they are on, write what they have against the program to its output.
     for stream in [&output.stdout, &output.stderr] {
         let text = String::from_utf8_lossy(stream);
@@ -102,7 +102,7 @@ fn finished(output: std::process::Output) -> Finished {
     }
 }
 
-const CANOPY: &str = "cases/flat-circular-tunnel.toml";
+pub const CANOPY: &str = "cases/flat-circular-tunnel.toml";
 
 fn new_prints() {
     for (name, text) in SHIPPED {
@@ -358,7 +358,7 @@ fn full_disk() {
     }
 }
 
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub fn files(folder: &Path) -> Vec<PathBuf> {
     std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path())

@@ -14,6 +14,7 @@ mod bad_cases;
 mod bodies;
 mod canopy;
 mod cases;
+mod checkpoint;
 mod cloth;
 mod command_line;
 mod coupling;
@@ -45,6 +46,7 @@ fn main() -> std::process::ExitCode {
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),
+        checkpoint::trials(),
         validate::trials(),
     ]
     .into_iter()

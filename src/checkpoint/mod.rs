@@ -2,7 +2,7 @@
 //!
 //! Layout, little-endian: magic, format version, identity (case hash and precision), then sections
 //! `name length · name · data length · CRC-32 · data`, and a trailer that proves the file is whole. Files are written beside
-//! their final place, synced and renamed; the one before is kept as `checkpoint.previous`.
+//! their final place, synced and renamed; the one before is kept as `checkpoint.previous`, and taken where the newer one is damaged.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -38,10 +38,7 @@ pub enum CheckpointError {
         cause: io::Error,
     },
     /// It is damaged, cut short, or no checkpoint.
-    #[error(
-        "the checkpoint {path} is damaged: {what}; {}start without --resume",
-        offer_previous(path)
-    )]
+    #[error("the checkpoint {path} cannot be used: {what}; start without --resume")]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -60,14 +57,6 @@ pub enum CheckpointError {
         /// Identity of this run.
         expected: String,
     },
-}
-
-fn offer_previous(damaged: &Path) -> &'static str {
-    if damaged.with_file_name(PREVIOUS_NAME).exists() {
-        "rename checkpoint.previous to checkpoint to take the one before, or "
-    } else {
-        ""
-    }
 }
 
 /// Writes sections.
@@ -126,10 +115,49 @@ pub struct Reader {
     sections: HashMap<String, Vec<u8>>,
 }
 
+/// A checkpoint to go on from.
+#[derive(Debug)]
+pub struct Found {
+    /// Its sections.
+    pub reader: Reader,
+    /// Why newer ones in the folder could not be used.
+    pub passed_over: Vec<String>,
+}
+
+/// Reads and verifies the newest usable checkpoint in `folder`.
+pub fn open(folder: &Path, identity: &str) -> Result<Found, CheckpointError> {
+    // Newest first: the next one is left where a run was killed just before it took its place.
+    let mut passed_over = Vec::new();
+    let mut first_error = None;
+    for name in [NEXT_NAME, FILE_NAME, PREVIOUS_NAME] {
+        let path = folder.join(name);
+        match Reader::open(&path, identity) {
+            Ok(reader) => {
+                return Ok(Found {
+                    reader,
+                    passed_over,
+                });
+            }
+            Err(CheckpointError::Unreadable { cause, .. })
+                if cause.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => {
+                passed_over.push(match &error {
+                    CheckpointError::Damaged { what, .. } => format!("{name} is not used: {what}"),
+                    _ => format!("{name} is not used: {error}"),
+                });
+                first_error.get_or_insert(error);
+            }
+        }
+    }
+    Err(first_error.unwrap_or_else(|| CheckpointError::Unreadable {
+        path: folder.join(FILE_NAME),
+        cause: io::ErrorKind::NotFound.into(),
+    }))
+}
+
 impl Reader {
-    /// Reads and verifies the checkpoint in `folder`.
-    pub fn open(folder: &Path, identity: &str) -> Result<Self, CheckpointError> {
-        let path = folder.join(FILE_NAME);
+    fn open(path: &Path, identity: &str) -> Result<Self, CheckpointError> {
+        let path = path.to_owned();
         let unreadable = |cause: io::Error| CheckpointError::Unreadable {
             path: path.clone(),
             cause,
@@ -150,8 +178,12 @@ impl Reader {
         if magic != MAGIC {
             return Err(damaged("it is no checkpoint of this program"));
         }
-        if u32::from_le_bytes(version) != VERSION {
-            return Err(damaged("another version of the program wrote it"));
+        match u32::from_le_bytes(version) {
+            VERSION => {}
+            newer if newer > VERSION => {
+                return Err(damaged("a newer version of the program wrote it"));
+            }
+            _ => return Err(damaged("an older version of the program wrote it")),
         }
         let mut sections = HashMap::new();
         while !sections.contains_key("end") {
@@ -258,7 +290,7 @@ mod tests {
         sample(folder.path());
         sample(folder.path());
         assert!(folder.path().join(PREVIOUS_NAME).exists());
-        let reader = Reader::open(folder.path(), "case-f32").unwrap();
+        let reader = open(folder.path(), "case-f32").unwrap().reader;
         let bits: Vec<u64> = reader
             .take::<f64>("numbers")
             .unwrap()
@@ -270,8 +302,59 @@ mod tests {
         assert!(reader.take::<u64>("absent").is_err());
         remove(folder.path());
         assert!(matches!(
-            Reader::open(folder.path(), "case-f32"),
+            open(folder.path(), "case-f32"),
             Err(CheckpointError::Unreadable { .. })
+        ));
+    }
+
+    /// The one before is taken where the newest is damaged, another program's, newer than this program or another run's; a complete one
+    /// that had not taken its place yet is the newest.
+    #[test]
+    fn the_newest_usable_one_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |identity: &str, number: u64| {
+            write(folder.path(), identity, |out| out.put("number", &[number])).unwrap();
+        };
+        let number = || {
+            let found = open(folder.path(), "this").unwrap();
+            (
+                found.reader.take::<u64>("number").unwrap()[0],
+                found.passed_over.join(""),
+            )
+        };
+        put("this", 1);
+        put("this", 2);
+        let path = folder.path().join(FILE_NAME);
+        let whole = std::fs::read(&path).unwrap();
+        assert_eq!(number(), (2, String::new()));
+        for (at, value, why) in [
+            (0, b'X', "no checkpoint of this program"),
+            (8, 99, "newer version"),
+            (8, 0, "older version"),
+            (whole.len() - 1, 7, "checksum"),
+        ] {
+            let mut broken = whole.clone();
+            broken[at] = value;
+            std::fs::write(&path, &broken).unwrap();
+            let (number, passed_over) = number();
+            assert_eq!(number, 1, "byte {at}");
+            assert!(passed_over.contains(why), "{passed_over}");
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(number(), (1, String::new()));
+        std::fs::write(folder.path().join(NEXT_NAME), &whole).unwrap();
+        assert_eq!(number(), (2, String::new()));
+        std::fs::remove_file(folder.path().join(NEXT_NAME)).unwrap();
+        put("other", 3);
+        put("this", 4);
+        put("other", 5);
+        let (number, passed_over) = number();
+        assert_eq!(number, 4);
+        assert!(passed_over.contains("another run"), "{passed_over}");
+        put("other", 6);
+        assert!(matches!(
+            open(folder.path(), "this"),
+            Err(CheckpointError::OtherRun { .. })
         ));
     }
 
@@ -286,18 +369,16 @@ mod tests {
             let mut broken = whole.clone();
             broken[byte] ^= 0x10;
             std::fs::write(&path, &broken).unwrap();
-            let usable = Reader::open(folder.path(), "case-f32")
+            let usable = open(folder.path(), "case-f32")
+                .map(|found| found.reader)
                 .is_ok_and(|r| r.take::<f64>("numbers").is_ok() && r.take::<u64>("flags").is_ok());
             assert!(!usable, "byte {byte}");
             std::fs::write(&path, &whole[..byte]).unwrap();
-            assert!(
-                Reader::open(folder.path(), "case-f32").is_err(),
-                "cut at {byte}"
-            );
+            assert!(open(folder.path(), "case-f32").is_err(), "cut at {byte}");
         }
         std::fs::write(&path, &whole).unwrap();
         assert!(matches!(
-            Reader::open(folder.path(), "case-f64"),
+            open(folder.path(), "case-f64"),
             Err(CheckpointError::OtherRun { .. })
         ));
     }

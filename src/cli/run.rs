@@ -1,6 +1,7 @@
 //! `ripstop run CASE.toml`
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 
@@ -18,6 +19,16 @@ pub(super) struct RunArguments {
     /// Continue an interrupted run from the checkpoint in its folder.
     #[arg(long)]
     resume: bool,
+    /// Seconds of wall time between checkpoints.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
+    checkpoint_every: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (1e-3..=1e9).contains(&value) => Ok(value),
+        _ => Err("a number of seconds from 0.001 to 1e9 is needed".to_owned()),
+    }
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
@@ -37,6 +48,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             fallback,
             folder: &arguments.out,
             resume: arguments.resume,
+            checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_every),
         },
         &interrupt,
         &mut progress,

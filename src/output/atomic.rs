@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+/// How names of temporary files begin and end.
+const TEMPORARY: [&str; 2] = [".ripstop-", ".tmp"];
+
 /// Bytes gathered before they go to the operating system.
 const BUFFER_BYTES: usize = 256 * 1024;
 
@@ -98,6 +101,17 @@ pub fn write_atomically(
     replace(path, write).map_err(|cause| OutputError::new("write", path, cause))
 }
 
+/// Removes temporary files that killed runs left in `folder`.
+pub fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1]) {
+            // What cannot be removed does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -131,8 +145,8 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
 /// A new file with ordinary permissions, removed when dropped.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new()
-        .prefix(".ripstop-")
-        .suffix(".tmp")
+        .prefix(TEMPORARY[0])
+        .suffix(TEMPORARY[1])
         // `tempfile_in` would make the file private (0600); this one respects the umask.
         .make_in(folder, |path| {
             OpenOptions::new().write(true).create_new(true).open(path)

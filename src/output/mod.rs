@@ -13,7 +13,7 @@ mod summary_table;
 mod vtk;
 mod vtk_data;
 
-pub use atomic::{OutputError, prepare_directory, write_atomically};
+pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
 pub use history::HistoryWriter;
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{

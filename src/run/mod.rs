@@ -16,16 +16,14 @@ use crate::frame::Frame;
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
 use crate::output::{
-    HistoryWriter, OutputError, Summary, prepare_directory, write_canopy_vtp, write_summary,
+    HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers, write_canopy_vtp,
+    write_summary,
 };
 use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
 use crate::steady::Detector;
 use files::Files;
-
-/// Wall time between checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(300);
 
 /// Steps between reports of progress.
 const PROGRESS_INTERVAL: u64 = 20;
@@ -99,12 +97,15 @@ pub struct Order<'a> {
     pub folder: &'a Path,
     /// Continue from the checkpoint in the folder.
     pub resume: bool,
+    /// Wall time between checkpoints.
+    pub checkpoint_interval: Duration,
 }
 
 struct Run<'a> {
     case: &'a Case,
     folder: &'a Path,
     identity: String,
+    checkpoint_interval: Duration,
     simulation: Simulation,
     record: Record,
     history: HistoryWriter,
@@ -127,9 +128,11 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Report, RunError> {
     prepare_directory(order.folder)?;
+    remove_leftovers(order.folder);
     let began = Instant::now();
     let fallback = order.fallback.take();
     let (case, folder, resume) = (order.case, order.folder, order.resume);
+    let checkpoint_interval = order.checkpoint_interval;
     let mut run = match (Run::prepare(order, observer), fallback) {
         // A device that the program chose by itself is no reason to fail.
         (Err(RunError::Device(error)), Some(plan)) => {
@@ -141,6 +144,7 @@ pub fn run(
                 fallback: None,
                 folder,
                 resume,
+                checkpoint_interval,
             };
             Run::prepare(on_cpu, observer)?
         }
@@ -252,13 +256,19 @@ impl<'a> Run<'a> {
             device,
             folder,
             resume,
+            checkpoint_interval,
             fallback: _,
         } = order;
         let identity = identity(case, &plan);
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
-        let stored = resume
-            .then(|| checkpoint::Reader::open(folder, &identity))
+        let found = resume
+            .then(|| checkpoint::open(folder, &identity))
             .transpose()?;
+        let (stored, mut notes) = match found {
+            Some(found) => (Some(found.reader), found.passed_over),
+            None => (None, Vec::new()),
+        };
+        notes.iter().for_each(|note| observer.note(note));
         if case
             .scene
             .body
@@ -269,7 +279,6 @@ impl<'a> Run<'a> {
         }
         let mut simulation = Simulation::new(case.scene.clone(), plan, device.clone())?;
         let mut record = Record::new(&simulation);
-        let mut notes = Vec::new();
         let mut written = files::Written::default();
         match &stored {
             Some(stored) => {
@@ -306,6 +315,7 @@ impl<'a> Run<'a> {
             case,
             folder,
             identity,
+            checkpoint_interval,
             simulation,
             record,
             history,
@@ -360,7 +370,7 @@ impl<'a> Run<'a> {
                 self.save()?;
                 return Ok(INTERRUPTED.to_owned());
             }
-            if last_checkpoint.elapsed() >= CHECKPOINT_INTERVAL {
+            if last_checkpoint.elapsed() >= self.checkpoint_interval {
                 self.save()?;
                 last_checkpoint = Instant::now();
             }

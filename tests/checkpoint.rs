@@ -1,0 +1,167 @@
+//! Runs that are killed, run out of space or find a damaged checkpoint, and what a resumed run delivers then.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use libtest_mimic::Trial;
+
+use crate::command_line::{CANOPY, command, files, finished, root};
+use crate::engines::plain;
+
+pub fn trials() -> Vec<Trial> {
+    // Signals and limits of file sizes are those of a Unix shell.
+    if !cfg!(unix) {
+        return Vec::new();
+    }
+    [
+        plain("checkpoint::killed_again_and_again", killed),
+        plain("checkpoint::damaged_or_without_space", damaged),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Kills of the short version; `RIPSTOP_KILLS` asks for more.
+const KILLS: usize = 6;
+
+/// A small canopy, with checkpoints as often as they can be written.
+fn arguments(out: &Path, end_s: f64) -> Vec<String> {
+    let end = format!("time.end_s={end_s}");
+    let changes = [
+        "resolution.cells_per_diameter=12.0",
+        "structure.flat_circular.rings=8",
+        "output.canopy_interval_s=0.01",
+        "output.picture_times_s=[0.01]",
+        &end,
+    ];
+    let mut arguments: Vec<String> = ["run", CANOPY, "--checkpoint-every", "0.02", "--out"]
+        .map(str::to_owned)
+        .to_vec();
+    arguments.push(out.to_string_lossy().into_owned());
+    for change in changes {
+        arguments.extend(["--set".to_owned(), change.to_owned()]);
+    }
+    arguments
+}
+
+fn run(out: &Path, end_s: f64, more: &[&str]) -> Command {
+    let arguments = arguments(out, end_s);
+    let mut all: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    all.extend(more);
+    command(&all)
+}
+
+/// Every file but the summary, which tells of the resumption, has the same bytes.
+fn same_results(whole: &Path, resumed: &Path) {
+    let names = |folder: &Path| {
+        let mut names: Vec<PathBuf> = files(folder)
+            .into_iter()
+            .map(|path| path.file_name().unwrap().into())
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(whole), names(resumed));
+    for name in names(whole) {
+        if name != Path::new("summary.json") {
+            let [a, b] = [whole, resumed].map(|folder| std::fs::read(folder.join(&name)).unwrap());
+            assert!(a == b, "{} differs", name.display());
+        }
+    }
+}
+
+/// SIGKILL at random moments, also while files and checkpoints are written: the run that goes on from what is left delivers the bits of one
+/// that was never touched.
+fn killed() {
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = std::env::var("RIPSTOP_KILLS").map_or(KILLS, |count| count.parse().unwrap());
+    // Long enough for the kills: a step takes about a millisecond.
+    let end_s = 0.05 * (wanted as f64 / KILLS as f64).max(1.0);
+    let [whole, out] = ["whole", "killed"].map(|name| folder.path().join(name));
+    assert_eq!(finished(run(&whole, end_s, &[]).output().unwrap()).code, 0);
+    let mut state = 1_u64;
+    let mut kills = 0;
+    while kills < wanted {
+        let resumable = ["checkpoint", "checkpoint.next", "checkpoint.previous"]
+            .iter()
+            .any(|name| out.join(name).exists());
+        let more: &[&str] = if resumable { &["--resume"] } else { &[] };
+        let mut child = run(&out, end_s, more)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        std::thread::sleep(Duration::from_millis(150 + (state >> 33) % 250));
+        if let Some(status) = child.try_wait().unwrap() {
+            assert_eq!(status.code(), Some(0), "resumed from {resumable}");
+            break;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+    }
+    println!("killed {kills} times");
+    assert!(kills >= wanted / 2, "the run ended after {kills} kills");
+    if !out.join("summary.json").exists() {
+        let output = finished(run(&out, end_s, &["--resume"]).output().unwrap());
+        assert_eq!(output.code, 0, "{}", output.errors);
+    }
+    same_results(&whole, &out);
+}
+
+/// A checkpoint that cannot be written ends the run with code 74 and leaves the older ones; a damaged one is passed over.
+fn damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let end_s = 0.03;
+    let [whole, out] = ["whole", "limited"].map(|name| folder.path().join(name));
+    assert_eq!(finished(run(&whole, end_s, &[]).output().unwrap()).code, 0);
+    let mut child = run(&out, end_s, &[])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !out.join("checkpoint.previous").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended too early");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // Larger files than the tables of a run fail from now on: the checkpoint is the first.
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 200; exec '{}' {} --resume",
+        env!("CARGO_BIN_EXE_ripstop"),
+        arguments(&out, end_s)
+            .iter()
+            .map(|a| format!("'{a}'"))
+            .collect::<Vec<_>>()
+            .join(" ")
+    );
+    let mut limited = Command::new("sh");
+    limited.args(["-c", &script]).current_dir(root());
+    let output = finished(limited.output().unwrap());
+    assert_eq!(output.code, 74, "{}{}", output.printed, output.errors);
+    assert!(output.errors.contains("checkpoint"), "{}", output.errors);
+
+    let path = ["checkpoint.next", "checkpoint"]
+        .map(|name| out.join(name))
+        .into_iter()
+        .find(|path| path.exists())
+        .unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    let output = finished(run(&out, end_s, &["--resume"]).output().unwrap());
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(
+        output.printed.contains("is not used: section"),
+        "{}",
+        output.printed
+    );
+    same_results(&whole, &out);
+}
