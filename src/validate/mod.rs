@@ -9,6 +9,7 @@ mod beltrami;
 mod cavity;
 mod cloth;
 mod couette;
+mod coupling;
 mod disk;
 mod drag;
 mod poiseuille;
@@ -30,7 +31,7 @@ use crate::lattice::Operator;
 use crate::lattice::grid::{Initial, Setup, Sides, StreamwiseEnds};
 use crate::plan::{AirPlacement, Storage};
 use crate::run::Observer;
-use crate::simulation::AirEngine;
+use crate::simulation::{AirEngine, MarkerEngine};
 
 /// Steps between looks at the interrupt flag and reports of progress.
 const STEPS_AT_ONCE: usize = 64;
@@ -56,7 +57,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 20] = [
+pub const PROBLEMS: [Problem; 23] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -111,6 +112,21 @@ pub const PROBLEMS: [Problem; 20] = [
         name: "cavity",
         updates: [800.0, 80_000.0],
         compute: cavity::compute,
+    },
+    Problem {
+        name: "immersed-boundary",
+        updates: [5.0, 5.0],
+        compute: coupling::immersed_boundary::compute,
+    },
+    Problem {
+        name: "spherical-couette",
+        updates: [80.0, 2_000.0],
+        compute: coupling::spherical_couette::compute,
+    },
+    Problem {
+        name: "light-canopies",
+        updates: [100.0, 8_000.0],
+        compute: coupling::light_canopies::compute,
     },
     Problem {
         name: "membrane-patch",
@@ -300,6 +316,22 @@ impl Session<'_> {
             }
             left -= count;
             self.progress_to(self.done + 1e-6 * cells * count as f64);
+        }
+        Ok(())
+    }
+
+    /// One step of the air under the force of markers.
+    fn advance_with(&mut self, air: &mut AirEngine, markers: &MarkerEngine) -> Result<(), Stop> {
+        self.check_interrupt()?;
+        air.collide_stream(None, Some(markers))?;
+        self.progress_to(self.done + 1e-6 * air.grid().cell_count() as f64);
+        Ok(())
+    }
+
+    /// An error if the user has interrupted the validation.
+    fn check_interrupt(&self) -> Result<(), Stop> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(Stop::Interrupted);
         }
         Ok(())
     }
