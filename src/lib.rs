@@ -66,7 +66,8 @@
 //! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
-//! (`docs/rigid-bodies.md`).
+//! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
+//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]).
 //!
 //! ## Departures from the published schemes
 //!

@@ -77,7 +77,7 @@ const ALLOWED: [(&str, &[&str]); 26] = [
             "cloth", "fabric", "geometry", "immersed", "lattice", "lines", "rigid", "units",
         ],
     ),
-    ("plan", &["case", "immersed", "lattice", "solve"]),
+    ("plan", &["case", "fabric", "immersed", "lattice", "solve"]),
     (
         "simulation",
         &[
@@ -85,6 +85,7 @@ const ALLOWED: [(&str, &[&str]); 26] = [
             "checkpoint",
             "cloth",
             "cpu",
+            "fabric",
             "frame",
             "geometry",
             "gpu",

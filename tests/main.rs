@@ -22,6 +22,7 @@ mod device_cloth;
 mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
+mod permeability;
 mod tolerances;
 mod validate;
 mod walls;
@@ -42,6 +43,7 @@ fn main() -> std::process::ExitCode {
         device_multigrid::trials(),
         canopy::trials(),
         bodies::trials(),
+        permeability::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

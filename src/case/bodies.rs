@@ -7,7 +7,9 @@ use glam::{DQuat, DVec3};
 
 use super::Problem;
 use super::file::{self, BodyTable, File};
+use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
+use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
@@ -152,6 +154,7 @@ fn check_body(
     })?;
     let motion = check_motion(&written, position_m, time)?;
     let closed = surface.is_closed();
+    let permeability = check_permeability(&written, closed, file)?;
     let body = RigidBody {
         name: name.to_owned(),
         normal: rotation * DVec3::X,
@@ -169,9 +172,39 @@ fn check_body(
             Some(point) => vector(&written.key("reference.moment_point_m"), point)?,
             None => position_m,
         },
+        permeability,
     };
     check_way(&written, &body, air, time)?;
     Ok(body)
+}
+
+/// Only open surfaces may be permeable, and only in one pass, with which the law of the surface is solved.
+fn check_permeability(
+    written: &Written,
+    closed: bool,
+    file: &File,
+) -> Result<Option<Permeability>, Problem> {
+    let Some(table) = &written.table.permeability else {
+        return Ok(None);
+    };
+    let key = written.key("permeability");
+    if closed {
+        return Err(Problem::new(
+            key.as_str(),
+            format!("{key}: a closed body keeps the air inside it, which would have nowhere to go"),
+            "make the body an open surface (disk, plate, open cylinder or mesh), or remove its permeability",
+        ));
+    }
+    if file.coupling.as_ref().and_then(|c| c.passes).unwrap_or(1) > 1 {
+        return Err(Problem::new(
+            "coupling.passes",
+            format!(
+                "coupling.passes is given, but [{key}] is solved together with the force of a single pass"
+            ),
+            "remove coupling.passes, or the permeability",
+        ));
+    }
+    permeability::check(&key, table, None).map(Some)
 }
 
 fn reference(

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 pub use super::file_bodies::*;
+pub use super::file_permeability::*;
 pub use super::file_specimens::*;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
@@ -228,6 +229,7 @@ pub struct Fabric {
     pub residual_stiffness: Option<f64>,
     pub initial_strain: Option<[f64; 2]>,
     pub yield_stress_pa: Option<f64>,
+    pub permeability: Option<PermeabilityTable>,
 }
 
 /// A cable material.

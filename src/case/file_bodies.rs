@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use super::file_permeability::PermeabilityTable;
+
 /// `[bodies.NAME]`; exactly one shape inside.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +21,7 @@ pub struct BodyTable {
     pub mesh: Option<SurfaceFile>,
     pub motion: Option<MotionTable>,
     pub reference: Option<Reference>,
+    pub permeability: Option<PermeabilityTable>,
 }
 
 /// `[bodies.NAME.rotation]`.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::file::File;
 use super::{Problem, air, bodies, structure};
 use crate::cloth::Structure;
+use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::quality::Quality;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
@@ -180,6 +181,8 @@ pub struct RigidBody {
     pub reference_length_m: f64,
     /// Point of the body that moments are about, before it moves [m].
     pub moment_point_m: DVec3,
+    /// Permeability of the surface; `None`: no air passes.
+    pub permeability: Option<Permeability>,
 }
 
 /// Shape of a rigid body.

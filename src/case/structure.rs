@@ -7,8 +7,9 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use super::specimens;
+use super::{permeability, specimens};
 use crate::fabric::Fabric;
+use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
@@ -56,7 +57,7 @@ pub(super) fn check(
     } else {
         None
     };
-    let body = body.ok_or_else(|| {
+    let mut body = body.ok_or_else(|| {
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
@@ -64,6 +65,7 @@ pub(super) fn check(
              [structure.airbag], [structure.disc], [structure.coupon]",
         )
     })?;
+    body.structure.permeability = check_permeability(file)?;
     let moves = file.time.is_some() || file.air.is_some();
     body.structure.check(moves).map_err(|fault| {
         Problem::new(
@@ -73,6 +75,24 @@ pub(super) fn check(
         )
     })?;
     Ok(Some(body))
+}
+
+fn check_permeability(file: &File) -> Result<Option<Permeability>, Problem> {
+    let Some((fabric, table)) = file
+        .fabric
+        .as_ref()
+        .and_then(|fabric| Some((fabric, fabric.permeability.as_ref()?)))
+    else {
+        return Ok(None);
+    };
+    if file.air.is_none() {
+        return Err(Problem::new(
+            "fabric.permeability",
+            "[fabric.permeability] has no effect: it needs [air]",
+            "remove [fabric.permeability], or add [air]",
+        ));
+    }
+    permeability::check("fabric.permeability", table, Some(fabric.thickness_m)).map(Some)
 }
 
 fn check_fabric(file: &File) -> Result<Fabric, Problem> {

@@ -12,6 +12,7 @@ use glam::DVec3;
 pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
+use crate::fabric::permeability::Permeability;
 use crate::frame::CableKind;
 use crate::immersed::markers::Extent;
 use crate::lines::{CableLaw, CableState};
@@ -44,6 +45,8 @@ pub struct Structure {
     pub thickness_m: f64,
     /// Von Mises stress from which fabric is flagged as yielding [Pa]; `None`: never.
     pub yield_stress_pa: Option<f64>,
+    /// Permeability of the fabric; `None`: no air passes.
+    pub permeability: Option<Permeability>,
     /// Springs of a network.
     pub springs: Vec<Spring>,
     /// Second-difference bending terms of a network.

@@ -84,6 +84,9 @@ const AIR: [&str; 4] = [
     "mass_excess_kg",
 ];
 
+/// Mean velocity of the air through permeable surfaces, and what residual slip adds to it.
+const THROUGH: [&str; 2] = ["through_velocity_m_s", "through_velocity_of_slip_m_s"];
+
 impl Record {
     /// Record for a scene: its columns follow from what the scene holds.
     #[must_use]
@@ -97,6 +100,9 @@ impl Record {
             (None, _) => &AIR,
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        if simulation.through_velocities_m_s().is_some() {
+            columns.extend(THROUGH.map(str::to_owned));
+        }
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
@@ -142,6 +148,7 @@ impl Record {
             None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
+        row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }

@@ -44,10 +44,34 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
         (None, Some(air)) => air_results(&mut results, record, air),
         (None, None) => {}
     }
+    through_results(&mut results, record);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);
     }
     results
+}
+
+/// What passes permeable surfaces: means over the second half of the run.
+fn through_results(results: &mut Results, record: &Record) {
+    let times = record.column("time_s");
+    let Some(released) = times.iter().position(|&t| t > 0.0) else {
+        return;
+    };
+    let first = released.midpoint(times.len());
+    for (name, what) in [
+        ("through_velocity_m_s", "along the normals of the triangles"),
+        (
+            "through_velocity_of_slip_m_s",
+            "what residual slip adds: the permeability of the method itself",
+        ),
+    ] {
+        let values = record.column(name);
+        if let Some(values) = values.get(first..).filter(|values| !values.is_empty()) {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let note = format!("mean over the permeable area, second half of the run; {what}");
+            results.insert(name, Quantity::new(mean, "m/s").with_note(&note));
+        }
+    }
 }
 
 fn quantity(mean: Mean, unit: &str) -> Quantity {

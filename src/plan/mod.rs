@@ -2,6 +2,7 @@
 
 mod estimate;
 mod initial_hessian;
+mod permeability;
 mod placement;
 mod report;
 pub mod stages;
@@ -187,6 +188,15 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
         skip("rigid bodies", "the case has no [bodies]".into());
     } else if scene.coupling.is_some_and(|c| c.passes == 1) {
         skip("further passes of forcing", "no coupling.passes".into());
+    }
+    let fabric = scene.body.as_ref();
+    let permeable = fabric.is_some_and(|body| body.structure.permeability.is_some())
+        || scene.rigid_bodies.iter().any(|b| b.permeability.is_some());
+    if scene.coupling.is_some() && !permeable {
+        skip(
+            "air through surfaces",
+            "no fabric.permeability, no bodies.NAME.permeability".into(),
+        );
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),

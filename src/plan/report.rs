@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan};
+use super::{AirPlacement, ClothPlacement, Plan, permeability};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow, RigidBody};
 use crate::immersed::markers;
@@ -155,6 +155,7 @@ impl Plan {
             self.write_canopy(out, scene)?;
         }
         self.write_bodies(out, scene)?;
+        permeability::write(out, scene)?;
         if self.steps > 0 {
             writeln!(
                 out,

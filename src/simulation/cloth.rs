@@ -168,6 +168,7 @@ fn step_input<'a>(scene: &Scene, coupled: Option<&'a Coupled>, every: u32) -> St
         moved_supports: &[],
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
+        permeable: coupled.map(Coupled::permeable).unwrap_or_default(),
     }
 }
 

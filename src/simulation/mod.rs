@@ -10,6 +10,7 @@ mod frames;
 mod impulses;
 mod markers;
 mod opening;
+mod permeable;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -233,6 +234,12 @@ impl Simulation {
     #[must_use]
     pub const fn coupled(&self) -> Option<&Coupled> {
         self.coupled.as_ref()
+    }
+
+    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
+        self.coupled.as_ref()?.through_velocities_m_s()
     }
 
     /// Impulses of the three force routes since release.

@@ -11,6 +11,7 @@ mod cloth;
 mod couette;
 mod disk;
 mod drag;
+mod permeable_screen;
 mod poiseuille;
 mod report;
 mod shear_layer;
@@ -56,7 +57,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 20] = [
+pub const PROBLEMS: [Problem; 21] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -86,6 +87,11 @@ pub const PROBLEMS: [Problem; 20] = [
         name: "soak",
         updates: [41.0, 410.0],
         compute: soak::compute,
+    },
+    Problem {
+        name: "permeable-screen",
+        updates: [60.0, 60.0],
+        compute: permeable_screen::compute,
     },
     Problem {
         name: "sphere",
@@ -300,6 +306,14 @@ impl Session<'_> {
             }
             left -= count;
             self.progress_to(self.done + 1e-6 * cells * count as f64);
+        }
+        Ok(())
+    }
+
+    /// Ends the problem if the user asked for it.
+    fn check_interrupt(&self) -> Result<(), Stop> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(Stop::Interrupted);
         }
         Ok(())
     }

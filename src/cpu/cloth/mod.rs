@@ -5,6 +5,7 @@
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
+//! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
 //! * `driver`: which minimiser drives a solve;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
@@ -17,6 +18,7 @@ pub mod gather;
 pub mod initial_hessian;
 pub mod loads;
 pub mod nodal_forces;
+pub mod permeable;
 pub mod pressure;
 pub mod read_outs;
 pub mod solve_cloth;

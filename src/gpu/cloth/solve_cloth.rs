@@ -15,6 +15,7 @@ use crate::cpu::cloth::pressure;
 use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
+use crate::immersed::permeable::Permeable;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
 use crate::solve::{Landing, Step, VectorSpace};
 
@@ -209,6 +210,7 @@ impl Cloth {
         let structure = &state.structure;
         if structure.node_count() != self.nodes
             || !(input.markers.is_empty() || input.markers.len() == self.markers.len())
+            || (structure.permeability.is_some() && input.permeable.len() != input.markers.len())
         {
             return Err(DeviceError::Command(format!(
                 "the device holds {} nodes and {} markers, the step has {} and {}",
@@ -238,7 +240,7 @@ impl Cloth {
 
         let mut loads = step_loads(structure, start, input);
         let mut drive = loads.clone();
-        add_pull_of_the_air(structure, input.markers, &mut drive);
+        add_pull_of_the_air(structure, input, &mut drive);
         let mut constant_j = 0.0;
         if self.faces {
             let pressures: Vec<f32> = if input.pressure_follows() {
@@ -289,6 +291,10 @@ impl Cloth {
             }
         }
         self.device.write(self.buffer("reactions")?, 0, &reactions);
+        if structure.permeability.is_some() && !self.markers.is_empty() {
+            let words = permeability_words(input.permeable, self.markers.len());
+            self.device.write(self.buffer("permeabilities")?, 0, &words);
+        }
         let dashpots = dashpot_states(structure, start, &velocity, input.time_step_s);
         if !dashpots.is_empty() {
             let buffer = self.buffer("dashpot_states")?;
@@ -384,6 +390,20 @@ fn dashpot_states(
         let state = [x, y, z, dashpot.stiffness_n_m as f32, stretch_m as f32];
         for (word, value) in state.into_iter().enumerate() {
             words[word * count + k] = value;
+        }
+    }
+    words
+}
+
+/// What markers let pass, as `shaders/elements.wgsl` reads it; nothing resists where `permeable` says nothing, since no marker acts then.
+fn permeability_words(permeable: &[Permeable], count: usize) -> Vec<f32> {
+    let mut words = vec![0.0; 5 * count];
+    for (k, marker) in permeable.iter().enumerate() {
+        let [x, y, z] = marker.normal;
+        let resistance = marker.resistance;
+        let values = [x, y, z, resistance.viscous, resistance.inertial];
+        for (word, value) in values.into_iter().enumerate() {
+            words[word * count + k] = value as f32;
         }
     }
     words
