@@ -17,6 +17,7 @@ mod cases;
 mod cloth;
 mod command_line;
 mod coupling;
+mod descent;
 mod device;
 mod device_cloth;
 mod device_multigrid;
@@ -44,6 +45,7 @@ fn main() -> std::process::ExitCode {
         canopy::trials(),
         bodies::trials(),
         permeability::trials(),
+        descent::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

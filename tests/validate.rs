@@ -10,8 +10,8 @@ use crate::engines::{needs_device, plain};
 /// Problems that take some seconds on any engine.
 const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
 
-/// Flow through what air passes.
-const PERMEABLE: [&str; 1] = ["permeable-screen"];
+/// Flow through what air passes, and a fall in a box that follows.
+const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
 
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [

@@ -327,8 +327,9 @@ fn check_motion(
         &table.constant_rotation,
         &table.oscillation,
         &table.table,
+        &table.free_fall,
     ) {
-        (Some(given), None, None, None) => Ok(PrescribedMotion {
+        (Some(given), None, None, None, None) => Ok(PrescribedMotion {
             motion: Motion::ConstantVelocity {
                 velocity_m_s: vector(
                     &written.key("motion.constant_velocity.velocity_m_s"),
@@ -339,7 +340,7 @@ fn check_motion(
             centre_m: position_m,
             axis: DVec3::X,
         }),
-        (None, Some(given), None, None) => Ok(PrescribedMotion {
+        (None, Some(given), None, None, None) => Ok(PrescribedMotion {
             motion: Motion::ConstantRotation {
                 rate_rad_s: number("motion.constant_rotation.rate_rad_s", given.rate_rad_s)?,
                 rise_s: rise("motion.constant_rotation.start_time_s", given.start_time_s)?,
@@ -347,7 +348,7 @@ fn check_motion(
             centre_m: centre("motion.constant_rotation.centre_m", given.centre_m)?,
             axis: written.direction("motion.constant_rotation.axis", given.axis)?,
         }),
-        (None, None, Some(given), None) => {
+        (None, None, Some(given), None, None) => {
             let displacement = given.displacement_m.unwrap_or([0.0; 3]);
             let angle_deg = given.angle_deg.unwrap_or(0.0);
             Ok(PrescribedMotion {
@@ -371,7 +372,9 @@ fn check_motion(
                 axis: axis("motion.oscillation.axis", given.axis, angle_deg != 0.0)?,
             })
         }
-        (None, None, None, Some(rows)) => {
+        // The box of the air falls with the body, in which it stays in its place.
+        (None, None, None, None, Some(_)) => Ok(PrescribedMotion::held()),
+        (None, None, None, Some(rows), None) => {
             let spline = check_table(written, rows, time)?;
             Ok(PrescribedMotion {
                 motion: Motion::Table(spline),
@@ -382,7 +385,7 @@ fn check_motion(
         _ => Err(Problem::new(
             written.key("motion"),
             format!("[{}] needs exactly one motion", written.key("motion")),
-            "keep or add just one of constant_velocity, constant_rotation, oscillation, table; a held body has no [motion]",
+            "keep or add just one of constant_velocity, constant_rotation, oscillation, table, free_fall; a held body has no [motion]",
         )),
     }
 }

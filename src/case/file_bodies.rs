@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::file_descent::FreeFall;
 use super::file_permeability::PermeabilityTable;
 
 /// `[bodies.NAME]`; exactly one shape inside.
@@ -119,6 +120,7 @@ pub struct MotionTable {
     pub constant_rotation: Option<ConstantRotation>,
     pub oscillation: Option<Oscillation>,
     pub table: Option<MotionRows>,
+    pub free_fall: Option<FreeFall>,
 }
 
 /// `[bodies.NAME.motion.constant_velocity]`.

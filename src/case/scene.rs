@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use super::descent::{Carrier, Descent};
 use super::file::File;
-use super::{Problem, air, bodies, structure};
+use super::{Problem, air, bodies, descent, structure};
 use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::quality::Quality;
@@ -29,6 +30,8 @@ pub struct Scene {
     pub coupling: Option<Coupling>,
     /// Gravity [m/s²].
     pub gravity_m_s2: Option<DVec3>,
+    /// What falls, and the box of the air with it; absent: the box stands.
+    pub descent: Option<Descent>,
     /// Solver of the fabric.
     pub solver: Solver,
     /// Simulated time; absent: equilibrium only.
@@ -349,7 +352,7 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         (
             "gravity",
             file.gravity.is_some(),
-            file.structure.is_some(),
+            file.structure.is_some() || file.air.as_ref().is_some_and(|a| a.descent.is_some()),
             "[structure]",
         ),
         (
@@ -436,6 +439,13 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let time = check_time(file, air.as_ref())?;
     let rigid_bodies = bodies::check(file, folder, air.as_ref(), time.as_ref())?;
     let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
+    let descent = descent::check(
+        file,
+        air.as_ref(),
+        body.as_mut(),
+        &rigid_bodies,
+        gravity_m_s2,
+    )?;
     let equilibrium = file
         .equilibrium
         .as_ref()
@@ -487,6 +497,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         rigid_bodies,
         coupling,
         gravity_m_s2,
+        descent,
         solver,
         time,
         equilibrium,

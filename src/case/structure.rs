@@ -14,6 +14,7 @@ use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
 use crate::geometry::{cable, fabric_surface, sheet};
+use crate::lines::drag::LineDrag;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 use crate::rigid::Surface;
 
@@ -206,6 +207,37 @@ fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
     )
 }
 
+fn check_line_drag(file: &File, lines: &file::Lines) -> Result<Option<LineDrag>, Problem> {
+    let (coefficient, diameter_m) = match (lines.drag_coefficient, lines.diameter_m) {
+        (None, None) => return Ok(None),
+        (Some(coefficient), Some(diameter_m)) => (coefficient, diameter_m),
+        (Some(_), None) => {
+            return Err(absent(
+                "lines.diameter_m",
+                "lines.drag_coefficient refers to it",
+            ));
+        }
+        (None, Some(_)) => {
+            return Err(Problem::new(
+                "lines.diameter_m",
+                "lines.diameter_m has no effect: it needs lines.drag_coefficient",
+                "add lines.drag_coefficient (about 1.1 for a round line), or remove the diameter",
+            ));
+        }
+    };
+    if file.air.is_none() {
+        return Err(Problem::new(
+            "lines.drag_coefficient",
+            "lines.drag_coefficient has no effect: it needs [air]",
+            "remove it and lines.diameter_m, or add [air]",
+        ));
+    }
+    Ok(Some(LineDrag {
+        coefficient: within("lines.drag_coefficient", coefficient, 0.01, 5.0)?,
+        diameter_m: positive("lines.diameter_m", diameter_m)?,
+    }))
+}
+
 fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {
     const KEY: &str = "structure.flat_circular";
     let key = |name: &str| format!("{KEY}.{name}");
@@ -296,6 +328,8 @@ fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Probl
             "lengthen the lines, or fold tighter (folding.folded_diameter_ratio)",
         )
     })?;
+    let mut structure = structure;
+    structure.line_drag = check_line_drag(file, lines)?;
     Ok(Body {
         quality: quality::measure(&mesh.flat_positions_m, &mesh.triangles),
         kind: BodyKind::Canopy(Canopy {

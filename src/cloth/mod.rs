@@ -15,6 +15,7 @@ use crate::fabric::membrane::Membrane;
 use crate::fabric::permeability::Permeability;
 use crate::frame::CableKind;
 use crate::immersed::markers::Extent;
+use crate::lines::drag::LineDrag;
 use crate::lines::{CableLaw, CableState};
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
@@ -59,6 +60,8 @@ pub struct Structure {
     pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
+    /// Drag of suspension lines; `None`: they feel no air.
+    pub line_drag: Option<LineDrag>,
 }
 
 impl Structure {

@@ -11,6 +11,7 @@ mod cloth;
 mod couette;
 mod disk;
 mod drag;
+mod falling_disk;
 mod permeable_screen;
 mod poiseuille;
 mod report;
@@ -57,7 +58,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 21] = [
+pub const PROBLEMS: [Problem; 22] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -102,6 +103,11 @@ pub const PROBLEMS: [Problem; 21] = [
         name: "disk",
         updates: [680.0, 21_000.0],
         compute: disk::compute,
+    },
+    Problem {
+        name: "falling-disk",
+        updates: [360.0, 5_800.0],
+        compute: falling_disk::compute,
     },
     Problem {
         name: "shear-layer",

@@ -19,6 +19,17 @@ pub struct MarkerReaction {
     pub air_velocity_m_s: DVec3,
 }
 
+/// Drag of the air on one node, linear in its velocity during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodalDrag {
+    /// The node.
+    pub node: u32,
+    /// Force per velocity c [kg/s], ½ ρ C_D A |u − v| with the velocities at the start of the step.
+    pub coefficient_kg_s: f64,
+    /// Velocity u of the air [m/s].
+    pub air_velocity_m_s: DVec3,
+}
+
 /// What acts during one step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StepInput<'a> {
@@ -34,6 +45,8 @@ pub struct StepInput<'a> {
     pub markers: &'a [MarkerReaction],
     /// What the same markers let pass, SI; empty where no air passes the fabric.
     pub permeable: &'a [Permeable],
+    /// Drag of single nodes, c (u − v) with the velocity v at the end of the step; empty in the static limit.
+    pub drags: &'a [NodalDrag],
     /// Held nodes that are moved: where each is at the end of the step [m].
     pub moved_supports: &'a [(u32, DVec3)],
 }
@@ -87,6 +100,9 @@ pub fn add_pull_of_the_air(structure: &Structure, input: &StepInput, loads: &mut
         for (node, weight) in nodes.into_iter().zip(marker.weights) {
             loads[node as usize] += (air - through) * (marker.stiffness_kg_s * weight);
         }
+    }
+    for drag in input.drags {
+        loads[drag.node as usize] += drag.air_velocity_m_s * drag.coefficient_kg_s;
     }
     for marker in input.impermeable_markers() {
         let nodes = structure.triangles[marker.triangle as usize].nodes;

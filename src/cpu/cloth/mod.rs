@@ -5,6 +5,7 @@
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
+//! * [`line_drag`]: drag of suspension lines;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
 //! * `driver`: which minimiser drives a solve;
@@ -16,6 +17,7 @@ mod driver;
 pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;
+pub mod line_drag;
 pub mod loads;
 pub mod nodal_forces;
 pub mod permeable;
@@ -33,7 +35,7 @@ use nodal_forces::Pulls;
 use crate::cloth::Structure;
 use crate::solve::multigrid::Multigrid;
 pub use evaluator::Evaluator;
-pub use loads::{MarkerReaction, StepInput};
+pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
 

@@ -6,7 +6,7 @@
 //!
 //! v̂ = vⁿ, f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
 //! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Where air passes the fabric this term is another
-//! ([`super::permeable`]). Damped cables add their dissipation
+//! ([`super::permeable`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
 //! −f·x ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
@@ -153,6 +153,12 @@ impl<'a> Objective<'a> {
                 let (velocity, change) = motion(i);
                 (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
             });
+            for drag in self.input.drags {
+                let node = drag.node as usize;
+                let slip = (point[node] - start[node]) / dt - drag.air_velocity_m_s;
+                value += 0.5 * dt * drag.coefficient_kg_s * slip.length_squared();
+                gradient[node] += slip * drag.coefficient_kg_s;
+            }
             value += permeable::add_reactions(structure, start, dt, self.input, point, gradient);
             for marker in self.input.impermeable_markers() {
                 let nodes = structure.triangles[marker.triangle as usize]
@@ -282,6 +288,10 @@ impl<'a> Objective<'a> {
             for (block, &mass) in self.inverse_blocks.iter_mut().zip(&structure.masses_kg) {
                 let stiffness = mass / dt * (1.0 / dt + self.input.damping_1_s);
                 *block += DMat3::from_diagonal(DVec3::splat(stiffness));
+            }
+            for drag in self.input.drags {
+                self.inverse_blocks[drag.node as usize] +=
+                    DMat3::IDENTITY * (drag.coefficient_kg_s / dt);
             }
             permeable::add_blocks(
                 structure,

@@ -273,6 +273,10 @@ pub(super) fn assemble(
                 add(blocks, own, DMat3::from_diagonal(stiffness));
             }
             if let Some(dt) = input.time_step_s {
+                for drag in input.drags.iter().filter(|drag| drag.node as usize == row) {
+                    let k = drag.coefficient_kg_s / dt;
+                    add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
+                }
                 let k = structure.masses_kg[row] / dt * (1.0 / dt + input.damping_1_s);
                 add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
             }

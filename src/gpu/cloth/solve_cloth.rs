@@ -4,7 +4,7 @@
 //!
 //! Π = E(x) + ½ (1/dt² + β/dt) ΔᵀMΔ − (f − β M v̄)·Δ + ½ dt Σ_k K_k |Δ_k/dt + (v̄_k − u*_k)|² + constant,
 //!
-//! the same function as on the CPU; the bracketed velocities and loads are computed on the host in `f64`.
+//! the same function as on the CPU; drag of a node, ½ dt c |Δ/dt + v̄ − u|², is added to its mass and load. The bracketed velocities and loads are computed on the host in `f64`.
 
 use glam::DVec3;
 
@@ -265,6 +265,19 @@ impl Cloth {
                 constant_j += 0.5 * mass * change.length_squared();
                 loads[node] -= velocity(node) * damping;
             }
+        }
+        if let (Some(dt), false) = (input.time_step_s, input.drags.is_empty()) {
+            // ½ dt c |v − u|² with v = Δ/dt + v̄ is inertia of a mass c/dt over (1/dt² + β/dt), a load, and a constant.
+            let mut masses = structure.masses_kg.clone();
+            for drag in input.drags {
+                let (node, c) = (drag.node as usize, drag.coefficient_kg_s);
+                let slip = velocity(node) - drag.air_velocity_m_s;
+                masses[node] += c / (1.0 / dt + input.damping_1_s);
+                loads[node] -= slip * c;
+                constant_j += 0.5 * dt * c * slip.length_squared();
+            }
+            let masses: Vec<f32> = masses.iter().map(|m| *m as f32).collect();
+            self.device.write(self.buffer("masses")?, 0, &masses);
         }
         let loads: Vec<[f32; 3]> = loads.iter().map(narrow).collect();
         if loads != self.loads {
