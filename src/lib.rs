@@ -67,7 +67,8 @@
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
 //! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
-//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]).
+//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). In a box that falls (`[air.descent]`) every mass, the air's
+//! too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
 //! ## Departures from the published schemes
 //!

@@ -117,7 +117,7 @@ impl Body for Drop {
             resumed.cloth().unwrap().positions_m
         );
         let fall = straight.fall().unwrap();
-        assert!(fall.fallen_m > 0.2 && fall.fallen_m < 0.6, "{fall:?}");
+        assert!(fall.fallen_m > 0.8 && fall.fallen_m < 1.4, "{fall:?}");
         let sample = straight.impulse_sample().unwrap().unwrap();
         let (markers, supports) = (sample.markers.x, sample.supports.unwrap().x);
         let momentum_box = sample.momentum_box.unwrap().x;

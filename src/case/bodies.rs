@@ -154,7 +154,7 @@ fn check_body(
     })?;
     let motion = check_motion(&written, position_m, time)?;
     let closed = surface.is_closed();
-    let permeability = check_permeability(&written, closed, file)?;
+    let permeability = check_permeability(&written, closed, file, air.units.density_kg_m3)?;
     let body = RigidBody {
         name: name.to_owned(),
         normal: rotation * DVec3::X,
@@ -183,6 +183,7 @@ fn check_permeability(
     written: &Written,
     closed: bool,
     file: &File,
+    density_kg_m3: f64,
 ) -> Result<Option<Permeability>, Problem> {
     let Some(table) = &written.table.permeability else {
         return Ok(None);
@@ -204,7 +205,7 @@ fn check_permeability(
             "remove coupling.passes, or the permeability",
         ));
     }
-    permeability::check(&key, table, None).map(Some)
+    permeability::check(&key, table, None, density_kg_m3).map(Some)
 }
 
 fn reference(

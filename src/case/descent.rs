@@ -72,6 +72,15 @@ pub(super) fn density_kg_m3(file: &super::file::Air) -> Result<f64, Problem> {
     }
 }
 
+/// Tolerance of a step of the fabric without one in the case. A payload hides in the energy norm, which its mass makes small: with 1e-2 the
+/// lines of `cases/finite-mass-drop.toml` pulled 3.5 % less than the canopy.
+pub(super) const fn usual_tolerance(file: &File) -> f64 {
+    match file.payload {
+        Some(_) => 1e-3,
+        None => 1e-2,
+    }
+}
+
 /// What falls, and what it needs; frees the confluence of a canopy that carries a payload.
 pub(super) fn check(
     file: &File,

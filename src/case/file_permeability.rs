@@ -12,6 +12,8 @@ use serde::Deserialize;
 pub struct PermeabilityTable {
     pub ergun: Option<ErgunTable>,
     pub measured: Option<MeasuredTable>,
+    /// Discharge coefficient of an opening that is not resolved.
+    pub discharge_coefficient: Option<f64>,
     /// Name of a known fabric.
     pub material: Option<String>,
 }

@@ -2,17 +2,23 @@
 
 use super::Problem;
 use super::file::PermeabilityTable;
-use super::scene::positive;
+use super::scene::{positive, within};
 use crate::fabric::permeability::{NAMED_FABRICS, Permeability};
 
-/// Checks the table at `key`; `thickness_m` is what Ergun's law takes without a thickness of its own.
+/// Checks the table at `key`; `thickness_m` is what Ergun's law takes without a thickness of its own, the density that of the air.
 pub(super) fn check(
     key: &str,
     table: &PermeabilityTable,
     thickness_m: Option<f64>,
+    density_kg_m3: f64,
 ) -> Result<Permeability, Problem> {
-    match (&table.ergun, &table.measured, &table.material) {
-        (Some(ergun), None, None) => {
+    match (
+        &table.ergun,
+        &table.measured,
+        &table.material,
+        table.discharge_coefficient,
+    ) {
+        (Some(ergun), None, None, None) => {
             let key = |name: &str| format!("{key}.ergun.{name}");
             let coefficient = |name: &str, value: f64| {
                 if value == 0.0 {
@@ -52,12 +58,17 @@ pub(super) fn check(
             };
             Ok(Permeability::ergun(thickness_m, viscous, inertial))
         }
-        (None, Some(measured), None) => check_points(
+        (None, Some(measured), None, None) => check_points(
             &format!("{key}.measured"),
             &measured.pressures_pa,
             &measured.air_speeds_m_s,
         ),
-        (None, None, Some(name)) => NAMED_FABRICS
+        (None, None, None, Some(coefficient)) => {
+            let key = format!("{key}.discharge_coefficient");
+            let coefficient = within(&key, coefficient, 0.05, 1.0)?;
+            Ok(Permeability::opening(density_kg_m3, coefficient))
+        }
+        (None, None, Some(name), None) => NAMED_FABRICS
             .iter()
             .find(|fabric| fabric.name == name)
             .map(crate::fabric::permeability::NamedFabric::permeability)
@@ -72,7 +83,7 @@ pub(super) fn check(
         _ => Err(Problem::new(
             key,
             format!("[{key}] needs exactly one law"),
-            "keep or add just one of ergun, measured, material",
+            "keep or add just one of ergun, measured, material, discharge_coefficient",
         )),
     }
 }

@@ -519,7 +519,9 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
     Ok(Solver {
         tolerance: within(
             "solver.tolerance",
-            written.and_then(|s| s.tolerance).unwrap_or(1e-2),
+            written
+                .and_then(|s| s.tolerance)
+                .unwrap_or_else(|| descent::usual_tolerance(file)),
             1e-12,
             0.5,
         )?,

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use super::{permeability, specimens};
+use super::{descent, permeability, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality};
@@ -86,14 +86,16 @@ fn check_permeability(file: &File) -> Result<Option<Permeability>, Problem> {
     else {
         return Ok(None);
     };
-    if file.air.is_none() {
+    let Some(air) = &file.air else {
         return Err(Problem::new(
             "fabric.permeability",
             "[fabric.permeability] has no effect: it needs [air]",
             "remove [fabric.permeability], or add [air]",
         ));
-    }
-    permeability::check("fabric.permeability", table, Some(fabric.thickness_m)).map(Some)
+    };
+    let density_kg_m3 = descent::density_kg_m3(air)?;
+    let thickness_m = Some(fabric.thickness_m);
+    permeability::check("fabric.permeability", table, thickness_m, density_kg_m3).map(Some)
 }
 
 fn check_fabric(file: &File) -> Result<Fabric, Problem> {

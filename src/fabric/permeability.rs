@@ -95,6 +95,15 @@ impl Permeability {
         (found.viscous_pa_s_m >= 0.0 && found.inertial_kg_m3 >= 0.0).then_some(found)
     }
 
+    /// An opening (vent, gap, slot) that cells do not resolve, as a panel of Δp = ½ ρ (v/C_d)².
+    #[must_use]
+    pub fn opening(density_kg_m3: f64, discharge_coefficient: f64) -> Self {
+        Self {
+            viscous_pa_s_m: 0.0,
+            inertial_kg_m3: 0.5 * density_kg_m3 / (discharge_coefficient * discharge_coefficient),
+        }
+    }
+
     /// Pressure difference at a velocity [Pa].
     #[must_use]
     pub fn pressure_pa(&self, speed_m_s: f64) -> f64 {
@@ -124,6 +133,8 @@ mod tests {
             let back = ergun.through_velocity_m_s(ergun.pressure_pa(v));
             assert!((back / v - 1.0).abs() < 1e-12, "{v}: {back}");
         }
+        let opening = Permeability::opening(1.2, 0.6);
+        assert!((opening.pressure_pa(6.0) - 0.5 * 1.2 * 100.0).abs() < 1e-12);
         // Faster than in proportion to the pressure: no such law.
         assert!(Permeability::from_points([[100.0, 0.5], [200.0, 1.5]]).is_none());
         let named = NAMED_FABRICS[0].permeability();

@@ -1,5 +1,6 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
+mod descent;
 mod estimate;
 mod initial_hessian;
 mod permeability;
@@ -197,6 +198,15 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
             "air through surfaces",
             "no fabric.permeability, no bodies.NAME.permeability".into(),
         );
+    }
+    if scene.coupling.is_some() && scene.descent.is_none() {
+        skip("a fall (accelerated box)", "no [air.descent]".into());
+    }
+    let has_line_drag = fabric.is_some_and(|body| body.structure.line_drag.is_some());
+    if let Some(BodyKind::Canopy(_)) = fabric.map(|body| body.kind)
+        && !has_line_drag
+    {
+        skip("drag of lines", "no lines.drag_coefficient".into());
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),
