@@ -22,6 +22,9 @@ impl Simulation {
         if let Some(descent) = &self.descent {
             descent.save(out)?;
         }
+        if self.has_drags() {
+            self.save_drags(out)?;
+        }
         if let (Some(impulses), Some(air)) = (&mut self.impulses, &self.air) {
             impulses.save(out, air)?;
         }
@@ -42,6 +45,9 @@ impl Simulation {
         }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;
+        }
+        if self.has_drags() {
+            self.restore_drags(from)?;
         }
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {

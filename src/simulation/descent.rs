@@ -225,4 +225,46 @@ impl Simulation {
             }
         }
     }
+
+    /// True if payload or lines have drag of their own.
+    pub(super) fn has_drags(&self) -> bool {
+        let of_lines = |cloth: &Cloth| cloth.structure.line_drag.is_some();
+        self.descent.is_some() || self.cloth.as_ref().is_some_and(of_lines)
+    }
+
+    /// Read-outs between steps show the drag of the step before.
+    pub(super) fn save_drags(&self, out: &mut Writer) -> std::io::Result<()> {
+        let words: Vec<[f64; 5]> = self
+            .drags
+            .iter()
+            .map(|drag| {
+                let [x, y, z] = drag.air_velocity_m_s.to_array();
+                [f64::from(drag.node), drag.coefficient_kg_s, x, y, z]
+            })
+            .collect();
+        out.put("drags", &words)?;
+        let of_payload = self.descent.as_ref().map_or(0, |d| d.drags().len());
+        out.put("drags_of_payload", &[of_payload as u64])
+    }
+
+    pub(super) fn restore_drags(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let words: Vec<[f64; 5]> = from.take("drags")?;
+        self.drags = words
+            .into_iter()
+            .map(|[node, coefficient_kg_s, x, y, z]| NodalDrag {
+                node: node as u32,
+                coefficient_kg_s,
+                air_velocity_m_s: DVec3::new(x, y, z),
+            })
+            .collect();
+        let nodes = self.cloth.as_ref().map_or(0, |c| c.structure.node_count());
+        if self.drags.iter().any(|drag| drag.node as usize >= nodes) {
+            return Err(from.damaged("a drag acts on a node that does not exist".to_owned()));
+        }
+        let of_payload = from.take_exactly::<u64>("drags_of_payload", 1)?[0] as usize;
+        if let Some(descent) = &mut self.descent {
+            descent.drags = self.drags.iter().take(of_payload).copied().collect();
+        }
+        Ok(())
+    }
 }
