@@ -28,6 +28,9 @@ override GUIDE_ENERGIES: u32 = 0u;
 override MARKERS: u32 = 1u;
 override MARKER_SLOTS: u32 = 0u;
 override MARKER_ENERGIES: u32 = 0u;
+override PERMEABLE_MARKERS: u32 = 1u;
+override PERMEABLE_MARKER_SLOTS: u32 = 0u;
+override PERMEABLE_MARKER_ENERGIES: u32 = 0u;
 
 @group(0) @binding(1) var<storage, read> whole: array<i32>;
 @group(0) @binding(2) var<storage, read> remainder: array<f32>;
@@ -56,6 +59,9 @@ override MARKER_ENERGIES: u32 = 0u;
 @group(0) @binding(28) var<storage, read> faces: array<u32>;
 // Pressure jump along the normal of every face [Pa].
 @group(0) @binding(29) var<storage, read> face_pressures: array<f32>;
+@group(0) @binding(30) var<storage, read> permeable_markers: array<u32>;
+// Words of a permeable marker in a step: normal, alpha, beta (src/immersed/permeable.rs).
+@group(0) @binding(31) var<storage, read> permeabilities: array<f32>;
 
 fn place(node: u32) -> Place {
     let k = (stage.point * NODES + node) * 3u;
@@ -219,4 +225,43 @@ fn guide_word(k: u32, e: u32) -> f32 {
 
 fn marker_weight(corner: u32, e: u32) -> f32 {
     return bitcast<f32>(markers[(3u + corner) * MARKERS + e]);
+}
+
+fn permeable_marker_weight(corner: u32, e: u32) -> f32 {
+    return bitcast<f32>(permeable_markers[(3u + corner) * PERMEABLE_MARKERS + e]);
+}
+
+// What a permeable marker does where the point sought has it.
+struct PermeableReaction {
+    normal: vec3<f32>,
+    // V + v n - u* [m/s]
+    slip: vec3<f32>,
+    // v, dv/dw, and the work that the fabric takes from the air, over K
+    through: f32,
+    slope: f32,
+    potential: f32,
+}
+
+fn permeable_reaction(e: u32) -> PermeableReaction {
+    let moved = displacement(permeable_markers[e]) * permeable_marker_weight(0u, e)
+        + displacement(permeable_markers[PERMEABLE_MARKERS + e]) * permeable_marker_weight(1u, e)
+        + displacement(permeable_markers[2u * PERMEABLE_MARKERS + e]) * permeable_marker_weight(2u, e);
+    let slip = moved * stage.rate + reactions[e].xyz;
+    let normal = vec3<f32>(
+        permeabilities[e],
+        permeabilities[PERMEABLE_MARKERS + e],
+        permeabilities[2u * PERMEABLE_MARKERS + e],
+    );
+    let viscous = permeabilities[3u * PERMEABLE_MARKERS + e];
+    let inertial = permeabilities[4u * PERMEABLE_MARKERS + e];
+    let against = -dot(slip, normal);
+    let linear = 1.0 + viscous;
+    let through = 2.0 * against / (linear + sqrt(linear * linear + 4.0 * inertial * abs(against)));
+    return PermeableReaction(
+        normal,
+        slip + normal * through,
+        through,
+        1.0 / (linear + 2.0 * inertial * abs(through)),
+        (0.5 * viscous + inertial * abs(through) / 3.0) * through * through,
+    );
 }

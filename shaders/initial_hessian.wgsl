@@ -193,6 +193,28 @@ fn marker_blocks(
     }
 }
 
+@compute @workgroup_size(64)
+fn permeable_marker_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= PERMEABLE_MARKERS {
+        return;
+    }
+    let found = permeable_reaction(e);
+    let stiffness = reactions[e].w * stage.rate;
+    for (var corner = 0u; corner < 3u; corner++) {
+        let weight = permeable_marker_weight(corner, e);
+        let k = stiffness * weight * weight;
+        contribute_block(
+            PERMEABLE_MARKER_SLOTS + corner * PERMEABLE_MARKERS + e,
+            plus(isotropic(k), square(found.normal, -k * found.slope)),
+        );
+    }
+}
+
 // Sums the blocks of every node and inverts them; held nodes get zero.
 @compute @workgroup_size(64)
 fn gather_blocks(

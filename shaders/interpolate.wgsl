@@ -42,7 +42,7 @@ fn place_markers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
         atomicOr(&marks[marker.corner], k + 1u);
         for (var z = 0u; z < 4u; z++) {
             for (var y = 0u; y < 4u; y++) {
-                let row = marker.corner + parameters.box_size.x * (y + parameters.box_size.y * z);
+                let row = kernel_row(marker.corner, y, z);
                 for (var x = 0u; x < 4u; x++) {
                     atomicOr(&marks[row + x], TOUCHED);
                 }
@@ -64,10 +64,11 @@ fn touched_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     let b = box_cell(i);
     let cell = b + parameters.box_first.xyz + 1u;
     let u = bare_state(gather(cell.x + STRIDE_Y * cell.y + STRIDE_Z * cell.z)).xyz;
+    let below = rows_below(b);
     var area = 0.0;
-    for (var z = 0u; z < min(4u, b.z + 1u); z++) {
-        for (var y = 0u; y < min(4u, b.y + 1u); y++) {
-            let row = parameters.box_size.x * (b.y - y + parameters.box_size.y * (b.z - z));
+    for (var z = 0u; z < below.y; z++) {
+        for (var y = 0u; y < below.x; y++) {
+            let row = row_below(b, y, z);
             let last = row + b.x;
             var k = first_marker(row + b.x - min(b.x, 3u), last);
             while k < parameters.marker_count {
@@ -94,7 +95,7 @@ fn interpolate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     var sum = vec4<f32>();
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
-            let row = markers[k].corner + parameters.box_size.x * (y + parameters.box_size.y * z);
+            let row = kernel_row(markers[k].corner, y, z);
             let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
             for (var x = 0u; x < 4u; x++) {
                 sum += weight * weights[12u * k + x] * cell_states[row + x];

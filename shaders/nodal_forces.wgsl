@@ -267,6 +267,27 @@ fn marker_forces(
     gather_energy(MARKER_ENERGIES, MARKERS, group.y * groups.x + group.x, local, energy);
 }
 
+// The same where air passes the fabric (src/cpu/cloth/permeable.rs).
+@compute @workgroup_size(64)
+fn permeable_marker_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < PERMEABLE_MARKERS {
+        let found = permeable_reaction(e);
+        let stiffness = reactions[e].w;
+        let force = found.slip * stiffness;
+        energy = positive(stage.time_step * stiffness * (0.5 * dot(found.slip, found.slip) + found.potential));
+        contribute(PERMEABLE_MARKER_SLOTS + e, force * permeable_marker_weight(0u, e));
+        contribute(PERMEABLE_MARKER_SLOTS + PERMEABLE_MARKERS + e, force * permeable_marker_weight(1u, e));
+        contribute(PERMEABLE_MARKER_SLOTS + 2u * PERMEABLE_MARKERS + e, force * permeable_marker_weight(2u, e));
+    }
+    gather_energy(PERMEABLE_MARKER_ENERGIES, PERMEABLE_MARKERS, group.y * groups.x + group.x, local, energy);
+}
+
 // Gradient of a node, which is written, with the energy of its motion and loads.
 struct AtNode {
     gradient: vec3<f32>,

@@ -19,7 +19,7 @@ fn repeat_forcing(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgrou
     var sum = vec3<f32>();
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
-            let row = markers[k].corner + parameters.box_size.x * (y + parameters.box_size.y * z);
+            let row = kernel_row(markers[k].corner, y, z);
             let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
             for (var x = 0u; x < 4u; x++) {
                 sum += weight * weights[12u * k + x] * (cell_states[row + x].xyz + 0.5 * cell_forces[row + x].xyz);

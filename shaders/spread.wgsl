@@ -16,9 +16,10 @@ fn spread(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
     var force = vec4<f32>();
     if (touched[i] & TOUCHED) != 0u {
         let b = box_cell(i);
-        for (var z = 0u; z < min(4u, b.z + 1u); z++) {
-            for (var y = 0u; y < min(4u, b.y + 1u); y++) {
-                let row = parameters.box_size.x * (b.y - y + parameters.box_size.y * (b.z - z));
+        let below = rows_below(b);
+        for (var z = 0u; z < below.y; z++) {
+            for (var y = 0u; y < below.x; y++) {
+                let row = row_below(b, y, z);
                 let last = row + b.x;
                 var k = first_marker(row + b.x - min(b.x, 3u), last);
                 while k < parameters.marker_count {
@@ -47,7 +48,7 @@ fn half_forced_velocity(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_wo
     var sum = vec4<f32>();
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
-            let row = markers[k].corner + parameters.box_size.x * (y + parameters.box_size.y * z);
+            let row = kernel_row(markers[k].corner, y, z);
             let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
             for (var x = 0u; x < 4u; x++) {
                 sum += weight * weights[12u * k + x] * (cell_states[row + x] + 0.5 * cell_forces[row + x]);

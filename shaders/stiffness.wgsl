@@ -303,6 +303,28 @@ fn marker_matrix(
     add_block(place_of(thread), isotropic(sum));
 }
 
+@compute @workgroup_size(64)
+fn permeable_marker_matrix(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let thread = thread_index(group, groups, local);
+    if thread >= TOUCHED {
+        return;
+    }
+    var sum = isotropic(0.0);
+    for (var k = block_first[thread]; k < block_first[thread + 1u]; k++) {
+        let t = term(k);
+        let e = t.element;
+        let found = permeable_reaction(e);
+        let stiffness = reactions[e].w * stage.rate
+            * permeable_marker_weight(t.row, e) * permeable_marker_weight(t.column, e);
+        sum = plus(sum, plus(isotropic(stiffness), square(found.normal, -stiffness * found.slope)));
+    }
+    add_block(place_of(thread), sum);
+}
+
 // Inertia; every term is a node.
 @compute @workgroup_size(64)
 fn node_matrix(

@@ -52,7 +52,7 @@
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
-//! | [`validate`] | problems with known answers, through the public interface | bluff_body, lattice, simulation, plan, gpu, output, run |
+//! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, immersed, lattice, simulation, plan, gpu, output, run |
 //! | [`bench`] | error against seconds, and the map of stability | bluff_body, lattice, simulation, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
@@ -66,7 +66,9 @@
 //! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
-//! (`docs/rigid-bodies.md`).
+//! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
+//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). In a box that falls (`[air.descent]`) every mass, the air's
+//! too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
 //! ## Departures from the published schemes
 //!

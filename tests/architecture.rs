@@ -78,7 +78,7 @@ const ALLOWED: [(&str, &[&str]); 26] = [
             "units",
         ],
     ),
-    ("plan", &["case", "immersed", "lattice", "solve"]),
+    ("plan", &["case", "fabric", "immersed", "lattice", "solve"]),
     (
         "simulation",
         &[
@@ -86,6 +86,7 @@ const ALLOWED: [(&str, &[&str]); 26] = [
             "checkpoint",
             "cloth",
             "cpu",
+            "fabric",
             "frame",
             "geometry",
             "gpu",

@@ -5,12 +5,13 @@ use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::simulation::{AirEngine, MarkerEngine};
 
-use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine};
+use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, states};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
     [
         on_every_engine("coupling::slip_of_a_flat_sheet", FlatSheet),
+        on_every_engine("coupling::a_sheet_across_sides_that_repeat", AcrossSides),
         on_every_engine(
             "coupling::a_held_sheet_takes_the_momentum_the_air_loses",
             Momentum,
@@ -81,6 +82,37 @@ impl Body for FlatSheet {
                 );
             }
         }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct AcrossSides;
+
+impl Body for AcrossSides {
+    /// A sheet through sides that repeat has no rim: all its markers keep the same slip, and all cells of a plane get the same force.
+    fn run(self, engine: Engine) {
+        let wind = [0.05, 0.0, 0.0];
+        let mut air = engine.air(still_box(0.6), &|_| (0.0, wind));
+        let positions: Vec<[f64; 3]> = (0..24 * 24)
+            .map(|k| [7.3, f64::from(k % 24) - 0.3, f64::from(k / 24) + 0.2])
+            .collect();
+        let mut markers = MarkerEngine::new(&air, vec![1.0; positions.len()], 1.6).unwrap();
+        let still = vec![[0.0; 3]; positions.len()];
+        exchange(&air, &mut markers, &positions, &still);
+        let limit = 10.0 * tolerances::same_flow(engine);
+        for slip in markers.marker_slips(&still).unwrap() {
+            assert!((slip / wind[0] - 0.4).abs() < limit, "{slip}");
+        }
+        for _ in 0..20 {
+            exchange(&air, &mut markers, &positions, &still);
+            air.collide_stream(None, Some(&markers)).unwrap();
+        }
+        let found = states(&air);
+        for (cell, (_, u)) in found.iter().enumerate() {
+            let first = found[cell % 16].1;
+            assert!((u[0] - first[0]).abs() < limit, "{cell}: {u:?} {first:?}");
+        }
+        assert!(found[6].1[0] < 0.04, "the sheet must brake the air");
     }
 }
 

@@ -181,7 +181,7 @@ fn names() {
             // Of the fabric's elements the host writes kind and what is asked of it apart.
             let name = point.name.as_str();
             let quoted = |part: &str| host.contains(&format!("\"{part}\""));
-            let parts = name.split_once('_');
+            let parts = name.rsplit_once('_');
             assert!(
                 quoted(name) || parts.is_some_and(|(kind, what)| quoted(kind) && quoted(what)),
                 "no pipeline is made of {name}"

@@ -312,6 +312,8 @@ fn every_kind_of_element(device: &Arc<Device>) {
                 },
                 damping_1_s: 2.0,
                 markers: &markers,
+                permeable: &[],
+                drags: &[],
                 moved_supports: &[],
             };
             let direction = scattered(count, 0.01, 9);

@@ -18,11 +18,13 @@ mod checkpoint;
 mod cloth;
 mod command_line;
 mod coupling;
+mod descent;
 mod device;
 mod device_cloth;
 mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
+mod permeability;
 mod tolerances;
 mod validate;
 mod walls;
@@ -43,6 +45,8 @@ fn main() -> std::process::ExitCode {
         device_multigrid::trials(),
         canopy::trials(),
         bodies::trials(),
+        permeability::trials(),
+        descent::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

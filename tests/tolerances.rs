@@ -73,6 +73,10 @@ pub const fn mass_closure(engine: Engine) -> f64 {
 /// outlet lets it settle within half a passage of the wind. A lag of one step leaves 7e-4.
 pub const TUNNEL_START: f64 = 1e-5;
 
+/// Velocity of still air seen from a box that falls slower and slower, between inlet and outlet [cells per step]: what the inlet takes over
+/// from the second cell, as in [`TUNNEL_START`].
+pub const FALLING_BOX: f64 = 2e-5;
+
 /// Kinetic energy of that wind: the density's excess, and twice as much from the speed that goes with it (2.4e-5).
 pub const TUNNEL_START_ENERGY: f64 = 5e-5;
 

@@ -10,6 +10,9 @@ use crate::engines::{needs_device, plain};
 /// Problems that take some seconds on any engine.
 const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
 
+/// Flow through what air passes, and a fall in a box that follows.
+const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
+
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [
     "membrane-patch",
@@ -38,6 +41,9 @@ pub fn trials() -> Vec<Trial> {
         "validate::fast_problems::gpu".to_owned(),
         || problems(&FAST, "gpu"),
     ));
+    trials.extend(plain("validate::permeable_screen::cpu_f32", || {
+        problems(&PERMEABLE, "cpu");
+    }));
     trials.extend(plain("validate::usage_errors", usage));
     trials.extend(plain("validate::sphere", sphere));
     if cfg!(unix) {

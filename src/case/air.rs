@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies};
+use super::{Problem, bodies, descent};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
@@ -26,7 +26,7 @@ pub const LATTICE_SPEED_LIMIT: f64 = 0.15;
 
 /// Checks `[air]` and `[resolution]`.
 pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Result<Air, Problem> {
-    let density_kg_m3 = positive("air.density_kg_m3", air.density_kg_m3)?;
+    let density_kg_m3 = descent::density_kg_m3(air)?;
     let kinematic_viscosity_m2_s =
         positive("air.kinematic_viscosity_m2_s", air.kinematic_viscosity_m2_s)?;
     let resolution = file
@@ -79,20 +79,28 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             format!("choose at most {LATTICE_SPEED_LIMIT} (Mach 0.26); 0.08 is usual"),
         ));
     }
-    let (size_m, speed_m_s, flow) = match (&air.wind_tunnel, &air.taylor_green) {
-        (Some(tunnel), None) => {
+    let tunnels = match (&air.wind_tunnel, &air.descent) {
+        (Some(tunnel), None) => Some((tunnel.clone(), "air.wind_tunnel", "speed_m_s")),
+        (None, Some(descent)) => Some((descent.tunnel(), "air.descent", "release_speed_m_s")),
+        _ => None,
+    };
+    let both = air.wind_tunnel.is_some() && air.descent.is_some();
+    let (size_m, speed_m_s, flow) = match (&tunnels, &air.taylor_green) {
+        (Some((tunnel, table, speed)), None) => {
+            let key = |name: &str| format!("{table}.{name}");
             if !(0.0..=1e3).contains(&tunnel.speed_m_s) {
                 return Err(Problem::new(
-                    "air.wind_tunnel.speed_m_s",
+                    key(speed),
                     format!(
-                        "air.wind_tunnel.speed_m_s = {} is no wind that can be computed",
+                        "{} = {} is no wind that can be computed",
+                        key(speed),
                         readable(tunnel.speed_m_s)
                     ),
                     "the wind blows along +x; give 0 to 1000 m/s (and mind that the air is treated as incompressible)",
                 ));
             }
             for size in tunnel.size_m {
-                positive("air.wind_tunnel.size_m", size)?;
+                positive(&key("size_m"), size)?;
             }
             if cell_size_m > 0.5 * tunnel.size_m[0] {
                 let key = if resolution.cell_size_m.is_some() {
@@ -114,14 +122,14 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 .sponge_length_m
                 .map(|length| {
                     within(
-                        "air.wind_tunnel.sponge_length_m",
+                        &key("sponge_length_m"),
                         length,
                         cell_size_m,
                         0.5 * tunnel.size_m[0],
                     )
                 })
                 .transpose()?;
-            positive("air.wind_tunnel.start_time_s", tunnel.start_time_s)?;
+            positive(&key("start_time_s"), tunnel.start_time_s)?;
             let flow = Flow::WindTunnel {
                 speed_m_s: tunnel.speed_m_s,
                 start_time_s: tunnel.start_time_s,
@@ -129,7 +137,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             };
             (tunnel.size_m, tunnel.speed_m_s, flow)
         }
-        (None, Some(vortices)) => {
+        (None, Some(vortices)) if !both => {
             let side_m = positive("air.taylor_green.side_m", vortices.side_m)?;
             let depth_m = positive("air.taylor_green.depth_m", vortices.depth_m)?;
             let speed_m_s = positive("air.taylor_green.speed_m_s", vortices.speed_m_s)?;
@@ -154,7 +162,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             return Err(Problem::new(
                 "air",
                 "[air] needs exactly one flow inside",
-                "keep or add just one of [air.wind_tunnel] and [air.taylor_green]",
+                "keep or add just one of [air.wind_tunnel], [air.descent] and [air.taylor_green]",
             ));
         }
     };

@@ -7,7 +7,9 @@ use glam::{DQuat, DVec3};
 
 use super::Problem;
 use super::file::{self, BodyTable, File};
+use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
+use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
@@ -152,6 +154,7 @@ fn check_body(
     })?;
     let motion = check_motion(&written, position_m, time)?;
     let closed = surface.is_closed();
+    let permeability = check_permeability(&written, closed, file, air.units.density_kg_m3)?;
     let body = RigidBody {
         name: name.to_owned(),
         normal: rotation * DVec3::X,
@@ -169,9 +172,40 @@ fn check_body(
             Some(point) => vector(&written.key("reference.moment_point_m"), point)?,
             None => position_m,
         },
+        permeability,
     };
     check_way(&written, &body, air, time)?;
     Ok(body)
+}
+
+/// Only open surfaces may be permeable, and only in one pass, with which the law of the surface is solved.
+fn check_permeability(
+    written: &Written,
+    closed: bool,
+    file: &File,
+    density_kg_m3: f64,
+) -> Result<Option<Permeability>, Problem> {
+    let Some(table) = &written.table.permeability else {
+        return Ok(None);
+    };
+    let key = written.key("permeability");
+    if closed {
+        return Err(Problem::new(
+            key.as_str(),
+            format!("{key}: a closed body keeps the air inside it, which would have nowhere to go"),
+            "make the body an open surface (disk, plate, open cylinder or mesh), or remove its permeability",
+        ));
+    }
+    if file.coupling.as_ref().and_then(|c| c.passes).unwrap_or(1) > 1 {
+        return Err(Problem::new(
+            "coupling.passes",
+            format!(
+                "coupling.passes is given, but [{key}] is solved together with the force of a single pass"
+            ),
+            "remove coupling.passes, or the permeability",
+        ));
+    }
+    permeability::check(&key, table, None, density_kg_m3).map(Some)
 }
 
 fn reference(
@@ -294,8 +328,9 @@ fn check_motion(
         &table.constant_rotation,
         &table.oscillation,
         &table.table,
+        &table.free_fall,
     ) {
-        (Some(given), None, None, None) => Ok(PrescribedMotion {
+        (Some(given), None, None, None, None) => Ok(PrescribedMotion {
             motion: Motion::ConstantVelocity {
                 velocity_m_s: vector(
                     &written.key("motion.constant_velocity.velocity_m_s"),
@@ -306,7 +341,7 @@ fn check_motion(
             centre_m: position_m,
             axis: DVec3::X,
         }),
-        (None, Some(given), None, None) => Ok(PrescribedMotion {
+        (None, Some(given), None, None, None) => Ok(PrescribedMotion {
             motion: Motion::ConstantRotation {
                 rate_rad_s: number("motion.constant_rotation.rate_rad_s", given.rate_rad_s)?,
                 rise_s: rise("motion.constant_rotation.start_time_s", given.start_time_s)?,
@@ -314,7 +349,7 @@ fn check_motion(
             centre_m: centre("motion.constant_rotation.centre_m", given.centre_m)?,
             axis: written.direction("motion.constant_rotation.axis", given.axis)?,
         }),
-        (None, None, Some(given), None) => {
+        (None, None, Some(given), None, None) => {
             let displacement = given.displacement_m.unwrap_or([0.0; 3]);
             let angle_deg = given.angle_deg.unwrap_or(0.0);
             Ok(PrescribedMotion {
@@ -338,7 +373,9 @@ fn check_motion(
                 axis: axis("motion.oscillation.axis", given.axis, angle_deg != 0.0)?,
             })
         }
-        (None, None, None, Some(rows)) => {
+        // The box of the air falls with the body, in which it stays in its place.
+        (None, None, None, None, Some(_)) => Ok(PrescribedMotion::held()),
+        (None, None, None, Some(rows), None) => {
             let spline = check_table(written, rows, time)?;
             Ok(PrescribedMotion {
                 motion: Motion::Table(spline),
@@ -349,7 +386,7 @@ fn check_motion(
         _ => Err(Problem::new(
             written.key("motion"),
             format!("[{}] needs exactly one motion", written.key("motion")),
-            "keep or add just one of constant_velocity, constant_rotation, oscillation, table; a held body has no [motion]",
+            "keep or add just one of constant_velocity, constant_rotation, oscillation, table, free_fall; a held body has no [motion]",
         )),
     }
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 pub use super::file_bodies::*;
+pub use super::file_descent::*;
+pub use super::file_permeability::*;
 pub use super::file_specimens::*;
 use crate::frame::FabricQuantity;
 use crate::geometry::sheet::FabricModel;
@@ -36,6 +38,8 @@ pub struct File {
     pub belts: Option<CableMaterial>,
     /// Gravity; absent: none.
     pub gravity: Option<Gravity>,
+    /// What hangs on the canopy and falls with it; absent: the confluence is held.
+    pub payload: Option<PayloadTable>,
     /// Coupling of air and fabric.
     pub coupling: Option<Coupling>,
     /// Solver of the fabric.
@@ -61,8 +65,10 @@ pub struct File {
     reason = "the keys are documented in docs/case-files.md and name quantity and unit"
 )]
 pub struct Air {
-    pub density_kg_m3: f64,
+    /// Or an altitude.
+    pub density_kg_m3: Option<f64>,
     pub kinematic_viscosity_m2_s: f64,
+    pub descent: Option<Descent>,
     pub wind_tunnel: Option<WindTunnel>,
     pub taylor_green: Option<TaylorGreen>,
 }
@@ -229,6 +235,7 @@ pub struct Fabric {
     pub residual_stiffness: Option<f64>,
     pub initial_strain: Option<[f64; 2]>,
     pub yield_stress_pa: Option<f64>,
+    pub permeability: Option<PermeabilityTable>,
 }
 
 /// A cable material.
@@ -265,6 +272,9 @@ pub struct Lines {
     pub youngs_modulus_pa: Option<f64>,
     pub force_strain: Option<Vec<[f64; 2]>>,
     pub damping_n_s: Option<f64>,
+    /// With a diameter.
+    pub drag_coefficient: Option<f64>,
+    pub diameter_m: Option<f64>,
 }
 
 /// `[gravity]`.

@@ -2,6 +2,9 @@
 
 use serde::Deserialize;
 
+use super::file_descent::FreeFall;
+use super::file_permeability::PermeabilityTable;
+
 /// `[bodies.NAME]`; exactly one shape inside.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +22,7 @@ pub struct BodyTable {
     pub mesh: Option<SurfaceFile>,
     pub motion: Option<MotionTable>,
     pub reference: Option<Reference>,
+    pub permeability: Option<PermeabilityTable>,
 }
 
 /// `[bodies.NAME.rotation]`.
@@ -116,6 +120,7 @@ pub struct MotionTable {
     pub constant_rotation: Option<ConstantRotation>,
     pub oscillation: Option<Oscillation>,
     pub table: Option<MotionRows>,
+    pub free_fall: Option<FreeFall>,
 }
 
 /// `[bodies.NAME.motion.constant_velocity]`.

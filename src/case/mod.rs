@@ -2,10 +2,14 @@
 
 mod air;
 mod bodies;
+mod descent;
 pub mod file;
 mod file_bodies;
+mod file_descent;
+mod file_permeability;
 mod file_specimens;
 pub mod locate;
+mod permeability;
 pub mod scene;
 mod specimens;
 mod structure;
@@ -17,11 +21,15 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 8] = [
+pub const SHIPPED: [(&str, &str); 9] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
         include_str!("../../cases/bias-extension.toml"),
+    ),
+    (
+        "finite-mass-drop",
+        include_str!("../../cases/finite-mass-drop.toml"),
     ),
     ("hencky-disc", include_str!("../../cases/hencky-disc.toml")),
     (

@@ -4,9 +4,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use super::descent::{Carrier, Descent};
 use super::file::File;
-use super::{Problem, air, bodies, structure};
+use super::{Problem, air, bodies, descent, structure};
 use crate::cloth::Structure;
+use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
 use crate::geometry::mesh::quality::Quality;
 use crate::lattice::Operator;
@@ -29,6 +31,8 @@ pub struct Scene {
     pub coupling: Option<Coupling>,
     /// Gravity [m/s²].
     pub gravity_m_s2: Option<DVec3>,
+    /// What falls, and the box of the air with it; absent: the box stands.
+    pub descent: Option<Descent>,
     /// Solver of the fabric.
     pub solver: Solver,
     /// Simulated time; absent: equilibrium only.
@@ -181,6 +185,8 @@ pub struct RigidBody {
     pub reference_length_m: f64,
     /// Point of the body that moments are about, before it moves [m].
     pub moment_point_m: DVec3,
+    /// Permeability of the surface; `None`: no air passes.
+    pub permeability: Option<Permeability>,
 }
 
 /// Shape of a rigid body.
@@ -349,7 +355,7 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         (
             "gravity",
             file.gravity.is_some(),
-            file.structure.is_some(),
+            file.structure.is_some() || file.air.as_ref().is_some_and(|a| a.descent.is_some()),
             "[structure]",
         ),
         (
@@ -436,6 +442,13 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let time = check_time(file, air.as_ref())?;
     let rigid_bodies = bodies::check(file, folder, air.as_ref(), time.as_ref())?;
     let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
+    let descent = descent::check(
+        file,
+        air.as_ref(),
+        body.as_mut(),
+        &rigid_bodies,
+        gravity_m_s2,
+    )?;
     let equilibrium = file
         .equilibrium
         .as_ref()
@@ -488,6 +501,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         rigid_bodies,
         coupling,
         gravity_m_s2,
+        descent,
         solver,
         time,
         equilibrium,
@@ -509,7 +523,9 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
     Ok(Solver {
         tolerance: within(
             "solver.tolerance",
-            written.and_then(|s| s.tolerance).unwrap_or(1e-2),
+            written
+                .and_then(|s| s.tolerance)
+                .unwrap_or_else(|| descent::usual_tolerance(file)),
             1e-12,
             0.5,
         )?,

@@ -7,12 +7,14 @@ use glam::DVec3;
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use super::specimens;
+use super::{descent, permeability, specimens};
 use crate::fabric::Fabric;
+use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality};
 use crate::geometry::parachute::gores::FlatCircular;
 use crate::geometry::parachute::{self, Rigging};
 use crate::geometry::{cable, fabric_surface, sheet};
+use crate::lines::drag::LineDrag;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 use crate::rigid::Surface;
 
@@ -56,7 +58,7 @@ pub(super) fn check(
     } else {
         None
     };
-    let body = body.ok_or_else(|| {
+    let mut body = body.ok_or_else(|| {
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
@@ -64,6 +66,7 @@ pub(super) fn check(
              [structure.airbag], [structure.disc], [structure.coupon]",
         )
     })?;
+    body.structure.permeability = check_permeability(file)?;
     let moves = file.time.is_some() || file.air.is_some();
     body.structure.check(moves).map_err(|fault| {
         Problem::new(
@@ -73,6 +76,26 @@ pub(super) fn check(
         )
     })?;
     Ok(Some(body))
+}
+
+fn check_permeability(file: &File) -> Result<Option<Permeability>, Problem> {
+    let Some((fabric, table)) = file
+        .fabric
+        .as_ref()
+        .and_then(|fabric| Some((fabric, fabric.permeability.as_ref()?)))
+    else {
+        return Ok(None);
+    };
+    let Some(air) = &file.air else {
+        return Err(Problem::new(
+            "fabric.permeability",
+            "[fabric.permeability] has no effect: it needs [air]",
+            "remove [fabric.permeability], or add [air]",
+        ));
+    };
+    let density_kg_m3 = descent::density_kg_m3(air)?;
+    let thickness_m = Some(fabric.thickness_m);
+    permeability::check("fabric.permeability", table, thickness_m, density_kg_m3).map(Some)
 }
 
 fn check_fabric(file: &File) -> Result<Fabric, Problem> {
@@ -186,6 +209,37 @@ fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
     )
 }
 
+fn check_line_drag(file: &File, lines: &file::Lines) -> Result<Option<LineDrag>, Problem> {
+    let (coefficient, diameter_m) = match (lines.drag_coefficient, lines.diameter_m) {
+        (None, None) => return Ok(None),
+        (Some(coefficient), Some(diameter_m)) => (coefficient, diameter_m),
+        (Some(_), None) => {
+            return Err(absent(
+                "lines.diameter_m",
+                "lines.drag_coefficient refers to it",
+            ));
+        }
+        (None, Some(_)) => {
+            return Err(Problem::new(
+                "lines.diameter_m",
+                "lines.diameter_m has no effect: it needs lines.drag_coefficient",
+                "add lines.drag_coefficient (about 1.1 for a round line), or remove the diameter",
+            ));
+        }
+    };
+    if file.air.is_none() {
+        return Err(Problem::new(
+            "lines.drag_coefficient",
+            "lines.drag_coefficient has no effect: it needs [air]",
+            "remove it and lines.diameter_m, or add [air]",
+        ));
+    }
+    Ok(Some(LineDrag {
+        coefficient: within("lines.drag_coefficient", coefficient, 0.01, 5.0)?,
+        diameter_m: positive("lines.diameter_m", diameter_m)?,
+    }))
+}
+
 fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {
     const KEY: &str = "structure.flat_circular";
     let key = |name: &str| format!("{KEY}.{name}");
@@ -276,6 +330,8 @@ fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Probl
             "lengthen the lines, or fold tighter (folding.folded_diameter_ratio)",
         )
     })?;
+    let mut structure = structure;
+    structure.line_drag = check_line_drag(file, lines)?;
     Ok(Body {
         quality: quality::measure(&mesh.flat_positions_m, &mesh.triangles),
         kind: BodyKind::Canopy(Canopy {

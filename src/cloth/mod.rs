@@ -12,8 +12,10 @@ use glam::DVec3;
 pub use elements::{Bending, CableSegment, Spring, Triangle};
 
 use crate::fabric::membrane::Membrane;
+use crate::fabric::permeability::Permeability;
 use crate::frame::CableKind;
 use crate::immersed::markers::Extent;
+use crate::lines::drag::LineDrag;
 use crate::lines::{CableLaw, CableState};
 
 /// A spring between a node and a fixed place, with its own stiffness along each axis.
@@ -44,6 +46,8 @@ pub struct Structure {
     pub thickness_m: f64,
     /// Von Mises stress from which fabric is flagged as yielding [Pa]; `None`: never.
     pub yield_stress_pa: Option<f64>,
+    /// Permeability of the fabric; `None`: no air passes.
+    pub permeability: Option<Permeability>,
     /// Springs of a network.
     pub springs: Vec<Spring>,
     /// Second-difference bending terms of a network.
@@ -56,6 +60,8 @@ pub struct Structure {
     pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
+    /// Drag of suspension lines; `None`: they feel no air.
+    pub line_drag: Option<LineDrag>,
 }
 
 impl Structure {

@@ -2,10 +2,12 @@
 //!
 //! * [`membrane`]: orthotropic St Venant–Kirchhoff sheet that does not push (tension field).
 //! * [`shear`]: shear law that is not linear.
+//! * [`permeability`]: air that passes through.
 //! * [`network`]: the mass–spring network of Lolies et al. (paper P0 of the documentation).
 
 pub mod membrane;
 pub mod network;
+pub mod permeability;
 pub mod shear;
 
 use membrane::Membrane;

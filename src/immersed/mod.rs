@@ -2,5 +2,6 @@
 
 pub mod kernel;
 pub mod markers;
+pub mod permeable;
 pub mod strength;
 pub mod touched;

@@ -17,21 +17,46 @@ pub struct OutOfDomain {
     pub position: [f64; 3],
 }
 
+/// The cells that markers may touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Domain {
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// Axes along which the domain repeats, so that a kernel that leaves it on one side enters it on the other.
+    pub repeats: [bool; 3],
+}
+
+impl From<[usize; 3]> for Domain {
+    /// A domain that repeats along no axis.
+    fn from(cells: [usize; 3]) -> Self {
+        Self {
+            cells,
+            repeats: [false; 3],
+        }
+    }
+}
+
 /// First cell of a box, and one past its last.
 pub type CellBox = ([i64; 3], [i64; 3]);
 
-/// The smallest box of cells (first, one past the last) that holds the kernels of all markers at `positions` [cells]; `None` without
-/// markers.
+/// The smallest box of cells (first, one past the last) that holds the kernels of all markers at `positions` [cells]; the whole domain
+/// along an axis where a kernel reaches through a side that repeats; `None` without markers.
 pub fn bounding_box(
     positions: &[[f64; 3]],
-    cells: [usize; 3],
+    domain: Domain,
 ) -> Result<Option<CellBox>, OutOfDomain> {
     let mut low = [i64::MAX; 3];
     let mut high = [i64::MIN; 3];
     for (marker, position) in positions.iter().enumerate() {
         for a in 0..3 {
             // Not finite counts as outside.
-            let inside = position[a] >= 1.0 && position[a] < cells[a] as f64 - 2.0;
+            let cells = domain.cells[a] as f64;
+            let [least, end] = if domain.repeats[a] {
+                [-0.5, cells - 0.5]
+            } else {
+                [1.0, cells - 2.0]
+            };
+            let inside = position[a] >= least && position[a] < end;
             if !inside {
                 return Err(OutOfDomain {
                     marker,
@@ -41,6 +66,12 @@ pub fn bounding_box(
             let floor = position[a].floor() as i64;
             low[a] = low[a].min(floor - 1);
             high[a] = high[a].max(floor + 3);
+        }
+    }
+    for a in 0..3 {
+        let cells = domain.cells[a] as i64;
+        if domain.repeats[a] && (low[a] < 0 || high[a] > cells) {
+            (low[a], high[a]) = (0, cells);
         }
     }
     Ok((!positions.is_empty()).then_some((low, high)))
@@ -69,13 +100,14 @@ pub struct TouchedCells {
 }
 
 impl TouchedCells {
-    /// Rebuilds the lists for markers at `positions` [cells] in a domain of `cells`.
+    /// Rebuilds the lists for markers at `positions` [cells] in a domain.
     pub fn rebuild(
         &mut self,
         positions: &[[f64; 3]],
-        cells: [usize; 3],
+        domain: impl Into<Domain>,
     ) -> Result<(), OutOfDomain> {
-        let found = bounding_box(positions, cells)?;
+        let domain = domain.into();
+        let found = bounding_box(positions, domain)?;
         self.clear();
         let Some((low, high)) = found else {
             return Ok(());
@@ -86,22 +118,26 @@ impl TouchedCells {
         self.marker_weights.resize(positions.len() * SUPPORT, 0.0);
         for (marker, position) in positions.iter().enumerate() {
             let axes = position.map(kernel::weights);
-            let first: [usize; 3] = std::array::from_fn(|a| (axes[a].0 - low[a]) as usize);
+            // Where the box is the whole domain, a kernel may go on at its other end.
+            let [xs, ys, zs]: [[usize; WIDTH]; 3] = std::array::from_fn(|a| {
+                let first = axes[a].0 - low[a];
+                std::array::from_fn(|i| (first + i as i64).rem_euclid(size[a] as i64) as usize)
+            });
             let mut point = marker * SUPPORT;
             for k in 0..WIDTH {
                 for j in 0..WIDTH {
                     let weight = axes[2].1[k] * axes[1].1[j];
-                    let start = first[0] + size[0] * (first[1] + j + size[1] * (first[2] + k));
+                    let row = size[0] * (ys[j] + size[1] * zs[k]);
                     for i in 0..WIDTH {
-                        self.box_map[start + i] += 1;
-                        self.marker_cells[point] = (start + i) as u32;
+                        self.box_map[row + xs[i]] += 1;
+                        self.marker_cells[point] = (row + xs[i]) as u32;
                         self.marker_weights[point] = weight * axes[0].1[i];
                         point += 1;
                     }
                 }
             }
         }
-        self.number_cells(low, size, cells[1]);
+        self.number_cells(low, size, domain.cells[1]);
         self.sort_entries();
         Ok(())
     }
@@ -267,6 +303,28 @@ mod tests {
         }
         assert_eq!(covered as usize, touched.cells.len());
         assert!(touched.rows.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+
+    /// Through a side that repeats, a sheet of markers one cell apart covers every cell alike.
+    #[test]
+    fn kernels_go_on_through_sides_that_repeat() {
+        let domain = Domain {
+            cells: [12, 6, 5],
+            repeats: [false, true, true],
+        };
+        let positions: Vec<[f64; 3]> = (0..30)
+            .map(|i| [5.3, f64::from(i % 6) - 0.2, f64::from(i / 6) - 0.4])
+            .collect();
+        let mut touched = TouchedCells::default();
+        touched.rebuild(&positions, domain).unwrap();
+        assert_eq!(touched.cells.len(), 4 * 30);
+        let ones = vec![[1.0]; 30];
+        let (_, along) = kernel::weights(5.3);
+        for (cell, place) in touched.cells.iter().enumerate() {
+            let expected = along[place[0] as usize - 4];
+            assert!((touched.spread(cell, &ones)[0] - expected).abs() < 1e-14);
+        }
+        assert!(touched.rebuild(&[[5.3, 5.6, 1.0]], domain).is_err());
     }
 
     #[test]

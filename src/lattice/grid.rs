@@ -86,6 +86,17 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Axes along which the domain repeats.
+    #[must_use]
+    pub const fn repeats(&self) -> [bool; 3] {
+        let [y, z] = match self.sides {
+            Sides::Periodic => [true; 2],
+            Sides::FreeSlip => [false; 2],
+            Sides::Each([y, z]) => [matches!(y, Faces::Periodic), matches!(z, Faces::Periodic)],
+        };
+        [matches!(self.ends, StreamwiseEnds::Periodic), y, z]
+    }
+
     /// Relaxation time of every x [cells]; `None` without a sponge.
     #[must_use]
     pub fn relaxation_profile(&self) -> Option<Vec<f64>> {

@@ -3,6 +3,8 @@
 //! A cable carries tension only: T = f(ε) for a strain ε = l/L − 1 > 0, and c dε/dt more while it is taut. f is EA·ε, or a table as
 //! measured in a tensile test.
 
+pub mod drag;
+
 /// Elastic constants of a cable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cable {

@@ -84,6 +84,12 @@ const AIR: [&str; 4] = [
     "mass_excess_kg",
 ];
 
+/// Mean velocity of the air through permeable surfaces, and what residual slip adds to it.
+const THROUGH: [&str; 2] = ["through_velocity_m_s", "through_velocity_of_slip_m_s"];
+
+/// Speed of what falls, height fallen, and mean load factor since the last sample.
+const FALL: [&str; 3] = ["descent_speed_m_s", "height_fallen_m", "load_factor_g"];
+
 impl Record {
     /// Record for a scene: its columns follow from what the scene holds.
     #[must_use]
@@ -97,6 +103,15 @@ impl Record {
             (None, _) => &AIR,
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        if simulation.through_velocities_m_s().is_some() {
+            columns.extend(THROUGH.map(str::to_owned));
+        }
+        if simulation.fall().is_some() {
+            columns.extend(FALL.map(str::to_owned));
+        }
+        if simulation.line_drag_n().is_some() {
+            columns.push("line_drag_n".to_owned());
+        }
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
@@ -142,6 +157,9 @@ impl Record {
             None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
+        row.extend(simulation.through_velocities_m_s().into_iter().flatten());
+        row.extend(self.fall_columns(simulation).into_iter().flatten());
+        row.extend(simulation.line_drag_n().map(|force| force.x));
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }
@@ -205,6 +223,17 @@ impl Record {
             coupled.slip_m_s()? / bodies::reference_speed_m_s(air, body),
             mass_defect,
         ])
+    }
+
+    /// The load factor is what an accelerometer on the falling mass would show along −gravity: 0 in free fall, 1 at constant speed.
+    fn fall_columns(&self, simulation: &Simulation) -> Option<[f64; 3]> {
+        let fall = simulation.fall()?;
+        let gravity = simulation.scene().descent?.gravity_m_s2;
+        let last = self.latest("time_s").zip(self.latest(FALL[0]));
+        let load_factor = last.map_or(f64::NAN, |(time, speed)| {
+            1.0 - (fall.speed_m_s - speed) / (simulation.time_s() - time) / gravity
+        });
+        Some([fall.speed_m_s, fall.fallen_m, load_factor])
     }
 
     /// Mean forces on every rigid body since the last sample.

@@ -44,10 +44,88 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
         (None, Some(air)) => air_results(&mut results, record, air),
         (None, None) => {}
     }
+    through_results(&mut results, record);
+    if scene.descent.is_some() {
+        fall_results(&mut results, record);
+    }
+    line_drag_results(&mut results, record);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);
     }
     results
+}
+
+/// What falls: largest load factor, speed at the end, height.
+fn fall_results(results: &mut Results, record: &Record) {
+    let times = record.column("time_s");
+    let released = times.iter().position(|&t| t >= 0.0).unwrap_or(0);
+    let (time, factor) = column_max(record, "load_factor_g", released);
+    results.insert(
+        "peak_load_factor_g",
+        if factor.is_finite() {
+            Quantity::new(factor, "1")
+                .with_note(&format!("mean of a sample interval, at {time:.4} s"))
+        } else {
+            Quantity::missing("1", "the run ended before two samples")
+        },
+    );
+    let speeds = record.column("descent_speed_m_s");
+    let last = times
+        .len()
+        .saturating_sub((times.len() - released).div_ceil(4));
+    if let Some(end) = speeds.get(last..).filter(|end| !end.is_empty()) {
+        let mean = end.iter().sum::<f64>() / end.len() as f64;
+        let change = end.last().unwrap_or(&mean) - end.first().unwrap_or(&mean);
+        results.insert(
+            "terminal_speed_m_s",
+            Quantity::new(mean, "m/s").with_note(&format!(
+                "mean of the last quarter of the run, in which it changed by {change:.3} m/s"
+            )),
+        );
+    }
+    if let Some(height) = record.latest("height_fallen_m") {
+        results.insert("height_fallen_m", Quantity::new(height, "m"));
+    }
+}
+
+/// Drag of suspension lines, mean over the second half of the run.
+fn line_drag_results(results: &mut Results, record: &Record) {
+    let values = record.column("line_drag_n");
+    let Some(half) = values
+        .get(values.len() / 2..)
+        .filter(|half| !half.is_empty())
+    else {
+        return;
+    };
+    let mean = half.iter().sum::<f64>() / half.len() as f64;
+    results.insert(
+        "line_drag_n",
+        Quantity::new(mean, "N")
+            .with_note("along the wind, second half of the run; not given to the air"),
+    );
+}
+
+/// What passes permeable surfaces: means over the second half of the run.
+fn through_results(results: &mut Results, record: &Record) {
+    let times = record.column("time_s");
+    let Some(released) = times.iter().position(|&t| t > 0.0) else {
+        return;
+    };
+    let first = released.midpoint(times.len());
+    for (name, what) in [
+        ("through_velocity_m_s", "along the normals of the triangles"),
+        (
+            "through_velocity_of_slip_m_s",
+            "what residual slip adds: the permeability of the method itself",
+        ),
+    ] {
+        let values = record.column(name);
+        if let Some(values) = values.get(first..).filter(|values| !values.is_empty()) {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let note = format!("mean over the permeable area, second half of the run; {what}");
+            results.insert(name, Quantity::new(mean, "m/s").with_note(&note));
+        }
+    }
 }
 
 fn quantity(mean: Mean, unit: &str) -> Quantity {

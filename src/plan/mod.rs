@@ -1,7 +1,9 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
+mod descent;
 mod estimate;
 mod initial_hessian;
+mod permeability;
 mod placement;
 mod report;
 pub mod stages;
@@ -187,6 +189,24 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
         skip("rigid bodies", "the case has no [bodies]".into());
     } else if scene.coupling.is_some_and(|c| c.passes == 1) {
         skip("further passes of forcing", "no coupling.passes".into());
+    }
+    let fabric = scene.body.as_ref();
+    let permeable = fabric.is_some_and(|body| body.structure.permeability.is_some())
+        || scene.rigid_bodies.iter().any(|b| b.permeability.is_some());
+    if scene.coupling.is_some() && !permeable {
+        skip(
+            "air through surfaces",
+            "no fabric.permeability, no bodies.NAME.permeability".into(),
+        );
+    }
+    if scene.coupling.is_some() && scene.descent.is_none() {
+        skip("a fall (accelerated box)", "no [air.descent]".into());
+    }
+    let has_line_drag = fabric.is_some_and(|body| body.structure.line_drag.is_some());
+    if let Some(BodyKind::Canopy(_)) = fabric.map(|body| body.kind)
+        && !has_line_drag
+    {
+        skip("drag of lines", "no lines.drag_coefficient".into());
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan};
+use super::{AirPlacement, ClothPlacement, Plan, descent, permeability};
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Flow, RigidBody};
+use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
 
 fn megabytes(bytes: u64) -> String {
@@ -155,6 +155,8 @@ impl Plan {
             self.write_canopy(out, scene)?;
         }
         self.write_bodies(out, scene)?;
+        permeability::write(out, scene)?;
+        descent::write(out, scene)?;
         if self.steps > 0 {
             writeln!(
                 out,
@@ -205,7 +207,11 @@ impl Plan {
         };
         let cell = air.units.cell_size_m;
         let structure = &body.structure;
-        let mass: f64 = structure.masses_kg.iter().sum();
+        let payload = scene.descent.map_or(0.0, |descent| match descent.carrier {
+            Carrier::Confluence { .. } => descent.mass_kg,
+            Carrier::RigidBody { .. } => 0.0,
+        });
+        let mass = structure.masses_kg.iter().sum::<f64>() - payload;
         let ratio = mass / structure.rest_area_m2() / (air.units.density_kg_m3 * cell);
         writeln!(out, "\ncoupling")?;
         writeln!(

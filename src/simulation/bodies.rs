@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::permeable::normal_of;
 use crate::case::Scene;
 use crate::case::scene::RigidBody;
 use crate::immersed::markers::{self, Marker};
@@ -17,6 +18,8 @@ pub struct BodyMarkers {
     /// Places before the body moves [m].
     points_m: Vec<DVec3>,
     moment_point_m: DVec3,
+    /// Normals before the body moves; empty unless air passes it.
+    normals: Vec<DVec3>,
     /// Where they are among all markers.
     range: Range<usize>,
 }
@@ -57,16 +60,40 @@ impl BodyMarkers {
                 let points_m: Vec<DVec3> =
                     placed.iter().map(|marker| point_m(body, marker)).collect();
                 let range = first..first + points_m.len();
+                let normal = |marker: &Marker| {
+                    let nodes = body.marker_surface.triangles[marker.triangle as usize];
+                    normal_of(body.marker_surface.corners(nodes))
+                };
+                let normals = match body.permeability {
+                    Some(_) => placed.iter().map(normal).collect(),
+                    None => Vec::new(),
+                };
                 first = range.end;
                 Self {
                     motion: body.motion.clone(),
                     points_m,
                     moment_point_m: body.moment_point_m,
+                    normals,
                     range,
                 }
             })
             .collect();
         (bodies, areas_m2)
+    }
+
+    /// Where the markers of this body are among all.
+    pub(super) fn range(&self) -> Range<usize> {
+        self.range.clone()
+    }
+
+    /// Normals of a permeable body at `time_s`.
+    pub(super) fn normals(&self, time_s: f64, all: &mut [[f64; 3]]) {
+        let placement = self.motion.at(time_s);
+        let points = self.points_m.iter().zip(&self.normals);
+        for (normal, (&point, &before)) in all[self.range.clone()].iter_mut().zip(points) {
+            let turned = placement.position_m(point + before) - placement.position_m(point);
+            *normal = turned.normalize_or_zero().to_array();
+        }
     }
 
     /// Their positions at `time_s` [cells].

@@ -19,6 +19,12 @@ impl Simulation {
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
         }
+        if let Some(descent) = &self.descent {
+            descent.save(out)?;
+        }
+        if self.has_drags() {
+            self.save_drags(out)?;
+        }
         if let (Some(impulses), Some(air)) = (&mut self.impulses, &self.air) {
             impulses.save(out, air)?;
         }
@@ -36,6 +42,12 @@ impl Simulation {
             let nodes = cloth.structure.node_count();
             cloth.positions_m = from.take_exactly("positions", nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
+        }
+        if let Some(descent) = &mut self.descent {
+            descent.restore(from)?;
+        }
+        if self.has_drags() {
+            self.restore_drags(from)?;
         }
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::coupled::Coupled;
 use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
-use crate::cpu::cloth::{InitialHessian, Pressure, SolverSettings, StepInput};
+use crate::cpu::cloth::{InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::plan::Plan;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
@@ -37,7 +37,13 @@ impl Simulation {
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
-        let input = step_input(&self.scene, self.coupled.as_ref(), every);
+        let felt = self.felt_gravity_m_s2();
+        let input = step_input(
+            &self.scene,
+            self.coupled.as_ref(),
+            (felt, &self.drags),
+            every,
+        );
         let settings = self.step_settings();
         if let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) {
             device_cloth.send_nodes(cloth, &input, &settings)?;
@@ -62,19 +68,30 @@ impl Simulation {
             return Ok(());
         }
         let settings = self.step_settings();
+        let felt = self.felt_gravity_m_s2();
         let Some(cloth) = &mut self.cloth else {
             return Ok(());
         };
         let outcome = match &mut self.device_cloth {
             Some(device_cloth) => {
-                let input = step_input(&self.scene, self.coupled.as_ref(), every);
+                let input = step_input(
+                    &self.scene,
+                    self.coupled.as_ref(),
+                    (felt, &self.drags),
+                    every,
+                );
                 device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?
             }
             None => {
                 if let Some(coupled) = &mut self.coupled {
                     coupled.gather_reactions();
                 }
-                let input = step_input(&self.scene, self.coupled.as_ref(), every);
+                let input = step_input(
+                    &self.scene,
+                    self.coupled.as_ref(),
+                    (felt, &self.drags),
+                    every,
+                );
                 let before = (every > 1).then(|| cloth.positions_m.clone());
                 let outcome = cloth.solve_cloth(&input, &settings);
                 if let Some(before) = before {
@@ -103,7 +120,13 @@ impl Simulation {
         if !self.solves_now(every) {
             return Ok(());
         }
-        let input = step_input(&self.scene, self.coupled.as_ref(), every);
+        let felt = self.felt_gravity_m_s2();
+        let input = step_input(
+            &self.scene,
+            self.coupled.as_ref(),
+            (felt, &self.drags),
+            every,
+        );
         if let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth) {
             let before = (every > 1).then(|| cloth.positions_m.clone());
             device_cloth.fetch_nodes(cloth, &input)?;
@@ -160,14 +183,21 @@ impl Simulation {
 }
 
 /// What acts in a step; with k > 1 the implicit step spans k steps of the air, but the positions advance step by step.
-fn step_input<'a>(scene: &Scene, coupled: Option<&'a Coupled>, every: u32) -> StepInput<'a> {
+fn step_input<'a>(
+    scene: &Scene,
+    coupled: Option<&'a Coupled>,
+    (gravity_m_s2, drags): (Option<DVec3>, &'a [NodalDrag]),
+    every: u32,
+) -> StepInput<'a> {
     StepInput {
         time_step_s: scene.time.map(|time| time.step_s * f64::from(every)),
-        gravity_m_s2: scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+        gravity_m_s2: gravity_m_s2.unwrap_or(DVec3::ZERO),
+        drags,
         pressure: Pressure::None,
         moved_supports: &[],
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
+        permeable: coupled.map(Coupled::permeable).unwrap_or_default(),
     }
 }
 

@@ -5,12 +5,14 @@ use glam::DVec3;
 use super::air::AirEngine;
 use super::bodies::{BodyMarkers, Load};
 use super::markers::MarkerEngine;
+use super::permeable::PermeableMarkers;
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, MarkerReaction};
 use crate::gpu::DeviceError;
 use crate::immersed::markers::Marker;
+use crate::immersed::permeable::Permeable;
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::place_markers;
 use crate::units::Units;
@@ -28,6 +30,8 @@ pub struct Coupled {
     positions: Vec<[f64; 3]>,
     /// [cells per step]
     velocities: Vec<[f64; 3]>,
+    /// What the markers let pass; absent where nothing does.
+    permeable: Option<PermeableMarkers>,
     /// Sum of u* since the last solve, for the mean ū.
     air_velocity_sums: Vec<[f64; 3]>,
     sums: u32,
@@ -53,7 +57,16 @@ impl Coupled {
             .map(|area_m2| area_m2 / cell_area)
             .collect();
         let count = areas.len();
+        let permeable = PermeableMarkers::new(
+            scene,
+            &air.units,
+            &markers,
+            &bodies,
+            &areas,
+            coupling.over_relaxation,
+        );
         Ok(Self {
+            permeable,
             units: air.units,
             markers,
             bodies,
@@ -125,6 +138,9 @@ impl Coupled {
         for body in &self.bodies {
             body.positions(time_s, &self.units, &mut self.positions);
         }
+        if let Some(permeable) = &mut self.permeable {
+            permeable.turn(cloth, &self.markers, &self.bodies, time_s);
+        }
     }
 
     /// Stage `send_markers`.
@@ -184,6 +200,13 @@ impl Coupled {
         &self.reactions
     }
 
+    /// What they let pass; empty where nothing passes the fabric.
+    pub(super) fn permeable(&self) -> &[Permeable] {
+        self.permeable
+            .as_ref()
+            .map_or(&[], PermeableMarkers::of_fabric)
+    }
+
     /// Makes them from the mean ū since the last solve and the present strengths.
     pub(super) fn gather_reactions(&mut self) {
         let mean = 1.0 / f64::from(self.sums.max(1));
@@ -197,6 +220,9 @@ impl Coupled {
                     .units
                     .velocity_m_s(self.air_velocity_sums[k].map(|u| u * mean)),
             });
+        }
+        if let Some(permeable) = &mut self.permeable {
+            permeable.gather(self.markers.len(), &self.immersed, &self.units);
         }
         self.air_velocity_sums.fill([0.0; 3]);
         self.sums = 0;
@@ -222,6 +248,16 @@ impl Coupled {
             self.air_velocity_sums.fill([0.0; 3]);
             self.sums = 0;
         }
+        if let Some(permeable) = &mut self.permeable {
+            permeable.aim(&self.velocities, &self.immersed);
+        }
+    }
+
+    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
+        let means = self.permeable.as_ref()?.means();
+        Some(means.map(|v| v * self.units.speed_m_s()))
     }
 
     /// Stage `send_marker_forces`.
@@ -232,7 +268,8 @@ impl Coupled {
         released: bool,
     ) {
         self.take_velocities(cloth, time_s, released);
-        if let Some(total) = self.immersed.send_marker_forces(&self.velocities) {
+        let targets = targets(&self.permeable, &self.velocities);
+        if let Some(total) = self.immersed.send_marker_forces(targets) {
             self.force_on_air = total;
         }
     }
@@ -242,7 +279,8 @@ impl Coupled {
         if matches!(self.immersed, MarkerEngine::Cpu(_)) {
             self.take_velocities(cloth, time_s, released);
         }
-        if let Some(total) = self.immersed.spread(&self.velocities) {
+        let targets = targets(&self.permeable, &self.velocities);
+        if let Some(total) = self.immersed.spread(targets) {
             self.force_on_air = total;
         }
     }
@@ -265,9 +303,10 @@ impl Coupled {
         Ok(())
     }
 
-    /// Root mean square slip of the air at the markers [m/s].
+    /// Root mean square slip of the air at the markers, beside what passes them [m/s].
     pub fn slip_m_s(&self) -> Result<f64, DeviceError> {
-        Ok(self.immersed.slip(&self.velocities)? * self.units.speed_m_s())
+        let targets = targets(&self.permeable, &self.velocities);
+        Ok(self.immersed.slip(targets)? * self.units.speed_m_s())
     }
 
     /// Fastest marker [cells per step].
@@ -279,6 +318,16 @@ impl Coupled {
             .fold(0.0, f64::max)
             .sqrt()
     }
+}
+
+/// Velocities that the air is to have at the markers: their own, and what passes them.
+fn targets<'a>(
+    permeable: &'a Option<PermeableMarkers>,
+    velocities: &'a [[f64; 3]],
+) -> &'a [[f64; 3]] {
+    permeable
+        .as_ref()
+        .map_or(velocities, PermeableMarkers::targets)
 }
 
 /// Value of a nodal field at a marker.
@@ -298,6 +347,9 @@ impl Coupled {
         out.put("air_velocity_sums", &self.air_velocity_sums)?;
         out.put("air_velocity_sum_count", &[u64::from(self.sums)])?;
         out.put("force_on_air", &self.force_on_air)?;
+        if let Some(permeable) = &self.permeable {
+            permeable.save(out)?;
+        }
         self.immersed.save(out)
     }
 
@@ -313,6 +365,9 @@ impl Coupled {
         self.sums = from.take_exactly::<u64>("air_velocity_sum_count", 1)?[0] as u32;
         self.force_on_air
             .copy_from_slice(&from.take_exactly::<f64>("force_on_air", 3)?);
+        if let Some(permeable) = &mut self.permeable {
+            permeable.restore(from)?;
+        }
         self.immersed.restore(from, &self.positions, air)
     }
 }

@@ -14,7 +14,7 @@ use super::coupled::Coupled;
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, RigidBody};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::cloth::Cloth;
+use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::DeviceError;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::units::Units;
@@ -43,8 +43,36 @@ pub struct Impulses {
     initial_momentum: DVec3,
     /// Numbers of the cable segments at supports.
     support_cables: Vec<usize>,
+    /// Momentum that the apparent acceleration of a falling box has given the air in the momentum box; mass excess there, as last stored.
+    apparent: [f64; 3],
+    mass_excess: f64,
     /// True if cables alone touch held nodes, so that their tensions are all support forces.
     supported_by_cables: bool,
+}
+
+/// What acts on air and structure in a step beside their exchange.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Acting<'a> {
+    /// Gravity of the structure with the apparent acceleration [m/s²].
+    pub gravity_m_s2: Option<DVec3>,
+    /// Apparent acceleration of all masses in a box that falls [m/s²].
+    pub apparent_m_s2: Option<DVec3>,
+    /// Mass-proportional damping [1/s].
+    pub damping_1_s: f64,
+    /// Drag of payload and lines.
+    pub drags: &'a [NodalDrag],
+}
+
+/// Force of the air on nodes by their own drag, after the solve [N].
+pub(super) fn drag_n(drags: &[NodalDrag], cloth: &Cloth) -> DVec3 {
+    drags
+        .iter()
+        .filter(|drag| !cloth.structure.held[drag.node as usize])
+        .map(|drag| {
+            let slip = drag.air_velocity_m_s - cloth.velocities_m_s[drag.node as usize];
+            slip * drag.coefficient_kg_s
+        })
+        .sum()
 }
 
 /// Impulse on a rigid body and its moment, since release.
@@ -126,6 +154,8 @@ impl Impulses {
             supports: DVec3::ZERO,
             initial_momentum: DVec3::ZERO,
             support_cables,
+            apparent: [0.0; 3],
+            mass_excess: 0.0,
             supported_by_cables,
         })
     }
@@ -138,6 +168,8 @@ impl Impulses {
     ) -> Result<(), DeviceError> {
         self.initial = air.storage(self.balance.volume())?;
         self.initial_momentum = cloth.map_or(DVec3::ZERO, Cloth::momentum_kg_m_s);
+        self.apparent = [0.0; 3];
+        self.mass_excess = self.initial.mass_excess;
         self.markers = [0.0; 3];
         self.bodies.fill(Load::default());
         self.balance.restart(air, MassMomentum::default())?;
@@ -160,12 +192,21 @@ impl Impulses {
         &mut self,
         air: &AirEngine,
         cloth: Option<&Cloth>,
-        gravity: Option<DVec3>,
-        damping_1_s: f64,
+        acting: &Acting,
         coupled: &Coupled,
     ) -> Result<(), DeviceError> {
         self.balance.add_step(air)?;
         let volume = self.balance.volume();
+        if let Some(apparent) = acting.apparent_m_s2 {
+            // What is stored now and then of the box's air hardly changes its mass.
+            let mass = volume.cell_count() as f64 + self.mass_excess;
+            let gain = self
+                .units
+                .velocity_to_lattice(apparent * self.units.time_step_s);
+            for a in 0..3 {
+                self.apparent[a] += mass * gain[a];
+            }
+        }
         self.contained &= coupled.immersed().touches_only(volume.first, volume.end);
         let Some(cloth) = cloth else {
             return Ok(());
@@ -182,8 +223,9 @@ impl Impulses {
         for guide in &structure.guides {
             pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);
         }
-        pull -= cloth.momentum_kg_m_s() * damping_1_s;
-        if let Some(gravity) = gravity {
+        pull -= cloth.momentum_kg_m_s() * acting.damping_1_s;
+        pull += drag_n(acting.drags, cloth);
+        if let Some(gravity) = acting.gravity_m_s2 {
             let mass: f64 = structure
                 .masses_kg
                 .iter()
@@ -208,9 +250,11 @@ impl Impulses {
         let stored = air.storage(self.balance.volume())?;
         let outflow = self.balance.outflow(air)?;
         let scale = self.units.impulse_n_s();
+        self.mass_excess = stored.mass_excess;
         let mut momentum_box = self.contained.then(|| {
             DVec3::from_array(std::array::from_fn(|a| {
-                -scale * (stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a])
+                let gained = stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a];
+                -scale * (gained - self.apparent[a])
             }))
         });
         let mut markers = DVec3::from_array(self.markers) * scale;
@@ -313,6 +357,15 @@ impl Impulses {
         out.put("impulse_bodies", &bodies)?;
         out.put("impulse_outflow", &balance(&outflow))?;
         out.put("impulse_initial", &balance(&self.initial))?;
+        out.put(
+            "impulse_apparent",
+            &[
+                self.apparent[0],
+                self.apparent[1],
+                self.apparent[2],
+                self.mass_excess,
+            ],
+        )?;
         out.put("impulse_supports", &[self.supports, self.initial_momentum])
     }
 
@@ -340,6 +393,9 @@ impl Impulses {
             .restart(air, outflow)
             .map_err(|error| from.damaged(error.to_string()))?;
         self.initial = balance("impulse_initial")?;
+        let apparent: Vec<f64> = from.take_exactly("impulse_apparent", 4)?;
+        self.apparent.copy_from_slice(&apparent[..3]);
+        self.mass_excess = apparent[3];
         let vectors: Vec<DVec3> = from.take_exactly("impulse_supports", 2)?;
         (self.supports, self.initial_momentum) = (vectors[0], vectors[1]);
         Ok(())

@@ -4,7 +4,8 @@ use super::air::{AirEngine, apart};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::immersed::Immersed;
 use crate::gpu::{self, DeviceError};
-use crate::immersed::touched::OutOfDomain;
+use crate::immersed::touched::{Domain, OutOfDomain};
+use crate::lattice::grid::Setup;
 
 /// Markers in the air.
 #[derive(Debug)]
@@ -13,6 +14,15 @@ pub enum MarkerEngine {
     Cpu(Box<Immersed>),
     /// Device memory.
     Gpu(Box<gpu::immersed::Immersed>),
+}
+
+/// The cells of the air for markers; kernels go on through sides that repeat, but not through the ends.
+pub fn domain(setup: &Setup) -> Domain {
+    let [_, y, z] = setup.repeats();
+    Domain {
+        cells: setup.cells,
+        repeats: [false, y, z],
+    }
 }
 
 macro_rules! both {
@@ -32,12 +42,19 @@ impl MarkerEngine {
         over_relaxation: f64,
     ) -> Result<Self, DeviceError> {
         Ok(match engine {
-            AirEngine::CpuF32(_) | AirEngine::CpuF64(_) => {
-                let cells = engine.grid().cells;
-                Self::Cpu(Box::new(Immersed::new(areas, over_relaxation, cells)))
-            }
+            AirEngine::CpuF32(fluid) => Self::Cpu(Box::new(Immersed::new(
+                areas,
+                over_relaxation,
+                domain(fluid.setup()),
+            ))),
+            AirEngine::CpuF64(fluid) => Self::Cpu(Box::new(Immersed::new(
+                areas,
+                over_relaxation,
+                domain(fluid.setup()),
+            ))),
             AirEngine::Gpu(fluid) => Self::Gpu(Box::new(gpu::immersed::Immersed::new(
                 fluid,
+                domain(fluid.setup()),
                 areas,
                 over_relaxation,
             )?)),

@@ -5,11 +5,13 @@ mod bodies;
 mod checkpoint;
 mod cloth;
 mod coupled;
+mod descent;
 mod failure;
 mod frames;
 mod impulses;
 mod markers;
 mod opening;
+mod permeable;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,14 +21,16 @@ use glam::DVec3;
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
 pub use coupled::Coupled;
+pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
+use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
-use crate::cpu::cloth::Cloth;
+use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{self, Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, Stage};
@@ -77,6 +81,9 @@ pub struct Simulation {
     device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
     impulses: Option<Impulses>,
+    descent: Option<Descent>,
+    /// Drag of payload and lines in the step.
+    drags: Vec<NodalDrag>,
     opening: Option<Opening>,
     step: u64,
     /// Last step at which the air was searched and found sound.
@@ -133,7 +140,19 @@ impl Simulation {
             }
             _ => None,
         };
+        let descent = match (scene.descent, &scene.air) {
+            (Some(settings), Some(air)) => {
+                let speed_m_s = match air.flow {
+                    Flow::WindTunnel { speed_m_s, .. } => speed_m_s,
+                    Flow::TaylorGreen { .. } => 0.0,
+                };
+                Some(Descent::new(settings, &air.units, speed_m_s))
+            }
+            _ => None,
+        };
         let mut simulation = Self {
+            descent,
+            drags: Vec::new(),
             scene,
             plan,
             air,
@@ -235,6 +254,12 @@ impl Simulation {
         self.coupled.as_ref()
     }
 
+    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
+        self.coupled.as_ref()?.through_velocities_m_s()
+    }
+
     /// Impulses of the three force routes since release.
     #[must_use]
     pub const fn impulses(&self) -> Option<&Impulses> {
@@ -272,6 +297,17 @@ impl Simulation {
     }
 
     fn wind_speed_at(&self, step: u64) -> f64 {
+        if let Some(descent) = self
+            .descent
+            .as_ref()
+            .filter(|_| step >= self.plan.start_steps)
+        {
+            return if step > self.step {
+                descent.next_speed_m_s()
+            } else {
+                descent.speed_m_s()
+            };
+        }
         match self.scene.air.map(|air| air.flow) {
             Some(Flow::WindTunnel { speed_m_s, .. }) if self.plan.start_steps > 0 => {
                 speed_m_s * (step as f64 / self.plan.start_steps as f64).min(1.0)
@@ -331,6 +367,13 @@ impl Simulation {
             }
         }
         self.cost.timed_steps += u64::from(timed);
+        if let Some(descent) = self
+            .descent
+            .as_mut()
+            .filter(|_| self.step >= self.plan.start_steps)
+        {
+            descent.end_step();
+        }
         self.step += 1;
         if self.step == self.plan.start_steps {
             self.start_impulses()?;
@@ -353,6 +396,13 @@ impl Simulation {
     }
 
     fn collide_stream(&mut self) -> Result<(), DeviceError> {
+        if let (Some(descent), Some(air)) = (&mut self.descent, &self.scene.air)
+            && self.step >= self.plan.start_steps
+        {
+            let density = air.units.density_kg_m3;
+            descent.begin_step(self.cloth.as_ref(), self.coupled.as_ref(), density);
+        }
+        self.gather_drags();
         // The ghosts of the inlet stand for cells after this collision, which ends with the wind of the next step.
         let wind = DVec3::X * self.wind_speed_at(self.step + 1);
         let start_steps = self.plan.start_steps;
@@ -367,6 +417,10 @@ impl Simulation {
                 let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0]
                     / start_steps as f64;
                 acceleration = Some([rate, 0.0, 0.0]);
+            }
+            if let Some(descent) = self.descent.as_ref().filter(|_| self.step >= start_steps) {
+                let gain = descent.apparent_m_s2() * settings.units.time_step_s;
+                acceleration = Some(settings.units.velocity_to_lattice(gain));
             }
         }
         air.collide_stream(acceleration, self.coupled.as_ref().map(Coupled::immersed))?;
@@ -454,18 +508,18 @@ impl Simulation {
         if self.step < self.plan.start_steps {
             return Ok(());
         }
+        let acting = Acting {
+            gravity_m_s2: self.felt_gravity_m_s2(),
+            apparent_m_s2: self.descent.as_ref().map(Descent::apparent_m_s2),
+            damping_1_s: self.scene.solver.damping_1_s,
+            drags: &self.drags,
+        };
         let (Some(air), Some(coupled), Some(impulses)) =
             (&self.air, &self.coupled, &mut self.impulses)
         else {
             return Ok(());
         };
-        impulses.add_step(
-            air,
-            self.cloth.as_ref(),
-            self.scene.gravity_m_s2,
-            self.scene.solver.damping_1_s,
-            coupled,
-        )
+        impulses.add_step(air, self.cloth.as_ref(), &acting, coupled)
     }
 
     /// Looks for cells that are not finite or too fast.

@@ -38,6 +38,9 @@ pub(super) fn open(
         let triangles = cloth.structure.triangles.iter().map(|t| t.nodes);
         shape::projected_diameter_m(&cloth.positions_m, triangles) / canopy.nominal_diameter_m
     };
+    // A payload that is to fall is held as long.
+    let confluence = canopy.canopy_node_count;
+    let held = std::mem::replace(&mut cloth.structure.held[confluence], true);
     let folded_ratio = ratio(cloth);
     let input = StepInput {
         time_step_s: Some(STEP_S),
@@ -62,6 +65,14 @@ pub(super) fn open(
                 canopy.loading_pressure_pa, canopy.opened_diameter_ratio
             ));
         }
+    }
+    if !held {
+        // What was prepared for the solves so far knows the node as held.
+        let mut structure = std::mem::take(&mut cloth.structure);
+        structure.held[confluence] = false;
+        let positions_m = std::mem::take(&mut cloth.positions_m);
+        *cloth = Cloth::new(structure);
+        cloth.positions_m = positions_m;
     }
     cloth.velocities_m_s.fill(glam::DVec3::ZERO);
     Ok(Opening {

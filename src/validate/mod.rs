@@ -12,6 +12,8 @@ mod couette;
 mod coupling;
 mod disk;
 mod drag;
+mod falling_disk;
+mod permeable_screen;
 mod poiseuille;
 mod report;
 mod shear_layer;
@@ -57,7 +59,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 23] = [
+pub const PROBLEMS: [Problem; 25] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -89,6 +91,11 @@ pub const PROBLEMS: [Problem; 23] = [
         compute: soak::compute,
     },
     Problem {
+        name: "permeable-screen",
+        updates: [60.0, 60.0],
+        compute: permeable_screen::compute,
+    },
+    Problem {
         name: "sphere",
         updates: [500.0, 35_000.0],
         compute: sphere::compute,
@@ -97,6 +104,11 @@ pub const PROBLEMS: [Problem; 23] = [
         name: "disk",
         updates: [680.0, 21_000.0],
         compute: disk::compute,
+    },
+    Problem {
+        name: "falling-disk",
+        updates: [360.0, 5_800.0],
+        compute: falling_disk::compute,
     },
     Problem {
         name: "shear-layer",

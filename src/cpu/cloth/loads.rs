@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::pressure::{self, Pressure};
 use crate::cloth::Structure;
+use crate::immersed::permeable::Permeable;
 
 /// One marker as the cloth feels it.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +16,17 @@ pub struct MarkerReaction {
     /// Immersed-boundary stiffness K [kg/s].
     pub stiffness_kg_s: f64,
     /// Velocity u* of the air at the marker [m/s].
+    pub air_velocity_m_s: DVec3,
+}
+
+/// Drag of the air on one node, linear in its velocity during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodalDrag {
+    /// The node.
+    pub node: u32,
+    /// Force per velocity c [kg/s], ½ ρ C_D A |u − v| with the velocities at the start of the step.
+    pub coefficient_kg_s: f64,
+    /// Velocity u of the air [m/s].
     pub air_velocity_m_s: DVec3,
 }
 
@@ -31,11 +43,30 @@ pub struct StepInput<'a> {
     pub damping_1_s: f64,
     /// Markers; empty without air.
     pub markers: &'a [MarkerReaction],
+    /// What the same markers let pass, SI; empty where no air passes the fabric.
+    pub permeable: &'a [Permeable],
+    /// Drag of single nodes, c (u − v) with the velocity v at the end of the step; empty in the static limit.
+    pub drags: &'a [NodalDrag],
     /// Held nodes that are moved: where each is at the end of the step [m].
     pub moved_supports: &'a [(u32, DVec3)],
 }
 
 impl StepInput<'_> {
+    /// The markers with what they let pass; nothing where no air passes the fabric.
+    pub fn permeable_markers(&self) -> impl Iterator<Item = (&MarkerReaction, &Permeable)> {
+        self.markers.iter().zip(self.permeable)
+    }
+
+    /// The markers that no air passes; none where the fabric is permeable.
+    #[must_use]
+    pub const fn impermeable_markers(&self) -> &[MarkerReaction] {
+        if self.permeable.is_empty() {
+            self.markers
+        } else {
+            &[]
+        }
+    }
+
     /// True if pressure follows the fabric within the solve.
     #[must_use]
     pub fn pressure_follows(&self) -> bool {
@@ -61,8 +92,19 @@ pub fn step_loads(structure: &Structure, start: &[DVec3], input: &StepInput) -> 
 }
 
 /// Adds to `loads` the pull of the air on a sheet at rest [N].
-pub fn add_pull_of_the_air(structure: &Structure, markers: &[MarkerReaction], loads: &mut [DVec3]) {
-    for marker in markers {
+pub fn add_pull_of_the_air(structure: &Structure, input: &StepInput, loads: &mut [DVec3]) {
+    for (marker, permeable) in input.permeable_markers() {
+        let nodes = structure.triangles[marker.triangle as usize].nodes;
+        let air = marker.air_velocity_m_s;
+        let through = DVec3::from_array(permeable.through([0.0; 3], air.to_array()));
+        for (node, weight) in nodes.into_iter().zip(marker.weights) {
+            loads[node as usize] += (air - through) * (marker.stiffness_kg_s * weight);
+        }
+    }
+    for drag in input.drags {
+        loads[drag.node as usize] += drag.air_velocity_m_s * drag.coefficient_kg_s;
+    }
+    for marker in input.impermeable_markers() {
         let nodes = structure.triangles[marker.triangle as usize].nodes;
         for (node, weight) in nodes.into_iter().zip(marker.weights) {
             loads[node as usize] += marker.air_velocity_m_s * (marker.stiffness_kg_s * weight);

@@ -5,6 +5,8 @@
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
+//! * [`line_drag`]: drag of suspension lines;
+//! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
 //! * `driver`: which minimiser drives a solve;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
@@ -15,8 +17,10 @@ mod driver;
 pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;
+pub mod line_drag;
 pub mod loads;
 pub mod nodal_forces;
+pub mod permeable;
 pub mod pressure;
 pub mod read_outs;
 pub mod solve_cloth;
@@ -31,7 +35,7 @@ use nodal_forces::Pulls;
 use crate::cloth::Structure;
 use crate::solve::multigrid::Multigrid;
 pub use evaluator::Evaluator;
-pub use loads::{MarkerReaction, StepInput};
+pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
 

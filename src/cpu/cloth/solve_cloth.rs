@@ -5,7 +5,8 @@
 //! Π(x) = ½ (v − v̂)ᵀ M (v − v̂) + E(x) − f·x + ½ dt β vᵀMv + ½ dt Σ_k K_k |v_k − u*_k|²  \[J\],
 //!
 //! v̂ = vⁿ, f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
-//! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Damped cables add their dissipation
+//! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Where air passes the fabric this term is another
+//! ([`super::permeable`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
 //! −f·x ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
@@ -17,7 +18,9 @@ use glam::{DMat3, DVec3, Vec3};
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
-use super::{Cloth, Prepared, driver, initial_hessian, nodal_forces, pressure, stiffness};
+use super::{
+    Cloth, Prepared, driver, initial_hessian, nodal_forces, permeable, pressure, stiffness,
+};
 use crate::cloth::Structure;
 pub use crate::solve::InitialHessian;
 use crate::solve::lbfgs::{Options, Outcome, Stop, Watch};
@@ -150,7 +153,14 @@ impl<'a> Objective<'a> {
                 let (velocity, change) = motion(i);
                 (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
             });
-            for marker in self.input.markers {
+            for drag in self.input.drags {
+                let node = drag.node as usize;
+                let slip = (point[node] - start[node]) / dt - drag.air_velocity_m_s;
+                value += 0.5 * dt * drag.coefficient_kg_s * slip.length_squared();
+                gradient[node] += slip * drag.coefficient_kg_s;
+            }
+            value += permeable::add_reactions(structure, start, dt, self.input, point, gradient);
+            for marker in self.input.impermeable_markers() {
                 let nodes = structure.triangles[marker.triangle as usize]
                     .nodes
                     .map(|n| n as usize);
@@ -213,10 +223,16 @@ impl<'a> Objective<'a> {
                 let Prepared {
                     gather, multigrid, ..
                 } = &mut *self.prepared;
-                let dashpots = &self.dashpots;
+                let (dashpots, start) = (&self.dashpots, self.start);
                 if let Some(multigrid) = multigrid {
                     multigrid.refresh(|matrix| {
-                        stiffness::assemble(structure, gather, (input, dashpots), point, matrix);
+                        stiffness::assemble(
+                            structure,
+                            gather,
+                            (input, dashpots),
+                            [start, point],
+                            matrix,
+                        );
                     });
                 }
             }
@@ -273,7 +289,19 @@ impl<'a> Objective<'a> {
                 let stiffness = mass / dt * (1.0 / dt + self.input.damping_1_s);
                 *block += DMat3::from_diagonal(DVec3::splat(stiffness));
             }
-            for marker in self.input.markers {
+            for drag in self.input.drags {
+                self.inverse_blocks[drag.node as usize] +=
+                    DMat3::IDENTITY * (drag.coefficient_kg_s / dt);
+            }
+            permeable::add_blocks(
+                structure,
+                self.start,
+                point,
+                dt,
+                self.input,
+                &mut self.inverse_blocks,
+            );
+            for marker in self.input.impermeable_markers() {
                 let nodes = structure.triangles[marker.triangle as usize].nodes;
                 for (node, weight) in nodes.into_iter().zip(marker.weights) {
                     let stiffness = marker.stiffness_kg_s / dt * weight * weight;
@@ -310,7 +338,7 @@ impl<'a> Objective<'a> {
         if self.origin_m.is_some() {
             pressure::add_forces(self.structure, point, self.input.pressure, &mut loads);
         }
-        add_pull_of_the_air(self.structure, self.input.markers, &mut loads);
+        add_pull_of_the_air(self.structure, self.input, &mut loads);
         for (load, &held) in loads.iter_mut().zip(&self.structure.held) {
             if held {
                 *load = DVec3::ZERO;

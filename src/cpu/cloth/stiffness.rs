@@ -11,6 +11,7 @@ use super::dashpots::Dashpot;
 use super::gather::Gather;
 use super::initial_hessian::{axial_block, cable_block};
 use super::loads::StepInput;
+use super::permeable;
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::{Membrane, principal};
@@ -151,12 +152,13 @@ fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
     }
 }
 
-/// Fills `matrix`, whose pattern is that of [`graph`], with the stiffness at `positions` [N/m]; held nodes have no entries.
+/// Fills `matrix`, whose pattern is that of [`graph`], with the stiffness at `positions` [N/m] in a step from `start`; held nodes have no
+/// entries.
 pub(super) fn assemble(
     structure: &Structure,
     gather: &Gather,
     (input, dashpots): (&StepInput, &[Dashpot]),
-    positions: &[DVec3],
+    [start, positions]: [&[DVec3]; 2],
     matrix: &mut BlockMatrix,
 ) {
     let triangles: Vec<TriangleStiffness> = match &structure.membrane {
@@ -179,6 +181,7 @@ pub(super) fn assemble(
         })
         .collect();
     let mut markers: Vec<DMat3> = Vec::new();
+    let mut through = Vec::new();
     if let (Some(dt), false) = (input.time_step_s, input.markers.is_empty()) {
         // Per triangle: Σ K/dt w_a w_b, the same along all axes.
         markers.resize(structure.triangles.len(), DMat3::ZERO);
@@ -187,6 +190,7 @@ pub(super) fn assemble(
             let k = marker.stiffness_kg_s / dt;
             markers[marker.triangle as usize] += DMat3::from_cols(w * w.x, w * w.y, w * w.z) * k;
         }
+        through = permeable::through_matrices(structure, start, positions, dt, input);
     }
     matrix.fill_rows(
         || (),
@@ -213,6 +217,9 @@ pub(super) fn assemble(
                         if let Some(weights) = markers.get(t) {
                             let k = weights.col(other)[corner];
                             block += DMat3::from_diagonal(DVec3::splat(k));
+                        }
+                        if let Some((weights, normals)) = through.get(t) {
+                            block -= *normals * weights.col(other)[corner];
                         }
                         add(blocks, place(node), block);
                     }
@@ -266,6 +273,10 @@ pub(super) fn assemble(
                 add(blocks, own, DMat3::from_diagonal(stiffness));
             }
             if let Some(dt) = input.time_step_s {
+                for drag in input.drags.iter().filter(|drag| drag.node as usize == row) {
+                    let k = drag.coefficient_kg_s / dt;
+                    add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
+                }
                 let k = structure.masses_kg[row] / dt * (1.0 / dt + input.damping_1_s);
                 add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
             }

@@ -20,7 +20,7 @@ impl Immersed {
         fluid: &Fluid<T>,
         positions: &[[f64; 3]],
     ) -> Result<(), OutOfDomain> {
-        self.touched.rebuild(positions, self.cells)?;
+        self.touched.rebuild(positions, self.domain)?;
         let touched = &self.touched;
         self.cell_velocities.resize(touched.cells.len(), [0.0; 3]);
         let areas = &self.areas;

@@ -16,7 +16,7 @@ mod spread;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::ForcedCells;
-use crate::immersed::touched::TouchedCells;
+use crate::immersed::touched::{Domain, TouchedCells};
 
 /// Markers in the air.
 #[derive(Debug, Clone)]
@@ -25,7 +25,7 @@ pub struct Immersed {
     over_relaxation: f64,
     /// Marker areas [cells²], `[marker_count]`.
     areas: Vec<[f64; 1]>,
-    cells: [usize; 3],
+    domain: Domain,
     touched: TouchedCells,
     /// a_k, `[marker_count]`.
     strengths: Vec<f64>,
@@ -42,14 +42,14 @@ pub struct Immersed {
 }
 
 impl Immersed {
-    /// Markers of the given areas [cells²] in a domain of `cells`.
+    /// Markers of the given areas [cells²] in a domain.
     #[must_use]
-    pub fn new(areas: Vec<f64>, over_relaxation: f64, cells: [usize; 3]) -> Self {
+    pub fn new(areas: Vec<f64>, over_relaxation: f64, domain: impl Into<Domain>) -> Self {
         let count = areas.len();
         Self {
             over_relaxation,
             areas: areas.into_iter().map(|a| [a]).collect(),
-            cells,
+            domain: domain.into(),
             touched: TouchedCells::default(),
             strengths: vec![0.0; count],
             air_velocities: vec![[0.0; 3]; count],
@@ -132,7 +132,7 @@ impl Immersed {
         self.marker_forces = from.take_exactly("marker_forces", count)?;
         if self.active {
             self.touched
-                .rebuild(positions, self.cells)
+                .rebuild(positions, self.domain)
                 .map_err(|left| {
                     from.damaged(format!("marker {} lies outside the air", left.marker))
                 })?;

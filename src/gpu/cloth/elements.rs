@@ -259,9 +259,13 @@ impl Elements {
             &[]
         };
         kinds.push(Kind::new("face", "faces", faces, |t| t.nodes, |_| []));
+        let [name, plural] = match structure.permeability {
+            None => ["marker", "markers"],
+            Some(_) => ["permeable_marker", "permeable_markers"],
+        };
         kinds.push(Kind::new(
-            "marker",
-            "markers",
+            name,
+            plural,
             markers,
             |(triangle, _)| structure.triangles[*triangle as usize].nodes,
             |(_, weights)| weights.map(bits),

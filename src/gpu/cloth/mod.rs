@@ -193,6 +193,10 @@ impl Cloth {
                     "face_pressures",
                     device.storage("face pressures", 4 * kind.count as u64)?,
                 )),
+                "permeable_marker" => buffers.push((
+                    "permeabilities",
+                    device.storage("permeabilities", 20 * kind.count as u64)?,
+                )),
                 _ => (),
             }
         }

@@ -56,7 +56,7 @@ impl Immersed {
         fluid: &Fluid,
         positions: &[[f64; 3]],
     ) -> Result<Result<(), OutOfDomain>, DeviceError> {
-        let (low, high) = match bounding_box(positions, self.cells) {
+        let (low, high) = match bounding_box(positions, self.domain) {
             Ok(Some(found)) => found,
             Ok(None) => return Ok(Ok(())),
             Err(left) => return Ok(Err(left)),
@@ -65,8 +65,9 @@ impl Immersed {
         let box_count: u64 = size.iter().product();
         self.boxed(fluid, box_count)?;
         let corner = |position: &[f64; 3]| -> u64 {
-            let c: [u64; 3] =
-                std::array::from_fn(|a| (position[a].floor() as i64 - 1 - low[a]) as u64);
+            let c: [u64; 3] = std::array::from_fn(|a| {
+                (position[a].floor() as i64 - 1 - low[a]).rem_euclid(size[a] as i64) as u64
+            });
             c[0] + size[0] * (c[1] + size[1] * c[2])
         };
         // Sorted by corner, then by marker: one order, whatever the sort.
@@ -101,10 +102,15 @@ impl Immersed {
         };
         boxed.forces.first = low.map(|c| c as u32);
         boxed.forces.size = size.map(|n| n as u32);
-        let four = |v: [u32; 3]| [v[0], v[1], v[2], 0];
+        let repeats = |a: usize| {
+            let whole = self.domain.repeats[a] && size[a] == self.domain.cells[a] as u64;
+            u32::from(whole)
+        };
+        let through = repeats(1) + 2 * repeats(2);
+        let four = |v: [u32; 3], last| [v[0], v[1], v[2], last];
         let parameters = MarkerParameters {
-            box_first: four(boxed.forces.first),
-            box_size: four(boxed.forces.size),
+            box_first: four(boxed.forces.first, 0),
+            box_size: four(boxed.forces.size, through),
             marker_count: sorted.len() as u32,
             box_count: box_count as u32,
             over_relaxation: self.over_relaxation as f32,

@@ -20,6 +20,7 @@ use super::fluid::Fluid;
 use super::pipeline::{Bound, Pipeline};
 use super::shaders::{self, parameters};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::immersed::touched::Domain;
 
 parameters! {
     /// A marker, in sorted order.
@@ -39,7 +40,7 @@ parameters! {
     MarkerParameters {
         /// First cell of the box.
         box_first: [u32; 4],
-        /// Its size.
+        /// Its size, and in the last place 1 where it is the whole domain along y, 2 along z, through whose sides kernels go on.
         box_size: [u32; 4],
         /// Markers.
         marker_count: u32,
@@ -74,7 +75,7 @@ pub struct Immersed {
     device: Arc<Device>,
     over_relaxation: f64,
     areas: Vec<f64>,
-    cells: [usize; 3],
+    domain: Domain,
     /// Marker at every place of the sorted order.
     order: Vec<u32>,
     strengths: Vec<f64>,
@@ -125,8 +126,13 @@ struct Boxed {
 }
 
 impl Immersed {
-    /// Markers of the given areas [cells²] in the air of `fluid`.
-    pub fn new(fluid: &Fluid, areas: Vec<f64>, over_relaxation: f64) -> Result<Self, DeviceError> {
+    /// Markers of the given areas [cells²] in the air of `fluid`, of which they may touch `domain`.
+    pub fn new(
+        fluid: &Fluid,
+        domain: Domain,
+        areas: Vec<f64>,
+        over_relaxation: f64,
+    ) -> Result<Self, DeviceError> {
         let device = Arc::clone(fluid.device());
         let count = areas.len();
         let constants = fluid.constants();
@@ -142,7 +148,7 @@ impl Immersed {
         let n = count as u64;
         Ok(Self {
             over_relaxation,
-            cells: fluid.setup().cells,
+            domain,
             order: Vec::new(),
             strengths: vec![0.0; count],
             air_velocities: vec![[0.0; 3]; count],

@@ -16,7 +16,7 @@ const CELLS: [usize; 3] = [16, 40, 40];
 const ROUND_OFF: [f64; 2] = [1e-12, 1e-6];
 
 /// The same of slips, which are differences of velocities.
-const SLIP_ROUND_OFF: [f64; 2] = [1e-12, 2e-5];
+const SLIP_ROUND_OFF: [f64; 2] = [1e-12, 2e-6];
 
 const WIND: [f64; 3] = [0.05, 0.01, -0.02];
 

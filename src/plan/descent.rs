@@ -1,0 +1,58 @@
+//! What falls, and the drag of lines, for the report.
+
+use std::fmt::Write;
+
+use crate::case::Scene;
+use crate::case::scene::Carrier;
+
+/// Writes what falls and with what the box follows it.
+pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    let Some(air) = &scene.air else {
+        return Ok(());
+    };
+    if let Some(descent) = &scene.descent {
+        writeln!(
+            out,
+            "\nfall (the box follows along -x, the air comes along +x)"
+        )?;
+        let carrier = match descent.carrier {
+            Carrier::Confluence { .. } => "payload where the lines meet".to_owned(),
+            Carrier::RigidBody { number, .. } => scene
+                .rigid_bodies
+                .get(number)
+                .map_or_else(String::new, |body| format!("body {}", body.name)),
+        };
+        writeln!(
+            out,
+            "  mass                {} kg, {carrier}",
+            descent.mass_kg
+        )?;
+        writeln!(
+            out,
+            "  air                 {:.4} kg/m3 all the way, gravity {} m/s2, speed at release {} m/s",
+            air.units.density_kg_m3,
+            descent.gravity_m_s2,
+            air.wind_or_reference_m_s()
+        )?;
+        if descent.drag_area_m2 > 0.0 {
+            writeln!(
+                out,
+                "  drag area           {} m2 of the payload itself, not given to the air",
+                descent.drag_area_m2
+            )?;
+        }
+    }
+    let drag = scene
+        .body
+        .as_ref()
+        .and_then(|body| body.structure.line_drag);
+    if let Some(drag) = drag {
+        writeln!(out, "\ndrag of lines")?;
+        writeln!(
+            out,
+            "  C_d, d              {}, {} m across the lines, undisturbed wind, not given to the air",
+            drag.coefficient, drag.diameter_m
+        )?;
+    }
+    Ok(())
+}

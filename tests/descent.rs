@@ -1,0 +1,241 @@
+//! Boxes that fall with what they hold, and the drag of lines.
+
+use std::path::Path;
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::checkpoint;
+use ripstop::cloth::Structure;
+use ripstop::cpu::cloth::line_drag::add_line_drags;
+use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
+use ripstop::frame::CableKind;
+use ripstop::lattice::Operator;
+use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lines::drag::LineDrag;
+use ripstop::lines::{Cable, CableLaw};
+use ripstop::measure::Record;
+use ripstop::plan::Plan;
+use ripstop::simulation::Simulation;
+
+use crate::engines::{Body, Engine, on_every_engine, plain, states};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        on_every_engine("descent::still_air_stays_still", StillAir),
+        on_every_engine("descent::a_payload_under_a_canopy", Drop),
+        plain("descent::a_taut_line_in_wind", taut_line),
+        plain("descent::an_inclined_line", inclined_line),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+#[derive(Clone, Copy)]
+struct StillAir;
+
+impl Body for StillAir {
+    /// Seen from a box whose speed falls from 0.06 to 0.03 cells per step, still air has the speed of the box everywhere, at every step:
+    /// to round-off in a box without ends, and between inlet and outlet but for what the inlet takes over from its neighbour.
+    fn run(self, engine: Engine) {
+        let ends = [
+            (StreamwiseEnds::Periodic, tolerances::same_flow(engine)),
+            (StreamwiseEnds::InletOutlet, tolerances::FALLING_BOX),
+        ];
+        for (ends, limit) in ends {
+            let setup = Setup {
+                cells: [32, 6, 6],
+                ends,
+                sides: Sides::FreeSlip,
+                relaxation_time: 0.501,
+                sponge_cells: None,
+                operator: Operator::RecursiveRegularised,
+                eddy_viscosity: None,
+            };
+            let mut speed: f64 = 0.06;
+            let mut air = engine.air(setup, &|_| (0.0, [speed, 0.0, 0.0]));
+            for step in 0..300 {
+                let gain = -2e-4 * (f64::from(step) * 0.021).sin().max(0.0);
+                speed += gain;
+                air.set_inlet_velocity([speed, 0.0, 0.0]);
+                air.collide_stream(Some([gain, 0.0, 0.0]), None).unwrap();
+            }
+            assert!(speed < 0.045, "{speed}");
+            for (excess, u) in states(&air) {
+                let off = (u[0] - speed).abs().max(u[1].abs()).max(u[2].abs());
+                assert!(off < limit, "{ends:?}: {off:e} at {speed}");
+                assert!(excess.abs() < 10.0 * limit, "{ends:?}: {excess:e}");
+            }
+        }
+    }
+}
+
+fn drop_case() -> Case {
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: vec![
+            "resolution.cells_per_diameter=10.0".to_owned(),
+            "air.descent.start_time_s=0.01".to_owned(),
+            "coupling.mass_factor=1.0".to_owned(),
+        ],
+    };
+    let source = include_str!("../cases/finite-mass-drop.toml");
+    case::parse("drop", source, Path::new("."), &choices).unwrap()
+}
+
+#[derive(Clone, Copy)]
+struct Drop;
+
+impl Body for Drop {
+    /// The three force routes agree in the accelerated box; the payload loses speed as it pulls the canopy; a resumed run has the same bits.
+    fn run(self, engine: Engine) {
+        let case = drop_case();
+        let plan = || Plan::new(&case.scene, engine.plan_placement());
+        let new = || Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
+        let mut straight = new();
+        let mut record = Record::new(&straight);
+        let start = straight.plan().start_steps;
+        for _ in 0..start + 120 {
+            straight.advance().unwrap();
+        }
+        record.add(&mut straight).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
+        let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
+        let mut resumed = new();
+        resumed.restore(&stored).unwrap();
+        assert_eq!(straight.line_drag_n(), resumed.line_drag_n());
+        for _ in 0..40 {
+            straight.advance().unwrap();
+            resumed.advance().unwrap();
+        }
+        record.add(&mut straight).unwrap();
+        assert_eq!(straight.fall(), resumed.fall());
+        assert_eq!(
+            straight.cloth().unwrap().positions_m,
+            resumed.cloth().unwrap().positions_m
+        );
+        let fall = straight.fall().unwrap();
+        assert!(fall.fallen_m > 0.8 && fall.fallen_m < 1.4, "{fall:?}");
+        let sample = straight.impulse_sample().unwrap().unwrap();
+        let (markers, supports) = (sample.markers.x, sample.supports.unwrap().x);
+        let momentum_box = sample.momentum_box.unwrap().x;
+        assert!(markers > 0.0, "{markers}");
+        for (route, impulse) in [("box", momentum_box), ("supports", supports)] {
+            let off = (impulse / markers - 1.0).abs();
+            assert!(
+                off < tolerances::FORCE_IMBALANCE,
+                "{route}: {impulse} of {markers}"
+            );
+        }
+        // The payload stays within half a cell of its place while the box slows down: the box lags behind by 20 g times the square of 50 steps.
+        let confluence = straight
+            .cloth()
+            .unwrap()
+            .positions_m
+            .last()
+            .copied()
+            .unwrap();
+        assert!((confluence.x - 0.6).abs() < 0.05, "{confluence}");
+        let factor = record.latest("load_factor_g").unwrap();
+        assert!(factor.is_finite() && factor > -1.0, "{factor}");
+        assert!(record.latest("line_drag_n").unwrap() > 0.0);
+    }
+}
+
+fn line(kind: CableKind, nodes: usize, end: DVec3, stretch: f64) -> Structure {
+    let cable = Cable {
+        area_m2: 1e-6,
+        density_kg_m3: 1000.0,
+        law: CableLaw::Linear {
+            axial_stiffness_n: 1e5,
+        },
+        damping_n_s: 0.0,
+    };
+    let positions_m: Vec<DVec3> = (0..nodes)
+        .map(|i| end * (i as f64 / (nodes - 1) as f64))
+        .collect();
+    let rest = end.length() / (nodes - 1) as f64 / (1.0 + stretch);
+    let mut structure = Structure {
+        masses_kg: vec![0.0; nodes],
+        held: (0..nodes).map(|i| i == 0 || i + 1 == nodes).collect(),
+        positions_m,
+        line_drag: Some(LineDrag {
+            coefficient: 1.1,
+            diameter_m: 0.002,
+        }),
+        ..Structure::default()
+    };
+    let numbers: Vec<u32> = (0..nodes as u32).collect();
+    structure.add_cable(&numbers, &vec![rest; nodes - 1], &cable, kind);
+    structure
+}
+
+/// A line of 2 m across a wind of 20 m/s: the load ½ ρ C_d d u² per length, and the parabola f = w L²/(8 T) of a taut line under it.
+fn taut_line() {
+    let length = 2.0;
+    let mut cloth = Cloth::new(line(CableKind::SuspensionLine, 41, DVec3::Z * length, 1e-3));
+    let wind = DVec3::X * 20.0;
+    let settings = SolverSettings {
+        tolerance: 1e-8,
+        displacement_floor_m: 1e-14,
+        evaluation_limit: 5000,
+        history: 10,
+        refresh_every: None,
+        initial_hessian: InitialHessian::BlockJacobi,
+    };
+    let mut drags = Vec::new();
+    for _ in 0..60 {
+        drags.clear();
+        add_line_drags(
+            &cloth.structure,
+            &cloth.positions_m,
+            &cloth.velocities_m_s,
+            (1.2, wind),
+            &mut drags,
+        );
+        let input = StepInput {
+            // Long steps: backward Euler leaves what is steady.
+            time_step_s: Some(0.2),
+            drags: &drags,
+            ..StepInput::default()
+        };
+        cloth.solve_cloth(&input, &settings);
+    }
+    let load = 0.5 * 1.2 * 1.1 * 0.002 * 400.0;
+    let force: DVec3 = drags
+        .iter()
+        .map(|drag| {
+            let own = cloth.velocities_m_s[drag.node as usize];
+            (drag.air_velocity_m_s - own) * drag.coefficient_kg_s
+        })
+        .sum();
+    assert!((force.x / (load * length) - 1.0).abs() < 1e-3, "{force}");
+    let sag = cloth.positions_m[20].x;
+    let exact = load * length * length / (8.0 * cloth.cable_tension_n(20));
+    assert!((sag / exact - 1.0).abs() < 2e-3, "{sag} {exact}");
+}
+
+/// Only the wind across an inclined line counts; belts have no drag.
+fn inclined_line() {
+    let end = DVec3::new(1.0, 0.0, 1.0);
+    let wind = DVec3::X * 10.0;
+    let total = |kind| {
+        let structure = line(kind, 5, end, 0.0);
+        let still = vec![DVec3::ZERO; 5];
+        let mut drags = Vec::new();
+        let places = structure.positions_m.clone();
+        add_line_drags(&structure, &places, &still, (1.2, wind), &mut drags);
+        drags
+            .iter()
+            .map(|drag| drag.air_velocity_m_s * drag.coefficient_kg_s)
+            .sum::<DVec3>()
+    };
+    let across = DVec3::new(5.0, 0.0, -5.0);
+    let exact = across * (0.5 * 1.2 * 1.1 * 0.002 * end.length() * across.length());
+    let found = total(CableKind::SuspensionLine);
+    assert!((found - exact).length() < 1e-12, "{found} {exact}");
+    assert_eq!(total(CableKind::Belt), DVec3::ZERO);
+}
