@@ -2,6 +2,7 @@
 //!
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
+pub mod contact;
 pub mod curvature;
 pub mod elements;
 pub mod faults;
@@ -10,6 +11,8 @@ mod waves;
 use glam::DVec3;
 
 pub use elements::{Bending, CableSegment, Spring, Triangle};
+
+use contact::Contact;
 
 use crate::fabric::membrane::Membrane;
 use crate::frame::CableKind;
@@ -56,6 +59,8 @@ pub struct Structure {
     pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
+    /// That fabric meets itself; `None`: it passes through itself.
+    pub contact: Option<Contact>,
 }
 
 impl Structure {

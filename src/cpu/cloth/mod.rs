@@ -6,10 +6,12 @@
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
 //! * [`read_outs`]: tensions and reactions;
+//! * [`contact`]: fabric that meets itself;
 //! * `driver`: which minimiser drives a solve;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
+pub mod contact;
 pub mod dashpots;
 mod driver;
 pub mod evaluator;
@@ -23,8 +25,12 @@ pub mod solve_cloth;
 pub mod stiffness;
 mod vectors;
 
+use std::time::Duration;
+
 use glam::DVec3;
 
+use contact::Contacts;
+pub use contact::ContactState;
 use gather::Gather;
 use nodal_forces::Pulls;
 
@@ -55,6 +61,8 @@ struct Prepared {
     pulls: Pulls,
     /// Made when first asked for.
     multigrid: Option<Multigrid>,
+    /// `None` for a structure that passes through itself.
+    contacts: Option<Contacts>,
 }
 
 impl Prepared {
@@ -74,6 +82,7 @@ impl Cloth {
             velocities_m_s: vec![DVec3::ZERO; structure.node_count()],
             prepared: Prepared {
                 gather: Gather::new(&structure),
+                contacts: Contacts::new(&structure),
                 ..Prepared::default()
             },
             structure,
@@ -94,6 +103,28 @@ impl Cloth {
             .multigrid
             .as_ref()
             .map_or(0, Multigrid::cycles)
+    }
+
+    /// What contact did at the end of the last solve; `None` for a structure that passes through itself.
+    #[must_use]
+    pub fn contact_state(&self) -> Option<&ContactState> {
+        self.prepared.contacts.as_ref().map(|c| &c.state)
+    }
+
+    /// Takes what contact did from a checkpoint.
+    pub fn restore_contact_state(&mut self, state: ContactState) {
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.state = state;
+        }
+    }
+
+    /// Wall time that contact has taken so far.
+    #[must_use]
+    pub fn contact_time(&self) -> Duration {
+        self.prepared
+            .contacts
+            .as_ref()
+            .map_or(Duration::ZERO, |c| c.time)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].

@@ -81,6 +81,9 @@ pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
 /// Solves with corrected loads along edges under pressure.
 const EDGE_PASS_LIMIT: usize = 30;
 
+/// Legs in which the prediction of a step is approached while no fabric is in the way, each about an edge long.
+const LEG_LIMIT: usize = 100;
+
 /// Below this relative change, differences of the objective are round-off.
 const ROUND_OFF: f64 = 1e-10;
 
@@ -92,13 +95,17 @@ impl<'a> Objective<'a> {
         input: &'a StepInput<'a>,
         kind: InitialHessian,
     ) -> Self {
+        let loads = step_loads(structure, start, input);
+        if let Some(contacts) = &mut prepared.contacts {
+            contacts.begin(structure, start, input, &loads);
+        }
         Self {
             structure,
             prepared,
             start,
             velocities,
             input,
-            loads: step_loads(structure, start, input),
+            loads,
             origin_m: input.pressure_follows().then(|| pressure::middle(start)),
             dashpots: dashpots(structure, start, input.time_step_s),
             kind,
@@ -175,6 +182,9 @@ impl<'a> Objective<'a> {
         } else {
             add_to(gradient, |i| -loads[i]);
         }
+        if let Some(contacts) = &mut self.prepared.contacts {
+            value += contacts.add_gradient(point, gradient);
+        }
         for (g, &held) in gradient.iter_mut().zip(&structure.held) {
             if held {
                 *g = DVec3::ZERO;
@@ -205,27 +215,56 @@ impl<'a> Objective<'a> {
     }
 
     pub(super) fn rebuild(&mut self, point: &[DVec3]) {
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.build(point);
+        }
         match self.kind {
             InitialHessian::BlockJacobi => self.rebuild_blocks(point),
             InitialHessian::Multigrid => {
                 let (structure, input) = (self.structure, self.input);
                 self.prepared.multigrid(structure);
                 let Prepared {
-                    gather, multigrid, ..
+                    gather,
+                    multigrid,
+                    contacts,
+                    ..
                 } = &mut *self.prepared;
-                let dashpots = &self.dashpots;
+                let rows = contacts.as_ref().map(|c| c.rows(structure.node_count()));
+                let extra = stiffness::Extra {
+                    dashpots: &self.dashpots,
+                    contact: rows.as_ref(),
+                };
                 if let Some(multigrid) = multigrid {
                     multigrid.refresh(|matrix| {
-                        stiffness::assemble(structure, gather, (input, dashpots), point, matrix);
+                        stiffness::assemble(structure, gather, (input, extra), point, matrix);
                     });
                 }
             }
         }
     }
 
+    /// Moves `point` from the start of the step, where no fabric has passed through itself, as far towards where it is as none does.
+    fn keep_apart(&mut self, point: &mut [DVec3]) {
+        let Some(contacts) = &mut self.prepared.contacts else {
+            return;
+        };
+        let mut place = self.start.to_vec();
+        for _ in 0..LEG_LIMIT {
+            let free = contacts.free_share(&place, |i| point[i] - place[i]);
+            if free.share >= 1.0 {
+                return;
+            }
+            each(&mut place, |i, place| *place += (point[i] - *place) * free.share);
+            if free.in_the_way {
+                break;
+            }
+        }
+        point.copy_from_slice(&place);
+    }
+
     /// Writes where a step leads, clipped; returns its length.
     pub(super) fn move_along(
-        &self,
+        &mut self,
         from: &Step<'_, Vec<DVec3>, Vec<Vec3>>,
         point: &mut [DVec3],
     ) -> f64 {
@@ -234,6 +273,13 @@ impl<'a> Objective<'a> {
             from.length * (from.step_limit_m / reach)
         } else {
             from.length
+        };
+        let length = match &mut self.prepared.contacts {
+            Some(contacts) => {
+                let step = |i: usize| from.direction[i].as_dvec3() * length;
+                length * contacts.free_share(from.point, step).share
+            }
+            None => length,
         };
         fill(point, |i| {
             from.point[i] + from.direction[i].as_dvec3() * length
@@ -262,6 +308,13 @@ impl<'a> Objective<'a> {
         self.prepared.multigrid.as_ref()
     }
 
+    /// Adds to a product with multigrid's matrix what contact has beyond it.
+    pub(super) fn add_between_sides(&self, vector: &[Vec3], product: &mut [Vec3]) {
+        if let Some(contacts) = &self.prepared.contacts {
+            contacts.add_between_sides(&self.structure.held, vector, product);
+        }
+    }
+
     fn rebuild_blocks(&mut self, point: &[DVec3]) {
         let structure = self.structure;
         self.inverse_blocks.clear();
@@ -281,6 +334,9 @@ impl<'a> Objective<'a> {
                         DMat3::from_diagonal(DVec3::splat(stiffness));
                 }
             }
+        }
+        if let Some(contacts) = &self.prepared.contacts {
+            contacts.add_blocks(&mut self.inverse_blocks);
         }
         for dashpot in &self.dashpots {
             for node in dashpot.nodes {
@@ -451,6 +507,7 @@ impl Cloth {
             settings.initial_hessian,
         );
         let mut options = options(structure, settings);
+        objective.keep_apart(&mut point);
         let dead = objective.loads.clone();
         objective.correct_edges(&dead, &point);
         let mut outcome = driver::minimise(&mut objective, &mut point, &options, watch);
@@ -473,6 +530,9 @@ impl Cloth {
                 evaluations: outcome.evaluations + next.evaluations,
                 ..next
             };
+        }
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.finish(&point);
         }
         match input.time_step_s {
             Some(dt) => {
