@@ -33,6 +33,8 @@ pub struct File {
     pub lines: Option<Lines>,
     /// Belts sewn on the seams; absent: none.
     pub belts: Option<CableMaterial>,
+    /// Contact of fabric with itself; absent: it passes through itself.
+    pub contact: Option<ContactTable>,
     /// Gravity; absent: none.
     pub gravity: Option<Gravity>,
     /// Coupling of air and fabric.
@@ -264,6 +266,17 @@ pub struct Lines {
     pub youngs_modulus_pa: Option<f64>,
     pub force_strain: Option<Vec<[f64; 2]>>,
     pub damping_n_s: Option<f64>,
+}
+
+/// `[contact]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct ContactTable {
+    pub thickness_m: f64,
 }
 
 /// `[gravity]`.

@@ -2,6 +2,7 @@
 
 mod air;
 mod bodies;
+mod contact;
 pub mod file;
 mod file_bodies;
 mod file_specimens;
@@ -17,7 +18,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 8] = [
+pub const SHIPPED: [(&str, &str); 9] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
@@ -28,6 +29,7 @@ pub const SHIPPED: [(&str, &str); 8] = [
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
     ),
+    ("folded-gore", include_str!("../../cases/folded-gore.toml")),
     (
         "hanging-sheet",
         include_str!("../../cases/hanging-sheet.toml"),

@@ -338,6 +338,12 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
             "a structure with fabric",
         ),
         (
+            "contact",
+            file.contact.is_some(),
+            fabric,
+            "a structure with fabric",
+        ),
+        (
             "resolution",
             file.resolution.is_some(),
             file.air.is_some(),

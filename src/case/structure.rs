@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::Problem;
+use super::contact;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
 use super::specimens;
@@ -56,7 +57,7 @@ pub(super) fn check(
     } else {
         None
     };
-    let body = body.ok_or_else(|| {
+    let mut body = body.ok_or_else(|| {
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
@@ -72,6 +73,7 @@ pub(super) fn check(
             "mend the mesh or the lengths, or hold the node",
         )
     })?;
+    contact::check(file, &mut body)?;
     Ok(Some(body))
 }
 

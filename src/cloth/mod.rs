@@ -148,8 +148,13 @@ impl Structure {
             + bendings * (size_of::<Bending<3>>() + 12)
             + self.curvatures.len() * (size_of::<Bending<6>>() + 24)
             + self.cables.len() * (size_of::<CableSegment>() + 16);
+        // Pairs with room around the thickness, and boxes of the grid; folded fabric has many.
+        let of_contact = match self.contact {
+            Some(_) => triangles * 2_000,
+            None => 0,
+        };
         // Blocks of the stiffness matrix and their columns; the coarser levels add two fifths.
         let blocks = nodes + (3 * triangles).max(2 * springs) + 2 * bendings;
-        (of_nodes + of_elements + blocks * 56) as u64
+        (of_nodes + of_elements + of_contact + blocks * 56) as u64
     }
 }

@@ -52,6 +52,9 @@ const CANOPY: [&str; 19] = [
     "mass_defect",
 ];
 
+/// Behind the others where fabric meets itself; no gap where nothing is closer than the thickness.
+const CONTACT: [&str; 2] = ["smallest_gap_m", "contact_energy_j"];
+
 /// A sheet or a mesh in the wind.
 const FABRIC_IN_WIND: [&str; 13] = [
     "time_s",
@@ -97,6 +100,12 @@ impl Record {
             (None, _) => &AIR,
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        if simulation
+            .cloth()
+            .is_some_and(|c| c.contact_state().is_some())
+        {
+            columns.extend(CONTACT.map(str::to_owned));
+        }
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
@@ -142,6 +151,11 @@ impl Record {
             None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
+        if let Some(contact) = simulation.cloth().and_then(|c| c.contact_state()) {
+            let gap_m = contact.smallest_gap_m;
+            let gap_m = if gap_m.is_finite() { gap_m } else { f64::NAN };
+            row.extend([gap_m, contact.energy_j]);
+        }
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }

@@ -4,6 +4,7 @@ use std::io;
 
 use super::Simulation;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::cloth::ContactState;
 
 impl Simulation {
     /// Writes the state.
@@ -15,6 +16,10 @@ impl Simulation {
         if let Some(cloth) = &self.cloth {
             out.put("positions", &cloth.positions_m)?;
             out.put("velocities", &cloth.velocities_m_s)?;
+            if let Some(contact) = cloth.contact_state() {
+                out.put("contact_forces", &contact.forces_n)?;
+                out.put("contact", &[contact.energy_j, contact.smallest_gap_m])?;
+            }
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
@@ -36,6 +41,15 @@ impl Simulation {
             let nodes = cloth.structure.node_count();
             cloth.positions_m = from.take_exactly("positions", nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
+            if cloth.contact_state().is_some() {
+                let forces_n = from.take_exactly("contact_forces", nodes)?;
+                let numbers: Vec<f64> = from.take_exactly("contact", 2)?;
+                cloth.restore_contact_state(ContactState {
+                    forces_n,
+                    energy_j: numbers[0],
+                    smallest_gap_m: numbers[1],
+                });
+            }
         }
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {

@@ -32,9 +32,8 @@ pub fn free_share(
     }
     let squares = moves.map(DVec3::length_squared);
     let [first, second] = pair.sides();
-    let fastest = |side: std::ops::Range<usize>| {
-        squares[side].iter().copied().fold(0.0, f64::max).sqrt()
-    };
+    let fastest =
+        |side: std::ops::Range<usize>| squares[side].iter().copied().fold(0.0, f64::max).sqrt();
     let speed = fastest(first) + fastest(second);
     let mut gap = pair.gap_m(&places);
     let least = REST * gap;

@@ -19,11 +19,7 @@ pub fn pierces(segment: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
     if above * below >= 0.0 {
         return false;
     }
-    let hands = [
-        volume(p, q, a, b),
-        volume(p, q, b, c),
-        volume(p, q, c, a),
-    ];
+    let hands = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
     hands.iter().all(|h| *h > 0.0) || hands.iter().all(|h| *h < 0.0)
 }
 
@@ -76,6 +72,9 @@ mod tests {
         assert!(!through(0.2, 0.3, 0.1, 1.0), "ends before");
         assert!(!through(0.7, 0.7, -1.0, 1.0), "passes beside");
         assert!(!through(0.2, 0.3, 0.0, 1.0), "touches");
-        assert!(!pierces([DVec3::X * -1.0, DVec3::X * 2.0], triangle), "lies in the plane");
+        assert!(
+            !pierces([DVec3::X * -1.0, DVec3::X * 2.0], triangle),
+            "lies in the plane"
+        );
     }
 }

@@ -65,10 +65,7 @@ impl<'a> Grid<'a> {
     /// For boxes that are looked for within `reach` of others, no longer than `largest_other` [m].
     #[must_use]
     pub fn new(extents: &'a [Extent], reach: f64, largest_other: f64) -> Self {
-        let largest = extents
-            .iter()
-            .map(Extent::longest_side)
-            .fold(0.0, f64::max);
+        let largest = extents.iter().map(Extent::longest_side).fold(0.0, f64::max);
         // Middles are at most half of either box and the reach apart; a little more for rounding.
         let cell_size = (0.5 * (largest + largest_other) + reach) * (1.0 + 1e-9);
         let buckets = (2 * extents.len()).next_power_of_two().max(2);

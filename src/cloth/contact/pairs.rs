@@ -166,12 +166,8 @@ impl Surface {
     #[must_use]
     pub fn search(&self, positions: &[DVec3], reach: f64) -> Vec<Pair> {
         let place = |node: u32| positions[node as usize];
-        let largest = |extents: &[Extent]| {
-            extents
-                .iter()
-                .map(Extent::longest_side)
-                .fold(0.0, f64::max)
-        };
+        let largest =
+            |extents: &[Extent]| extents.iter().map(Extent::longest_side).fold(0.0, f64::max);
         let extents: Vec<Extent> = self
             .triangles
             .iter()

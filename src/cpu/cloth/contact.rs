@@ -260,10 +260,15 @@ impl Contacts {
         };
         let there = |node: usize| positions[node] + step(node) * limit;
         let before = self.ensure(positions);
-        let mut excursion_m = self.searched.as_ref().map_or(f64::INFINITY, |s| {
-            before.max(self.excursion_m(s, there))
-        });
-        if self.searched.as_ref().is_none_or(|s| excursion_m > s.room_m) {
+        let mut excursion_m = self
+            .searched
+            .as_ref()
+            .map_or(f64::INFINITY, |s| before.max(self.excursion_m(s, there)));
+        if self
+            .searched
+            .as_ref()
+            .is_none_or(|s| excursion_m > s.room_m)
+        {
             // A little more, for rounding.
             excursion_m = way_m * limit * (1.0 + 1e-9);
             self.search(positions, self.room_m.max(excursion_m));
@@ -337,9 +342,11 @@ impl Contacts {
     /// the whole.
     pub(super) fn rows(&self, node_count: usize) -> Rows {
         let mut entries = Vec::new();
-        for (push, [row, column]) in self.built.iter().flat_map(|push| {
-            same_side(push).map(move |places| (push, places))
-        }) {
+        for (push, [row, column]) in self
+            .built
+            .iter()
+            .flat_map(|push| same_side(push).map(move |places| (push, places)))
+        {
             let weight = push.weights[row] * push.weights[column];
             if weight != 0.0 {
                 let block = outer(push.normal, push.normal) * (push.curvature_n_m * weight);

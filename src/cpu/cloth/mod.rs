@@ -29,8 +29,8 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use contact::Contacts;
 pub use contact::ContactState;
+use contact::Contacts;
 use gather::Gather;
 use nodal_forces::Pulls;
 

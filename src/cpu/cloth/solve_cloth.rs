@@ -254,7 +254,9 @@ impl<'a> Objective<'a> {
             if free.share >= 1.0 {
                 return;
             }
-            each(&mut place, |i, place| *place += (point[i] - *place) * free.share);
+            each(&mut place, |i, place| {
+                *place += (point[i] - *place) * free.share
+            });
             if free.in_the_way {
                 break;
             }
