@@ -2,8 +2,8 @@
 //!
 //! Pairs are searched for with some room, and again when a node has moved so far, beside what all have moved in common, that an unlisted
 //! pair might have come closer than the thickness. Energies of pairs that push are added up in the order of the search, on one thread;
-//! all else runs in parallel, so that results do not depend on the number of threads. Every solve begins with a search of its own:
-//! it must not depend on what was solved before.
+//! all else runs in parallel, so that results do not depend on the number of threads. They do depend, by rounding, on where the last search
+//! was: that belongs to the state, and into checkpoints.
 //!
 //! The stiffness κ of a pair \[N/m\] is the mean, over its four nodes, of what holds a node in the step: inertia m/dt² and the air's K/dt,
 //! the load over the thickness, and a thousandth of the fabric's tensile stiffness where nothing else does. A node that would be moved
@@ -26,6 +26,9 @@ use crate::cloth::contact::pairs::{Pair, Surface};
 /// Room of a search, as a share of the mean edge: more makes more pairs to look at in every evaluation, less makes more searches.
 const ROOM: f64 = 0.1;
 
+/// Pairs that may be looked at in vain, per pair of a search, before the next: about what a search costs.
+const VAIN: f64 = 8.0;
+
 /// Longest way of a node, beside what all move in common, in one trial, as a share of the mean edge.
 const LONGEST_WAY: f64 = 1.0;
 
@@ -47,6 +50,12 @@ pub struct ContactState {
     pub energy_j: f64,
     /// Smallest distance of fabric from fabric [m]; infinite where none is closer than the thickness.
     pub smallest_gap_m: f64,
+    /// Where pairs were searched for [m], `[node_count]`.
+    pub searched_m: Vec<DVec3>,
+    /// Farthest that a node may be from there, beside what all have moved in common [m]; negative before the first search.
+    pub room_m: f64,
+    /// Pairs looked at in vain since then.
+    pub vain: f64,
 }
 
 /// Fabric that meets itself, during solves.
@@ -57,9 +66,8 @@ pub(super) struct Contacts {
     room_m: f64,
     longest_way_m: f64,
     least_stiffness_n_m: f64,
-    /// Pairs near enough to matter while nodes stay within `searched`, nearest first, with their distance there [m].
+    /// Pairs near enough to matter while nodes stay near where they were searched for, nearest first, with their distance there [m].
     pairs: Vec<(f64, Pair)>,
-    searched: Option<Searched>,
     /// What holds every node [N/m], `[node_count]`.
     stiffness_n_m: Vec<f64>,
     /// Pushes where the initial Hessian was built.
@@ -77,15 +85,6 @@ pub(super) struct Free {
     pub(super) in_the_way: bool,
 }
 
-/// Where pairs were searched for.
-#[derive(Debug, Clone)]
-struct Searched {
-    /// Of the fabric's nodes [m].
-    positions: Vec<DVec3>,
-    /// Farthest that a node may be from there, beside what all have moved in common [m].
-    room_m: f64,
-}
-
 /// Stiffness of the pushes of one node, for the matrix of multigrid.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows {
@@ -101,6 +100,19 @@ impl Rows {
             None => &[],
         }
     }
+}
+
+/// Longest of the displacements of some nodes, beside their mean [m].
+fn farthest_m(nodes: &[u32], displacement: impl Fn(usize) -> DVec3) -> f64 {
+    let mut common = DVec3::ZERO;
+    for node in nodes {
+        common += displacement(*node as usize);
+    }
+    common /= nodes.len().max(1) as f64;
+    let farthest = nodes.iter().fold(0.0, |farthest: f64, node| {
+        farthest.max((displacement(*node as usize) - common).length_squared())
+    });
+    farthest.sqrt()
 }
 
 /// What `of` finds for every chunk of pairs, in order.
@@ -135,16 +147,26 @@ impl Contacts {
             longest_way_m: LONGEST_WAY * edge,
             least_stiffness_n_m: FABRIC_SHARE * tensile,
             pairs: Vec::new(),
-            searched: None,
             stiffness_n_m: Vec::new(),
             built: Vec::new(),
             state: ContactState {
                 forces_n: vec![DVec3::ZERO; structure.node_count()],
                 energy_j: 0.0,
                 smallest_gap_m: f64::INFINITY,
+                searched_m: structure.positions_m.clone(),
+                room_m: -1.0,
+                vain: 0.0,
             },
             time: Duration::ZERO,
         })
+    }
+
+    /// Goes on from a state, as if it had been reached here.
+    pub(super) fn restore(&mut self, state: ContactState) {
+        if state.room_m >= 0.0 {
+            self.search(&state.searched_m, state.room_m);
+        }
+        self.state = state;
     }
 
     /// Prepares a solve: `loads` are those that stay [N].
@@ -156,7 +178,6 @@ impl Contacts {
         loads: &[DVec3],
     ) {
         let began = Instant::now();
-        self.searched = None;
         self.stiffness_n_m.clear();
         let mut loads = loads.to_vec();
         if input.pressure_follows() {
@@ -181,18 +202,9 @@ impl Contacts {
     }
 
     /// Farthest that a node of the fabric is from where pairs were searched for, beside what all have moved in common [m].
-    fn excursion_m(&self, searched: &Searched, place: impl Fn(usize) -> DVec3) -> f64 {
-        let nodes = self.surface.nodes.iter().zip(&searched.positions);
-        let mut common = DVec3::ZERO;
-        for (node, old) in nodes.clone() {
-            common += place(*node as usize) - *old;
-        }
-        common /= self.surface.nodes.len().max(1) as f64;
-        let mut farthest: f64 = 0.0;
-        for (node, old) in nodes {
-            farthest = farthest.max((place(*node as usize) - *old - common).length_squared());
-        }
-        farthest.sqrt()
+    fn excursion_m(&self, place: impl Fn(usize) -> DVec3) -> f64 {
+        let searched = &self.state.searched_m;
+        farthest_m(&self.surface.nodes, |node| place(node) - searched[node])
     }
 
     fn search(&mut self, positions: &[DVec3], room_m: f64) {
@@ -207,24 +219,17 @@ impl Contacts {
         );
         // Stable, so that the order depends on the positions alone.
         self.pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.searched = Some(Searched {
-            positions: self
-                .surface
-                .nodes
-                .iter()
-                .map(|node| positions[*node as usize])
-                .collect(),
-            room_m,
-        });
+        self.state.searched_m.clear();
+        self.state.searched_m.extend_from_slice(positions);
+        self.state.room_m = room_m;
+        self.state.vain = 0.0;
     }
 
     /// Searches anew if the pairs do not hold at these positions; returns how far nodes are from where the search was \[m\].
     fn ensure(&mut self, positions: &[DVec3]) -> f64 {
-        if let Some(searched) = &self.searched {
-            let excursion_m = self.excursion_m(searched, |node| positions[node]);
-            if excursion_m <= searched.room_m {
-                return excursion_m;
-            }
+        let excursion_m = self.excursion_m(|node| positions[node]);
+        if excursion_m <= self.state.room_m && self.state.vain <= VAIN * self.pairs.len() as f64 {
+            return excursion_m;
         }
         self.search(positions, self.room_m);
         0.0
@@ -243,16 +248,7 @@ impl Contacts {
         step: impl Fn(usize) -> DVec3 + Sync,
     ) -> Free {
         let began = Instant::now();
-        let nodes = &self.surface.nodes;
-        let mut common = DVec3::ZERO;
-        for node in nodes {
-            common += step(*node as usize);
-        }
-        common /= nodes.len().max(1) as f64;
-        let farthest = nodes.iter().fold(0.0, |farthest: f64, node| {
-            farthest.max((step(*node as usize) - common).length_squared())
-        });
-        let way_m = farthest.sqrt();
+        let way_m = farthest_m(&self.surface.nodes, &step);
         let limit = if way_m > self.longest_way_m {
             self.longest_way_m / way_m
         } else {
@@ -260,19 +256,13 @@ impl Contacts {
         };
         let there = |node: usize| positions[node] + step(node) * limit;
         let before = self.ensure(positions);
-        let mut excursion_m = self
-            .searched
-            .as_ref()
-            .map_or(f64::INFINITY, |s| before.max(self.excursion_m(s, there)));
-        if self
-            .searched
-            .as_ref()
-            .is_none_or(|s| excursion_m > s.room_m)
-        {
+        let mut excursion_m = before.max(self.excursion_m(there));
+        if excursion_m > self.state.room_m {
             // A little more, for rounding.
             excursion_m = way_m * limit * (1.0 + 1e-9);
             self.search(positions, self.room_m.max(excursion_m));
         }
+        self.count_vain(excursion_m);
         // The others stay farther apart than the thickness on the whole way.
         let shares = of_chunks(self.near(excursion_m), |pairs| {
             pairs.iter().fold(limit, |share, (_, pair)| {
@@ -287,9 +277,16 @@ impl Contacts {
         }
     }
 
+    /// Counts the pairs that are looked at only because nodes have moved since the search.
+    fn count_vain(&mut self, excursion_m: f64) {
+        let vain = self.near(excursion_m).len() - self.near(0.0).len();
+        self.state.vain += vain as f64;
+    }
+
     /// Pushes at some positions, in the order of the pairs.
     fn pushes(&mut self, positions: &[DVec3]) -> Vec<Push> {
         let excursion_m = self.ensure(positions);
+        self.count_vain(excursion_m);
         let stiffness = |pair: &Pair| {
             0.25 * pair
                 .nodes

@@ -111,10 +111,10 @@ impl Cloth {
         self.prepared.contacts.as_ref().map(|c| &c.state)
     }
 
-    /// Takes what contact did from a checkpoint.
+    /// Takes what contact did from a checkpoint; its vectors are `[node_count]`.
     pub fn restore_contact_state(&mut self, state: ContactState) {
         if let Some(contacts) = &mut self.prepared.contacts {
-            contacts.state = state;
+            contacts.restore(state);
         }
     }
 
