@@ -36,7 +36,7 @@
 //! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
-//! | [`cloth`] | what a structure is made of | laws, extents of triangles |
+//! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
@@ -67,6 +67,9 @@
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
 //! (`docs/rigid-bodies.md`).
+//!
+//! Where a case asks for it ([`cloth::contact`], `docs/contact.md`), fabric that comes close to fabric adds a barrier to that energy, and no
+//! trial goes farther than it can without passing through.
 //!
 //! ## Departures from the published schemes
 //!

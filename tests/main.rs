@@ -16,6 +16,7 @@ mod canopy;
 mod cases;
 mod cloth;
 mod command_line;
+mod contact;
 mod coupling;
 mod device;
 mod device_cloth;
@@ -35,6 +36,7 @@ fn main() -> std::process::ExitCode {
         air::trials(),
         eddy_viscosity::trials(),
         cloth::trials(),
+        contact::trials(),
         walls::trials(),
         coupling::trials(),
         device::trials(),

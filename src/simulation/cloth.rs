@@ -18,9 +18,6 @@ const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
 const REFRESH_EVERY: usize = 10;
 
-/// The same for block-Jacobi where fabric meets itself.
-const CONTACT_REFRESH_EVERY: usize = 5;
-
 impl Simulation {
     fn step_settings(&self) -> SolverSettings {
         step_settings(&self.scene, &self.plan)
@@ -196,18 +193,11 @@ pub(super) fn step_settings(scene: &Scene, plan: &Plan) -> SolverSettings {
         evaluation_limit: scene.solver.evaluation_limit,
         history: HISTORY,
         refresh_every: match plan.step_hessian {
-            // Barriers stiffen a thousandfold as fabric comes close.
-            InitialHessian::BlockJacobi if has_contact(scene) => Some(CONTACT_REFRESH_EVERY),
             InitialHessian::BlockJacobi => None,
             InitialHessian::Multigrid => Some(REFRESH_EVERY),
         },
         initial_hessian: plan.step_hessian,
     }
-}
-
-fn has_contact(scene: &Scene) -> bool {
-    let body = scene.body.as_ref();
-    body.is_some_and(|body| body.structure.contact.is_some())
 }
 
 fn count(cost: &mut Cost, outcome: &Outcome) {
