@@ -147,6 +147,13 @@ impl Surface {
         sum / (self.edges.len().max(1)) as f64
     }
 
+    /// Smallest thickness of any pair [m].
+    #[must_use]
+    pub fn least_thickness_m(&self) -> f64 {
+        let starts = self.close_at_start.values().copied();
+        starts.fold(self.thickness_m, f64::min)
+    }
+
     fn pair(&self, kind: Kind, nodes: [u32; 4], parallel_m4: f64) -> Pair {
         let thickness_m = if self.close_at_start.is_empty() {
             self.thickness_m

@@ -30,7 +30,10 @@ const ROOM: f64 = 0.1;
 const VAIN: f64 = 8.0;
 
 /// Longest way of a node, beside what all move in common, in one trial, as a share of the mean edge.
-const LONGEST_WAY: f64 = 1.0;
+const LONGEST_WAY: f64 = 0.5;
+
+/// Share of the smallest distance that a step without a look at pairs may use up; less than what a pair may lose.
+const SHORT_STEP: f64 = 0.8;
 
 /// Share of the fabric's tensile stiffness that a pair has at least.
 const FABRIC_SHARE: f64 = 1e-3;
@@ -63,6 +66,8 @@ pub struct ContactState {
 pub(super) struct Contacts {
     surface: Surface,
     thickness_m: f64,
+    /// Of all pairs, those that start close included [m].
+    least_thickness_m: f64,
     room_m: f64,
     longest_way_m: f64,
     least_stiffness_n_m: f64,
@@ -70,6 +75,8 @@ pub(super) struct Contacts {
     pairs: Vec<(f64, Pair)>,
     /// What holds every node [N/m], `[node_count]`.
     stiffness_n_m: Vec<f64>,
+    /// Where pushes were last evaluated [m], and a distance that no pair was below there [m]; spares the look at pairs before short steps.
+    evaluated: (Vec<DVec3>, f64),
     /// Pushes where the initial Hessian was built.
     built: Vec<Push>,
     pub(super) state: ContactState,
@@ -141,6 +148,7 @@ impl Contacts {
             }
         };
         Some(Self {
+            least_thickness_m: surface.least_thickness_m(),
             surface,
             thickness_m,
             room_m: ROOM * edge,
@@ -148,6 +156,7 @@ impl Contacts {
             least_stiffness_n_m: FABRIC_SHARE * tensile,
             pairs: Vec::new(),
             stiffness_n_m: Vec::new(),
+            evaluated: (structure.positions_m.clone(), 0.0),
             built: Vec::new(),
             state: ContactState {
                 forces_n: vec![DVec3::ZERO; structure.node_count()],
@@ -178,6 +187,8 @@ impl Contacts {
         loads: &[DVec3],
     ) {
         let began = Instant::now();
+        // What is spared decides when pairs are searched for again, and must not depend on what was solved before.
+        self.evaluated.1 = -1.0;
         self.stiffness_n_m.clear();
         let mut loads = loads.to_vec();
         if input.pressure_follows() {
@@ -254,6 +265,18 @@ impl Contacts {
         } else {
             1.0
         };
+        let (evaluated, gap_m) = &self.evaluated;
+        let since_m = farthest_m(&self.surface.nodes, |node| {
+            positions[node] - evaluated[node]
+        });
+        if 2.0 * (limit * way_m + since_m) <= SHORT_STEP * gap_m {
+            // Too short for any pair to lose most of its distance.
+            self.time += began.elapsed();
+            return Free {
+                share: limit,
+                in_the_way: false,
+            };
+        }
         let there = |node: usize| positions[node] + step(node) * limit;
         let before = self.ensure(positions);
         let mut excursion_m = before.max(self.excursion_m(there));
@@ -300,7 +323,14 @@ impl Contacts {
                 .filter_map(|(_, pair)| push(pair, positions, stiffness(pair)))
                 .collect()
         });
-        parts.concat()
+        let pushes = parts.concat();
+        let gaps = pushes.iter().map(|push| push.gap_m);
+        // Pairs that do not push are farther apart than their own thickness, which may be smaller.
+        let least_m = gaps.fold(self.least_thickness_m, f64::min);
+        self.evaluated.0.clear();
+        self.evaluated.0.extend_from_slice(positions);
+        self.evaluated.1 = least_m;
+        pushes
     }
 
     /// Adds the gradient [N], and returns the energy [J].
