@@ -18,6 +18,7 @@ use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use ripstop::lines::Cable;
 use ripstop::solve::lbfgs::Stop;
 
+use crate::command_line::ripstop;
 use crate::engines::plain;
 use crate::tolerances::contact as tolerance;
 
@@ -41,6 +42,7 @@ pub fn trials() -> Vec<Trial> {
         plain("contact::impossible_starts_are_refused", refused),
         plain("contact::close_starts_are_not_under_stress", close_start),
         plain("contact::hostile_starts_stay_finite", hostile),
+        plain("contact::is_listed_and_kept_from_devices", listed),
     ]
     .into_iter()
     .flatten()
@@ -536,6 +538,17 @@ fn close_start() {
     }
     let gap = cloth.contact_state().unwrap().smallest_gap_m;
     assert!(gap > 0.0 && gap < 1e-3, "{gap}");
+}
+
+/// `check` says who searches and what is skipped without; a device is refused.
+fn listed() {
+    let with = ripstop(&["check", "cases/folded-gore.toml"]);
+    assert!(with.output.contains("where contact is searched for"), "{}", with.output);
+    let without = ripstop(&["check", "cases/hanging-sheet.toml"]);
+    assert!(without.output.contains("contact of fabric with itself"), "{}", without.output);
+    let device = ripstop(&["check", "cases/folded-gore.toml", "--cloth", "device"]);
+    assert_eq!(device.code, 2);
+    assert!(device.errors.contains("[contact]"), "{}", device.errors);
 }
 
 /// Crumpled sheets that do not cross themselves, stiff and soft, in long and short steps: finite, and uncrossed.
