@@ -543,9 +543,17 @@ fn close_start() {
 /// `check` says who searches and what is skipped without; a device is refused.
 fn listed() {
     let with = ripstop(&["check", "cases/folded-gore.toml"]);
-    assert!(with.output.contains("where contact is searched for"), "{}", with.output);
+    assert!(
+        with.printed.contains("where contact is searched for"),
+        "{}",
+        with.printed
+    );
     let without = ripstop(&["check", "cases/hanging-sheet.toml"]);
-    assert!(without.output.contains("contact of fabric with itself"), "{}", without.output);
+    assert!(
+        without.printed.contains("contact of fabric with itself"),
+        "{}",
+        without.printed
+    );
     let device = ripstop(&["check", "cases/folded-gore.toml", "--cloth", "device"]);
     assert_eq!(device.code, 2);
     assert!(device.errors.contains("[contact]"), "{}", device.errors);
