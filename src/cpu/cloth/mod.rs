@@ -8,6 +8,7 @@
 //! * [`read_outs`]: tensions and reactions;
 //! * [`contact`]: fabric that meets itself;
 //! * `driver`: which minimiser drives a solve;
+//! * [`probe`]: one trial, for comparing engines;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
@@ -20,6 +21,7 @@ pub mod initial_hessian;
 pub mod loads;
 pub mod nodal_forces;
 pub mod pressure;
+pub mod probe;
 pub mod read_outs;
 pub mod solve_cloth;
 pub mod stiffness;
@@ -39,7 +41,8 @@ use crate::solve::multigrid::Multigrid;
 pub use evaluator::Evaluator;
 pub use loads::{MarkerReaction, StepInput};
 pub use pressure::Pressure;
-pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
+pub use probe::Probe;
+pub use solve_cloth::{InitialHessian, SolverSettings};
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]
