@@ -117,6 +117,8 @@ pub struct StructureFrame {
     /// Forces with which supports hold the structure [N], `[node_count]`; zero where a node is free. The pull of the air on a held node
     /// itself is not in it.
     pub reactions_n: Vec<DVec3>,
+    /// Forces with which fabric pushes fabric [N], `[node_count]`; `None` where it passes through itself.
+    pub contact_forces_n: Option<Vec<DVec3>>,
     /// Node indices of every fabric triangle, `[triangle_count]`.
     pub triangles: Vec<[u32; 3]>,
     /// Principal membrane tensions, larger first [N/m], `[triangle_count]`.

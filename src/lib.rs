@@ -36,7 +36,7 @@
 //! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
 //! | [`fabric`], [`lines`] | material laws | – |
-//! | [`cloth`] | what a structure is made of | laws, extents of triangles |
+//! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
@@ -69,6 +69,9 @@
 //! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
 //! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). In a box that falls (`[air.descent]`) every mass, the air's
 //! too, feels one more uniform acceleration ([`simulation::Descent`]).
+//!
+//! Where a case asks for it ([`cloth::contact`], `docs/contact.md`), fabric that comes close to fabric adds a barrier to that energy, and no
+//! trial goes farther than it can without passing through.
 //!
 //! ## Departures from the published schemes
 //!

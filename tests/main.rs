@@ -17,6 +17,7 @@ mod cases;
 mod checkpoint;
 mod cloth;
 mod command_line;
+mod contact;
 mod coupling;
 mod descent;
 mod device;
@@ -38,6 +39,7 @@ fn main() -> std::process::ExitCode {
         air::trials(),
         eddy_viscosity::trials(),
         cloth::trials(),
+        contact::trials(),
         walls::trials(),
         coupling::trials(),
         device::trials(),

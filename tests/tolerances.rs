@@ -175,3 +175,19 @@ pub mod device_cloth {
 /// elsewhere within a pixel, so edges differ (0.06 and 1.2e-4 for a canopy).
 pub const PICTURE_MEAN: f64 = 0.3;
 pub const PICTURE_STRONG: f64 = 2e-3;
+
+/// Contact of fabric with itself, in double precision on the host.
+pub mod contact {
+    /// Gradient of a pair against differences over 2e-6 of distances near 1: their own error.
+    pub const GRADIENT: f64 = 1e-5;
+    /// Sum of a pair's forces and of their moments about the origin, over the largest force: round-off; nearly parallel edges lose
+    /// digits in products of their lengths.
+    pub const BALANCE: f64 = 1e-12;
+    /// Weight carried by supports: solved to 1e-4 in the energy norm of the loads, which binds single forces less.
+    pub const WEIGHT: f64 = 1e-2;
+    /// Energy gained in a step, over that at the start: the solver's displacement floor. Backward Euler loses energy in every step of an
+    /// impact.
+    pub const ENERGY: f64 = 1e-6;
+    /// Momentum lost in an impact of forty steps: what the solver leaves of the gradient.
+    pub const MOMENTUM: f64 = 1e-4;
+}

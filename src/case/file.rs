@@ -36,6 +36,8 @@ pub struct File {
     pub lines: Option<Lines>,
     /// Belts sewn on the seams; absent: none.
     pub belts: Option<CableMaterial>,
+    /// Contact of fabric with itself; absent: it passes through itself.
+    pub contact: Option<ContactTable>,
     /// Gravity; absent: none.
     pub gravity: Option<Gravity>,
     /// What hangs on the canopy and falls with it; absent: the confluence is held.
@@ -275,6 +277,17 @@ pub struct Lines {
     /// With a diameter.
     pub drag_coefficient: Option<f64>,
     pub diameter_m: Option<f64>,
+}
+
+/// `[contact]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct ContactTable {
+    pub thickness_m: f64,
 }
 
 /// `[gravity]`.

@@ -2,6 +2,7 @@
 
 mod air;
 mod bodies;
+mod contact;
 mod descent;
 pub mod file;
 mod file_bodies;
@@ -9,6 +10,7 @@ mod file_descent;
 mod file_permeability;
 mod file_specimens;
 pub mod locate;
+mod output;
 mod permeability;
 pub mod scene;
 mod specimens;
@@ -21,7 +23,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 9] = [
+pub const SHIPPED: [(&str, &str); 10] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
@@ -36,6 +38,7 @@ pub const SHIPPED: [(&str, &str); 9] = [
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
     ),
+    ("folded-gore", include_str!("../../cases/folded-gore.toml")),
     (
         "hanging-sheet",
         include_str!("../../cases/hanging-sheet.toml"),

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 pub use super::descent::{Carrier, Descent};
 use super::file::File;
-use super::{Problem, air, bodies, descent, structure};
+use super::{Problem, air, bodies, descent, output, structure};
 use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
@@ -347,6 +347,12 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
             "a structure with fabric",
         ),
         (
+            "contact",
+            file.contact.is_some(),
+            fabric,
+            "a structure with fabric",
+        ),
+        (
             "resolution",
             file.resolution.is_some(),
             file.air.is_some(),
@@ -477,17 +483,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         ));
     }
     let end_s = time.map_or(1.0, |t| t.end_s);
-    let written = file.output.clone().unwrap_or_default();
-    let optional = |key: &str, value: Option<f64>| value.map(|v| positive(key, v)).transpose();
-    let output = Output {
-        sample_interval_s: optional("output.sample_interval_s", written.sample_interval_s)?
-            .unwrap_or(end_s / 500.0),
-        canopy_interval_s: optional("output.canopy_interval_s", written.canopy_interval_s)?,
-        bodies_interval_s: optional("output.bodies_interval_s", written.bodies_interval_s)?,
-        flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
-        picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
-        picture_fabric: picture_fabric(written.picture_fabric)?,
-    };
+    let output = output::check(file, end_s)?;
     let steady_drag_confidence = file
         .steady
         .as_ref()
@@ -535,35 +531,6 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
         )?,
         damping_1_s,
     })
-}
-
-/// What the fabric's colours show: its tension if nothing is said; each quantity once.
-fn picture_fabric(written: Option<Vec<FabricQuantity>>) -> Result<Vec<FabricQuantity>, Problem> {
-    let quantities = written.unwrap_or_else(|| vec![FabricQuantity::Tension]);
-    let repeated = (1..quantities.len()).find(|&i| quantities[..i].contains(&quantities[i]));
-    if quantities.is_empty() || repeated.is_some() {
-        let found = repeated.map_or("nothing".to_owned(), |i| {
-            format!("{:?} twice", quantities[i].name())
-        });
-        return Err(Problem::new(
-            "output.picture_fabric",
-            format!("output.picture_fabric holds {found}"),
-            "name some of tension, stress, von_mises, shear_stress, wrinkles, each once, or leave the key out",
-        ));
-    }
-    Ok(quantities)
-}
-
-/// Refuses times before release, or none at all; times beyond the end are simply not reached.
-fn picture_times(times: Vec<f64>) -> Result<Vec<f64>, Problem> {
-    match times.iter().find(|t| !(**t >= 0.0 && t.is_finite())) {
-        None => Ok(times),
-        Some(t) => Err(Problem::new(
-            "output.picture_times_s",
-            format!("output.picture_times_s holds {t}"),
-            "give times from 0, the release, on",
-        )),
-    }
 }
 
 fn check_time(file: &File, air: Option<&Air>) -> Result<Option<Time>, Problem> {

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::Problem;
+use super::contact;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
 use super::{descent, permeability, specimens};
@@ -75,6 +76,7 @@ pub(super) fn check(
             "mend the mesh or the lengths, or hold the node",
         )
     })?;
+    contact::check(file, &mut body)?;
     Ok(Some(body))
 }
 

@@ -130,6 +130,15 @@ impl EngineArguments {
         if self.cloth == ClothChoice::Device && scene.body.is_none() {
             return misuse("--cloth device: the case has no [structure]; leave it out");
         }
+        let has_contact = scene
+            .body
+            .as_ref()
+            .is_some_and(|body| body.structure.contact.is_some());
+        if self.cloth == ClothChoice::Device && has_contact {
+            return misuse(
+                "--cloth device: the case has [contact], which is searched for on the host; leave it out, or remove [contact]",
+            );
+        }
         let on_request = named.unwrap_or(AdapterChoice::Any);
         if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
             // Whoever names an adapter must hear that there is none of that name.
@@ -161,6 +170,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
+            ClothChoice::Auto if has_contact => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

@@ -100,6 +100,7 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
         ("fluid", cost.fluid),
         ("coupling", cost.coupling),
         ("cloth", cost.cloth),
+        ("of which contact", cost.contact),
         ("measure", cost.measure),
     ]
     .iter()

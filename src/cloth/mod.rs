@@ -2,6 +2,7 @@
 //!
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
+pub mod contact;
 pub mod curvature;
 pub mod elements;
 pub mod faults;
@@ -10,6 +11,8 @@ mod waves;
 use glam::DVec3;
 
 pub use elements::{Bending, CableSegment, Spring, Triangle};
+
+use contact::Contact;
 
 use crate::fabric::membrane::Membrane;
 use crate::fabric::permeability::Permeability;
@@ -62,6 +65,8 @@ pub struct Structure {
     pub guides: Vec<Guide>,
     /// Drag of suspension lines; `None`: they feel no air.
     pub line_drag: Option<LineDrag>,
+    /// That fabric meets itself; `None`: it passes through itself.
+    pub contact: Option<Contact>,
 }
 
 impl Structure {
@@ -149,8 +154,13 @@ impl Structure {
             + bendings * (size_of::<Bending<3>>() + 12)
             + self.curvatures.len() * (size_of::<Bending<6>>() + 24)
             + self.cables.len() * (size_of::<CableSegment>() + 16);
+        // Pairs with room around the thickness, and boxes of the grid; folded fabric has many.
+        let of_contact = match self.contact {
+            Some(_) => triangles * 2_000,
+            None => 0,
+        };
         // Blocks of the stiffness matrix and their columns; the coarser levels add two fifths.
         let blocks = nodes + (3 * triangles).max(2 * springs) + 2 * bendings;
-        (of_nodes + of_elements + blocks * 56) as u64
+        (of_nodes + of_elements + of_contact + blocks * 56) as u64
     }
 }

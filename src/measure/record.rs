@@ -52,6 +52,9 @@ const CANOPY: [&str; 19] = [
     "mass_defect",
 ];
 
+/// Behind the others where fabric meets itself; no gap where nothing is closer than the thickness.
+const CONTACT: [&str; 2] = ["smallest_gap_m", "contact_energy_j"];
+
 /// A sheet or a mesh in the wind.
 const FABRIC_IN_WIND: [&str; 13] = [
     "time_s",
@@ -112,6 +115,12 @@ impl Record {
         if simulation.line_drag_n().is_some() {
             columns.push("line_drag_n".to_owned());
         }
+        if simulation
+            .cloth()
+            .is_some_and(|c| c.contact_state().is_some())
+        {
+            columns.extend(CONTACT.map(str::to_owned));
+        }
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
@@ -160,6 +169,11 @@ impl Record {
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());
         row.extend(simulation.line_drag_n().map(|force| force.x));
+        if let Some(contact) = simulation.cloth().and_then(|c| c.contact_state()) {
+            let gap_m = contact.smallest_gap_m;
+            let gap_m = if gap_m.is_finite() { gap_m } else { f64::NAN };
+            row.extend([gap_m, contact.energy_j]);
+        }
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }

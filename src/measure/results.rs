@@ -49,6 +49,7 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
         fall_results(&mut results, record);
     }
     line_drag_results(&mut results, record);
+    contact_results(&mut results, record);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);
     }
@@ -126,6 +127,31 @@ fn through_results(results: &mut Results, record: &Record) {
             results.insert(name, Quantity::new(mean, "m/s").with_note(&note));
         }
     }
+}
+
+/// Where fabric meets itself.
+fn contact_results(results: &mut Results, record: &Record) {
+    let gaps = record.column("smallest_gap_m");
+    if gaps.is_empty() {
+        return;
+    }
+    // f64::min passes over samples in which nothing is near.
+    let smallest = gaps.into_iter().fold(f64::INFINITY, f64::min);
+    let gap = if smallest.is_finite() {
+        Quantity::new(smallest, "m").with_note("smallest of all samples, between middle surfaces")
+    } else {
+        Quantity::missing(
+            "m",
+            "no fabric came closer to other fabric than contact.thickness_m",
+        )
+    };
+    results.insert("smallest_gap_m", gap);
+    let energies = record.column("contact_energy_j");
+    let largest = energies.into_iter().fold(0.0, f64::max);
+    results.insert(
+        "contact_energy_max_j",
+        Quantity::new(largest, "J").with_note("largest of all samples"),
+    );
 }
 
 fn quantity(mean: Mean, unit: &str) -> Quantity {

@@ -102,6 +102,9 @@ pub struct MillisecondsPerStep {
     pub coupling: Option<f64>,
     /// Fabric and cables (ms).
     pub cloth: Option<f64>,
+    /// Contact of fabric with itself, part of `cloth` (ms).
+    #[serde(default)]
+    pub contact: Option<f64>,
     /// Everything else, output included (ms).
     pub measure: Option<f64>,
 }

@@ -24,6 +24,7 @@ const NO_CODE: i8 = -1;
 /// |---|---|---|---|
 /// | `velocity_m_s` | points | 3 x f64 | node velocity (m/s) |
 /// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N), without the air's pull on the node itself; zero where it is free |
+/// | `contact_force_n` | points | 3 x f64 | force of other fabric on the node (N); only where the case has contact |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
 /// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
 /// | `tension_1_direction` | cells | 3 × f64 | unit vector along `tension_1_n_m`, along which wrinkles run; 0 without tension, NaN on cables |
@@ -58,6 +59,10 @@ pub fn write_canopy_vtp(
     xml += &data.array("velocity_m_s", nodes, velocities);
     let reactions = structure.reactions_n.iter().map(|v| v.to_array());
     xml += &data.array("reaction_n", nodes, reactions);
+    if let Some(forces) = &structure.contact_forces_n {
+        let forces = forces.iter().map(|v| v.to_array());
+        xml += &data.array("contact_force_n", nodes, forces);
+    }
     xml += "</PointData>\n<CellData Scalars=\"tension_1_n_m\">\n";
     xml += &cell_data(&mut data, structure);
     xml += "</CellData>\n<Points>\n";
@@ -177,6 +182,9 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     let (cables, triangles) = (structure.cables.len(), structure.triangles.len());
     check_length("node velocities", structure.velocities_m_s.len(), nodes)?;
     check_length("reactions", structure.reactions_n.len(), nodes)?;
+    if let Some(forces) = &structure.contact_forces_n {
+        check_length("contact forces", forces.len(), nodes)?;
+    }
     let tensions = structure.principal_tensions_n_m.len();
     check_length("principal tensions", tensions, triangles)?;
     for (what, values) in [
@@ -329,6 +337,7 @@ mod tests {
             velocities_m_s: vec![DVec3::new(1.0, 2.0, 3.0); 4],
             triangles: vec![[0, 1, 2]],
             reactions_n: vec![DVec3::ZERO; 4],
+            contact_forces_n: None,
             principal_tensions_n_m: vec![[30.0, -0.5]],
             tension_directions: vec![DVec3::X],
             stress_pa: vec![4e5],

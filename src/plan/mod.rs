@@ -157,6 +157,12 @@ fn skips(scene: &Scene) -> Vec<Skip> {
             if structure.guides.is_empty() {
                 skip("guides", "no apex_guide_n_m".into());
             }
+            if structure.contact.is_none() && !structure.triangles.is_empty() {
+                skip(
+                    "contact of fabric with itself",
+                    "the case has no [contact]: fabric passes through itself".into(),
+                );
+            }
             if scene.gravity_m_s2.is_none() {
                 skip("gravity", "the case has no [gravity]".into());
             }

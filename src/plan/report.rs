@@ -31,8 +31,11 @@ impl Plan {
             };
             writeln!(out, "  air                 {place}")?;
         }
-        if scene.body.is_some() {
+        if let Some(body) = &scene.body {
             let place = match self.placement.cloth {
+                ClothPlacement::Host if body.structure.contact.is_some() => {
+                    "host memory (f64), where contact is searched for".to_owned()
+                }
                 ClothPlacement::Host => "host memory (f64)".to_owned(),
                 ClothPlacement::Device => self.device_name(),
             };
@@ -150,6 +153,13 @@ impl Plan {
                     quality.mean_shape,
                     quality.shortest_edge_m,
                     quality.longest_edge_m
+                )?;
+            }
+            if let Some(contact) = body.structure.contact {
+                writeln!(
+                    out,
+                    "  contact             pushes below {} m between the middle surfaces",
+                    contact.thickness_m
                 )?;
             }
             self.write_canopy(out, scene)?;

@@ -18,6 +18,7 @@ fn structure() -> StructureFrame {
         velocities_m_s: vec![DVec3::ZERO; 5],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         reactions_n: vec![DVec3::ZERO; 5],
+        contact_forces_n: None,
         principal_tensions_n_m: vec![[4.0, 1.0], [8.0, 1.0]],
         tension_directions: vec![DVec3::Y; 2],
         stress_pa: vec![4e4, 8e4],

@@ -138,6 +138,12 @@ pub(super) fn summarise(
             fluid: per_step(cost.fluid, scene.air.is_some()),
             coupling: per_step(cost.coupling, scene.coupling.is_some()),
             cloth: per_step(cost.cloth, scene.body.is_some()),
+            contact: per_step(
+                cost.contact,
+                simulation
+                    .cloth()
+                    .is_some_and(|c| c.contact_state().is_some()),
+            ),
             measure: per_step(cost.measure, true),
         },
         stop: StopInfo {

@@ -4,6 +4,7 @@ use std::io;
 
 use super::Simulation;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::cloth::ContactState;
 
 impl Simulation {
     /// Writes the state.
@@ -15,6 +16,17 @@ impl Simulation {
         if let Some(cloth) = &self.cloth {
             out.put("positions", &cloth.positions_m)?;
             out.put("velocities", &cloth.velocities_m_s)?;
+            if let Some(contact) = cloth.contact_state() {
+                out.put("contact_forces", &contact.forces_n)?;
+                out.put("contact_searched", &contact.searched_m)?;
+                let numbers = [
+                    contact.energy_j,
+                    contact.smallest_gap_m,
+                    contact.room_m,
+                    contact.vain,
+                ];
+                out.put("contact", &numbers)?;
+            }
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
@@ -42,6 +54,18 @@ impl Simulation {
             let nodes = cloth.structure.node_count();
             cloth.positions_m = from.take_exactly("positions", nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
+            if cloth.contact_state().is_some() {
+                let forces_n = from.take_exactly("contact_forces", nodes)?;
+                let numbers: Vec<f64> = from.take_exactly("contact", 4)?;
+                cloth.restore_contact_state(ContactState {
+                    forces_n,
+                    energy_j: numbers[0],
+                    smallest_gap_m: numbers[1],
+                    searched_m: from.take_exactly("contact_searched", nodes)?,
+                    room_m: numbers[2],
+                    vain: numbers[3],
+                });
+            }
         }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;

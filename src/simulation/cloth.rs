@@ -93,7 +93,9 @@ impl Simulation {
                     every,
                 );
                 let before = (every > 1).then(|| cloth.positions_m.clone());
+                let contact = cloth.contact_time();
                 let outcome = cloth.solve_cloth(&input, &settings);
+                self.cost.contact += cloth.contact_time().saturating_sub(contact);
                 if let Some(before) = before {
                     step_from(&before, cloth, time_step_s);
                 }

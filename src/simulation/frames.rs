@@ -82,6 +82,7 @@ fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
     }
     StructureFrame {
         reactions_n,
+        contact_forces_n: cloth.contact_state().map(|c| c.forces_n.clone()),
         positions_m: cloth.positions_m.clone(),
         velocities_m_s: cloth.velocities_m_s.clone(),
         triangles: structure.triangles.iter().map(|t| t.nodes).collect(),

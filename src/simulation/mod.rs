@@ -53,6 +53,8 @@ pub struct Cost {
     pub coupling: Duration,
     /// Solve the cloth.
     pub cloth: Duration,
+    /// Contact of fabric with itself; part of `cloth`.
+    pub contact: Duration,
     /// Measure.
     pub measure: Duration,
     /// Iterations of the minimiser.

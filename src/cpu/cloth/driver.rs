@@ -53,6 +53,7 @@ impl Curvature for Objective<'_> {
             // Not reached: without multigrid L-BFGS drives.
             None => product.fill(Vec3::ZERO),
         }
+        self.add_between_sides(vector, product);
         Ok(dot(vector, product))
     }
 

@@ -8,10 +8,13 @@
 //! * [`line_drag`]: drag of suspension lines;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
+//! * [`contact`]: fabric that meets itself;
 //! * `driver`: which minimiser drives a solve;
+//! * [`probe`]: one trial, for comparing engines;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
+pub mod contact;
 pub mod dashpots;
 mod driver;
 pub mod evaluator;
@@ -22,13 +25,18 @@ pub mod loads;
 pub mod nodal_forces;
 pub mod permeable;
 pub mod pressure;
+pub mod probe;
 pub mod read_outs;
 pub mod solve_cloth;
 pub mod stiffness;
 mod vectors;
 
+use std::time::Duration;
+
 use glam::DVec3;
 
+pub use contact::ContactState;
+use contact::Contacts;
 use gather::Gather;
 use nodal_forces::Pulls;
 
@@ -37,7 +45,8 @@ use crate::solve::multigrid::Multigrid;
 pub use evaluator::Evaluator;
 pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
-pub use solve_cloth::{InitialHessian, Probe, SolverSettings};
+pub use probe::Probe;
+pub use solve_cloth::{InitialHessian, SolverSettings};
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]
@@ -59,6 +68,8 @@ struct Prepared {
     pulls: Pulls,
     /// Made when first asked for.
     multigrid: Option<Multigrid>,
+    /// `None` for a structure that passes through itself.
+    contacts: Option<Contacts>,
 }
 
 impl Prepared {
@@ -78,6 +89,7 @@ impl Cloth {
             velocities_m_s: vec![DVec3::ZERO; structure.node_count()],
             prepared: Prepared {
                 gather: Gather::new(&structure),
+                contacts: Contacts::new(&structure),
                 ..Prepared::default()
             },
             structure,
@@ -98,6 +110,28 @@ impl Cloth {
             .multigrid
             .as_ref()
             .map_or(0, Multigrid::cycles)
+    }
+
+    /// What contact did at the end of the last solve; `None` for a structure that passes through itself.
+    #[must_use]
+    pub fn contact_state(&self) -> Option<&ContactState> {
+        self.prepared.contacts.as_ref().map(|c| &c.state)
+    }
+
+    /// Takes what contact did from a checkpoint; its vectors are `[node_count]`.
+    pub fn restore_contact_state(&mut self, state: ContactState) {
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.restore(state);
+        }
+    }
+
+    /// Wall time that contact has taken so far.
+    #[must_use]
+    pub fn contact_time(&self) -> Duration {
+        self.prepared
+            .contacts
+            .as_ref()
+            .map_or(Duration::ZERO, |c| c.time)
     }
 
     /// Linear momentum of all nodes that can move [kg m/s].

@@ -159,6 +159,11 @@ impl Cloth {
             &mut pulls,
             &mut forces,
         );
+        if let Some(contact) = self.contact_state() {
+            for (force, push) in forces.iter_mut().zip(&contact.forces_n) {
+                *force -= *push;
+            }
+        }
         let mut loads = dead_loads(structure, input);
         pressure::add_forces(structure, &self.positions_m, input.pressure, &mut loads);
         let held = structure.held.iter().enumerate();

@@ -44,21 +44,6 @@ pub struct SolverSettings {
     pub initial_hessian: InitialHessian,
 }
 
-/// What one trial found; for comparing engines.
-#[derive(Debug, Clone)]
-pub struct Probe {
-    /// At the start of the step.
-    pub start: Start,
-    /// Of the trial; the only stored vector is H₀ g of the start.
-    pub attempt: Attempt,
-    /// Gradient at the trial [N].
-    pub gradient: Vec<DVec3>,
-    /// H₀ times the gradient [m].
-    pub preconditioned: Vec<DVec3>,
-    /// Positions of the trial [m].
-    pub positions_m: Vec<DVec3>,
-}
-
 /// The objective, on host vectors.
 pub(super) struct Objective<'a> {
     structure: &'a Structure,
@@ -84,6 +69,9 @@ pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
 /// Solves with corrected loads along edges under pressure.
 const EDGE_PASS_LIMIT: usize = 30;
 
+/// Legs in which the prediction of a step is approached while no fabric is in the way, each about an edge long.
+const LEG_LIMIT: usize = 100;
+
 /// Below this relative change, differences of the objective are round-off.
 const ROUND_OFF: f64 = 1e-10;
 
@@ -95,13 +83,17 @@ impl<'a> Objective<'a> {
         input: &'a StepInput<'a>,
         kind: InitialHessian,
     ) -> Self {
+        let loads = step_loads(structure, start, input);
+        if let Some(contacts) = &mut prepared.contacts {
+            contacts.begin(structure, start, input, &loads);
+        }
         Self {
             structure,
             prepared,
             start,
             velocities,
             input,
-            loads: step_loads(structure, start, input),
+            loads,
             origin_m: input.pressure_follows().then(|| pressure::middle(start)),
             dashpots: dashpots(structure, start, input.time_step_s),
             kind,
@@ -185,6 +177,9 @@ impl<'a> Objective<'a> {
         } else {
             add_to(gradient, |i| -loads[i]);
         }
+        if let Some(contacts) = &mut self.prepared.contacts {
+            value += contacts.add_gradient(point, gradient);
+        }
         for (g, &held) in gradient.iter_mut().zip(&structure.held) {
             if held {
                 *g = DVec3::ZERO;
@@ -215,21 +210,32 @@ impl<'a> Objective<'a> {
     }
 
     pub(super) fn rebuild(&mut self, point: &[DVec3]) {
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.build(point);
+        }
         match self.kind {
             InitialHessian::BlockJacobi => self.rebuild_blocks(point),
             InitialHessian::Multigrid => {
                 let (structure, input) = (self.structure, self.input);
                 self.prepared.multigrid(structure);
                 let Prepared {
-                    gather, multigrid, ..
+                    gather,
+                    multigrid,
+                    contacts,
+                    ..
                 } = &mut *self.prepared;
-                let (dashpots, start) = (&self.dashpots, self.start);
+                let start = self.start;
+                let rows = contacts.as_ref().map(|c| c.rows(structure.node_count()));
+                let extra = stiffness::Extra {
+                    dashpots: &self.dashpots,
+                    contact: rows.as_ref(),
+                };
                 if let Some(multigrid) = multigrid {
                     multigrid.refresh(|matrix| {
                         stiffness::assemble(
                             structure,
                             gather,
-                            (input, dashpots),
+                            (input, extra),
                             [start, point],
                             matrix,
                         );
@@ -239,9 +245,30 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Moves `point` from the start of the step, where no fabric has passed through itself, as far towards where it is as none does.
+    fn keep_apart(&mut self, point: &mut [DVec3]) {
+        let Some(contacts) = &mut self.prepared.contacts else {
+            return;
+        };
+        let mut place = self.start.to_vec();
+        for _ in 0..LEG_LIMIT {
+            let free = contacts.free_share(&place, |i| point[i] - place[i]);
+            if free.share >= 1.0 {
+                return;
+            }
+            each(&mut place, |i, place| {
+                *place += (point[i] - *place) * free.share
+            });
+            if free.in_the_way {
+                break;
+            }
+        }
+        point.copy_from_slice(&place);
+    }
+
     /// Writes where a step leads, clipped; returns its length.
     pub(super) fn move_along(
-        &self,
+        &mut self,
         from: &Step<'_, Vec<DVec3>, Vec<Vec3>>,
         point: &mut [DVec3],
     ) -> f64 {
@@ -250,6 +277,13 @@ impl<'a> Objective<'a> {
             from.length * (from.step_limit_m / reach)
         } else {
             from.length
+        };
+        let length = match &mut self.prepared.contacts {
+            Some(contacts) => {
+                let step = |i: usize| from.direction[i].as_dvec3() * length;
+                length * contacts.free_share(from.point, step).share
+            }
+            None => length,
         };
         fill(point, |i| {
             from.point[i] + from.direction[i].as_dvec3() * length
@@ -276,6 +310,13 @@ impl<'a> Objective<'a> {
 
     pub(super) fn multigrid(&self) -> Option<&Multigrid> {
         self.prepared.multigrid.as_ref()
+    }
+
+    /// Adds to a product with multigrid's matrix what contact has beyond it.
+    pub(super) fn add_between_sides(&self, vector: &[Vec3], product: &mut [Vec3]) {
+        if let Some(contacts) = &self.prepared.contacts {
+            contacts.add_between_sides(&self.structure.held, vector, product);
+        }
     }
 
     fn rebuild_blocks(&mut self, point: &[DVec3]) {
@@ -309,6 +350,9 @@ impl<'a> Objective<'a> {
                         DMat3::from_diagonal(DVec3::splat(stiffness));
                 }
             }
+        }
+        if let Some(contacts) = &self.prepared.contacts {
+            contacts.add_blocks(&mut self.inverse_blocks);
         }
         for dashpot in &self.dashpots {
             for node in dashpot.nodes {
@@ -479,6 +523,7 @@ impl Cloth {
             settings.initial_hessian,
         );
         let mut options = options(structure, settings);
+        objective.keep_apart(&mut point);
         let dead = objective.loads.clone();
         objective.correct_edges(&dead, &point);
         let mut outcome = driver::minimise(&mut objective, &mut point, &options, watch);
@@ -502,6 +547,9 @@ impl Cloth {
                 ..next
             };
         }
+        if let Some(contacts) = &mut self.prepared.contacts {
+            contacts.finish(&point);
+        }
         match input.time_step_s {
             Some(dt) => {
                 for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {
@@ -512,52 +560,6 @@ impl Cloth {
         }
         self.positions_m = point;
         outcome
-    }
-
-    /// One trial from the start of a step along `direction` [m], `[node_count]`: its `length`, and the longest way of a node [m]; of the
-    /// settings only the initial Hessian counts.
-    #[must_use]
-    pub fn probe(
-        &self,
-        (input, settings): (&StepInput, &SolverSettings),
-        direction: &[DVec3],
-        [length, step_limit_m]: [f64; 2],
-    ) -> Probe {
-        let (structure, start) = (&self.structure, &self.positions_m);
-        let point = prediction(structure, start, &self.velocities_m_s, input);
-        let mut prepared = self.prepared.clone();
-        let mut objective = Objective::new(
-            structure,
-            &mut prepared,
-            [start, &self.velocities_m_s],
-            input,
-            settings.initial_hessian,
-        );
-        let mut landed = vec![DVec3::ZERO; structure.node_count()];
-        let [mut g, mut h, mut new_g, mut new_h] =
-            [(); 4].map(|()| vec![Vec3::ZERO; structure.node_count()]);
-        let Ok(start) = objective.start(&point, &mut g, &mut h);
-        let from = Step {
-            point: &point,
-            gradient: &g,
-            preconditioned: &h,
-            direction: &vectors::single(direction),
-            length,
-            step_limit_m,
-        };
-        let mut to = Landing {
-            point: &mut landed,
-            gradient: &mut new_g,
-            preconditioned: &mut new_h,
-        };
-        let Ok(attempt) = objective.attempt(&from, &mut to, &[&h]);
-        Probe {
-            start,
-            attempt,
-            gradient: vectors::double(&new_g),
-            preconditioned: vectors::double(&new_h),
-            positions_m: landed,
-        }
     }
 }
 

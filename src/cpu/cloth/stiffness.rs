@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
+use super::contact::Rows;
 use super::dashpots::Dashpot;
 use super::gather::Gather;
 use super::initial_hessian::{axial_block, cable_block};
@@ -20,6 +21,13 @@ use crate::solve::multigrid::coarsening::Graph;
 
 /// Elements that one task works on.
 const ELEMENTS_AT_ONCE: usize = 512;
+
+/// What stiffens a structure beside its elements.
+#[derive(Clone, Copy)]
+pub(super) struct Extra<'a> {
+    pub(super) dashpots: &'a [Dashpot],
+    pub(super) contact: Option<&'a Rows>,
+}
 
 /// Stiffness of a triangle against its three squared elongations.
 #[derive(Debug, Clone, Copy)]
@@ -157,7 +165,7 @@ fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
 pub(super) fn assemble(
     structure: &Structure,
     gather: &Gather,
-    (input, dashpots): (&StepInput, &[Dashpot]),
+    (input, extra): (&StepInput, Extra),
     [start, positions]: [&[DVec3]; 2],
     matrix: &mut BlockMatrix,
 ) {
@@ -262,10 +270,15 @@ pub(super) fn assemble(
                     -cables[c],
                 );
             }
-            for dashpot in dashpots {
+            for dashpot in extra.dashpots {
                 if let Some(corner) = dashpot.nodes.iter().position(|n| *n as usize == row) {
                     add(blocks, own, dashpot.block());
                     add(blocks, place(dashpot.nodes[1 - corner]), -dashpot.block());
+                }
+            }
+            if let Some(contact) = extra.contact {
+                for &(column, block) in contact.row(row) {
+                    add(blocks, place(column), block);
                 }
             }
             for (g, _) in gather.guides.at(row) {

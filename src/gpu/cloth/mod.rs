@@ -120,6 +120,13 @@ impl Cloth {
         markers: &[(u32, [f64; 3])],
         faces: bool,
     ) -> Result<Self, DeviceError> {
+        if structure.contact.is_some() {
+            return Err(DeviceError::Feature {
+                what: "search for contact of fabric with itself",
+                device: device.info().name.clone(),
+                remedy: "use --cloth host, or remove [contact]",
+            });
+        }
         let nodes = structure.node_count();
         let elements = Elements::new(structure, markers, faces);
         let constants = constants(structure, &elements);
