@@ -41,14 +41,16 @@ pub enum Carrier {
 /// Altitudes of the standard atmosphere's lowest layer [m].
 const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
 
-/// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere [kg/m³].
+/// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere, over the geometric altitude [kg/m³].
 pub(super) fn standard_density_kg_m3(altitude_m: f64) -> f64 {
     const LAPSE_K_M: f64 = 0.0065;
     const SEA_LEVEL_K: f64 = 288.15;
     const SEA_LEVEL_KG_M3: f64 = 1.225;
     // g M/(R L) − 1
     const EXPONENT: f64 = 4.255_88;
-    SEA_LEVEL_KG_M3 * (1.0 - LAPSE_K_M * altitude_m / SEA_LEVEL_K).powf(EXPONENT)
+    const EARTH_RADIUS_M: f64 = 6_356_766.0;
+    let geopotential_m = EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m);
+    SEA_LEVEL_KG_M3 * (1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K).powf(EXPONENT)
 }
 
 /// Density of the air: as given, or of the standard atmosphere.
@@ -204,7 +206,7 @@ fn two_masses(key: &str) -> Problem {
 
 #[cfg(test)]
 mod tests {
-    /// ICAO Doc 7488: 1.1337 kg/m³ at 800 m is not tabulated; 1000, 5000 and 11 000 m are.
+    /// Densities over geometric altitudes as tabulated in ICAO Doc 7488.
     #[test]
     fn densities_are_those_of_the_tables() {
         for (altitude, density) in [

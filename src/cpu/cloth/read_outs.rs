@@ -181,7 +181,7 @@ mod tests {
     fn wrinkles_run_along_the_tension() {
         // Pulled along a direction at 30° to the warp, contracted across it, turned in space.
         let membrane = Membrane::new([[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 500.0]], 0.0);
-        let rest = [[0.1, 0.2], [0.9, 0.05], [0.3, 0.8]].map(|p| glam::DVec2::from_array(p));
+        let rest = [[0.1, 0.2], [0.9, 0.05], [0.3, 0.8]].map(glam::DVec2::from_array);
         let triangle = Triangle::new([0, 1, 2], rest).unwrap();
         let (s, c) = 30f64.to_radians().sin_cos();
         let (along, across) = (glam::DVec2::new(c, s), glam::DVec2::new(-s, c));

@@ -90,9 +90,7 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
         let step = simulation.step_count();
         if step > start && (step - start).is_multiple_of(SAMPLE_EVERY) {
             session.check_interrupt()?;
-            record
-                .add(&mut simulation)
-                .map_err(|error| Stop::Device(error))?;
+            record.add(&mut simulation).map_err(Stop::Device)?;
             let frame = simulation.structure_frame();
             let speeds = frame.structure.iter().flat_map(|s| &s.velocities_m_s);
             let fastest = speeds.map(|v| v.length()).fold(0.0, f64::max) / wind_m_s;
