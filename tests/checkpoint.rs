@@ -7,20 +7,26 @@ use std::time::Duration;
 use libtest_mimic::Trial;
 
 use crate::command_line::{CANOPY, command, files, finished, root};
-use crate::engines::plain;
+use crate::engines::{needs_device, plain};
+use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
     // Signals and limits of file sizes are those of a Unix shell.
     if !cfg!(unix) {
         return Vec::new();
     }
-    [
+    let mut trials: Vec<Trial> = [
         plain("checkpoint::killed_again_and_again", killed),
         plain("checkpoint::damaged_or_without_space", damaged),
     ]
     .into_iter()
     .flatten()
-    .collect()
+    .collect();
+    trials.push(needs_device(
+        "checkpoint::goes_on_elsewhere".to_owned(),
+        elsewhere,
+    ));
+    trials
 }
 
 /// Kills of the short version; `RIPSTOP_KILLS` asks for more.
@@ -164,4 +170,59 @@ fn damaged() {
         output.printed
     );
     same_results(&whole, &out);
+}
+
+/// A run that is killed on one engine goes on on the other, says so, and ends where it would have ended but for rounding.
+fn elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let end_s = 0.01;
+    // Solved so well that the engines part by rounding alone.
+    let exact = ["--set", "solver.tolerance=1e-5"];
+    let cpu: &[&str] = &[&["--engine", "cpu"], &exact[..]].concat();
+    let gpu: &[&str] = &[&["--engine", "gpu", "--cloth", "host"], &exact[..]].concat();
+    let last_row = |out: &Path| -> Vec<f64> {
+        let text = std::fs::read_to_string(out.join("history.csv")).unwrap();
+        let row = text.lines().last().unwrap();
+        row.split(',').map(|value| value.parse().unwrap()).collect()
+    };
+    let whole = folder.path().join("whole");
+    assert_eq!(finished(run(&whole, end_s, cpu).output().unwrap()).code, 0);
+    let header = std::fs::read_to_string(whole.join("history.csv")).unwrap();
+    let column = |name: &str| {
+        let names = header.lines().next().unwrap().split(',');
+        names.into_iter().position(|n| n == name).unwrap()
+    };
+    let columns = ["projected_diameter_ratio", "impulse_markers_n_s"].map(column);
+    for (name, [first, second]) in [("to_the_device", [cpu, gpu]), ("from_it", [gpu, cpu])] {
+        let out = folder.path().join(name);
+        let mut child = run(&out, end_s, first)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        // The canopy is free by then.
+        while !(out.join("checkpoint").exists() && out.join("canopy_00000.vtp").exists()) {
+            assert!(child.try_wait().unwrap().is_none(), "ended too early");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_millis(60));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let more = [second, &["--resume"]].concat();
+        let output = finished(run(&out, end_s, &more).output().unwrap());
+        assert_eq!(output.code, 0, "{}", output.errors);
+        assert!(
+            output.printed.contains("differ in rounding"),
+            "{}",
+            output.printed
+        );
+        let [a, b] = [&whole, &out].map(|out| last_row(out));
+        for &k in &columns {
+            let error = (a[k] - b[k]).abs() / a[k].abs();
+            assert!(
+                error < tolerances::OTHER_ENGINE,
+                "{name}, column {k}: {error:e}"
+            );
+        }
+    }
 }

@@ -49,7 +49,7 @@ pub fn trials() -> Vec<Trial> {
             || {
                 interrupt(
                     &["--engine", "gpu", "--cloth", "device"],
-                    &["--engine", "gpu", "--cloth", "host"],
+                    &["--engine", "cpu", "--precision", "f64"],
                 );
             },
         ));

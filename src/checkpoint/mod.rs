@@ -1,6 +1,6 @@
 //! Checkpoints: the whole state of a run in one file, so that a resumed run continues with the same bits.
 //!
-//! Layout, little-endian: magic, format version, identity (case hash and precision), then sections
+//! Layout, little-endian: magic, format version, identity (case hash and precision), who computed it, then sections
 //! `name length · name · data length · CRC-32 · data`, and a trailer that proves the file is whole. Files are written beside
 //! their final place, synced and renamed; the one before is kept as `checkpoint.previous`, and taken where the newer one is damaged.
 
@@ -47,7 +47,7 @@ pub enum CheckpointError {
     },
     /// It belongs to another case, variant, override or precision.
     #[error(
-        "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set, --precision, --engine and --cloth"
+        "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set and --precision"
     )]
     OtherRun {
         /// The file.
@@ -205,6 +205,12 @@ impl Reader {
             });
         }
         Ok(reader)
+    }
+
+    /// True if there is such a section.
+    #[must_use]
+    pub fn has(&self, name: &str) -> bool {
+        self.sections.contains_key(name)
     }
 
     /// A section as numbers.

@@ -105,6 +105,7 @@ struct Run<'a> {
     case: &'a Case,
     folder: &'a Path,
     identity: String,
+    computed_by: String,
     checkpoint_interval: Duration,
     simulation: Simulation,
     record: Record,
@@ -234,17 +235,27 @@ fn steps_per(case: &Case, interval_s: f64) -> u64 {
     ((interval_s / step_s).round() as u64).max(1)
 }
 
-/// What a checkpoint must agree with to be resumed from: case, precision, and who computes what.
+/// What a checkpoint must agree with to be resumed from: case and precision.
 fn identity(case: &Case, plan: &Plan) -> String {
-    let device = |on_device: bool| if on_device { "device" } else { "host" };
+    format!("case {} in {}", case.hash, plan.placement.precision_name())
+}
+
+/// Who computes what: where it differs, a resumed run does not deliver the bits of one that was never interrupted.
+fn computed_by(plan: &Plan) -> String {
+    let placement = &plan.placement;
+    let engine = |on_device: bool| match &placement.device {
+        Some(name) if on_device => name.as_str(),
+        _ => "the host",
+    };
     format!(
-        "case {} in {}, air on {}, fabric on {}",
-        case.hash,
-        plan.placement.precision_name(),
-        device(plan.placement.air_on_device()),
-        device(plan.placement.cloth_on_device())
+        "air on {}, fabric on {}",
+        engine(placement.air_on_device()),
+        engine(placement.cloth_on_device())
     )
 }
+
+/// Section that tells who computed a checkpoint.
+const COMPUTED_BY: &str = "computed_by";
 
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
@@ -259,7 +270,7 @@ impl<'a> Run<'a> {
             checkpoint_interval,
             fallback: _,
         } = order;
-        let identity = identity(case, &plan);
+        let (identity, computed_by) = (identity(case, &plan), computed_by(&plan));
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
         let found = resume
             .then(|| checkpoint::open(folder, &identity))
@@ -292,6 +303,16 @@ impl<'a> Run<'a> {
                 );
                 observer.note(&text);
                 notes.push(text);
+                let before = stored.take::<u8>(COMPUTED_BY)?;
+                if before != computed_by.as_bytes() {
+                    let text = format!(
+                        "before, the run was computed with {}, now with {computed_by}: results differ in rounding from those of one run on \
+                         either",
+                        String::from_utf8_lossy(&before)
+                    );
+                    observer.note(&text);
+                    notes.push(text);
+                }
             }
             None => {
                 files::remove_stale(folder);
@@ -315,6 +336,7 @@ impl<'a> Run<'a> {
             case,
             folder,
             identity,
+            computed_by,
             checkpoint_interval,
             simulation,
             record,
@@ -330,6 +352,7 @@ impl<'a> Run<'a> {
 
     fn save(&mut self) -> Result<(), RunError> {
         let written = checkpoint::write(self.folder, &self.identity, |out| {
+            out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
             self.simulation.save(out)?;
             self.record.save(out)?;
             self.files.save(out)

@@ -2,7 +2,7 @@
 
 use super::air::{AirEngine, apart};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::immersed::Immersed;
+use crate::cpu::immersed::{self, Immersed};
 use crate::gpu::{self, DeviceError};
 use crate::immersed::touched::{Domain, OutOfDomain};
 use crate::lattice::grid::Setup;
@@ -198,10 +198,40 @@ impl MarkerEngine {
         positions: &[[f64; 3]],
         air: &AirEngine,
     ) -> Result<(), CheckpointError> {
-        match (self, air) {
-            (Self::Cpu(markers), _) => markers.restore(from, positions),
-            (Self::Gpu(markers), AirEngine::Gpu(fluid)) => markers.restore(from, positions, fluid),
-            (Self::Gpu(_), _) => Err(from.damaged(apart().to_string())),
+        match (&mut *self, air) {
+            (Self::Cpu(markers), _) if from.has(immersed::FORCES) => {
+                return markers.restore(from, positions);
+            }
+            (Self::Gpu(markers), AirEngine::Gpu(fluid)) if from.has(gpu::immersed::FORCES) => {
+                return markers.restore(from, positions, fluid);
+            }
+            _ => {}
         }
+        // The other engine wrote it: the air tells what it knew but for the forces.
+        let count = self.marker_count();
+        let forces: Vec<[f64; 3]> = if from.has(immersed::FORCES) {
+            from.take_exactly(immersed::FORCES, count)?
+        } else {
+            from.take_exactly::<[f32; 4]>(gpu::immersed::FORCES, count)?
+                .iter()
+                .map(|[x, y, z, _]| [*x, *y, *z].map(f64::from))
+                .collect()
+        };
+        if from.take_exactly::<u64>("markers_active", 1)?[0] != 1 {
+            return Ok(());
+        }
+        let failed = |error: DeviceError| from.damaged(error.to_string());
+        let left = |left: OutOfDomain| {
+            from.damaged(format!("marker {} lies outside the air", left.marker))
+        };
+        self.send_markers(air, positions)
+            .map_err(failed)?
+            .map_err(left)?;
+        self.interpolate(air, positions)
+            .map_err(failed)?
+            .map_err(left)?;
+        self.fetch_air_velocities().map_err(failed)?;
+        both!(self, markers => markers.take_forces(&forces));
+        Ok(())
     }
 }

@@ -18,6 +18,9 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::ForcedCells;
 use crate::immersed::touched::{Domain, TouchedCells};
 
+/// Section of a checkpoint with the forces of the markers.
+pub const FORCES: &str = "marker_forces";
+
 /// Markers in the air.
 #[derive(Debug, Clone)]
 pub struct Immersed {
@@ -115,8 +118,15 @@ impl Immersed {
         out.put("markers_active", &[u64::from(self.active)])?;
         out.put("marker_strengths", &self.strengths)?;
         out.put("marker_air_velocities", &self.air_velocities)?;
-        out.put("marker_forces", &self.marker_forces)?;
+        out.put(FORCES, &self.marker_forces)?;
         out.put("cell_velocities", &self.cell_velocities)
+    }
+
+    /// Goes on with forces that another engine spread at the positions of the last interpolation [lattice units].
+    pub fn take_forces(&mut self, forces: &[[f64; 3]]) {
+        self.marker_forces.copy_from_slice(forces);
+        self.gather_cell_forces();
+        self.active = true;
     }
 
     /// Takes it from a checkpoint; `positions` are those of the last interpolation [cells].
@@ -129,7 +139,7 @@ impl Immersed {
         self.active = from.take_exactly::<u64>("markers_active", 1)?[0] == 1;
         self.strengths = from.take_exactly("marker_strengths", count)?;
         self.air_velocities = from.take_exactly("marker_air_velocities", count)?;
-        self.marker_forces = from.take_exactly("marker_forces", count)?;
+        self.marker_forces = from.take_exactly(FORCES, count)?;
         if self.active {
             self.touched
                 .rebuild(positions, self.domain)

@@ -69,6 +69,9 @@ pub struct ForceBox {
     pub(super) generation: u64,
 }
 
+/// Section of a checkpoint with the forces of the markers.
+pub const FORCES: &str = "marker_forces_on_device";
+
 /// Markers in the air.
 #[derive(Debug)]
 pub struct Immersed {
@@ -289,9 +292,19 @@ impl Immersed {
         out.put("marker_strengths", &self.strengths)?;
         out.put("marker_air_velocities", &self.air_velocities)?;
         let by_marker = self.forces_by_marker();
-        out.put("marker_forces_on_device", &by_marker)?;
+        out.put(FORCES, &by_marker)?;
         let velocities = self.box_velocities().map_err(std::io::Error::other)?;
         out.put("box_velocities", &velocities)
+    }
+
+    /// Goes on with forces that another engine spread at the positions of the last interpolation [lattice units].
+    pub fn take_forces(&mut self, forces: &[[f64; 3]]) {
+        for (slot, &marker) in self.forces.iter_mut().zip(&self.order) {
+            let [x, y, z] = forces[marker as usize].map(|f| f as f32);
+            *slot = [x, y, z, 0.0];
+        }
+        self.device.write(&self.marker_forces, 0, &self.forces);
+        self.spread();
     }
 
     /// Takes it from a checkpoint; `positions` are those of the last interpolation [cells].
@@ -306,7 +319,7 @@ impl Immersed {
         self.active = from.take_exactly::<u64>("markers_active", 1)?[0] == 1;
         self.strengths = from.take_exactly("marker_strengths", count)?;
         self.air_velocities = from.take_exactly("marker_air_velocities", count)?;
-        let forces: Vec<[f32; 4]> = from.take_exactly("marker_forces_on_device", count)?;
+        let forces: Vec<[f32; 4]> = from.take_exactly(FORCES, count)?;
         let velocities: Vec<[f32; 4]> = from.take("box_velocities")?;
         if self.active {
             self.send_markers(fluid, positions)
