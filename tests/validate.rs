@@ -13,6 +13,9 @@ const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer
 /// Flow through what air passes, and a fall in a box that follows.
 const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
 
+/// The immersed boundary, and canopies lighter than the air.
+const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-canopies"];
+
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [
     "membrane-patch",
@@ -41,6 +44,12 @@ pub fn trials() -> Vec<Trial> {
         "validate::fast_problems::gpu".to_owned(),
         || problems(&FAST, "gpu"),
     ));
+    trials.extend(plain("validate::coupling::cpu_f32", || {
+        problems(&COUPLING, "cpu");
+    }));
+    trials.push(needs_device("validate::coupling::gpu".to_owned(), || {
+        problems(&COUPLING[..1], "gpu");
+    }));
     trials.extend(plain("validate::permeable_screen::cpu_f32", || {
         problems(&PERMEABLE, "cpu");
     }));

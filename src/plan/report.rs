@@ -237,7 +237,7 @@ impl Plan {
         )?;
         writeln!(
             out,
-            "  mass ratio          m_s/(rho cell) = {ratio:.3} (sheet mass per area over air in one cell)"
+            "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
         )?;
         if let BodyKind::Canopy(canopy) = body.kind {
             let diameter = canopy.nominal_diameter_m;

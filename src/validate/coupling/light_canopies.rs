@@ -1,7 +1,7 @@
 //! Sheets ever lighter than the air around them: the reaction of the air inside the implicit step keeps them stable.
 //!
 //! The shipped canopy (quick: at 12 cells per diameter, in a short tunnel) inflates with masses of 10 to 1/1000 of the air in a cell's thickness, with a step of the fabric every
-//! 1, 4 and 10 steps of the air. An exchange that is not inside the implicit step blows up within some ten steps from a ratio of 1 on down.
+//! 1, 4 and 10 steps of the air.
 
 use std::path::Path;
 
