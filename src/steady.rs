@@ -6,6 +6,12 @@ use crate::measure::statistics::{Mean, batch_mean, first_peak};
 /// Averaging starts this many D₀/U after the first peak of the projected diameter.
 const SETTLING: f64 = 4.0;
 
+/// Averaging starts at least this many D₀/U after a change to a finer grid.
+const SETTLING_ON_FINER_GRID: f64 = 3.0;
+
+/// Window that a coarser grid of a sequence is given after its flow has settled [D₀/U].
+const COARSE_WINDOW: f64 = 2.0;
+
 /// Shortest averaging window that may end a run [D₀/U].
 pub const SHORTEST_WINDOW: f64 = 12.0;
 
@@ -46,7 +52,14 @@ pub fn window(record: &Record, unit_s: f64) -> Option<Window> {
     let interval = (times[end - 1] - times[released]) / (end - 1 - released) as f64;
     let samples = |units: f64| (units * unit_s / interval).round().max(1.0) as usize;
     let peak = first_peak(&ratios[released..], 0.8, samples(0.5)).map(|i| released + i);
-    let settled = peak.map(|i| i + samples(SETTLING)).filter(|&i| i + 1 < end);
+    // On a finer grid the flow of the coarser one settles anew.
+    let after_change = record.grid_changed_s().map_or(0, |changed| {
+        let from_s = changed + SETTLING_ON_FINER_GRID * unit_s;
+        times.partition_point(|&time| time < from_s)
+    });
+    let settled = peak
+        .map(|i| (i + samples(SETTLING)).max(after_change))
+        .filter(|&i| i + 1 < end);
     // A run too short to settle still shows its second half, marked as such.
     let first = settled.unwrap_or_else(|| released + (end - released) / 2);
     Some(Window {
@@ -57,6 +70,12 @@ pub fn window(record: &Record, unit_s: f64) -> Option<Window> {
         peak,
         settled: settled.is_some(),
     })
+}
+
+/// True if a coarser grid of a sequence has done its part: the canopy is open and the flow around it has settled.
+#[must_use]
+pub fn coarse_grid_is_done(record: &Record, unit_s: f64) -> bool {
+    window(record, unit_s).is_some_and(|window| window.settled && window.length >= COARSE_WINDOW)
 }
 
 /// Mean of a column over the window.

@@ -31,6 +31,15 @@ impl Units {
         }
     }
 
+    /// The same cells in steps that are `factor` times as long.
+    #[must_use]
+    pub fn with_step_factor(self, factor: f64) -> Self {
+        Self {
+            time_step_s: self.time_step_s * factor,
+            ..self
+        }
+    }
+
     /// m/s of one cell per step.
     #[must_use]
     pub fn speed_m_s(&self) -> f64 {

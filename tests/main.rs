@@ -14,6 +14,7 @@ mod bad_cases;
 mod bodies;
 mod canopy;
 mod cases;
+mod change_of_lattice;
 mod checkpoint;
 mod cloth;
 mod command_line;
@@ -49,6 +50,7 @@ fn main() -> std::process::ExitCode {
         bodies::trials(),
         permeability::trials(),
         descent::trials(),
+        change_of_lattice::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

@@ -370,6 +370,7 @@ pub struct Equilibrium {
 )]
 pub struct Steady {
     pub drag_confidence: f64,
+    pub grid_sequence: Option<Vec<f64>>,
 }
 
 /// `[output]`.

@@ -9,6 +9,7 @@ mod file_bodies;
 mod file_descent;
 mod file_permeability;
 mod file_specimens;
+mod grid_sequence;
 pub mod locate;
 mod output;
 mod permeability;
@@ -143,6 +144,8 @@ pub struct Case {
     pub variant: Option<String>,
     /// The checked scene.
     pub scene: Scene,
+    /// The same scene on the coarser grids that a run begins on, coarsest first; empty without `steady.grid_sequence`.
+    pub coarser: Vec<Scene>,
     source: String,
 }
 
@@ -266,15 +269,18 @@ pub fn parse(
         };
         locate(Problem::new(key, format!("in {name}: {message}"), help))
     })?;
-    let scene = scene::check(&file, folder).map_err(|problem| {
+    let in_file = |problem: Problem| {
         let message = format!("in {name}: {}", problem.message);
         locate(Problem { message, ..problem })
-    })?;
+    };
+    let scene = scene::check(&file, folder).map_err(in_file)?;
+    let coarser = grid_sequence::check(&file, &scene, folder).map_err(in_file)?;
     Ok(Case {
         name: name.to_owned(),
         hash: format!("{:08x}", crc32fast::hash(text.as_bytes())),
         variant: choices.variant.clone(),
         scene,
+        coarser,
         source: source.to_owned(),
     })
 }

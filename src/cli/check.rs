@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::{CaseArguments, Failure, emit};
+use crate::plan;
 
 #[derive(Debug, Args)]
 pub(super) struct CheckArguments {
@@ -12,10 +13,9 @@ pub(super) struct CheckArguments {
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let prepared = arguments.case.prepare()?;
-    emit(
-        &prepared
-            .plan
-            .report(&prepared.case.scene, rayon::current_num_threads()),
-    )?;
+    let case = &prepared.case;
+    let threads = rayon::current_num_threads();
+    emit(&prepared.plan.report(&case.scene, threads))?;
+    emit(&plan::grid_sequence(&case.coarser))?;
     Ok(0)
 }

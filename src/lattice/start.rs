@@ -28,6 +28,31 @@ pub struct Start {
     beyond: [Beyond; 3],
     relaxation_time: f64,
     states: Vec<(f64, [f64; 3])>,
+    /// Stress of every cell beyond equilibrium, where it is known better than by differences.
+    stresses: Option<Vec<Stress>>,
+}
+
+/// Stress beyond equilibrium, Σ f c_a c_b − ρ u_a u_b − δρ/3 δ_ab: xx, yy, zz, xy, xz, yz [lattice units].
+pub type Stress = [f32; 6];
+
+/// Axes of the components of a [`Stress`].
+pub const STRESS_AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
+
+/// Contributes a shifted population to the stress of its cell.
+pub fn add_to_stress(stress: &mut Stress, direction: usize, population: f32) {
+    let c = DIRECTIONS[direction];
+    for (sum, [a, b]) in stress.iter_mut().zip(STRESS_AXES) {
+        *sum += (c[a] * c[b]) as f32 * population;
+    }
+}
+
+/// Takes the part of equilibrium off the sum over all populations.
+pub fn less_equilibrium(sum: &mut Stress, density_excess: f64, velocity: [f64; 3]) {
+    for (sum, [a, b]) in sum.iter_mut().zip(STRESS_AXES) {
+        let isotropic = if a == b { density_excess / 3.0 } else { 0.0 };
+        let equilibrium = (1.0 + density_excess) * velocity[a] * velocity[b] + isotropic;
+        *sum = (f64::from(*sum) - equilibrium) as f32;
+    }
 }
 
 impl Start {
@@ -59,6 +84,30 @@ impl Start {
             beyond: [x, y, z],
             relaxation_time: setup.relaxation_time,
             states,
+            stresses: None,
+        }
+    }
+
+    /// Begins with a known density excess, velocity and stress of every cell.
+    #[must_use]
+    pub fn with_stresses(
+        setup: &Setup,
+        state: impl Fn([usize; 3]) -> (f64, [f64; 3], Stress) + Sync,
+    ) -> Self {
+        let [nx, ny, nz] = setup.cells;
+        let (states, stresses) = (0..nx * ny * nz)
+            .into_par_iter()
+            .map(|i| {
+                let (excess, velocity, stress) = state([i % nx, i / nx % ny, i / nx / ny]);
+                ((excess, velocity), stress)
+            })
+            .unzip();
+        Self {
+            cells: setup.cells,
+            beyond: [Beyond::Ends; 3],
+            relaxation_time: setup.relaxation_time,
+            states,
+            stresses: Some(stresses),
         }
     }
 
@@ -111,14 +160,33 @@ impl Start {
     /// Shifted population of a cell.
     #[must_use]
     pub fn population(&self, cell: [usize; 3], direction: usize) -> f64 {
-        self.with_gradient(cell, &self.velocity_gradient(cell), direction)
+        match &self.stresses {
+            Some(stresses) => self.with_stress(cell, stresses, direction),
+            None => self.with_gradient(cell, &self.velocity_gradient(cell), direction),
+        }
     }
 
     /// All shifted populations of a cell; its velocity gradient is worked out once for all.
     #[must_use]
     pub fn populations(&self, cell: [usize; 3]) -> [f64; DIRECTION_COUNT] {
+        if let Some(stresses) = &self.stresses {
+            return std::array::from_fn(|direction| self.with_stress(cell, stresses, direction));
+        }
         let gradient = self.velocity_gradient(cell);
         std::array::from_fn(|direction| self.with_gradient(cell, &gradient, direction))
+    }
+
+    /// f_i = f_i^eq + (9/2) w_i (c_i c_i − I/3) : Π, the regularised population of that stress (Latt & Chopard 2006).
+    fn with_stress(&self, cell: [usize; 3], stresses: &[Stress], direction: usize) -> f64 {
+        let (density_excess, velocity) = self.state(cell);
+        let stress = stresses[cell[0] + self.cells[0] * (cell[1] + self.cells[1] * cell[2])];
+        let c = DIRECTIONS[direction].map(f64::from);
+        let mut sum = 0.0;
+        for (component, [a, b]) in stress.into_iter().zip(STRESS_AXES) {
+            let (isotropic, times) = if a == b { (1.0 / 3.0, 1.0) } else { (0.0, 2.0) };
+            sum += times * (c[a] * c[b] - isotropic) * f64::from(component);
+        }
+        equilibrium(direction, density_excess, velocity) + 4.5 * WEIGHTS[direction] * sum
     }
 
     fn with_gradient(&self, cell: [usize; 3], gradient: &[[f64; 3]; 3], direction: usize) -> f64 {

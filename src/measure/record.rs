@@ -20,6 +20,8 @@ pub struct Record {
     body_impulses: [Vec<BodyImpulse>; 2],
     /// Time between the last two samples [s].
     interval_s: f64,
+    /// When the run went on on a finer grid; `None` if it never did [s].
+    grid_changed_s: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -151,6 +153,17 @@ impl Record {
     pub fn latest(&self, name: &str) -> Option<f64> {
         let index = self.columns.iter().position(|c| *c == name)?;
         self.rows.last().map(|row| row[index])
+    }
+
+    /// The run goes on on a finer grid: what comes settles anew.
+    pub const fn grid_changes(&mut self, time_s: f64) {
+        self.grid_changed_s = Some(time_s);
+    }
+
+    /// When the run went on on a finer grid, if it did [s].
+    #[must_use]
+    pub const fn grid_changed_s(&self) -> Option<f64> {
+        self.grid_changed_s
     }
 
     /// Adds a sample of the running scene and returns its row.
@@ -421,6 +434,8 @@ impl Record {
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         let flat: Vec<f64> = self.rows.iter().flatten().copied().collect();
         out.put("record", &flat)?;
+        let changed: Vec<f64> = self.grid_changed_s.into_iter().collect();
+        out.put("record_grid_changed", &changed)?;
         let last: Vec<DVec3> = self
             .last
             .iter()
@@ -448,6 +463,7 @@ impl Record {
             .chunks_exact(self.columns.len())
             .map(<[f64]>::to_vec)
             .collect();
+        self.grid_changed_s = from.take::<f64>("record_grid_changed")?.first().copied();
         let last: Vec<DVec3> = from.take("record_last")?;
         self.last = match last.as_slice() {
             [time, markers, momentum_box, supports] => Some(LastImpulses {

@@ -105,6 +105,25 @@ impl Plan {
     }
 }
 
+/// The coarser grids that a run begins on, as text; empty without any.
+#[must_use]
+pub fn grid_sequence(coarser: &[Scene]) -> String {
+    let mut text = String::new();
+    for air in coarser.iter().filter_map(|scene| scene.air) {
+        let [nx, ny, nz] = air.cells;
+        if text.is_empty() {
+            text.push_str(
+                "\ngrid sequence (before the case's own grid, each until its flow has settled)\n",
+            );
+        }
+        text.push_str(&format!(
+            "  cells               {nx} x {ny} x {nz} of {:.4} m, steps of {:.4e} s\n",
+            air.units.cell_size_m, air.units.time_step_s
+        ));
+    }
+    text
+}
+
 /// Markers of the fabric; empty unless it is coupled with air.
 #[must_use]
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {

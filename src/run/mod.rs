@@ -2,6 +2,7 @@
 
 mod equilibrium;
 mod files;
+mod lattices;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -9,8 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::case::Case;
 use crate::case::scene::BodyKind;
+use crate::case::{Case, Scene};
 use crate::checkpoint::{self, CheckpointError};
 use crate::frame::Frame;
 use crate::gpu::{Device, DeviceError};
@@ -24,6 +25,7 @@ use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
 use crate::steady::Detector;
 use files::Files;
+use lattices::Lattice;
 
 /// Steps between reports of progress.
 const PROGRESS_INTERVAL: u64 = 20;
@@ -108,6 +110,7 @@ struct Run<'a> {
     computed_by: String,
     checkpoint_interval: Duration,
     simulation: Simulation,
+    lattice: Lattice,
     record: Record,
     history: HistoryWriter,
     files: Files<'a>,
@@ -214,7 +217,7 @@ pub fn without_files(
 ) -> Result<(Simulation, Record), Failure> {
     let planned = plan.start_steps.saturating_add(plan.steps);
     let start_steps = plan.start_steps;
-    let sample_every = steps_per(case, case.scene.output.sample_interval_s);
+    let sample_every = steps_per(&case.scene, case.scene.output.sample_interval_s);
     let mut simulation = Simulation::new(case.scene.clone(), plan, device)?;
     let mut record = Record::new(&simulation);
     while simulation.step_count() < planned {
@@ -230,9 +233,45 @@ pub fn without_files(
 }
 
 /// Steps in an interval of time, at least one.
-fn steps_per(case: &Case, interval_s: f64) -> u64 {
-    let step_s = case.scene.time.map_or(f64::INFINITY, |t| t.step_s);
+fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
+    let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
     ((interval_s / step_s).round() as u64).max(1)
+}
+
+/// When what is written, in steps of the present lattice.
+struct Cadence {
+    step_s: f64,
+    /// Step that cadences count from.
+    origin: u64,
+    /// Step after which the run ends.
+    planned: u64,
+    start_steps: u64,
+    sample: u64,
+    canopy: Option<u64>,
+    flow: Option<u64>,
+    bodies: Option<u64>,
+}
+
+impl Cadence {
+    fn new(simulation: &Simulation) -> Self {
+        let (scene, plan) = (simulation.scene(), simulation.plan());
+        let every = |interval_s| steps_per(scene, interval_s);
+        Self {
+            step_s: scene.time.map_or(f64::INFINITY, |t| t.step_s),
+            origin: simulation.origin().step,
+            planned: plan.start_steps.saturating_add(plan.steps),
+            start_steps: plan.start_steps,
+            sample: every(scene.output.sample_interval_s),
+            canopy: scene.output.canopy_interval_s.map(every),
+            flow: scene.output.flow_interval_s.map(every),
+            bodies: scene.output.bodies_interval_s.map(every),
+        }
+    }
+
+    /// True at the very change of the lattice, other than at release.
+    fn just_changed(&self, simulation: &Simulation) -> bool {
+        self.origin > self.start_steps && simulation.step_count() == self.origin
+    }
 }
 
 /// What a checkpoint must agree with to be resumed from: case and precision.
@@ -288,7 +327,11 @@ impl<'a> Run<'a> {
         {
             observer.note("opening the folded canopy by loading pressure");
         }
-        let mut simulation = Simulation::new(case.scene.clone(), plan, device.clone())?;
+        let lattice = match &stored {
+            Some(stored) => Lattice::restore(case, stored)?,
+            None => Lattice::first(case),
+        };
+        let mut simulation = lattice.start(case, plan, device.clone())?;
         let mut record = Record::new(&simulation);
         let mut written = files::Written::default();
         match &stored {
@@ -339,6 +382,7 @@ impl<'a> Run<'a> {
             computed_by,
             checkpoint_interval,
             simulation,
+            lattice,
             record,
             history,
             files,
@@ -353,6 +397,7 @@ impl<'a> Run<'a> {
     fn save(&mut self) -> Result<(), RunError> {
         let written = checkpoint::write(self.folder, &self.identity, |out| {
             out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
+            self.lattice.save(out)?;
             self.simulation.save(out)?;
             self.record.save(out)?;
             self.files.save(out)
@@ -369,14 +414,7 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<String, RunError> {
         let scene = &self.case.scene;
-        let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
-        let every = |interval: f64| steps_per(self.case, interval);
-        let sample_every = every(scene.output.sample_interval_s);
-        let canopy_every = scene.output.canopy_interval_s.map(every);
-        let flow_every = scene.output.flow_interval_s.map(every);
-        let bodies_every = scene.output.bodies_interval_s.map(every);
-        let start_steps = self.simulation.plan().start_steps;
-        let planned = start_steps.saturating_add(self.simulation.plan().steps);
+        let mut cadence = Cadence::new(&self.simulation);
         let mut picture_times = scene.output.picture_times_s.clone();
         picture_times.sort_by(f64::total_cmp);
         let began = Instant::now();
@@ -387,7 +425,7 @@ impl<'a> Run<'a> {
         if let Some(detector) = &mut detector {
             detector.skip_looks(&self.record);
         }
-        while self.simulation.step_count() < planned {
+        while self.simulation.step_count() < cadence.planned {
             // Before anything of this step is written, so that a resumed run writes it once.
             if interrupt.load(Ordering::Relaxed) {
                 self.save()?;
@@ -397,18 +435,19 @@ impl<'a> Run<'a> {
                 self.save()?;
                 last_checkpoint = Instant::now();
             }
-            if self.simulation.released() {
-                let since = self.simulation.step_count() - start_steps;
-                if canopy_every.is_some_and(|n| since.is_multiple_of(n)) {
+            // What a change of the lattice follows has been written on the one before.
+            if self.simulation.released() && !cadence.just_changed(&self.simulation) {
+                let since = self.simulation.step_count() - cadence.origin;
+                if cadence.canopy.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.canopy(&self.simulation)?;
                 }
-                if bodies_every.is_some_and(|n| since.is_multiple_of(n)) {
+                if cadence.bodies.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.bodies(&self.simulation)?;
                 }
-                if flow_every.is_some_and(|n| since.is_multiple_of(n)) {
+                if cadence.flow.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.flow(&self.simulation)?;
                 }
-                let sampled = since.is_multiple_of(sample_every);
+                let sampled = since.is_multiple_of(cadence.sample);
                 if sampled {
                     self.history.push(self.record.add(&mut self.simulation)?)?;
                     // A sample counts as good once the air has been searched at or after it.
@@ -419,12 +458,18 @@ impl<'a> Run<'a> {
                 }
                 while picture_times
                     .get(self.files.timed_pictures)
-                    .is_some_and(|&t| t <= self.simulation.time_s() + 0.5 * step_s)
+                    .is_some_and(|&t| t <= self.simulation.time_s() + 0.5 * cadence.step_s)
                 {
                     self.files.picture(&self.simulation, &self.record)?;
                     self.files.timed_pictures += 1;
                 }
+                if sampled && let Some(note) = self.follow_lattice()? {
+                    observer.note(&note);
+                    cadence = Cadence::new(&self.simulation);
+                    continue;
+                }
                 if sampled
+                    && self.lattice.is_finest()
                     && let Some(reason) = detector
                         .as_mut()
                         .and_then(|d| d.reason_to_stop(&self.record))
@@ -435,15 +480,20 @@ impl<'a> Run<'a> {
             }
             self.simulation.advance()?;
             let done = self.simulation.step_count();
-            if done.is_multiple_of(PROGRESS_INTERVAL) || done == planned {
+            if done.is_multiple_of(PROGRESS_INTERVAL) || done == cadence.planned {
                 let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
-                observer.progress(done, planned, &self.status(rate));
+                observer.progress(done, cadence.planned, &self.status(rate));
             }
         }
-        let since = self.simulation.step_count() - start_steps;
+        if !self.lattice.is_finest() {
+            self.notes.push(
+                "warning: the run ended on a coarser grid than the case's own: results are those of that grid; raise time.end_s".to_owned(),
+            );
+        }
+        let since = self.simulation.step_count() - cadence.origin;
         // A run interrupted while it sought the equilibrium has this row already.
         if scene.time.is_some()
-            && (since.is_multiple_of(sample_every) || self.record.rows().len() < 2)
+            && (since.is_multiple_of(cadence.sample) || self.record.rows().len() < 2)
             && self.record.latest("time_s") != Some(self.simulation.time_s())
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;

@@ -133,7 +133,7 @@ pub(super) fn summarise(
         simulated_s: simulation.time_s().max(0.0),
         wall_s,
         million_lattice_updates_per_s: (cells.is_some() && fluid_seconds > 0.0)
-            .then(|| plan.sizes.cells as f64 * cost.timed_steps as f64 / fluid_seconds / 1e6),
+            .then(|| cost.timed_cells as f64 / fluid_seconds / 1e6),
         milliseconds_per_step: MillisecondsPerStep {
             fluid: per_step(cost.fluid, scene.air.is_some()),
             coupling: per_step(cost.coupling, scene.coupling.is_some()),

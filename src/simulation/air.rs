@@ -8,6 +8,7 @@ use crate::cpu::fluid::{BodyForce, Fluid};
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::grid::{Breakdown, Grid, Initial, Setup, Sides, StreamwiseEnds};
+use crate::lattice::start::{Start, Stress};
 use crate::plan::{AirPlacement, Precision};
 
 use super::markers::MarkerEngine;
@@ -40,30 +41,25 @@ impl AirEngine {
         placement: AirPlacement,
         device: Option<&Arc<Device>>,
     ) -> Result<Self, DeviceError> {
-        let (ends, sides, sponge_cells) = match air.flow {
-            Flow::WindTunnel {
-                sponge_length_m, ..
-            } => (
-                StreamwiseEnds::InletOutlet,
-                Sides::FreeSlip,
-                sponge_length_m.map(|length| length / air.units.cell_size_m),
-            ),
-            Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, Sides::Periodic, None),
-        };
-        let setup = Setup {
-            cells: air.cells,
-            ends,
-            sides,
-            relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
-            sponge_cells,
-            operator: air.operator,
-            eddy_viscosity: air.eddy_viscosity,
-        };
         let initial = initial_state(air);
         // The wind rises from rest, and populations of air at rest are zero.
         let at_rest = matches!(air.flow, Flow::WindTunnel { .. });
         let initial: Option<&Initial> = if at_rest { None } else { Some(&initial) };
-        Self::build(setup, initial, placement, device)
+        Self::build(setup(air), initial, placement, device)
+    }
+
+    /// Air of a scene that goes on from a state of every cell, in its own lattice units.
+    pub(super) fn continued(
+        air: &Air,
+        placement: AirPlacement,
+        device: Option<&Arc<Device>>,
+        state: impl Fn([usize; 3]) -> (f64, [f64; 3], Stress) + Sync,
+    ) -> Result<Self, DeviceError> {
+        let setup = setup(air);
+        let start = Start::with_stresses(&setup, state);
+        let mut engine = Self::build(setup, None, placement, device)?;
+        each_engine!(&mut engine, fluid => fluid.fill(&start), fluid => fluid.fill(&start));
+        Ok(engine)
     }
 
     /// Air of a set-up on the engine of a placement; at rest where `initial` is `None`.
@@ -143,6 +139,11 @@ impl AirEngine {
         each_engine!(self, fluid => Ok(fluid.macroscopic()), fluid => fluid.macroscopic())
     }
 
+    /// Stress beyond equilibrium of all cells.
+    pub fn stresses(&self) -> Result<Vec<Stress>, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.stresses()), fluid => fluid.stresses())
+    }
+
     /// Σ δρ and Σ ½ ρ u² over all cells.
     pub fn mass_and_energy(&self) -> Result<(f64, f64), DeviceError> {
         each_engine!(self, fluid => Ok(fluid.mass_and_energy()), fluid => fluid.mass_and_energy())
@@ -159,6 +160,29 @@ impl AirEngine {
 
     pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         each_engine!(self, fluid => fluid.restore(from), fluid => fluid.restore(from))
+    }
+}
+
+/// The lattice of a scene's air.
+fn setup(air: &Air) -> Setup {
+    let (ends, sides, sponge_cells) = match air.flow {
+        Flow::WindTunnel {
+            sponge_length_m, ..
+        } => (
+            StreamwiseEnds::InletOutlet,
+            Sides::FreeSlip,
+            sponge_length_m.map(|length| length / air.units.cell_size_m),
+        ),
+        Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, Sides::Periodic, None),
+    };
+    Setup {
+        cells: air.cells,
+        ends,
+        sides,
+        relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
+        sponge_cells,
+        operator: air.operator,
+        eddy_viscosity: air.eddy_viscosity,
     }
 }
 

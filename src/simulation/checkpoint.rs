@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::Simulation;
+use super::{Origin, Simulation};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::ContactState;
 
@@ -10,6 +10,8 @@ impl Simulation {
     /// Writes the state.
     pub fn save(&mut self, out: &mut Writer) -> io::Result<()> {
         out.put("step", &[self.step])?;
+        out.put("origin_step", &[self.origin.step, self.plan.start_steps])?;
+        out.put("origin_time", &[self.origin.time_s])?;
         if let Some(air) = &self.air {
             air.save(out)?;
         }
@@ -47,6 +49,13 @@ impl Simulation {
     pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
         self.step = from.take_exactly("step", 1)?[0];
         self.sound_step = self.step;
+        let steps: Vec<u64> = from.take_exactly("origin_step", 2)?;
+        self.plan.start_steps = steps[1];
+        self.origin = Origin {
+            step: steps[0],
+            time_s: from.take_exactly("origin_time", 1)?[0],
+        };
+        self.count_steps();
         if let Some(air) = &mut self.air {
             air.restore(from)?;
         }

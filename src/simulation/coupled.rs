@@ -105,6 +105,32 @@ impl Coupled {
         &self.markers
     }
 
+    /// Places of the markers, and what the last `spread` owes the air there in the next step [cells, lattice units].
+    pub(super) fn pending_forces(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
+        let forces = (0..self.positions.len()).map(|k| self.immersed.force(k));
+        self.positions.iter().copied().zip(forces)
+    }
+
+    /// Goes on on another lattice at `time_s`, owing the air the forces of its first markers [cells, lattice units].
+    pub(super) fn go_on(
+        &mut self,
+        air: &AirEngine,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+        owed: &[([f64; 3], [f64; 3])],
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        self.place(cloth, time_s);
+        self.take_velocities(cloth, time_s, true);
+        let mut forces = vec![[0.0; 3]; self.positions.len()];
+        for (force, (_, owed)) in forces.iter_mut().zip(owed) {
+            *force = *owed;
+        }
+        self.force_on_air = forces.iter().fold([0.0; 3], |sum, force| {
+            std::array::from_fn(|a| sum[a] + force[a])
+        });
+        self.immersed.go_on(air, &self.positions, &forces)
+    }
+
     /// Force on the air by the fabric alone in the last `spread` [lattice units].
     #[must_use]
     pub fn fabric_force_on_air(&self) -> [f64; 3] {
@@ -331,7 +357,7 @@ fn targets<'a>(
 }
 
 /// Value of a nodal field at a marker.
-fn at_marker(cloth: &Cloth, marker: &Marker, field: &[DVec3]) -> DVec3 {
+pub(super) fn at_marker(cloth: &Cloth, marker: &Marker, field: &[DVec3]) -> DVec3 {
     let nodes = cloth.structure.triangles[marker.triangle as usize].nodes;
     nodes
         .iter()

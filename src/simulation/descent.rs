@@ -23,7 +23,7 @@ use crate::cpu::cloth::line_drag::add_line_drags;
 use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::units::Units;
 
-/// Time constant of the follower [steps].
+/// Time constant of the follower, in steps at release.
 const FOLLOWING_STEPS: f64 = 50.0;
 
 /// Motion of the box.
@@ -31,6 +31,8 @@ const FOLLOWING_STEPS: f64 = 50.0;
 pub struct Descent {
     settings: Settings,
     time_step_s: f64,
+    /// Time constant of the follower [s]: it stays, or a change of the time step would shake the box.
+    following_s: f64,
     /// W at the start of the step [m/s].
     speed_m_s: f64,
     /// dW/dt in the step [m/s²].
@@ -55,10 +57,19 @@ impl Descent {
         Self {
             settings,
             time_step_s: units.time_step_s,
+            following_s: FOLLOWING_STEPS * units.time_step_s,
             speed_m_s: release_speed_m_s,
             acceleration_m_s2: 0.0,
             fallen_m: 0.0,
             drags: Vec::new(),
+        }
+    }
+
+    /// The same motion, in steps of another length.
+    pub(super) fn with_time_step(self, time_step_s: f64) -> Self {
+        Self {
+            time_step_s,
+            ..self
         }
     }
 
@@ -87,7 +98,7 @@ impl Descent {
         match (self.settings.carrier, cloth, coupled) {
             (Carrier::Confluence { node, home_x_m }, Some(cloth), _) => {
                 let node = node as usize;
-                let time = FOLLOWING_STEPS * self.time_step_s;
+                let time = self.following_s;
                 let way = cloth.positions_m[node].x - home_x_m;
                 let velocity = cloth.velocities_m_s[node];
                 self.acceleration_m_s2 = -(2.0 * velocity.x / time + way / (time * time));

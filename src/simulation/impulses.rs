@@ -48,6 +48,25 @@ pub struct Impulses {
     mass_excess: f64,
     /// True if cables alone touch held nodes, so that their tensions are all support forces.
     supported_by_cables: bool,
+    /// From before the last change of the lattice; zero without one.
+    carried: Carried,
+}
+
+/// Impulses up to a change of the lattice, in SI units.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Carried {
+    /// What the markers delivered, reversed [N·s].
+    markers: DVec3,
+    /// Force and moment on every rigid body by its markers [N·s, N·m·s].
+    bodies: Vec<(DVec3, DVec3)>,
+    /// What left and what was stored in the momentum box, reversed [N·s].
+    momentum_box: DVec3,
+    /// Markers have left a momentum box.
+    left: bool,
+    /// Pull of the supports, with what else belongs to that route [N·s].
+    supports: DVec3,
+    /// Momentum of the structure at release [kg·m/s].
+    initial_momentum: DVec3,
 }
 
 /// What acts on air and structure in a step beside their exchange.
@@ -157,7 +176,60 @@ impl Impulses {
             apparent: [0.0; 3],
             mass_excess: 0.0,
             supported_by_cables,
+            carried: Carried {
+                bodies: vec![Default::default(); bodies.len()],
+                ..Carried::default()
+            },
         })
+    }
+
+    /// What another lattice has to know of the impulses so far.
+    pub(super) fn into_carried(mut self, air: &AirEngine) -> Result<Carried, DeviceError> {
+        let stored = air.storage(self.balance.volume())?;
+        let outflow = self.balance.outflow(air)?;
+        let momentum_box = self.momentum_box(&stored, &outflow);
+        let (markers, bodies) = self.markers_and_bodies();
+        Ok(Carried {
+            markers,
+            bodies,
+            momentum_box,
+            left: self.carried.left || !self.contained,
+            supports: self.supports,
+            initial_momentum: self.initial_momentum,
+        })
+    }
+
+    /// Impulses go on from those on another lattice.
+    pub(super) fn carry(&mut self, carried: Carried) {
+        self.supports = carried.supports;
+        self.initial_momentum = carried.initial_momentum;
+        self.carried = carried;
+    }
+
+    /// Impulses by the markers since release, on the fabric (without any: on all), and on every rigid body with their moments [SI].
+    fn markers_and_bodies(&self) -> (DVec3, Vec<(DVec3, DVec3)>) {
+        let scale = self.units.impulse_n_s();
+        let bodies = self.bodies.iter().zip(&self.carried.bodies);
+        (
+            DVec3::from_array(self.markers) * scale + self.carried.markers,
+            bodies
+                .map(|(load, (force, moment))| {
+                    (
+                        DVec3::from_array(load.force) * scale + *force,
+                        DVec3::from_array(load.moment) * (scale * self.units.cell_size_m) + *moment,
+                    )
+                })
+                .collect(),
+        )
+    }
+
+    /// Impulse on all that is in the momentum box, since release [N·s].
+    fn momentum_box(&self, stored: &MassMomentum, outflow: &MassMomentum) -> DVec3 {
+        let scale = self.units.impulse_n_s();
+        DVec3::from_array(std::array::from_fn(|a| {
+            let gained = stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a];
+            -scale * (gained - self.apparent[a])
+        })) + self.carried.momentum_box
     }
 
     /// Begins at release.
@@ -249,26 +321,21 @@ impl Impulses {
     ) -> Result<ImpulseSample, DeviceError> {
         let stored = air.storage(self.balance.volume())?;
         let outflow = self.balance.outflow(air)?;
-        let scale = self.units.impulse_n_s();
         self.mass_excess = stored.mass_excess;
-        let mut momentum_box = self.contained.then(|| {
-            DVec3::from_array(std::array::from_fn(|a| {
-                let gained = stored.momentum[a] - self.initial.momentum[a] + outflow.momentum[a];
-                -scale * (gained - self.apparent[a])
-            }))
-        });
-        let mut markers = DVec3::from_array(self.markers) * scale;
+        let mut momentum_box =
+            (self.contained && !self.carried.left).then(|| self.momentum_box(&stored, &outflow));
+        let (mut markers, by_markers) = self.markers_and_bodies();
         let mut inner = DVec3::ZERO;
         let on_bodies: Vec<BodyImpulse> = bodies
             .iter()
-            .zip(&self.bodies)
-            .map(|(body, load)| {
+            .zip(by_markers)
+            .map(|(body, (force, moment))| {
                 // What the air inside has taken up is not the outer air's doing.
                 let own = inner_momentum(body, self.units.density_kg_m3, time_s);
                 inner += own;
                 BodyImpulse {
-                    force: DVec3::from_array(load.force) * scale + own,
-                    moment: DVec3::from_array(load.moment) * (scale * self.units.cell_size_m),
+                    force: force + own,
+                    moment,
                 }
             })
             .collect();
@@ -366,7 +433,21 @@ impl Impulses {
                 self.mass_excess,
             ],
         )?;
-        out.put("impulse_supports", &[self.supports, self.initial_momentum])
+        out.put("impulse_supports", &[self.supports, self.initial_momentum])?;
+        let Carried {
+            markers,
+            momentum_box,
+            left,
+            ..
+        } = self.carried;
+        let left = DVec3::splat(f64::from(u8::from(left)));
+        let bodies = self.carried.bodies.iter();
+        let bodies = bodies.flat_map(|(force, moment)| [*force, *moment]);
+        let carried: Vec<DVec3> = [markers, momentum_box, left]
+            .into_iter()
+            .chain(bodies)
+            .collect();
+        out.put("impulse_carried", &carried)
     }
 
     pub(super) fn restore(
@@ -398,6 +479,18 @@ impl Impulses {
         self.mass_excess = apparent[3];
         let vectors: Vec<DVec3> = from.take_exactly("impulse_supports", 2)?;
         (self.supports, self.initial_momentum) = (vectors[0], vectors[1]);
+        let carried: Vec<DVec3> =
+            from.take_exactly("impulse_carried", 3 + 2 * self.bodies.len())?;
+        self.carried = Carried {
+            markers: carried[0],
+            momentum_box: carried[1],
+            left: carried[2].x != 0.0,
+            bodies: carried[3..]
+                .chunks_exact(2)
+                .map(|pair| (pair[0], pair[1]))
+                .collect(),
+            ..Carried::default()
+        };
         Ok(())
     }
 }

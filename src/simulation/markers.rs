@@ -220,18 +220,26 @@ impl MarkerEngine {
         if from.take_exactly::<u64>("markers_active", 1)?[0] != 1 {
             return Ok(());
         }
-        let failed = |error: DeviceError| from.damaged(error.to_string());
-        let left = |left: OutOfDomain| {
-            from.damaged(format!("marker {} lies outside the air", left.marker))
-        };
-        self.send_markers(air, positions)
-            .map_err(failed)?
-            .map_err(left)?;
-        self.interpolate(air, positions)
-            .map_err(failed)?
-            .map_err(left)?;
-        self.fetch_air_velocities().map_err(failed)?;
-        both!(self, markers => markers.take_forces(&forces));
-        Ok(())
+        self.go_on(air, positions, &forces)
+            .map_err(|error| from.damaged(error.to_string()))?
+            .map_err(|left| from.damaged(format!("marker {} lies outside the air", left.marker)))
+    }
+
+    /// Goes on with forces that another engine or lattice has formed, at `positions` [cells, lattice units]; what else there is to know, the air tells.
+    pub(super) fn go_on(
+        &mut self,
+        air: &AirEngine,
+        positions: &[[f64; 3]],
+        forces: &[[f64; 3]],
+    ) -> Result<Result<(), OutOfDomain>, DeviceError> {
+        if let Err(left) = self.send_markers(air, positions)? {
+            return Ok(Err(left));
+        }
+        if let Err(left) = self.interpolate(air, positions)? {
+            return Ok(Err(left));
+        }
+        self.fetch_air_velocities()?;
+        both!(self, markers => markers.take_forces(forces));
+        Ok(Ok(()))
     }
 }

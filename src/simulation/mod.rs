@@ -2,6 +2,7 @@
 
 mod air;
 mod bodies;
+mod change_of_lattice;
 mod checkpoint;
 mod cloth;
 mod coupled;
@@ -67,8 +68,19 @@ pub struct Cost {
     pub solves: u64,
     /// The static equilibrium at the end, apart from the steps.
     pub equilibrium: Duration,
+    /// Cells collided in the steps whose stages were timed.
+    pub timed_cells: u64,
     /// Steps whose stages were timed: all, or some where a device works while the host goes on.
     pub timed_steps: u64,
+}
+
+/// Where steps and time are counted from: the release, or the last change of the lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// Its step.
+    pub step: u64,
+    /// Time since release then [s].
+    pub time_s: f64,
 }
 
 /// A scene in motion.
@@ -87,6 +99,7 @@ pub struct Simulation {
     /// Drag of payload and lines in the step.
     drags: Vec<NodalDrag>,
     opening: Option<Opening>,
+    origin: Origin,
     step: u64,
     /// Last step at which the air was searched and found sound.
     sound_step: u64,
@@ -118,6 +131,22 @@ impl Simulation {
                     .map_err(Failure::Start)?,
             );
         }
+        let mut simulation = Self::assemble(scene, plan, device, air, cloth)?;
+        simulation.opening = opening;
+        if simulation.plan.start_steps == 0 {
+            simulation.start_impulses()?;
+        }
+        Ok(simulation)
+    }
+
+    /// Puts a simulation together from its air and its fabric, at step 0; markers and impulses follow from them.
+    fn assemble(
+        scene: Scene,
+        plan: Plan,
+        device: Option<Arc<Device>>,
+        air: Option<AirEngine>,
+        cloth: Option<Cloth>,
+    ) -> Result<Self, Failure> {
         let coupled = match (&scene.air, &air, &scene.coupling) {
             (Some(air), Some(engine), Some(coupling)) => {
                 Some(Coupled::new(&scene, air, engine, coupling)?)
@@ -152,7 +181,11 @@ impl Simulation {
             }
             _ => None,
         };
-        let mut simulation = Self {
+        Ok(Self {
+            origin: Origin {
+                step: plan.start_steps,
+                time_s: 0.0,
+            },
             descent,
             drags: Vec::new(),
             scene,
@@ -163,17 +196,13 @@ impl Simulation {
             device,
             coupled,
             impulses,
-            opening,
+            opening: None,
             step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
             pressure_pa: None,
             cost: Cost::default(),
-        };
-        if simulation.plan.start_steps == 0 {
-            simulation.start_impulses()?;
-        }
-        Ok(simulation)
+        })
     }
 
     /// Impulses and balances count from release.
@@ -222,9 +251,15 @@ impl Simulation {
         self.time_at(self.step)
     }
 
+    /// Where steps and time are counted from.
+    #[must_use]
+    pub const fn origin(&self) -> Origin {
+        self.origin
+    }
+
     fn time_at(&self, step: u64) -> f64 {
         let step_s = self.scene.time.map_or(0.0, |t| t.step_s);
-        (step as f64 - self.plan.start_steps as f64) * step_s
+        self.origin.time_s + (step as f64 - self.origin.step as f64) * step_s
     }
 
     /// True once the sheet moves freely.
@@ -368,7 +403,10 @@ impl Simulation {
                 Stage::Measure | Stage::Output => self.cost.measure += elapsed,
             }
         }
-        self.cost.timed_steps += u64::from(timed);
+        if timed {
+            self.cost.timed_steps += 1;
+            self.cost.timed_cells += self.plan.sizes.cells;
+        }
         if let Some(descent) = self
             .descent
             .as_mut()

@@ -6,6 +6,7 @@ use super::Fluid;
 use crate::lattice::Real;
 use crate::lattice::grid::Breakdown;
 use crate::lattice::operators::bare_moments;
+use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
 
 impl<T: Real> Fluid<T> {
     /// Density excess δρ and *bare* velocity u* = Σ f c / ρ (no F/2) of one cell, as the next collision will find it.
@@ -30,6 +31,26 @@ impl<T: Real> Fluid<T> {
             .map(|cell| {
                 let (density_excess, velocity) = self.bare_state(cell);
                 (density_excess as f32, velocity.map(|u| u as f32))
+            })
+            .collect()
+    }
+
+    /// Stress of every cell beyond equilibrium, x fastest.
+    #[must_use]
+    pub fn stresses(&self) -> Vec<Stress> {
+        let [nx, ny, nz] = self.setup.cells;
+        (0..ny * nz)
+            .into_par_iter()
+            .flat_map_iter(|row| (0..nx).map(move |x| [x, row % ny, row / ny]))
+            .map(|cell| {
+                let populations = self.gather(self.grid.index(cell.map(|c| c as i64)));
+                let mut stress = Stress::default();
+                for (direction, population) in populations.into_iter().enumerate() {
+                    add_to_stress(&mut stress, direction, population.to_f64() as f32);
+                }
+                let (density_excess, velocity) = self.bare_state(cell);
+                less_equilibrium(&mut stress, density_excess, velocity);
+                stress
             })
             .collect()
     }

@@ -47,36 +47,13 @@ impl<T: Real> Fluid<T> {
     #[must_use]
     pub fn new(setup: Setup, initial: Option<&Initial>) -> Self {
         let grid = Grid::aligned(setup.cells, LINE_BYTES / size_of::<T>());
-        let mut populations = Storage::<T>::new(grid.total);
-        let [nx, ny, nz] = setup.cells;
-        let start = initial.map(|initial| Start::new(&setup, initial));
-        // Populations of air at rest are zero, as they are made.
-        if let Some(start) = &start {
-            for z in 0..nz {
-                for y in 0..ny {
-                    for x in 0..nx {
-                        let cell = [x, y, z];
-                        let index = grid.index(cell.map(|c| c as i64));
-                        for (direction, population) in
-                            start.populations(cell).into_iter().enumerate()
-                        {
-                            let (array, element) = grid.slot(index, direction, false);
-                            populations[array][element] = T::of(population);
-                        }
-                        if x + 1 == nx {
-                            // An outlet's ghost remembers the density excess of the last cell.
-                            populations[0][index + 1] = T::of(start.density_excess(cell));
-                        }
-                    }
-                }
-            }
-        }
         let relaxation_profile = setup
             .relaxation_profile()
             .map(|profile| profile.into_iter().map(T::of).collect());
-        Self {
+        let mut fluid = Self {
             grid,
-            populations,
+            // Populations of air at rest are zero, as they are made.
+            populations: Storage::<T>::new(grid.total),
             // The ends of rows are filled in while a row is at hand, in periodic scenes too.
             sides: Sides::new(&Boundaries::new(
                 &grid,
@@ -95,6 +72,31 @@ impl<T: Real> Fluid<T> {
             steps: 0,
             instructions: pulp::Arch::new(),
             setup,
+        };
+        if let Some(initial) = initial {
+            fluid.fill(&Start::new(&fluid.setup, initial));
+        }
+        fluid
+    }
+
+    /// Takes the populations of a start, before the first step.
+    pub fn fill(&mut self, start: &Start) {
+        let [nx, ny, nz] = self.setup.cells;
+        for z in 0..nz {
+            for y in 0..ny {
+                for x in 0..nx {
+                    let cell = [x, y, z];
+                    let index = self.grid.index(cell.map(|c| c as i64));
+                    for (direction, population) in start.populations(cell).into_iter().enumerate() {
+                        let (array, element) = self.grid.slot(index, direction, false);
+                        self.populations[array][element] = T::of(population);
+                    }
+                    if x + 1 == nx {
+                        // An outlet's ghost remembers the density excess of the last cell.
+                        self.populations[0][index + 1] = T::of(start.density_excess(cell));
+                    }
+                }
+            }
         }
     }
 

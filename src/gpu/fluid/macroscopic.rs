@@ -1,13 +1,16 @@
 //! Density and velocity read back from the populations, their sums, and the search for cells that broke down.
 
+use rayon::prelude::*;
+
 use super::{Bound, Fluid, by_parity, compute_pass};
 use crate::gpu::device::{Device, TRANSFER_BYTES};
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::WORKGROUP;
 use crate::gpu::shaders::{self, parameters};
-use crate::lattice::Storage;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::grid::{Breakdown, Grid};
+use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
+use crate::lattice::{DIRECTION_COUNT, Storage};
 
 /// Cells fetched in one transfer.
 const CELLS_AT_ONCE: u64 = TRANSFER_BYTES / 16;
@@ -159,6 +162,28 @@ impl Fluid {
             offset += now;
         }
         Ok(result)
+    }
+
+    /// Stress of every cell beyond equilibrium, x fastest; worked out on the host, one array of populations after the other.
+    pub fn stresses(&self) -> Result<Vec<Stress>, DeviceError> {
+        let states = self.macroscopic()?;
+        let mut stresses = vec![Stress::default(); states.len()];
+        let [nx, ny, _] = self.grid.cells;
+        let cell = |i: usize| [i % nx, i / nx % ny, i / nx / ny].map(|c| c as i64);
+        for direction in 0..DIRECTION_COUNT {
+            let (array, _) = self.grid.slot(0, direction, self.odd);
+            let populations = self.read_stored(&self.populations[array], self.grid.total)?;
+            stresses.par_iter_mut().enumerate().for_each(|(i, stress)| {
+                let (_, element) = self
+                    .grid
+                    .slot(self.grid.index(cell(i)), direction, self.odd);
+                add_to_stress(stress, direction, populations[element]);
+            });
+        }
+        for (stress, (density_excess, velocity)) in stresses.iter_mut().zip(&states) {
+            less_equilibrium(stress, f64::from(*density_excess), velocity.map(f64::from));
+        }
+        Ok(stresses)
     }
 
     /// Σ δρ, Σ f c and Σ ½ ρ u² of a box of cells.

@@ -162,7 +162,8 @@ impl Fluid {
         Ok(fluid)
     }
 
-    fn fill(&mut self, start: &Start) {
+    /// Takes the populations of a start, before the first step.
+    pub fn fill(&mut self, start: &Start) {
         let grid = self.grid;
         let [nx, ny, _] = grid.cells;
         for array in 0..DIRECTION_COUNT {

@@ -1,0 +1,240 @@
+//! Runs that go on on another lattice.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::measure::Record;
+use ripstop::plan::{Plan, Precision};
+use ripstop::run::{self, Observer, Order, Report};
+use ripstop::simulation::Simulation;
+
+use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        on_every_engine("change_of_lattice::the_drag_goes_on", Drag),
+        on_every_engine(
+            "change_of_lattice::the_canopy_goes_on_on_finer_cells",
+            Finer,
+        ),
+        plain(
+            "change_of_lattice::resumed_on_the_grid_that_it_was_on",
+            on_its_grid,
+        ),
+        plain(
+            "change_of_lattice::resumed_with_the_step_that_it_had",
+            with_its_step,
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// A canopy that begins on coarser cells.
+fn on_its_grid() {
+    let changes = [
+        "steady.grid_sequence=[1.25]",
+        "time.end_s=0.3",
+        "output.canopy_interval_s=0.05",
+    ];
+    resumed(include_str!("../cases/flat-circular-tunnel.toml"), &changes);
+}
+
+/// A fall whose time step grows.
+fn with_its_step() {
+    resumed(include_str!("../cases/finite-mass-drop.toml"), &[]);
+}
+
+fn canopy(changes: &[&str]) -> Case {
+    let source = include_str!("../cases/flat-circular-tunnel.toml");
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: ["time.end_s=0.06"]
+            .iter()
+            .chain(changes)
+            .map(|&change| change.to_owned())
+            .collect(),
+    };
+    case::parse("canopy", source, Path::new("."), &choices).unwrap()
+}
+
+/// The canopy a while after its release, sampled twice, four steps apart.
+fn opening(case: &Case, engine: Engine, until_s: f64) -> (Simulation, Record) {
+    let plan = Plan::new(&case.scene, engine.plan_placement());
+    let mut simulation = Simulation::new(case.scene.clone(), plan, engine.device()).unwrap();
+    let mut record = Record::new(&simulation);
+    while simulation.time_s() < until_s {
+        simulation.advance().unwrap();
+    }
+    record.add(&mut simulation).unwrap();
+    sample(&mut simulation, &mut record, 4);
+    (simulation, record)
+}
+
+/// Mean drag coefficient over the next steps.
+fn sample(simulation: &mut Simulation, record: &mut Record, steps: usize) -> f64 {
+    for _ in 0..steps {
+        simulation.advance().unwrap();
+    }
+    record.add(simulation).unwrap();
+    record.latest("drag_coefficient").unwrap()
+}
+
+#[derive(Clone, Copy)]
+struct Drag;
+
+impl Body for Drag {
+    /// A change of the lattice that changes nothing leaves the drag as it was; a time step that is a little longer moves it a little.
+    fn run(self, engine: Engine) {
+        let case = canopy(&[]);
+        let drags = |factor: Option<f64>| {
+            let (mut simulation, mut record) = opening(&case, engine, 0.02);
+            if let Some(factor) = factor {
+                let mut scene = case.scene.clone();
+                let air = scene.air.as_mut().unwrap();
+                air.units = air.units.with_step_factor(factor);
+                scene.time.as_mut().unwrap().step_s = air.units.time_step_s;
+                let plan = Plan::new(&scene, engine.plan_placement());
+                let before = (simulation.time_s(), simulation.step_count());
+                simulation.change_lattice(scene, plan).unwrap();
+                assert_eq!(before, (simulation.time_s(), simulation.step_count()));
+            }
+            (0..8)
+                .map(|_| sample(&mut simulation, &mut record, 5))
+                .collect::<Vec<f64>>()
+        };
+        let unchanged = drags(None);
+        println!("{engine:?} {unchanged:.3?}");
+        for (factor, limit) in [
+            (1.0, tolerances::DRAG_AFTER_NO_CHANGE),
+            (1.1, tolerances::DRAG_AFTER_CHANGE_OF_STEP),
+        ] {
+            let changed = drags(Some(factor));
+            println!("{engine:?} {factor}: {changed:.3?}");
+            for (now, then) in changed.iter().zip(&unchanged) {
+                assert!(
+                    (now / then - 1.0).abs() < limit,
+                    "steps {factor} times as long: {changed:.3?} instead of {unchanged:.3?}"
+                );
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Finer;
+
+impl Body for Finer {
+    /// On finer cells time, shape and impulses go on; the three force routes still agree over both grids.
+    fn run(self, engine: Engine) {
+        let coarse = canopy(&["resolution.cells_per_diameter=10.0"]);
+        let fine = canopy(&["resolution.cells_per_diameter=15.0"]);
+        let (mut simulation, mut record) = opening(&coarse, engine, 0.02);
+        let before = simulation.structure_frame().structure.unwrap();
+        let (time_s, drag) = (
+            simulation.time_s(),
+            record.latest("drag_coefficient").unwrap(),
+        );
+        let plan = Plan::new(&fine.scene, engine.plan_placement());
+        simulation.change_lattice(fine.scene.clone(), plan).unwrap();
+        let after = simulation.structure_frame().structure.unwrap();
+        assert_eq!(before.positions_m, after.positions_m);
+        assert_eq!(before.velocities_m_s, after.velocities_m_s);
+        assert!((simulation.time_s() - time_s).abs() < 1e-15);
+        // The same instant, by impulses that go on.
+        let impulse = record.latest("impulse_markers_n_s").unwrap();
+        let sample_now = simulation.impulse_sample().unwrap().unwrap();
+        assert!((sample_now.markers.x / impulse - 1.0).abs() < 1e-6);
+        let drags: Vec<f64> = (0..6)
+            .map(|_| sample(&mut simulation, &mut record, 6))
+            .collect();
+        println!("{engine:?} {drag:.3} then {drags:.3?}");
+        for now in &drags {
+            assert!((now / drag - 1.0).abs() < 0.5, "{drag:.3} then {drags:.3?}");
+        }
+        let routes = [
+            "impulse_markers_n_s",
+            "impulse_momentum_box_n_s",
+            "impulse_lines_n_s",
+        ]
+        .map(|name| record.latest(name).unwrap());
+        println!("{routes:?}");
+        for route in routes {
+            assert!((route / routes[0] - 1.0).abs() < 0.02, "{routes:?}");
+        }
+    }
+}
+
+/// Interrupts a run as soon as it has gone on on another lattice so many times.
+struct AtChange<'a> {
+    interrupt: &'a AtomicBool,
+    changes: usize,
+    wanted: usize,
+}
+
+impl Observer for AtChange<'_> {
+    fn progress(&mut self, _: u64, _: u64, _: &str) {}
+
+    fn note(&mut self, line: &str) {
+        if line.contains("from here") {
+            self.changes += 1;
+            if self.changes == self.wanted {
+                self.interrupt.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+/// Runs the quick variant of a case; interrupts it at a change of its lattice. Returns how many changes were seen.
+fn run_in(
+    folder: &Path,
+    source: &str,
+    changes: &[&str],
+    wanted: usize,
+    resume: bool,
+) -> (Report, usize) {
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+    };
+    let case = case::parse("case", source, Path::new("."), &choices).unwrap();
+    let interrupt = AtomicBool::new(false);
+    let mut observer = AtChange {
+        interrupt: &interrupt,
+        changes: 0,
+        wanted,
+    };
+    let order = Order {
+        plan: Plan::new(&case.scene, Precision::F32),
+        case: &case,
+        device: None,
+        fallback: None,
+        folder,
+        resume,
+        checkpoint_interval: Duration::from_secs(1000),
+    };
+    let report = run::run(order, &interrupt, &mut observer).unwrap();
+    (report, observer.changes)
+}
+
+/// A run that is interrupted at a change of its lattice goes on with the same bits.
+fn resumed(source: &str, changes: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, broken] = ["whole", "broken"].map(|name| folder.path().join(name));
+    let (_, all) = run_in(&whole, source, changes, usize::MAX, false);
+    assert!(all > 0, "the lattice never changed");
+    let (report, before) = run_in(&broken, source, changes, all.div_ceil(2), false);
+    assert!(report.interrupted);
+    let (report, after) = run_in(&broken, source, changes, usize::MAX, true);
+    assert!(!report.interrupted);
+    assert_eq!(before + after, all);
+    for name in ["history.csv", "canopy.pvd", "snapshot_000.png"] {
+        let [a, b] = [&whole, &broken].map(|folder| std::fs::read(folder.join(name)).unwrap());
+        assert!(a == b, "{name} differs");
+    }
+}
