@@ -13,7 +13,6 @@ mod coupling;
 mod disk;
 mod drag;
 mod falling_disk;
-mod opening;
 mod permeable_screen;
 mod poiseuille;
 mod report;
@@ -60,7 +59,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 26] = [
+pub const PROBLEMS: [Problem; 25] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -95,11 +94,6 @@ pub const PROBLEMS: [Problem; 26] = [
         name: "permeable-screen",
         updates: [60.0, 60.0],
         compute: permeable_screen::compute,
-    },
-    Problem {
-        name: "opening",
-        updates: [700.0, 6_000.0],
-        compute: opening::compute,
     },
     Problem {
         name: "sphere",
