@@ -25,6 +25,18 @@ impl Structure {
     /// Adds bending stiffness to all triangles: `rest_m` their rest places, `warp` along whose projection x lies, `rigidity_nm` the
     /// flexural rigidity \[N m\] with rows and columns xx, yy, engineering xy. Triangles without area are left out.
     pub fn add_curvatures(&mut self, rest_m: &[DVec3], warp: DVec3, rigidity_nm: [[f64; 3]; 3]) {
+        self.add_clamped_curvatures(rest_m, warp, rigidity_nm, |_| false);
+    }
+
+    /// The same for a sheet that is clamped where triangles meet nodes that are `beyond` the clamp: those triangles get no bending
+    /// stiffness, and the bend at a clamp belongs to the triangle on the free side alone, over half of whose width it lies.
+    pub fn add_clamped_curvatures(
+        &mut self,
+        rest_m: &[DVec3],
+        warp: DVec3,
+        rigidity_nm: [[f64; 3]; 3],
+        is_beyond: impl Fn(u32) -> bool,
+    ) {
         // Node opposite to every edge, by triangle.
         let mut sides: HashMap<[u32; 2], Vec<(usize, u32)>> = HashMap::new();
         let key = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -36,6 +48,9 @@ impl Structure {
         }
         let place = |node: u32| rest_m[node as usize];
         for (t, triangle) in self.triangles.iter().enumerate() {
+            if triangle.nodes.into_iter().any(&is_beyond) {
+                continue;
+            }
             let [a, b, c] = triangle.nodes.map(place);
             let doubled = (b - a).cross(c - a);
             let Some(normal) = doubled.try_normalize() else {
@@ -63,7 +78,8 @@ impl Structure {
                 let [c03, c04] = [cotangent(x1, x0, x2), cotangent(x1, x0, x3)];
                 let edge = DVec2::new((x1 - x0).dot(x), (x1 - x0).dot(y));
                 let t = edge.perp() / edge.length();
-                let factor = 1.0 / doubled.length();
+                let widths = if is_beyond(beyond) { 2.0 } else { 1.0 };
+                let factor = widths / doubled.length();
                 let share = [t.x * t.x, t.y * t.y, 2.0 * t.x * t.y].map(|d| factor * d);
                 for (form, share) in forms.iter_mut().zip(share) {
                     form[from] += share * (c03 + c04);
