@@ -463,7 +463,9 @@ fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {
     Err(Problem::new(
         KEY,
         format!("{KEY} = {} is out of range{why}", readable(spacing)),
-        format!("allowed are {least} to {most} cells; {SPACING_CELLS} is usual, and what holds without this key"),
+        format!(
+            "allowed are {least} to {most} cells; {SPACING_CELLS} is usual, and what holds without this key"
+        ),
     ))
 }
 

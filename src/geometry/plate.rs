@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::sheet::{self, FabricModel, SheetShape};
+use super::sheet::{self, Diagonals, FabricModel, SheetShape};
 use crate::cloth::Structure;
 use crate::fabric::Fabric;
 use crate::immersed::markers::Marker;
@@ -119,7 +119,7 @@ impl Plate {
         markers
     }
 
-    /// The triangle at shares of length and width, and the weights of its nodes there. The inverse of what [`sheet::build`] does.
+    /// The triangle at shares of length and width, and the weights of its nodes there. The inverse of what [`sheet::build_cut`] does.
     fn triangle_at(&self, at: [f64; 2]) -> (u32, [f64; 3]) {
         let cell = [0, 1].map(|a| {
             let cells = self.divisions[a];
@@ -127,16 +127,10 @@ impl Plate {
         });
         let [x, y] = [0, 1].map(|a| at[a] * self.divisions[a] as f64 - cell[a] as f64);
         let first = 2 * (cell[1] * self.divisions[0] + cell[0]) as u32;
-        if (cell[0] + self.rows_beyond() + cell[1]).is_multiple_of(2) {
-            if x >= y {
-                (first, [1.0 - x, x - y, y])
-            } else {
-                (first + 1, [1.0 - y, x, y - x])
-            }
-        } else if x + y <= 1.0 {
-            (first, [1.0 - x - y, x, y])
+        if x >= y {
+            (first, [1.0 - x, x - y, y])
         } else {
-            (first + 1, [1.0 - y, x + y - 1.0, 1.0 - x])
+            (first + 1, [1.0 - y, x, y - x])
         }
     }
 }
@@ -146,7 +140,8 @@ impl Plate {
 #[must_use]
 pub fn build(plate: &Plate, fabric: &Fabric, rigidity_nm: [[f64; 3]; 3]) -> Option<Structure> {
     let shape = plate.sheet();
-    let mut structure = sheet::build(&shape, fabric, FabricModel::Membrane)?;
+    let mut structure =
+        sheet::build_cut(&shape, fabric, FabricModel::Membrane, Diagonals::Parallel)?;
     let rows = plate.rows_beyond();
     let column = |node: u32| node as usize % (shape.divisions[0] + 1);
     let is_beyond = |node: u32| column(node) < rows;
@@ -203,7 +198,10 @@ mod tests {
             let structure = build(&plate, &fabric, fabric.rigidity_nm()).unwrap();
             let mass: f64 = structure.masses_kg.iter().sum();
             assert!((mass - 1.4).abs() < 1e-12, "{mass}");
-            assert_eq!(structure.positions_m[plate.tip() as usize], plate.flat_tip_m());
+            assert_eq!(
+                structure.positions_m[plate.tip() as usize],
+                plate.flat_tip_m()
+            );
             let markers = plate.place_markers(0.11, 0.05);
             assert_eq!(plate.marker_counts(0.11, 0.05), [18, 6]);
             let area: f64 = markers.iter().map(|marker| marker.area_m2).sum();

@@ -85,7 +85,11 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
     let spread = routes
         .iter()
         .fold(0.0, |worst: f64, force| {
-            if force.is_nan() { f64::NAN } else { worst.max((force - routes[0]).abs()) }
+            if force.is_nan() {
+                f64::NAN
+            } else {
+                worst.max((force - routes[0]).abs())
+            }
         })
         .max((routes[1] - routes[2]).abs());
     let imbalance = spread / routes[0].abs();
@@ -104,7 +108,8 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
         let mean = column.iter().sum::<f64>() / column.len() as f64;
         results.insert(
             name,
-            Quantity::new(mean, "m").with_note(&format!("middle of the free edge, mean of the {window}")),
+            Quantity::new(mean, "m")
+                .with_note(&format!("middle of the free edge, mean of the {window}")),
         );
     }
     // The axis along which the tip moves most; a flag's is across its plane.
@@ -113,12 +118,17 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
         most - column.iter().copied().fold(f64::INFINITY, f64::min)
     };
     let axis = (0..3).fold(0, |best, a| {
-        if swing(&columns[a]) > swing(&columns[best]) { a } else { best }
+        if swing(&columns[a]) > swing(&columns[best]) {
+            a
+        } else {
+            best
+        }
     });
     let name = ["x", "y", "z"][axis];
     results.insert(
         "tip_peak_to_peak_m",
-        Quantity::new(swing(&columns[axis]), "m").with_note(&format!("along {name}, in the {window}")),
+        Quantity::new(swing(&columns[axis]), "m")
+            .with_note(&format!("along {name}, in the {window}")),
     );
     let interval = (times[last] - times[first]) / (last - first) as f64;
     let scaled: Vec<f64> = columns[axis].iter().map(|x| x / length).collect();

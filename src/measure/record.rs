@@ -106,7 +106,9 @@ impl Record {
             (None, _) => &AIR,
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
-        if let (Some(BodyKind::Plate(_)), Some(_)) = (scene.body.as_ref().map(|b| b.kind), &scene.air) {
+        if let (Some(BodyKind::Plate(_)), Some(_)) =
+            (scene.body.as_ref().map(|b| b.kind), &scene.air)
+        {
             columns.extend(plate::COLUMNS.map(str::to_owned));
         }
         if simulation.through_velocities_m_s().is_some() {

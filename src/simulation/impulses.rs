@@ -384,9 +384,10 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
             let held = positions.iter().zip(&cloth.structure.held);
             let held = held.filter(|(_, held)| **held).map(|(place, _)| *place);
             let length = plate.size_m[0];
-            let (low, high) = held.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-                (low.min(p), high.max(p))
-            });
+            let (low, high) = held
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p), high.max(p))
+                });
             (
                 low - DVec3::new(0.5, PLATE_REACH, PLATE_REACH) * length,
                 high + DVec3::splat(PLATE_REACH * length),
