@@ -26,6 +26,7 @@ mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
 mod permeability;
+mod plates;
 mod tolerances;
 mod validate;
 mod walls;
@@ -48,6 +49,7 @@ fn main() -> std::process::ExitCode {
         canopy::trials(),
         bodies::trials(),
         permeability::trials(),
+        plates::trials(),
         descent::trials(),
         cases::trials(),
         bad_cases::trials(),
