@@ -152,7 +152,7 @@ pub const PROBLEMS: [Problem; 29] = [
     },
     Problem {
         name: "flag",
-        updates: [187.0, 88_000.0],
+        updates: [187.0, 86_000.0],
         compute: coupling::flag::compute,
     },
     Problem {
