@@ -42,7 +42,10 @@ const ALLOWED: [(&str, &[&str]); 26] = [
     ("render", &["frame"]),
     ("checkpoint", &["output"]),
     ("cloth", &["fabric", "frame", "immersed", "lines"]),
-    ("geometry", &["cloth", "fabric", "frame", "lines", "rigid"]),
+    (
+        "geometry",
+        &["cloth", "fabric", "frame", "immersed", "lines", "rigid"],
+    ),
     (
         "cpu",
         &[

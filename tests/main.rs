@@ -27,6 +27,7 @@ mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
 mod permeability;
+mod plates;
 mod tolerances;
 mod validate;
 mod walls;
@@ -49,6 +50,7 @@ fn main() -> std::process::ExitCode {
         canopy::trials(),
         bodies::trials(),
         permeability::trials(),
+        plates::trials(),
         descent::trials(),
         change_of_lattice::trials(),
         cases::trials(),

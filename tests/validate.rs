@@ -16,6 +16,9 @@ const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
 /// The immersed boundary, and canopies lighter than the air.
 const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-canopies"];
 
+/// Plates of fabric in the wind, and rigid ones with markers ever farther apart.
+const PLATES: [&str; 4] = ["marker-spacing", "force-routes", "flexible-plate", "flag"];
+
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [
     "membrane-patch",
@@ -46,6 +49,9 @@ pub fn trials() -> Vec<Trial> {
     ));
     trials.extend(plain("validate::coupling::cpu_f32", || {
         problems(&COUPLING, "cpu");
+    }));
+    trials.extend(plain("validate::plates::cpu_f32", || {
+        problems(&PLATES, "cpu");
     }));
     trials.push(needs_device("validate::coupling::gpu".to_owned(), || {
         problems(&COUPLING[..1], "gpu");

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies, descent};
+use super::{Problem, bodies, descent, plate};
+use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
@@ -344,6 +345,18 @@ pub(super) fn check_coupling(
             "add [coupling] with over_relaxation = 1.6",
         )
     })?;
+    let rim_inset_cells = within(
+        "coupling.rim_inset_cells",
+        written.rim_inset_cells.unwrap_or(RIM_INSET_CELLS),
+        -1.0,
+        1.0,
+    )?;
+    let is_plate = body
+        .as_ref()
+        .is_some_and(|body| matches!(body.kind, BodyKind::Plate(_)));
+    if let Some(BodyKind::Plate(shape)) = body.as_ref().map(|body| body.kind) {
+        plate::check_cells(&shape, air, rim_inset_cells)?;
+    }
     let structure_every = match body {
         Some(body) => check_fabric_coupling(written, air, body)?,
         None => {
@@ -365,14 +378,24 @@ pub(super) fn check_coupling(
             1
         }
     };
-    for (key, given) in [
-        ("coupling.surface_inset_cells", written.surface_inset_cells),
-        ("coupling.rim_inset_cells", written.rim_inset_cells),
+    for (key, given, used, needed) in [
+        (
+            "coupling.surface_inset_cells",
+            written.surface_inset_cells,
+            has_bodies,
+            "[bodies]",
+        ),
+        (
+            "coupling.rim_inset_cells",
+            written.rim_inset_cells,
+            has_bodies || is_plate,
+            "[bodies] or [structure.plate]",
+        ),
     ] {
-        if given.is_some() && !has_bodies {
+        if given.is_some() && !used {
             return Err(Problem::new(
                 key,
-                format!("{key} has no effect: it needs [bodies]"),
+                format!("{key} has no effect: it needs {needed}"),
                 format!("remove {key}"),
             ));
         }
@@ -420,7 +443,30 @@ pub(super) fn check_coupling(
         )?,
         structure_every,
         passes,
+        marker_spacing_cells: check_marker_spacing(written)?,
+        rim_inset_cells,
     }))
+}
+
+fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {
+    const KEY: &str = "coupling.marker_spacing_cells";
+    let spacing = written.marker_spacing_cells.unwrap_or(SPACING_CELLS);
+    let [least, most] = SPACING_RANGE_CELLS;
+    if (least..=most).contains(&spacing) {
+        return Ok(spacing);
+    }
+    let why = if spacing > most {
+        ": air would pass between the markers"
+    } else {
+        ""
+    };
+    Err(Problem::new(
+        KEY,
+        format!("{KEY} = {} is out of range{why}", readable(spacing)),
+        format!(
+            "allowed are {least} to {most} cells; {SPACING_CELLS} is usual, and what holds without this key"
+        ),
+    ))
 }
 
 /// Checks what concerns fabric alone; returns the steps of the air per step of the fabric.

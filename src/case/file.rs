@@ -7,6 +7,7 @@ use serde::Deserialize;
 pub use super::file_bodies::*;
 pub use super::file_descent::*;
 pub use super::file_permeability::*;
+pub use super::file_plate::*;
 pub use super::file_specimens::*;
 use crate::frame::FabricQuantity;
 use crate::geometry::sheet::FabricModel;
@@ -141,6 +142,7 @@ pub struct EddyViscosity {
 pub struct StructureTable {
     pub flat_circular: Option<FlatCircular>,
     pub sheet: Option<Sheet>,
+    pub plate: Option<Plate>,
     pub cable: Option<HangingCable>,
     pub mesh: Option<MeshFile>,
     pub airbag: Option<Airbag>,
@@ -316,8 +318,10 @@ pub struct Coupling {
     pub passes: Option<u32>,
     /// How far markers stand inside closed rigid surfaces.
     pub surface_inset_cells: Option<f64>,
-    /// How far markers stand inside the rims of open ones.
+    /// How far markers stand inside the rims of open ones, and of plates of fabric.
     pub rim_inset_cells: Option<f64>,
+    /// Largest distance of neighbouring markers.
+    pub marker_spacing_cells: Option<f64>,
     /// Multiplies the mass of fabric and cables, to study light and heavy sheets.
     pub mass_factor: Option<f64>,
 }

@@ -8,11 +8,13 @@ pub mod file;
 mod file_bodies;
 mod file_descent;
 mod file_permeability;
+mod file_plate;
 mod file_specimens;
 mod grid_sequence;
 pub mod locate;
 mod output;
 mod permeability;
+mod plate;
 pub mod scene;
 mod specimens;
 mod structure;
@@ -24,7 +26,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 10] = [
+pub const SHIPPED: [(&str, &str); 12] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
@@ -38,6 +40,11 @@ pub const SHIPPED: [(&str, &str); 10] = [
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
+    ),
+    ("flag", include_str!("../../cases/flag.toml")),
+    (
+        "flexible-plate",
+        include_str!("../../cases/flexible-plate.toml"),
     ),
     ("folded-gore", include_str!("../../cases/folded-gore.toml")),
     (

@@ -11,6 +11,7 @@ use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
 use crate::geometry::mesh::quality::Quality;
+use crate::geometry::plate::Plate;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::rigid::{PrescribedMotion, Surface};
@@ -116,6 +117,8 @@ pub enum BodyKind {
     Canopy(Canopy),
     /// A sheet of fabric.
     Sheet,
+    /// A plate of fabric, held along one edge.
+    Plate(Plate),
     /// A hanging cable between two ends.
     Cable {
         /// Distance of the ends [m].
@@ -229,6 +232,10 @@ pub struct Coupling {
     pub structure_every: u32,
     /// Passes of multi-direct forcing; 1 unless all is rigid.
     pub passes: u32,
+    /// Largest distance of neighbouring markers [cells].
+    pub marker_spacing_cells: f64,
+    /// How far inside rims markers stand [cells].
+    pub rim_inset_cells: f64,
 }
 
 /// Solver of the fabric.

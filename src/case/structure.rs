@@ -8,7 +8,7 @@ use super::Problem;
 use super::contact;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
-use super::{descent, permeability, specimens};
+use super::{descent, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality};
@@ -34,6 +34,7 @@ pub(super) fn check(
     let shapes = [
         table.flat_circular.is_some(),
         table.sheet.is_some(),
+        table.plate.is_some(),
         table.cable.is_some(),
         table.mesh.is_some(),
         table.airbag.is_some(),
@@ -46,6 +47,8 @@ pub(super) fn check(
         Some(check_canopy(file, canopy)?)
     } else if let Some(sheet) = &table.sheet {
         Some(check_sheet(file, sheet)?)
+    } else if let Some(written) = &table.plate {
+        Some(plate::check(written, &check_fabric(file)?)?)
     } else if let Some(cable) = &table.cable {
         Some(check_cable(cable, gravity)?)
     } else if let Some(mesh) = &table.mesh {
@@ -63,7 +66,7 @@ pub(super) fn check(
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
-            "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.cable], [structure.mesh], \
+            "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], \
              [structure.airbag], [structure.disc], [structure.coupon]",
         )
     })?;
@@ -118,6 +121,9 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
             "lower fabric.poisson_ratio",
         ));
     }
+    // What resists bending is compressed on one side.
+    let is_plate = file.structure.as_ref().is_some_and(|s| s.plate.is_some());
+    let usual_residual = if is_plate { 1.0 } else { 1e-3 };
     let isotropic = Fabric::isotropic_shear_modulus_pa(warp_modulus_pa, poisson_ratio);
     Ok(Fabric {
         thickness_m: positive("fabric.thickness_m", written.thickness_m)?,
@@ -135,7 +141,7 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
             .transpose()?,
         residual_stiffness: within(
             "fabric.residual_stiffness",
-            written.residual_stiffness.unwrap_or(1e-3),
+            written.residual_stiffness.unwrap_or(usual_residual),
             0.0,
             1.0,
         )?,

@@ -6,7 +6,8 @@
 //! al. 2006, "A quadratic bending model for inextensible surfaces"), so the energy ½ A κ:D:κ is a sum of three squares over six
 //! nodes. *Departure from Bergou et al.*: their sum over single edges is three times too stiff for rectangles bent about an edge.
 //!
-//! The sheet is flat at rest, whatever its rest shape. Edges of the sheet do not bend.
+//! The sheet is flat at rest, whatever its rest shape. A triangle at a free edge sees no bend there, and feels no moment across it: its
+//! curvature across the edge follows from the others (a narrow strip is as stiff as a beam, E h³/12, not 1/(1 − ν²) times that).
 
 use std::collections::HashMap;
 
@@ -14,6 +15,29 @@ use glam::{DVec2, DVec3};
 
 use super::elements::EDGES;
 use super::{Bending, Structure};
+
+/// Rigidity over that of the whole plate that subtractions may leave where there is none.
+const ROUND_OFF: f64 = 1e-12;
+
+/// What is left of a rigidity D \[N m\] where no moment acts along the unit vector `normal`: the curvature κ_nn follows the others, so that the
+/// energy is least, D − (D a)(D a)ᵀ/(aᵀ D a) with a = (n_x², n_y², 2 n_x n_y).
+fn without_moment_across(d: &mut [[f64; 3]; 3], normal: DVec2) {
+    let a = [
+        normal.x * normal.x,
+        normal.y * normal.y,
+        2.0 * normal.x * normal.y,
+    ];
+    let da = d.map(|row| row[0] * a[0] + row[1] * a[1] + row[2] * a[2]);
+    let stiffness = a[0] * da[0] + a[1] * da[1] + a[2] * da[2];
+    if stiffness <= ROUND_OFF * (d[0][0] + d[1][1] + d[2][2]) {
+        return;
+    }
+    for (row, left) in d.iter_mut().zip(da) {
+        for (entry, right) in row.iter_mut().zip(da) {
+            *entry -= left * right / stiffness;
+        }
+    }
+}
 
 /// Cotangent of the angle at `corner` between two places.
 fn cotangent(corner: DVec3, a: DVec3, b: DVec3) -> f64 {
@@ -25,6 +49,18 @@ impl Structure {
     /// Adds bending stiffness to all triangles: `rest_m` their rest places, `warp` along whose projection x lies, `rigidity_nm` the
     /// flexural rigidity \[N m\] with rows and columns xx, yy, engineering xy. Triangles without area are left out.
     pub fn add_curvatures(&mut self, rest_m: &[DVec3], warp: DVec3, rigidity_nm: [[f64; 3]; 3]) {
+        self.add_clamped_curvatures(rest_m, warp, rigidity_nm, |_| false);
+    }
+
+    /// The same for a sheet that is clamped where triangles meet nodes that are `beyond` the clamp: those triangles get no bending
+    /// stiffness, and the bend at a clamp belongs to the triangle on the free side alone, over half of whose width it lies.
+    pub fn add_clamped_curvatures(
+        &mut self,
+        rest_m: &[DVec3],
+        warp: DVec3,
+        rigidity_nm: [[f64; 3]; 3],
+        is_beyond: impl Fn(u32) -> bool,
+    ) {
         // Node opposite to every edge, by triangle.
         let mut sides: HashMap<[u32; 2], Vec<(usize, u32)>> = HashMap::new();
         let key = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -36,6 +72,9 @@ impl Structure {
         }
         let place = |node: u32| rest_m[node as usize];
         for (t, triangle) in self.triangles.iter().enumerate() {
+            if triangle.nodes.into_iter().any(&is_beyond) {
+                continue;
+            }
             let [a, b, c] = triangle.nodes.map(place);
             let doubled = (b - a).cross(c - a);
             let Some(normal) = doubled.try_normalize() else {
@@ -50,20 +89,24 @@ impl Structure {
             let mut nodes = [triangle.nodes[0]; 6];
             nodes[..3].copy_from_slice(&triangle.nodes);
             let mut forms = [[0.0; 6]; 3];
+            let mut d = rigidity_nm;
             for (i, [from, to]) in EDGES.into_iter().enumerate() {
                 let [start, end] = [triangle.nodes[from], triangle.nodes[to]];
                 let others = &sides[&key(start, end)];
                 // Of an edge that more than two triangles share, the first other one.
+                let edge = place(end) - place(start);
+                let edge = DVec2::new(edge.dot(x), edge.dot(y));
                 let Some(&(_, beyond)) = others.iter().find(|(other, _)| *other != t) else {
+                    without_moment_across(&mut d, edge.perp().normalize_or_zero());
                     continue;
                 };
                 nodes[3 + i] = beyond;
                 let [x0, x1, x2, x3] = [start, end, triangle.nodes[i], beyond].map(place);
                 let [c01, c02] = [cotangent(x0, x1, x2), cotangent(x0, x1, x3)];
                 let [c03, c04] = [cotangent(x1, x0, x2), cotangent(x1, x0, x3)];
-                let edge = DVec2::new((x1 - x0).dot(x), (x1 - x0).dot(y));
                 let t = edge.perp() / edge.length();
-                let factor = 1.0 / doubled.length();
+                let widths = if is_beyond(beyond) { 2.0 } else { 1.0 };
+                let factor = widths / doubled.length();
                 let share = [t.x * t.x, t.y * t.y, 2.0 * t.x * t.y].map(|d| factor * d);
                 for (form, share) in forms.iter_mut().zip(share) {
                     form[from] += share * (c03 + c04);
@@ -75,23 +118,26 @@ impl Structure {
             if forms.iter().flatten().any(|c| !c.is_finite()) {
                 continue;
             }
-            // D = L diag(d) Lᵀ, so that κ:D:κ is a sum of squares.
-            let d = &rigidity_nm;
-            let l10 = d[1][0] / d[0][0];
+            // D = L diag(p) Lᵀ, so that κ:D:κ is a sum of squares; at free edges D is singular.
             let area = 0.5 * doubled.length();
-            let [xx, yy, xy] = forms;
-            let mixed: [f64; 6] = std::array::from_fn(|k| xx[k] + l10 * yy[k]);
-            for (coefficients, rigidity) in [
-                (mixed, d[0][0]),
-                (yy, d[1][1] - l10 * d[0][1]),
-                (xy, d[2][2]),
-            ] {
-                if rigidity > 0.0 {
-                    self.curvatures.push(Bending {
-                        nodes,
-                        coefficients,
-                        stiffness_n_m: area * rigidity,
-                    });
+            for k in 0..3 {
+                let pivot = d[k][k];
+                if pivot <= ROUND_OFF * rigidity_nm[k][k] {
+                    continue;
+                }
+                let shares = d[k].map(|share| share / pivot);
+                let coefficients = std::array::from_fn(|node| {
+                    (0..3).map(|row| shares[row] * forms[row][node]).sum()
+                });
+                self.curvatures.push(Bending {
+                    nodes,
+                    coefficients,
+                    stiffness_n_m: area * pivot,
+                });
+                for (row, share) in d.iter_mut().zip(shares) {
+                    for (entry, other) in row.iter_mut().zip(shares) {
+                        *entry -= pivot * share * other;
+                    }
                 }
             }
         }

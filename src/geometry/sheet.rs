@@ -38,9 +38,30 @@ impl SheetShape {
     }
 }
 
+/// How cells are cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Diagonals {
+    /// Like those of a chess board, so that the mesh has no preferred bias direction.
+    Alternating,
+    /// All alike, as bending stiffness wants it: twist and bending along a bias store the right energy, 2.9 and 1.65 times as much with
+    /// alternating ones (ν = 0.3).
+    Parallel,
+}
+
 /// Builds the sheet, stress-free and flat; `None` if a network spring would need a negative constant.
 #[must_use]
 pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<Structure> {
+    build_cut(shape, fabric, model, Diagonals::Alternating)
+}
+
+/// The same, with cells cut as asked for.
+#[must_use]
+pub fn build_cut(
+    shape: &SheetShape,
+    fabric: &Fabric,
+    model: FabricModel,
+    diagonals: Diagonals,
+) -> Option<Structure> {
     let [columns, rows] = shape.divisions;
     let cell = [
         shape.size_m[0] / columns as f64,
@@ -67,8 +88,7 @@ pub fn build(shape: &SheetShape, fabric: &Fabric, model: FabricModel) -> Option<
                 shape.node(i + 1, j + 1),
                 shape.node(i, j + 1),
             ];
-            // Alternating diagonals, so that the mesh has no preferred bias direction.
-            let halves = if (i + j) % 2 == 0 {
+            let halves = if diagonals == Diagonals::Parallel || (i + j) % 2 == 0 {
                 [[a, b, c], [a, c, d]]
             } else {
                 [[a, b, d], [b, c, d]]

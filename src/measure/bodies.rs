@@ -154,11 +154,11 @@ pub(super) fn body_results(results: &mut Results, record: &Record, scene: &Scene
         }
         insert(
             "strouhal_number",
-            match frequency(&column("lift_coefficient"), interval) {
+            match frequency(&column("lift_coefficient"), interval, NO_LIFT) {
                 Ok(frequency) => {
                     Quantity::new(frequency * unit_s, "1").with_note("of the lift, f L/U")
                 }
-                Err(why) => Quantity::missing("1", why),
+                Err(why) => Quantity::missing("1", &format!("of the lift: {why}")),
             },
         );
         insert(
@@ -276,12 +276,12 @@ pub fn disk_drag(reynolds: f64) -> Option<f64> {
 }
 
 /// Frequency of an evenly sampled oscillation, from its upward passages through the mean [1/time of `interval`]; an error says why
-/// there is none.
-fn frequency(series: &[f64], interval: f64) -> Result<f64, &'static str> {
+/// there is none, such as an amplitude below `least`.
+pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<f64, &'static str> {
     let mean = batch_mean(series, 1).value;
     let square = series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len() as f64;
-    if (2.0 * square).sqrt() < NO_LIFT {
-        return Err("the lift does not oscillate");
+    if (2.0 * square).sqrt() < least {
+        return Err("it does not oscillate");
     }
     let passages: Vec<f64> = (1..series.len())
         .filter(|&i| series[i - 1] < mean && series[i] >= mean)
@@ -289,11 +289,11 @@ fn frequency(series: &[f64], interval: f64) -> Result<f64, &'static str> {
         .collect();
     let periods: Vec<f64> = passages.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if periods.len() < 4 {
-        return Err("fewer than four periods of the lift");
+        return Err("fewer than four periods");
     }
     let period = periods.iter().sum::<f64>() / periods.len() as f64;
     if periods.iter().any(|p| (p / period - 1.0).abs() > 0.3) {
-        return Err("the lift has no single period");
+        return Err("there is no single period");
     }
     Ok(1.0 / (period * interval))
 }
@@ -309,9 +309,9 @@ mod tests {
                 .map(|i| 0.3 + a * (std::f64::consts::TAU * f * 0.1 * f64::from(i)).sin())
                 .collect()
         };
-        assert!((frequency(&wave(0.37, 0.2), 0.1).unwrap() - 0.37).abs() < 1e-3);
-        assert!(frequency(&wave(0.37, 1e-4), 0.1).is_err());
-        assert!(frequency(&wave(0.05, 0.2), 0.1).is_err());
+        assert!((frequency(&wave(0.37, 0.2), 0.1, NO_LIFT).unwrap() - 0.37).abs() < 1e-3);
+        assert!(frequency(&wave(0.37, 1e-4), 0.1, NO_LIFT).is_err());
+        assert!(frequency(&wave(0.05, 0.2), 0.1, NO_LIFT).is_err());
     }
 
     /// Re 100: 1.09 for the sphere (VALIDATION of this project, and the correlation); limits of the ranges.

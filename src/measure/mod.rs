@@ -2,6 +2,7 @@
 
 pub mod bodies;
 pub mod catenary;
+mod plate;
 mod record;
 mod results;
 pub mod statistics;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bodies;
+use super::{bodies, plate};
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
@@ -108,6 +108,11 @@ impl Record {
             (None, _) => &AIR,
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
+        if let (Some(BodyKind::Plate(_)), Some(_)) =
+            (scene.body.as_ref().map(|b| b.kind), &scene.air)
+        {
+            columns.extend(plate::COLUMNS.map(str::to_owned));
+        }
         if simulation.through_velocities_m_s().is_some() {
             columns.extend(THROUGH.map(str::to_owned));
         }
@@ -179,6 +184,10 @@ impl Record {
             None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
+        if let (Some(BodyKind::Plate(plate)), true) = (kind, in_air) {
+            row.extend(plate::tip_displacement_m(simulation, &plate).to_array());
+            row.push(self.last.map_or(f64::NAN, |last| last.supports.x));
+        }
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());
         row.extend(simulation.line_drag_n().map(|force| force.x));

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
-use super::{Record, bodies, catenary};
+use super::{Record, bodies, catenary, plate};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::output::{Quantity, Results};
@@ -29,6 +29,9 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
                 canopy_results(&mut results, record, canopy, air);
             } else {
                 fabric_in_wind_results(&mut results, record);
+            }
+            if let BodyKind::Plate(shape) = &body.kind {
+                plate::results(&mut results, record, shape, air);
             }
         }
         (Some(body), None) => {
@@ -536,6 +539,13 @@ fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &Structur
                 "modulus_pa",
                 Quantity::new(pull / coupon.cross_section_m2 / strain, "Pa"),
             );
+        }
+        BodyKind::Plate(shape) => {
+            let tip = place(shape.tip()) - shape.flat_tip_m();
+            for (name, value) in plate::COLUMNS.iter().zip(tip.to_array()) {
+                let note = "middle of the free edge, from where the flat plate has it";
+                results.insert(name, Quantity::new(value, "m").with_note(note));
+            }
         }
         BodyKind::Canopy(_) | BodyKind::Sheet | BodyKind::Cable { .. } | BodyKind::Mesh => {}
     }

@@ -2,6 +2,7 @@
 
 use super::{Placement, Plan};
 use crate::case::Scene;
+use crate::case::scene::BodyKind;
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::LINE_BYTES;
@@ -110,13 +111,21 @@ impl Sizes {
                 sizes.structure_device_bytes = sizes.structure_bytes / 2;
             }
         }
-        if let (Some(air), Some(_)) = (&scene.air, &scene.coupling) {
+        if let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) {
             let cell_size_m = air.units.cell_size_m;
+            let spacing_m = coupling.marker_spacing_cells * cell_size_m;
             if let Some(body) = &scene.body {
-                sizes.markers = markers::count(body.structure.extents(), cell_size_m);
+                sizes.markers = match &body.kind {
+                    BodyKind::Plate(plate) => {
+                        let inset_m = coupling.rim_inset_cells * cell_size_m;
+                        let [along, across] = plate.marker_counts(spacing_m, inset_m);
+                        (along as u64).saturating_mul(across as u64)
+                    }
+                    _ => markers::count(body.structure.extents(), spacing_m),
+                };
             }
             for body in &scene.rigid_bodies {
-                let own = markers::count(body.marker_surface.extents(), cell_size_m);
+                let own = markers::count(body.marker_surface.extents(), spacing_m);
                 sizes.markers = sizes.markers.saturating_add(own);
             }
             // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.

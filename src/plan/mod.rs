@@ -127,11 +127,16 @@ pub fn grid_sequence(coarser: &[Scene]) -> String {
 /// Markers of the fabric; empty unless it is coupled with air.
 #[must_use]
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
-    match (&scene.air, &scene.body, &scene.coupling) {
-        (Some(air), Some(body), Some(_)) => {
-            markers::place(body.structure.extents(), air.units.cell_size_m)
+    let (Some(air), Some(body), Some(coupling)) = (&scene.air, &scene.body, &scene.coupling) else {
+        return Vec::new();
+    };
+    let cell_size_m = air.units.cell_size_m;
+    let spacing_m = coupling.marker_spacing_cells * cell_size_m;
+    match &body.kind {
+        BodyKind::Plate(plate) => {
+            plate.place_markers(spacing_m, coupling.rim_inset_cells * cell_size_m)
         }
-        _ => Vec::new(),
+        _ => markers::place(body.structure.extents(), spacing_m),
     }
 }
 

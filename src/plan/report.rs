@@ -239,6 +239,14 @@ impl Plan {
             out,
             "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
         )?;
+        if let BodyKind::Plate(plate) = body.kind {
+            let [length, width] = plate.size_m.map(|size| size / cell);
+            writeln!(
+                out,
+                "  cells over plate    {length:.1} along, {width:.1} across; markers stand {} cells inside its rim",
+                coupling.rim_inset_cells
+            )?;
+        }
         if let BodyKind::Canopy(canopy) = body.kind {
             let diameter = canopy.nominal_diameter_m;
             writeln!(
@@ -277,6 +285,7 @@ impl Plan {
             return Ok(());
         };
         let cell = air.units.cell_size_m;
+        let spacing_m = coupling.marker_spacing_cells * cell;
         let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
         writeln!(out, "\nrigid bodies")?;
         if scene.body.is_none() {
@@ -293,7 +302,7 @@ impl Plan {
             )?;
         }
         for body in &scene.rigid_bodies {
-            let own = markers::count(body.marker_surface.extents(), cell);
+            let own = markers::count(body.marker_surface.extents(), spacing_m);
             writeln!(
                 out,
                 "  {}: {own} markers on {} triangles, {}",

@@ -44,10 +44,10 @@ impl Load {
 }
 
 impl BodyMarkers {
-    /// Markers of all bodies, numbered from `first`, and their areas [m²].
+    /// Markers of all bodies, at most `spacing_m` apart and numbered from `first`, and their areas [m²].
     pub(super) fn place_all(
         scene: &Scene,
-        cell_size_m: f64,
+        spacing_m: f64,
         mut first: usize,
     ) -> (Vec<Self>, Vec<f64>) {
         let mut areas_m2 = Vec::new();
@@ -55,7 +55,7 @@ impl BodyMarkers {
             .rigid_bodies
             .iter()
             .map(|body| {
-                let placed = markers::place(body.marker_surface.extents(), cell_size_m);
+                let placed = markers::place(body.marker_surface.extents(), spacing_m);
                 areas_m2.extend(placed.iter().map(|marker| marker.area_m2));
                 let points_m: Vec<DVec3> =
                     placed.iter().map(|marker| point_m(body, marker)).collect();

@@ -48,8 +48,8 @@ impl Coupled {
     ) -> Result<Self, DeviceError> {
         let markers = place_markers(scene);
         let cell_area = air.units.cell_size_m * air.units.cell_size_m;
-        let (bodies, body_areas_m2) =
-            BodyMarkers::place_all(scene, air.units.cell_size_m, markers.len());
+        let spacing_m = coupling.marker_spacing_cells * air.units.cell_size_m;
+        let (bodies, body_areas_m2) = BodyMarkers::place_all(scene, spacing_m, markers.len());
         let areas: Vec<f64> = markers
             .iter()
             .map(|m| m.area_m2)

@@ -2,7 +2,7 @@
 //!
 //! * markers: the sum of what `spread` delivered to the air, reversed;
 //! * momentum box: storage and fluxes of populations through a box around the structure, reversed;
-//! * supports: pull of the lines on their supports, plus the change of the structure's own momentum, minus gravity and guides, plus the numerical damping's.
+//! * supports: pull of the lines on their supports, or of a plate on its held edge, plus the change of the structure's own momentum, minus gravity and guides, plus the numerical damping's.
 //!
 //! The mean force over any window is a difference of impulses over its length: exact, and free of sampling noise.
 
@@ -14,13 +14,16 @@ use super::coupled::Coupled;
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, RigidBody};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::cloth::{Cloth, NodalDrag};
+use crate::cpu::cloth::{Cloth, NodalDrag, StepInput};
 use crate::gpu::DeviceError;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::units::Units;
 
 /// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
 const LATERAL_REACH: f64 = 0.7;
+
+/// Reach of the momentum box from the held edge of a plate, in its lengths.
+const PLATE_REACH: f64 = 1.15;
 
 /// Least margin of the momentum box around rigid bodies [cells]: the kernel reaches two.
 const BODY_MARGIN_CELLS: f64 = 4.0;
@@ -46,8 +49,8 @@ pub struct Impulses {
     /// Momentum that the apparent acceleration of a falling box has given the air in the momentum box; mass excess there, as last stored.
     apparent: [f64; 3],
     mass_excess: f64,
-    /// True if cables alone touch held nodes, so that their tensions are all support forces.
-    supported_by_cables: bool,
+    /// Whose forces are those of the supports; `None` where they are not known.
+    support: Option<Support>,
     /// From before the last change of the lattice; zero without one.
     carried: Carried,
 }
@@ -67,6 +70,15 @@ pub(super) struct Carried {
     supports: DVec3,
     /// Momentum of the structure at release [kg·m/s].
     initial_momentum: DVec3,
+}
+
+/// What supports feel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Support {
+    /// Cables alone touch held nodes: their tensions.
+    Cables,
+    /// The elements at the held edge of a plate, and the air on that edge.
+    HeldEdge,
 }
 
 /// What acts on air and structure in a step beside their exchange.
@@ -155,7 +167,7 @@ impl Impulses {
             };
             (0..structure.cables.len()).filter(held).collect()
         });
-        let supported_by_cables = structure.is_some_and(|structure| {
+        let by_cables = structure.is_some_and(|structure| {
             !structure
                 .triangles
                 .iter()
@@ -163,6 +175,10 @@ impl Impulses {
                 .chain(structure.springs.iter().flat_map(|s| s.nodes))
                 .any(|n| structure.held[n as usize])
         });
+        let support = match kind {
+            Some(BodyKind::Plate(_)) => Some(Support::HeldEdge),
+            _ => by_cables.then_some(Support::Cables),
+        };
         Ok(Self {
             units: air.units,
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
@@ -175,7 +191,7 @@ impl Impulses {
             support_cables,
             apparent: [0.0; 3],
             mass_excess: 0.0,
-            supported_by_cables,
+            support,
             carried: Carried {
                 bodies: vec![Default::default(); bodies.len()],
                 ..Carried::default()
@@ -292,6 +308,9 @@ impl Impulses {
             let direction = (cloth.positions_m[held] - cloth.positions_m[free]).normalize_or_zero();
             pull += direction * cloth.cable_tension_n(cable);
         }
+        if self.support == Some(Support::HeldEdge) {
+            pull += self.held_edge_n(cloth, coupled);
+        }
         for guide in &structure.guides {
             pull -= guide.stiffness_n_m * (cloth.positions_m[guide.node as usize] - guide.anchor_m);
         }
@@ -309,6 +328,31 @@ impl Impulses {
         }
         self.supports -= pull * self.units.time_step_s;
         Ok(())
+    }
+
+    /// Force of the held edge on a plate, less what the air does to held nodes directly [N].
+    fn held_edge_n(&self, cloth: &Cloth, coupled: &Coupled) -> DVec3 {
+        let reactions = cloth.reactions_n(&StepInput::default());
+        let elastic: DVec3 = reactions.iter().map(|(_, force)| *force).sum();
+        let structure = &cloth.structure;
+        let mut on_air = [0.0; 3];
+        for (k, marker) in coupled.markers().iter().enumerate() {
+            let nodes = structure.triangles[marker.triangle as usize].nodes;
+            let share: f64 = nodes
+                .iter()
+                .zip(marker.weights)
+                .filter(|(node, _)| structure.held[**node as usize])
+                .map(|(_, weight)| weight)
+                .sum();
+            if share != 0.0 {
+                let force = coupled.immersed().force(k);
+                for a in 0..3 {
+                    on_air[a] += share * force[a];
+                }
+            }
+        }
+        let scale = self.units.impulse_n_s() / self.units.time_step_s;
+        elastic + DVec3::from_array(on_air) * scale
     }
 
     /// Impulses now.
@@ -353,7 +397,7 @@ impl Impulses {
             bodies: on_bodies,
             momentum_box,
             supports: cloth
-                .filter(|_| self.supported_by_cables)
+                .filter(|_| self.support.is_some())
                 .map(|cloth| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
             mass_defect: (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess)
                 / mass,
@@ -400,6 +444,20 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
             (
                 confluence - lateral + DVec3::X * (0.3 * line),
                 confluence + lateral + DVec3::X * (1.1 * line + 0.65 * diameter),
+            )
+        }
+        Some(BodyKind::Plate(plate)) => {
+            // All that it can sweep, but for what lies far upstream.
+            let held = positions.iter().zip(&cloth.structure.held);
+            let held = held.filter(|(_, held)| **held).map(|(place, _)| *place);
+            let length = plate.size_m[0];
+            let (low, high) = held
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p), high.max(p))
+                });
+            (
+                low - DVec3::new(0.5, PLATE_REACH, PLATE_REACH) * length,
+                high + DVec3::splat(PLATE_REACH * length),
             )
         }
         _ => {

@@ -59,7 +59,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 25] = [
+pub const PROBLEMS: [Problem; 29] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -134,6 +134,26 @@ pub const PROBLEMS: [Problem; 25] = [
         name: "spherical-couette",
         updates: [80.0, 2_000.0],
         compute: coupling::spherical_couette::compute,
+    },
+    Problem {
+        name: "marker-spacing",
+        updates: [1_160.0, 56_000.0],
+        compute: coupling::marker_spacing::compute,
+    },
+    Problem {
+        name: "force-routes",
+        updates: [200.0, 25_000.0],
+        compute: coupling::force_routes::compute,
+    },
+    Problem {
+        name: "flexible-plate",
+        updates: [98.0, 22_300.0],
+        compute: coupling::flexible_plate::compute,
+    },
+    Problem {
+        name: "flag",
+        updates: [187.0, 86_000.0],
+        compute: coupling::flag::compute,
     },
     Problem {
         name: "light-canopies",

@@ -1,7 +1,12 @@
 //! Validation of the immersed boundary and of air coupled with fabric.
 
+mod case_runs;
+pub(super) mod flag;
+pub(super) mod flexible_plate;
+pub(super) mod force_routes;
 pub(super) mod immersed_boundary;
 pub(super) mod light_canopies;
+pub(super) mod marker_spacing;
 pub(super) mod spherical_couette;
 
 use super::Stop;

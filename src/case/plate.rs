@@ -1,0 +1,121 @@
+//! Checks of `[structure.plate]`.
+
+use glam::DVec3;
+
+use super::Problem;
+use super::file;
+use super::scene::{Air, Body, BodyKind, positive, readable, vector};
+use crate::fabric::Fabric;
+use crate::geometry::mesh::quality;
+use crate::geometry::plate::{self, Plate};
+
+const KEY: &str = "structure.plate";
+
+/// Most cells along a side.
+const DIVISION_LIMIT: usize = 2_000;
+
+/// Largest cosine of the angle between length and held edge.
+const SKEW: f64 = 1e-6;
+
+/// Least width of the rectangle of markers [cells].
+const LEAST_WIDTH_CELLS: f64 = 2.0;
+
+fn key(name: &str) -> String {
+    format!("{KEY}.{name}")
+}
+
+fn direction(name: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
+    vector(&key(name), value)?.try_normalize().ok_or_else(|| {
+        Problem::new(
+            key(name),
+            format!("{} = {value:?} has no direction", key(name)),
+            "give a vector that is not zero; its length does not matter",
+        )
+    })
+}
+
+pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Problem> {
+    for size in written.size_m {
+        positive(&key("size_m"), size)?;
+    }
+    let [along_count, across_count] = written.divisions;
+    if !(2..=DIVISION_LIMIT).contains(&along_count) || !(1..=DIVISION_LIMIT).contains(&across_count)
+    {
+        return Err(Problem::new(
+            key("divisions"),
+            format!(
+                "{} = {:?} is out of range",
+                key("divisions"),
+                written.divisions
+            ),
+            format!(
+                "allowed are 2 to {DIVISION_LIMIT} cells along the length and 1 to {DIVISION_LIMIT} across it; about square ones are usual"
+            ),
+        ));
+    }
+    let (along, across) = (
+        direction("along", written.along)?,
+        direction("across", written.across)?,
+    );
+    if along.dot(across).abs() > SKEW {
+        return Err(Problem::new(
+            key("across"),
+            format!(
+                "{} = {:?} is not perpendicular to {} = {:?}",
+                key("across"),
+                written.across,
+                key("along"),
+                written.along
+            ),
+            "give the direction of the held edge, at a right angle to the length",
+        ));
+    }
+    let shape = Plate {
+        size_m: written.size_m,
+        divisions: written.divisions,
+        held_edge_m: vector(&key("held_edge_m"), written.held_edge_m)?,
+        along,
+        across: (across - along * along.dot(across)).normalize(),
+        support: written.support,
+    };
+    let solid = fabric.rigidity_nm();
+    let rigidity = match written.flexural_rigidity_nm {
+        Some(given) => {
+            let factor = positive(&key("flexural_rigidity_nm"), given)? / solid[0][0];
+            solid.map(|row| row.map(|d| d * factor))
+        }
+        None => solid,
+    };
+    let structure = plate::build(&shape, fabric, rigidity).ok_or_else(|| {
+        Problem::new(
+            key("divisions"),
+            format!("[{KEY}] has triangles without area"),
+            "make the plate larger, or divide it less",
+        )
+    })?;
+    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
+    Ok(Body {
+        quality: quality::measure(&structure.positions_m, &triangles),
+        kind: BodyKind::Plate(shape),
+        structure,
+    })
+}
+
+/// Refuses a plate that the cells are too coarse for, with its markers' rim `inset_cells` inside its own.
+pub(super) fn check_cells(plate: &Plate, air: &Air, inset_cells: f64) -> Result<(), Problem> {
+    let narrow = plate.size_m[0].min(plate.size_m[1]);
+    let cells = narrow / air.units.cell_size_m;
+    let least = LEAST_WIDTH_CELLS + 2.0 * inset_cells;
+    if cells >= least {
+        return Ok(());
+    }
+    Err(Problem::new(
+        key("size_m"),
+        format!(
+            "the plate is {} m wide, only {cells:.1} cells of {} m",
+            readable(narrow),
+            readable(air.units.cell_size_m)
+        ),
+        format!("choose smaller cells: at least {least:.1} over the plate, 8 or more for results"),
+    ))
+}

@@ -1,0 +1,112 @@
+//! Shipped cases, changed and run to their end, for the problems of fabric in the wind.
+
+use std::path::Path;
+
+use super::super::{Session, Stop};
+use crate::case::{self, Case, Choices};
+use crate::measure;
+use crate::output::Results;
+use crate::plan::{Placement, Plan, Precision};
+use crate::simulation::{Failure, Simulation};
+
+/// A shipped case with changes.
+pub(super) fn case(
+    name: &str,
+    source: &str,
+    variant: Option<&str>,
+    changes: &[String],
+) -> Result<Case, Stop> {
+    let choices = Choices {
+        variant: variant.map(str::to_owned),
+        overrides: changes.to_vec(),
+    };
+    case::parse(name, source, Path::new("."), &choices)
+        .map_err(|error| Stop::Refused(error.to_string()))
+}
+
+/// What a run showed.
+pub(super) struct Outcome {
+    /// Cells of the air.
+    pub cells: [usize; 3],
+    /// The named results; `None` where the run broke down.
+    pub results: Option<Results>,
+    /// The samples.
+    pub record: measure::Record,
+}
+
+impl Outcome {
+    /// A named result; not a number where there is none.
+    pub fn value(&self, name: &str) -> f64 {
+        let results = self.results.as_ref();
+        results
+            .and_then(|results| results.get(name))
+            .and_then(|quantity| quantity.value)
+            .unwrap_or(f64::NAN)
+    }
+
+    /// Mean force along x over the second half of the run by the routes `names` [N]: differences of impulses.
+    pub fn forces(&self, names: [&str; 3]) -> [f64; 3] {
+        let times = self.record.column("time_s");
+        let (first, last) = (times.len() / 2, times.len().saturating_sub(1));
+        names.map(|name| {
+            let impulse = self.record.column(name);
+            match (
+                self.results.is_some(),
+                impulse.get(first),
+                impulse.get(last),
+            ) {
+                (true, Some(then), Some(now)) => (now - then) / (times[last] - times[first]),
+                _ => f64::NAN,
+            }
+        })
+    }
+}
+
+/// Runs a case on the engine of the order.
+pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
+    let placement = Placement {
+        air: session.order.placement,
+        ..Placement::from(Precision::F32)
+    };
+    let plan = Plan::new(&case.scene, placement);
+    let (start, planned) = (plan.start_steps, plan.start_steps + plan.steps);
+    let (Some(air), Some(time)) = (case.scene.air, case.scene.time) else {
+        return Err(Stop::Refused("the case has no air".to_owned()));
+    };
+    let every = ((case.scene.output.sample_interval_s / time.step_s).round() as u64).max(1);
+    let failed = |failure| match failure {
+        Failure::Device(error) => Stop::Device(error),
+        other => Stop::Refused(other.to_string()),
+    };
+    let mut simulation =
+        Simulation::new(case.scene, plan, session.order.device.clone()).map_err(failed)?;
+    let mut record = measure::Record::new(&simulation);
+    let updates = 1e-6 * air.cells.iter().product::<usize>() as f64;
+    let done = session.done;
+    let mut broke_down = false;
+    while simulation.step_count() < planned {
+        let step = simulation.step_count();
+        if step.is_multiple_of(16) {
+            session.check_interrupt()?;
+            session.progress_to(done + updates * step as f64);
+        }
+        if step >= start && (step - start).is_multiple_of(every) {
+            record.add(&mut simulation)?;
+        }
+        match simulation.advance() {
+            Err(Failure::Diverged(_)) => {
+                broke_down = true;
+                break;
+            }
+            advanced => advanced.map_err(failed)?,
+        }
+    }
+    if !broke_down {
+        record.add(&mut simulation)?;
+    }
+    Ok(Outcome {
+        cells: air.cells,
+        results: (!broke_down).then(|| measure::results(&simulation, &record)),
+        record,
+    })
+}
