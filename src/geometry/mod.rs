@@ -6,5 +6,6 @@ pub mod coupon;
 pub mod fabric_surface;
 pub mod mesh;
 pub mod parachute;
+pub mod profile;
 pub mod sheet;
 pub mod surfaces;
