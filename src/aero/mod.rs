@@ -4,10 +4,14 @@
 //! [`polar`] and [`decambering`] bring in what viscosity does to sections, [`drag`] what lines and pilot add. Everything is in SI units.
 //! `docs/low-order-aerodynamics.md` has the equations in order, what they cost and what they cannot do.
 
+pub mod belloc;
+pub mod decambering;
 mod dense;
+pub mod drag;
 mod error;
 mod forces;
 pub mod influence;
+pub mod polar;
 pub mod potential_flow;
 pub mod surface;
 mod velocity;

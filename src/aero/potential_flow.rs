@@ -366,7 +366,8 @@ mod tests {
                     b.circulation_m2_s[4 + strip],
                     b.circulation_m2_s[3 - strip],
                 ];
-                assert!((x - y).abs() < 1e-7 && (x - z).abs() < 1e-7, "{x} {y} {z}");
+                // The wakes differ in length.
+                assert!((x - y).abs() < 1e-6 && (x - z).abs() < 1e-6, "{x} {y} {z}");
             }
             let [p, q] = [a.pressure_forces(&half, 1.2, DVec3::ZERO), b.pressure_forces(&whole, 1.2, DVec3::ZERO)];
             assert!((p.force_n - q.force_n).length() < 1e-6 * p.force_n.length());

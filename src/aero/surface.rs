@@ -459,7 +459,8 @@ mod tests {
             ..wing
         };
         let whole = whole.panels(40).unwrap();
-        assert!((whole.volume_m3() / half.volume_m3() - 1.0).abs() < 1e-9);
+        // The half's inner sections are blends of two profiles, which pass through another spline.
+        assert!((whole.volume_m3() / half.volume_m3() - 1.0).abs() < 1e-7);
         let sum: DVec3 = whole.panels.iter().map(|p| p.area_m2).sum();
         assert!(sum.length() < 1e-12);
         assert_eq!(whole.caps.len(), 2);

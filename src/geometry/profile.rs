@@ -46,13 +46,13 @@ pub enum ProfileError {
 pub struct Profile {
     /// From the trailing edge along the lower side around the nose and along the upper side to the trailing edge; the first point is the last.
     points: Vec<DVec2>,
-    /// Index of the point farthest from the trailing edge.
+    /// Index of the point next to the origin.
     nose: usize,
 }
 
 impl Profile {
-    /// A profile through points given from the lower trailing edge around the nose to the upper one, in any unit: it is brought to chord 1.
-    /// A trailing edge open by at most 0.05 chords is closed by shear, half on each side.
+    /// A profile through points given from the lower trailing edge around the nose to the upper one, in chords. A trailing edge open by at
+    /// most 0.05 chords is closed by shear, half on each side.
     pub fn new(mut points: Vec<DVec2>) -> Result<Self, ProfileError> {
         let wrong = |what: &str| Err(ProfileError::Points(what.to_owned()));
         if points.len() < 7 {
@@ -61,19 +61,17 @@ impl Profile {
         if points.iter().any(|p| !p.is_finite()) {
             return wrong("a coordinate of the profile is not finite");
         }
-        let trailing_edge = 0.5 * (points[0] + points[points.len() - 1]);
-        let (nose, length) = points
+        // The mean line of a cambered profile begins at the origin, which is not always the point farthest ahead: nothing is turned.
+        let edge = 0.5 * (points[0] + points[points.len() - 1]);
+        let (nose, distance) = points
             .iter()
+            .map(|p| p.length())
             .enumerate()
-            .map(|(k, p)| (k, p.distance(trailing_edge)))
-            .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
-        if length <= 0.0 || nose == 0 || nose == points.len() - 1 {
-            return wrong("the points of the profile do not go around a nose");
-        }
-        // Chord along x, nose at the origin.
-        let (origin, along) = (points[nose], (trailing_edge - points[nose]) / length);
-        for p in &mut points {
-            *p = along.conjugate_times(*p - origin) / length;
+            .fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        if nose == 0 || nose == points.len() - 1 || distance > 0.02 || edge.distance(DVec2::X) > 0.05 {
+            return wrong(
+                "coordinates have to be over the chord, from the trailing edge at (1, 0) around the nose at (0, 0)",
+            );
         }
         let gap = points[points.len() - 1].y - points[0].y;
         if gap.abs() > OPEN_TRAILING_EDGE {
@@ -81,7 +79,7 @@ impl Profile {
         }
         for (k, p) in points.iter_mut().enumerate() {
             let side = if k <= nose { 0.5 } else { -0.5 };
-            p.y += side * gap * p.x;
+            p.y += (side * gap - edge.y) * p.x;
         }
         let last = points.len() - 1;
         points[0] = DVec2::X;
@@ -250,17 +248,6 @@ impl Profile {
     }
 }
 
-/// Rotation back by the angle of a unit vector.
-trait Conjugate {
-    fn conjugate_times(self, other: Self) -> Self;
-}
-
-impl Conjugate for DVec2 {
-    fn conjugate_times(self, other: Self) -> Self {
-        Self::new(self.dot(other), self.perp_dot(other))
-    }
-}
-
 /// A mean line.
 #[derive(Debug, Clone, Copy)]
 enum Camber {
@@ -415,10 +402,10 @@ mod tests {
         let whole = Profile::naca("2415").unwrap();
         // Turned a little, and open by 0.002 at the trailing edge.
         let mut text = "some profile\n".to_owned();
-        for p in whole.points.iter().rev() {
-            let sign = if p.y < whole.camber(&[p.x])[0] { -1.0 } else { 1.0 };
+        for (k, p) in whole.points.iter().enumerate().rev() {
+            let sign = if k < whole.nose { -1.0 } else { 1.0 };
             let y = p.y + 0.001 * p.x * sign;
-            text.push_str(&format!("  {:.9} {:.9}\n", p.x - 0.01 * y, y + 0.01 * p.x));
+            text.push_str(&format!("  {:.9} {:.9}\n", p.x, y + 0.01 * p.x));
         }
         let read = Profile::parse(&text).unwrap();
         for (a, b) in read.resampled(20).iter().zip(whole.resampled(20)) {
