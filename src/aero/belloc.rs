@@ -103,7 +103,7 @@ mod tests {
         let wing = wing().unwrap();
         assert!((wing.projected_span_m() / (11.0 / 8.0) - 1.0).abs() < 0.002);
         assert!((wing.flat_area_m2() / REFERENCE_AREA_M2 - 1.0).abs() < 0.01);
-        assert_eq!((measured().len(), rows(SECTION).len()), (48, 25));
+        assert_eq!((measured().len(), rows(SECTION).len()), (51, 25));
         section().unwrap();
     }
 }

@@ -136,14 +136,21 @@ impl Panel {
 }
 
 /// ln((r₁ + r₂ + L)/(r₁ + r₂ − L))/L of an edge from `a` to `b` seen from the origin; zero for an edge without length.
+///
+/// Next to a long edge r₁ + r₂ − L cancels; with (r₁ + r₂)² − L² = 2 (r₁ r₂ + a·b) = 2 |a × b|²/(r₁ r₂ − a·b) nothing does.
 fn line_integral(a: DVec3, b: DVec3, a_length: f64, b_length: f64) -> f64 {
     let length = (b - a).length();
-    let sum = a_length + b_length;
     if length <= 0.0 {
         return 0.0;
     }
-    let rest = (sum - length).max(1e-15 * sum);
-    ((sum + length) / rest).ln() / length
+    let (product, dot) = (a_length * b_length, a.dot(b));
+    let rest = if dot < 0.0 {
+        a.cross(b).length_squared() / (product - dot)
+    } else {
+        product + dot
+    };
+    let sum = a_length + b_length + length;
+    (sum * sum / (2.0 * rest.max(1e-30 * sum * sum))).ln() / length
 }
 
 /// Solid angle of a triangle seen from the origin, positive from the side that its normal points to.

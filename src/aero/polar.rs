@@ -9,8 +9,8 @@ use super::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use super::surface::{Station, Wing};
 use crate::geometry::profile::Profile;
 
-/// Half-span over chord of the wing that stands for a plane section: its downwash is 1e-4 of the angle.
-const SECTION_HALF_SPAN: f64 = 1e4;
+/// Half-span over chord of the wing that stands for a plane section: its downwash is 1e-3 of the angle.
+const SECTION_HALF_SPAN: f64 = 1e3;
 
 /// Panels per side for the potential flow of a section.
 const SECTION_PANELS_PER_SIDE: usize = 60;
@@ -168,7 +168,7 @@ pub struct SectionFlow {
 }
 
 impl SectionFlow {
-    /// The panel method on one strip of a wing that is 20 000 chords long.
+    /// The panel method on one strip of a wing that is 2 000 chords long.
     pub fn of(profile: &Arc<Profile>) -> Result<Self, AeroError> {
         let station = |y: f64| Station {
             position_m: DVec3::Y * y,

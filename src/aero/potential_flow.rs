@@ -25,8 +25,8 @@ use super::surface::{PanelSurface, mirrored};
 use super::velocity;
 use super::wake::{TrefftzForces, Wake, trefftz};
 
-/// How far inside the surface the equations hold, over a panel's diameter.
-const INSIDE: f64 = 1e-8;
+/// How far inside the surface the equations hold, over a panel's width.
+const INSIDE: f64 = 1e-6;
 
 /// Memory allowed without a setting of its own [bytes].
 pub const MEMORY_LIMIT: u64 = 4 << 30;
@@ -86,7 +86,7 @@ impl<'a> PotentialFlow<'a> {
         let points: Vec<DVec3> = surface
             .panels
             .iter()
-            .map(|p| p.centre_m - INSIDE * p.diameter_m * p.normal)
+            .map(|p| p.centre_m - INSIDE * p.area_m2.length() / p.diameter_m * p.normal)
             .collect();
         let wake_strips = Wake::new(surface, direction);
         let groups = surface.spanwise + surface.caps.len();

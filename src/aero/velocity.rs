@@ -3,9 +3,10 @@
 //! The tangential velocity is the onset flow's, the surface gradient of φ added. The gradient comes from the neighbours' centres: chord-wise
 //! and span-wise derivatives over the distance by parabolas through three centres, one-sided at trailing edges and tips, and from them the
 //! vector in the panel's plane that has both (Katz & Plotkin 2001, section 12.3, with central differences over distances in place of panel
-//! numbers). Panels of caps take the vector that fits the differences to their neighbours best.
+//! numbers). Panels of caps take the chord-wise derivative alone: around the
+//! edges of a tip potential flow would be infinitely fast, where air separates.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::surface::{Cap, PanelSurface, mirrored};
 
@@ -87,38 +88,20 @@ fn in_strip(surface: &PanelSurface, potential: &[f64], panel: usize) -> DVec3 {
     from_slopes(normal, [(along, along_slope), (across, across_slope)])
 }
 
-/// Surface gradient at the panel `k` of a cap.
+/// Surface gradient along the chord at the panel `k` of a cap.
 fn in_cap(surface: &PanelSurface, potential: &[f64], cap: Cap, k: usize) -> DVec3 {
-    let half = surface.chordwise / 2;
-    let first = cap.strip * surface.chordwise;
-    let (place, value) = sample(surface, potential, cap.first + k);
+    let last = surface.chordwise / 2 - 1;
+    let at = |k: usize| sample(surface, potential, cap.first + k);
+    let (along, slope) = if k == 0 {
+        two_points(at(0), at(1))
+    } else if k == last {
+        two_points(at(last - 1), at(last))
+    } else {
+        central(at(k - 1), at(k), at(k + 1))
+    };
     let normal = surface.panels[cap.first + k].normal;
-    let tangent = normal.any_orthonormal_vector();
-    let other = normal.cross(tangent);
-    let mut neighbours = vec![first + k, first + surface.chordwise - 1 - k];
-    if k > 0 {
-        neighbours.push(cap.first + k - 1);
-    }
-    if k + 1 < half {
-        neighbours.push(cap.first + k + 1);
-    }
-    let (mut xx, mut xy, mut yy, mut right) = (0.0, 0.0, 0.0, DVec2::ZERO);
-    for neighbour in neighbours {
-        let (at, there) = sample(surface, potential, neighbour);
-        let step = DVec2::new((at - place).dot(tangent), (at - place).dot(other));
-        // By the inverse square of the distance, which the way around the tip's edge is part of.
-        let weight = 1.0 / (at - place).length_squared().max(f64::MIN_POSITIVE);
-        xx += weight * step.x * step.x;
-        xy += weight * step.x * step.y;
-        yy += weight * step.y * step.y;
-        right += weight * (there - value) * step;
-    }
-    let determinant = xx * yy - xy * xy;
-    if determinant <= 1e-9 * (xx + yy).powi(2) {
-        return DVec3::ZERO;
-    }
-    tangent * ((yy * right.x - xy * right.y) / determinant)
-        + other * ((xx * right.y - xy * right.x) / determinant)
+    let flat = along - normal * normal.dot(along);
+    flat * (slope / flat.length_squared().max(f64::MIN_POSITIVE))
 }
 
 /// The vector in the plane across `normal` with the given products with two other vectors.

@@ -8,8 +8,9 @@
 //! F = ρ Σ Γ_j V × l_j        D_i = −½ ρ Σ Γ_j w_j·n_j |l_j|
 //! ```
 //!
-//! l_j the strip's step along the span across the stream, w_j the velocity in the middle of the strip (Katz & Plotkin, section 8.2.2).
-//! Departure: the trace of the wake is the trailing edge projected along the stream, not rolled up.
+//! l_j the strip's step along the span across the stream, w_j the velocity in the strip (Katz & Plotkin, section 8.2.2), taken in the middle
+//! of its range of the angle θ = acos(1 − 2s/S), s along the trace of length S: circulation falls like a root towards a tip, and is smooth
+//! over θ. (In the middle of the strips' length the drag of an elliptic wing of 16 strips would be 4 % low.) Departure: the trace of the wake is the trailing edge projected along the stream, not rolled up.
 
 use glam::{DVec2, DVec3};
 
@@ -137,10 +138,11 @@ pub fn trefftz(
         lift_n: 0.0,
         induced_drag_n: 0.0,
     };
-    for (pair, &circulation) in trace.windows(2).zip(circulation_m2_s) {
+    let shares = middles(&trace, is_symmetric);
+    for ((pair, &circulation), share) in trace.windows(2).zip(circulation_m2_s).zip(shares) {
         let step = pair[1] - pair[0];
         let normal = DVec2::new(-step.y, step.x);
-        let wash = velocity(0.5 * (pair[0] + pair[1]));
+        let wash = velocity(pair[0].lerp(pair[1], share));
         forces.lift_n += density_kg_m3 * stream_m_s.length() * circulation * step.x;
         forces.induced_drag_n -= 0.5 * density_kg_m3 * circulation * wash.dot(normal);
     }
@@ -151,6 +153,32 @@ pub fn trefftz(
     forces
 }
 
+/// Where in each strip its middle angle θ is, 0 at the strip's first point.
+fn middles(trace: &[DVec2], is_symmetric: bool) -> Vec<f64> {
+    let mut lengths = vec![0.0];
+    for pair in trace.windows(2) {
+        let last = lengths[lengths.len() - 1];
+        lengths.push(last + pair[0].distance(pair[1]));
+    }
+    let whole = lengths[lengths.len() - 1];
+    // Of a symmetric wing the other half goes before.
+    let before = if is_symmetric { whole } else { 0.0 };
+    let cosine = |length: f64| (1.0 - 2.0 * (before + length) / (before + whole)).clamp(-1.0, 1.0);
+    lengths
+        .windows(2)
+        .map(|pair| {
+            let middle = 0.5 * (cosine(pair[0]).acos() + cosine(pair[1]).acos());
+            let at = 0.5 * (before + whole) * (1.0 - middle.cos()) - before;
+            let step = pair[1] - pair[0];
+            if step > 0.0 {
+                ((at - pair[0]) / step).clamp(0.0, 1.0)
+            } else {
+                0.5
+            }
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,16 +186,15 @@ mod tests {
     /// Elliptic loading over a straight span: L = π/4 ρ V Γ₀ b, D = π/8 ρ Γ₀² (Prandtl).
     #[test]
     fn elliptic_loading_has_the_least_drag() {
-        let (strips, span, density, speed) = (200, 3.0, 1.2, 10.0);
+        let (strips, span, density, speed) = (20, 3.0, 1.2, 10.0);
         let edge: Vec<DVec3> = (0..=strips)
             .map(|k| {
                 let angle = 0.5 * std::f64::consts::PI * k as f64 / strips as f64;
                 DVec3::Y * 0.5 * span * angle.sin()
             })
             .collect();
-        let circulation: Vec<f64> = edge
-            .windows(2)
-            .map(|p| (1.0 - (p[0].y + p[1].y).powi(2) / (span * span)).sqrt())
+        let circulation: Vec<f64> = (0..strips)
+            .map(|k| (0.5 * std::f64::consts::PI * (k as f64 + 0.5) / strips as f64).cos())
             .collect();
         let half = trefftz(&edge, &circulation, speed * DVec3::X, density, true);
         let pi = std::f64::consts::PI;

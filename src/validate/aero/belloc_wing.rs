@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::super::{Gate, Session, Stop, slope};
+use super::aligned_flow;
 use crate::aero::belloc;
 use crate::aero::decambering::{AGREEMENT, Decambering, Section};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
@@ -71,7 +72,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         .reference(LATTICE_SLOPE, "independent vortex lattice")
         .gate(Gate::Within(LATTICE_BAND));
     let at = |angle: f64| ANGLES.iter().position(|&a| a == angle).unwrap_or(0);
-    let ten = &inviscid[at(10.0)];
+    let ten = aligned_flow(&surface, belloc::stream_m_s(10f64.to_radians()))?;
     let near = ten.pressure_forces(&surface, 1.0, DVec3::ZERO);
     let far = ten.trefftz_forces(&surface, 1.0);
     let (lift, drag) = near.lift_and_drag_n(ten.stream_m_s);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::super::{Gate, Session, Stop};
-use super::{flat_wing, flows, lattice_slope, slope, stream, symmetric_profile};
+use super::{aligned_flow, flat_wing, lattice_slope, slope, stream, symmetric_profile};
 
 const SPAN: f64 = 10.0;
 
@@ -28,7 +28,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     session.check_interrupt()?;
     let surface = wing(strips, 12)?.panels(per_side)?;
     let panels = surface.panels.len();
-    let flow = flows(&surface, &[ANGLE])?.remove(0);
+    let flow = aligned_flow(&surface, stream(ANGLE))?;
     let far = flow.trefftz_forces(&surface, 1.0);
     // e = L²/(π q b² D), q = 1/2.
     let least = far.lift_n.powi(2) / (0.5 * std::f64::consts::PI * SPAN * SPAN);

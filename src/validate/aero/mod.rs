@@ -45,6 +45,12 @@ fn stream(angle_rad: f64) -> DVec3 {
     DVec3::new(angle_rad.cos(), 0.0, angle_rad.sin())
 }
 
+/// The flow around a surface whose wake leaves along the stream, as it must for pressures and far wake to tell the same.
+fn aligned_flow(surface: &PanelSurface, stream: DVec3) -> Result<Flow, Stop> {
+    let flow = PotentialFlow::new(surface, stream, MEMORY_LIMIT)?;
+    Ok(flow.solve(&[stream])?.remove(0))
+}
+
 /// Flows around a surface whose wake leaves along x.
 fn flows(surface: &PanelSurface, angles_rad: &[f64]) -> Result<Vec<Flow>, Stop> {
     let streams: Vec<DVec3> = angles_rad.iter().map(|&a| stream(a)).collect();

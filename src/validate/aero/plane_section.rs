@@ -8,7 +8,9 @@ use glam::{DVec2, DVec3};
 
 use super::super::{Gate, Session, Stop};
 use super::flows;
+use crate::aero::AeroError;
 use crate::aero::surface::PanelSurface;
+use crate::geometry::profile::Profile;
 
 /// Centre of the circle: thickness by −x, camber by y.
 const CENTRE: DVec2 = DVec2::new(-0.1, 0.08);
@@ -18,8 +20,11 @@ const EXPONENT: f64 = 2.0 - 10.0 / 180.0;
 
 const ANGLE: f64 = 0.07;
 
+/// Points per side through which the panels' section is laid.
+const EXACT_PER_SIDE: usize = 300;
+
 /// Half-span over chord.
-const HALF_SPAN: f64 = 1e4;
+const HALF_SPAN: f64 = 1e3;
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let exact = Exact::new();
@@ -38,7 +43,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         // of the largest error.
         let (mut squares, mut length, mut largest) = (0.0, 0.0, 0.0f64);
         for (k, panel) in surface.panels[..surface.chordwise].iter().enumerate() {
-            let error = pressures[k] - exact.pressure_over_panel(&surface, k);
+            let error = pressures[k] - exact.pressure_next_to(panel.centre_m);
             let size = panel.area_m2.length();
             squares += error * error * size;
             length += size;
@@ -156,25 +161,26 @@ impl Exact {
         1.0 - (around / stretch).powi(2)
     }
 
-    /// Angles on the circle of a section's nodes: from the edge along the lower side, spaced by cosine over each side.
-    fn angles(&self, per_side: usize) -> Vec<f64> {
+    /// Points of the section, `per_side` on each side, close together at the edge and the nose.
+    fn profile(&self) -> Result<Profile, Stop> {
         let full = 2.0 * std::f64::consts::PI;
-        let (start, nose) = (full - self.beta, self.nose_angle);
-        (0..=2 * per_side)
+        let (edge, nose) = (full - self.beta, self.nose_angle);
+        let points = (0..=2 * EXACT_PER_SIDE)
             .map(|k| {
-                let t = k.min(2 * per_side - k) as f64 / per_side as f64;
+                let t = k.min(2 * EXACT_PER_SIDE - k) as f64 / EXACT_PER_SIDE as f64;
                 // On the circle equal steps are cosine spacing on the section.
-                if k <= per_side {
-                    start + t * (nose - start)
+                self.place(if k <= EXACT_PER_SIDE {
+                    edge + t * (nose - edge)
                 } else {
                     -self.beta + t * (nose + self.beta)
-                }
+                })
             })
-            .collect()
+            .collect();
+        Ok(Profile::new(points).map_err(AeroError::from)?)
     }
 
     fn surface(&self, per_side: usize) -> Result<PanelSurface, Stop> {
-        let section: Vec<DVec2> = self.angles(per_side).iter().map(|&a| self.place(a)).collect();
+        let section = self.profile()?.resampled(per_side);
         let nodes = [0.0, HALF_SPAN]
             .iter()
             .flat_map(|&y| section.iter().map(move |p| DVec3::new(p.x, y, p.y)))
@@ -182,16 +188,20 @@ impl Exact {
         Ok(PanelSurface::new(nodes, 2 * per_side, true, true)?)
     }
 
-    /// Exact pressure where a panel's middle is, between the angles of its nodes.
-    fn pressure_over_panel(&self, surface: &PanelSurface, panel: usize) -> f64 {
-        let angles = self.angles(surface.chordwise / 2);
-        let centre = surface.panels[panel].centre_m;
-        let middle = DVec2::new(centre.x, centre.z);
-        // The point of the section next to the middle.
-        let (mut low, mut high) = (angles[panel], angles[panel + 1]);
+    /// Exact pressure at the point of the section next to a place.
+    fn pressure_next_to(&self, place: DVec3) -> f64 {
+        let at = DVec2::new(place.x, place.z);
+        let distance = |angle: f64| self.place(angle).distance(at);
+        let step = 2.0 * std::f64::consts::PI / 1000.0;
+        let angle_of = |k: usize| -self.beta + (k as f64 + 0.5) * step;
+        let nearest = (0..1000)
+            .map(angle_of)
+            .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+            .unwrap_or(0.0);
+        let (mut low, mut high) = (nearest - step, nearest + step);
         for _ in 0..60 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if self.place(a).distance(middle) < self.place(b).distance(middle) {
+            if distance(a) < distance(b) {
                 high = b;
             } else {
                 low = a;
