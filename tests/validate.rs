@@ -16,6 +16,15 @@ const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
 /// The immersed boundary, and canopies lighter than the air.
 const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-canopies"];
 
+/// Panels and vortex lattices.
+const AERODYNAMICS: [&str; 5] = [
+    "potential-bodies",
+    "plane-section",
+    "rectangular-wings",
+    "elliptic-wing",
+    "belloc-wing",
+];
+
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [
     "membrane-patch",
@@ -52,6 +61,9 @@ pub fn trials() -> Vec<Trial> {
     }));
     trials.extend(plain("validate::permeable_screen::cpu_f32", || {
         problems(&PERMEABLE, "cpu");
+    }));
+    trials.extend(plain("validate::aerodynamics::cpu", || {
+        problems(&AERODYNAMICS, "cpu");
     }));
     trials.extend(plain("validate::usage_errors", usage));
     trials.extend(plain("validate::sphere", sphere));

@@ -210,7 +210,11 @@ impl<'a> Decambering<'a> {
                 .zip(&self.sections)
                 .all(|(&angle, section)| section.polar.covers(angle)),
             effective_rad,
-            profile_drag_n: if surface.is_symmetric { 2.0 * half } else { half },
+            profile_drag_n: if surface.is_symmetric {
+                2.0 * half
+            } else {
+                half
+            },
             residual,
         }
     }
@@ -360,7 +364,10 @@ mod tests {
             let viscous = Decambering::new(&flow, sections).unwrap();
             let results = viscous.solve(&[stream(2.0), stream(6.0)], 1.2).unwrap();
             for (result, angle) in results.iter().zip([2.0, 6.0]) {
-                assert!(result.residual < AGREEMENT && result.is_covered, "{result:?}");
+                assert!(
+                    result.residual < AGREEMENT && result.is_covered,
+                    "{result:?}"
+                );
                 let lifts = result.flow.section_lift_coefficients(&surface);
                 let inviscid = flow.solve(&[stream(angle)]).unwrap().remove(0);
                 let before = inviscid.section_lift_coefficients(&surface);
@@ -421,6 +428,9 @@ mod tests {
         let (wing, _) = rectangle(4.0);
         let surface = wing.divided(3, 0.8).unwrap().panels(6).unwrap();
         let flow = PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT).unwrap();
-        assert!(matches!(Decambering::new(&flow, Vec::new()), Err(AeroError::Polar(_))));
+        assert!(matches!(
+            Decambering::new(&flow, Vec::new()),
+            Err(AeroError::Polar(_))
+        ));
     }
 }

@@ -125,7 +125,9 @@ mod tests {
         let mut state = 7u64;
         (0..size * size)
             .map(|_| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
                 (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
             })
             .collect()
@@ -136,7 +138,12 @@ mod tests {
     fn solutions_fulfil_the_equations() {
         for size in [1, 5, BLOCK, 2 * BLOCK + 37, 3 * PIECE] {
             let columns = matrix(size);
-            let sides: Vec<f64> = matrix(size)[..size].iter().cycle().take(3 * size).copied().collect();
+            let sides: Vec<f64> = matrix(size)[..size]
+                .iter()
+                .cycle()
+                .take(3 * size)
+                .copied()
+                .collect();
             let factors = Factors::new(columns.clone(), size).unwrap();
             let solutions = factors.solve(&sides);
             for (side, solution) in sides.chunks(size).zip(solutions.chunks(size)) {
@@ -153,6 +160,9 @@ mod tests {
         let mut columns = matrix(150);
         let (first, rest) = columns.split_at_mut(150);
         rest[..150].copy_from_slice(first);
-        assert!(matches!(Factors::new(columns, 150), Err(AeroError::Singular(_))));
+        assert!(matches!(
+            Factors::new(columns, 150),
+            Err(AeroError::Singular(_))
+        ));
     }
 }

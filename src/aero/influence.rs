@@ -119,11 +119,7 @@ impl Panel {
             let normal = doubled / length;
             let seen = solid_angle([apex, a, b], [apex_length, lengths[k], lengths[next]]);
             let height = -normal.dot(apex);
-            let sides = [
-                (apex, a, spokes[k]),
-                (a, b, rim),
-                (b, apex, spokes[next]),
-            ];
+            let sides = [(apex, a, spokes[k]), (a, b, rim), (b, apex, spokes[next])];
             for (from, to, integral) in sides {
                 // In-plane distance of the edge from the point, times the integral of 1/r along it.
                 source += (to - from).cross(normal).dot(from) * integral;
@@ -187,10 +183,7 @@ mod tests {
         let (mut doublet, mut source) = (0.0, 0.0);
         for k in 0..4 {
             let a = panel.centre_m;
-            let (e, f) = (
-                panel.corners_m[k] - a,
-                panel.corners_m[(k + 1) % 4] - a,
-            );
+            let (e, f) = (panel.corners_m[k] - a, panel.corners_m[(k + 1) % 4] - a);
             let area = e.cross(f);
             for i in 0..PIECES {
                 let u = (i as f64 + 0.5) / PIECES as f64;
@@ -233,9 +226,12 @@ mod tests {
                 let point = panel.centre_m + 1.001 * range * panel.diameter_m * direction;
                 let (near, far) = (panel.exact(point), panel.influence(point));
                 assert!(near != far);
-                let dipole = OVER_4_PI * panel.area_m2.length()
-                    / (range * panel.diameter_m).powi(2);
-                assert!((near.0 - far.0).abs() < limit * dipole.abs(), "{near:?} {far:?}");
+                let dipole =
+                    OVER_4_PI * panel.area_m2.length() / (range * panel.diameter_m).powi(2);
+                assert!(
+                    (near.0 - far.0).abs() < limit * dipole.abs(),
+                    "{near:?} {far:?}"
+                );
                 assert!((near.1 / far.1 - 1.0).abs() < limit, "{near:?} {far:?}");
             }
         }

@@ -101,7 +101,8 @@ impl Polar {
                     drag: 2.0 * friction * form
                         + 0.006
                         + 0.008 * size * size
-                        + 2.0 * stalled.sin().powi(2) + 0.4 * stalled,
+                        + 2.0 * stalled.sin().powi(2)
+                        + 0.4 * stalled,
                 }
             })
             .collect();
@@ -183,8 +184,8 @@ impl SectionFlow {
             is_symmetric: true,
         };
         let surface = wing.panels(SECTION_PANELS_PER_SIDE)?;
-        let flows = PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT)?
-            .solve(&[DVec3::X, DVec3::Z])?;
+        let flows =
+            PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT)?.solve(&[DVec3::X, DVec3::Z])?;
         // C_l is linear in cos α and sin α.
         let [a, b] = [&flows[0], &flows[1]].map(|flow| 2.0 * flow.circulation_m2_s[0]);
         Ok(Self {
@@ -208,7 +209,12 @@ mod tests {
 
     #[test]
     fn polars_interpolate_and_end() {
-        let polar = Polar::new(vec![point(0.0, 0.1, 0.01), point(10.0, 1.1, 0.02), point(20.0, 0.9, 0.1)]).unwrap();
+        let polar = Polar::new(vec![
+            point(0.0, 0.1, 0.01),
+            point(10.0, 1.1, 0.02),
+            point(20.0, 0.9, 0.1),
+        ])
+        .unwrap();
         let (lift, slope) = polar.lift(5f64.to_radians());
         assert!((lift - 0.6).abs() < 1e-12 && (slope.to_radians() - 0.1).abs() < 1e-12);
         assert!((polar.drag(15f64.to_radians()) - 0.06).abs() < 1e-12);
@@ -218,8 +224,14 @@ mod tests {
         for (points, part) in [
             (vec![point(0.0, 0.0, 0.0)], "two"),
             (vec![point(0.0, 0.0, 0.0), point(0.0, 0.0, 0.0)], "ascend"),
-            (vec![point(0.0, 0.0, -1.0), point(1.0, 0.0, 0.0)], "negative"),
-            (vec![point(0.0, f64::NAN, 0.0), point(1.0, 0.0, 0.0)], "finite"),
+            (
+                vec![point(0.0, 0.0, -1.0), point(1.0, 0.0, 0.0)],
+                "negative",
+            ),
+            (
+                vec![point(0.0, f64::NAN, 0.0), point(1.0, 0.0, 0.0)],
+                "finite",
+            ),
         ] {
             let error = Polar::new(points).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");
@@ -232,11 +244,17 @@ mod tests {
         let of = |name: &str| SectionFlow::of(&Arc::new(Profile::naca(name).unwrap())).unwrap();
         let two_pi = 2.0 * std::f64::consts::PI;
         let thin = of("0003");
-        assert!((thin.slope_per_rad / (1.023 * two_pi) - 1.0).abs() < 0.01, "{thin:?}");
+        assert!(
+            (thin.slope_per_rad / (1.023 * two_pi) - 1.0).abs() < 0.01,
+            "{thin:?}"
+        );
         assert!(thin.zero_lift_rad.abs() < 1e-6, "{thin:?}");
         // Abbott & von Doenhoff: −1.1 to −1.2 degrees for the 230 series; thin-profile theory −1.09.
         let cambered = of("23012");
-        assert!((cambered.zero_lift_rad.to_degrees() + 1.1).abs() < 0.15, "{cambered:?}");
+        assert!(
+            (cambered.zero_lift_rad.to_degrees() + 1.1).abs() < 0.15,
+            "{cambered:?}"
+        );
     }
 
     #[test]
@@ -255,7 +273,11 @@ mod tests {
         }
         assert!((highest - 1.3).abs() < 0.01, "{highest}");
         assert!(polar.lift(0.5).0 < 1.2);
-        assert!((0.013..0.02).contains(&polar.drag(0.05)), "{}", polar.drag(0.05));
+        assert!(
+            (0.013..0.02).contains(&polar.drag(0.05)),
+            "{}",
+            polar.drag(0.05)
+        );
         assert!(Polar::paraglider(&section, 0.16, 10.0).is_err());
     }
 }

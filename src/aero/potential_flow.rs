@@ -369,7 +369,10 @@ mod tests {
                 // The wakes differ in length.
                 assert!((x - y).abs() < 1e-6 && (x - z).abs() < 1e-6, "{x} {y} {z}");
             }
-            let [p, q] = [a.pressure_forces(&half, 1.2, DVec3::ZERO), b.pressure_forces(&whole, 1.2, DVec3::ZERO)];
+            let [p, q] = [
+                a.pressure_forces(&half, 1.2, DVec3::ZERO),
+                b.pressure_forces(&whole, 1.2, DVec3::ZERO),
+            ];
             assert!((p.force_n - q.force_n).length() < 1e-6 * p.force_n.length());
             assert!((p.moment_n_m - q.moment_n_m).length() < 1e-6 * p.moment_n_m.length());
             let [s, t] = [a.trefftz_forces(&half, 1.2), b.trefftz_forces(&whole, 1.2)];
@@ -403,7 +406,10 @@ mod tests {
     fn faults_are_named() {
         let surface = wing(true).panels(6).unwrap();
         let refused = PotentialFlow::new(&surface, DVec3::X, 1 << 10).unwrap_err();
-        assert!(matches!(refused, AeroError::TooLarge { unknowns: 54, .. }), "{refused}");
+        assert!(
+            matches!(refused, AeroError::TooLarge { unknowns: 54, .. }),
+            "{refused}"
+        );
         let flow = PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT).unwrap();
         for stream in [DVec3::ZERO, DVec3::Y, DVec3::NAN] {
             assert!(matches!(flow.solve(&[stream]), Err(AeroError::Onset(_))));

@@ -73,7 +73,9 @@ impl Wing {
     pub fn divided(&self, strips: usize, clustering: f64) -> Result<Self, AeroError> {
         self.check()?;
         if strips == 0 {
-            return Err(AeroError::Surface("a wing needs at least one strip".to_owned()));
+            return Err(AeroError::Surface(
+                "a wing needs at least one strip".to_owned(),
+            ));
         }
         let mut lengths = vec![0.0];
         for pair in self.stations.windows(2) {
@@ -142,7 +144,11 @@ impl Wing {
                 Some((profile, points)) if Arc::ptr_eq(profile, &station.profile) => points,
                 _ => station.profile.resampled(per_side),
             };
-            nodes_m.extend(points.iter().map(|p| station.place(*p, self.chord_fraction)));
+            nodes_m.extend(
+                points
+                    .iter()
+                    .map(|p| station.place(*p, self.chord_fraction)),
+            );
             last = Some((&station.profile, points));
         }
         PanelSurface::new(nodes_m, 2 * per_side, true, self.is_symmetric)
@@ -249,7 +255,9 @@ impl PanelSurface {
     ) -> Result<Self, AeroError> {
         let wrong = |what: String| Err(AeroError::Surface(what));
         if chordwise < 4 || !chordwise.is_multiple_of(2) {
-            return wrong("a surface needs an even number of panels around it, at least 4".to_owned());
+            return wrong(
+                "a surface needs an even number of panels around it, at least 4".to_owned(),
+            );
         }
         let row = chordwise + 1;
         if nodes_m.len() < 2 * row || !nodes_m.len().is_multiple_of(row) {
@@ -259,10 +267,11 @@ impl PanelSurface {
             return wrong("a node of the surface is not finite".to_owned());
         }
         let sections = nodes_m.len() / row;
-        let (low, high) = nodes_m.iter().fold(
-            (nodes_m[0], nodes_m[0]),
-            |(low, high), node| (low.min(*node), high.max(*node)),
-        );
+        let (low, high) = nodes_m
+            .iter()
+            .fold((nodes_m[0], nodes_m[0]), |(low, high), node| {
+                (low.min(*node), high.max(*node))
+            });
         let extent = (high - low).length();
         for (k, section) in nodes_m.chunks_mut(row).enumerate() {
             if section[0].distance(section[chordwise]) > 1e-6 * extent {
@@ -305,8 +314,8 @@ impl PanelSurface {
         }
         let mut caps = Vec::new();
         for (section, strip) in [(0, 0), (sections - 1, sections - 2)] {
-            let is_point = (1..row)
-                .all(|i| node(i, section).distance(node(0, section)) < POINT_SIZE * extent);
+            let is_point =
+                (1..row).all(|i| node(i, section).distance(node(0, section)) < POINT_SIZE * extent);
             if is_point || (section == 0 && is_symmetric) {
                 continue;
             }
@@ -390,7 +399,11 @@ impl PanelSurface {
             .iter()
             .map(|p| p.centre_m.dot(p.area_m2) / 3.0)
             .sum();
-        if self.is_symmetric { 2.0 * volume } else { volume }
+        if self.is_symmetric {
+            2.0 * volume
+        } else {
+            volume
+        }
     }
 }
 
@@ -451,7 +464,11 @@ mod tests {
         let half = wing.divided(7, 0.8).unwrap().panels(40).unwrap();
         // ∫ of the thickness: 0.0822 t/0.12 chords².
         let area = 4.0 * 0.0816;
-        assert!((half.volume_m3() / (6.0 * area) - 1.0).abs() < 0.01, "{}", half.volume_m3());
+        assert!(
+            (half.volume_m3() / (6.0 * area) - 1.0).abs() < 0.01,
+            "{}",
+            half.volume_m3()
+        );
         assert_eq!((half.spanwise, half.caps.len()), (7, 1));
         let whole = Wing {
             stations: vec![station(-3.0, 2.0), station(3.0, 2.0)],
@@ -484,8 +501,16 @@ mod tests {
         };
         wing.stations[2].position_m.z = -1.0;
         wing.roll_along_span();
-        let rolls: Vec<f64> = wing.stations.iter().map(|s| s.roll_rad.to_degrees()).collect();
-        assert!(rolls[0].abs() < 1e-9 && (rolls[1] + 22.5).abs() < 1e-9 && (rolls[2] + 45.0).abs() < 1e-9);
+        let rolls: Vec<f64> = wing
+            .stations
+            .iter()
+            .map(|s| s.roll_rad.to_degrees())
+            .collect();
+        assert!(
+            rolls[0].abs() < 1e-9
+                && (rolls[1] + 22.5).abs() < 1e-9
+                && (rolls[2] + 45.0).abs() < 1e-9
+        );
     }
 
     #[test]
@@ -506,9 +531,15 @@ mod tests {
         for (wing, part) in [
             (wing(vec![station(0.0, 1.0)]), "two stations"),
             (wing(vec![station(0.0, 1.0), station(0.0, 1.0)]), "coincide"),
-            (wing(vec![station(0.0, 0.0), station(1.0, 1.0)]), "positive chord"),
+            (
+                wing(vec![station(0.0, 0.0), station(1.0, 1.0)]),
+                "positive chord",
+            ),
             (wing(vec![station(0.1, 1.0), station(1.0, 1.0)]), "y = 0"),
-            (wing(vec![station(0.0, f64::NAN), station(1.0, 1.0)]), "finite"),
+            (
+                wing(vec![station(0.0, f64::NAN), station(1.0, 1.0)]),
+                "finite",
+            ),
         ] {
             let error = wing.panels(10).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");

@@ -14,11 +14,7 @@ use super::surface::{Cap, PanelSurface, mirrored};
 type Sample = (DVec3, f64);
 
 /// Velocity at the panels' centres [m/s].
-pub(super) fn on_surface(
-    surface: &PanelSurface,
-    potential: &[f64],
-    onset: &[DVec3],
-) -> Vec<DVec3> {
+pub(super) fn on_surface(surface: &PanelSurface, potential: &[f64], onset: &[DVec3]) -> Vec<DVec3> {
     let tangential = |panel: usize, gradient: DVec3| {
         let normal = surface.panels[panel].normal;
         let velocity = onset[surface.strip_of(panel)] + gradient;
@@ -72,11 +68,7 @@ fn in_strip(surface: &PanelSurface, potential: &[f64], panel: usize) -> DVec3 {
         (Some(before), Some(after)) => central(before, here, after),
         (None, Some(next)) if last >= 2 => one_sided(here, next, at(i, strip + 2)),
         (Some(next), None) if last >= 2 => {
-            let second = if strip >= 2 {
-                at(i, strip - 2)
-            } else {
-                next
-            };
+            let second = if strip >= 2 { at(i, strip - 2) } else { next };
             backwards(one_sided(here, next, second))
         }
         (None, Some(next)) => two_points(here, next),

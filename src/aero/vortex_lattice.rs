@@ -40,7 +40,9 @@ impl VortexLattice {
                 "a lattice needs at least one panel along the chord".to_owned(),
             ));
         }
-        let places: Vec<f64> = (0..=chordwise).map(|i| i as f64 / chordwise as f64).collect();
+        let places: Vec<f64> = (0..=chordwise)
+            .map(|i| i as f64 / chordwise as f64)
+            .collect();
         let sections: Vec<Vec<DVec3>> = wing
             .stations
             .iter()

@@ -199,11 +199,19 @@ mod tests {
         let half = trefftz(&edge, &circulation, speed * DVec3::X, density, true);
         let pi = std::f64::consts::PI;
         assert!((half.lift_n / (pi / 4.0 * density * speed * span) - 1.0).abs() < 2e-3);
-        assert!((half.induced_drag_n / (pi / 8.0 * density) - 1.0).abs() < 5e-3, "{half:?}");
+        assert!(
+            (half.induced_drag_n / (pi / 8.0 * density) - 1.0).abs() < 5e-3,
+            "{half:?}"
+        );
         // The whole, as such.
         let mut whole: Vec<DVec3> = edge.iter().skip(1).rev().map(|p| -*p).collect();
         whole.extend(&edge);
-        let both: Vec<f64> = circulation.iter().rev().chain(&circulation).copied().collect();
+        let both: Vec<f64> = circulation
+            .iter()
+            .rev()
+            .chain(&circulation)
+            .copied()
+            .collect();
         let full = trefftz(&whole, &both, speed * DVec3::X, density, false);
         assert!((full.induced_drag_n / half.induced_drag_n - 1.0).abs() < 1e-9);
         assert!((full.lift_n / half.lift_n - 1.0).abs() < 1e-9);

@@ -67,8 +67,14 @@ impl Profile {
             .iter()
             .map(|p| p.length())
             .enumerate()
-            .fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
-        if nose == 0 || nose == points.len() - 1 || distance > 0.02 || edge.distance(DVec2::X) > 0.05 {
+            .fold((0, f64::INFINITY), |best, next| {
+                if next.1 < best.1 { next } else { best }
+            });
+        if nose == 0
+            || nose == points.len() - 1
+            || distance > 0.02
+            || edge.distance(DVec2::X) > 0.05
+        {
             return wrong(
                 "coordinates have to be over the chord, from the trailing edge at (1, 0) around the nose at (0, 0)",
             );
@@ -222,7 +228,11 @@ impl Profile {
             for p in side {
                 if p.x >= x {
                     let step = p.x - before.x;
-                    let t = if step > 0.0 { (x - before.x) / step } else { 1.0 };
+                    let t = if step > 0.0 {
+                        (x - before.x) / step
+                    } else {
+                        1.0
+                    };
                     return before.y + t * (p.y - before.y);
                 }
                 before = *p;
@@ -231,9 +241,7 @@ impl Profile {
         };
         places
             .iter()
-            .map(|&x| {
-                0.5 * (height(&mut lower.iter().rev(), x) + height(&mut upper.iter(), x))
-            })
+            .map(|&x| 0.5 * (height(&mut lower.iter().rev(), x) + height(&mut upper.iter(), x)))
             .collect()
     }
 
@@ -252,9 +260,15 @@ impl Profile {
 #[derive(Debug, Clone, Copy)]
 enum Camber {
     None,
-    FourDigit { height: f64, place: f64 },
+    FourDigit {
+        height: f64,
+        place: f64,
+    },
     /// y = k₁/6 (x³ − 3 m x² + m² (3 − m) x) before m, k₁ m³/6 (1 − x) behind.
-    FiveDigit { place: f64, factor: f64 },
+    FiveDigit {
+        place: f64,
+        factor: f64,
+    },
 }
 
 impl Camber {
@@ -363,7 +377,11 @@ mod tests {
     #[test]
     fn naca_profiles_have_their_thickness_and_camber() {
         let thin = Profile::naca("0012").unwrap();
-        assert!((thin.thickness() - 0.12).abs() < 2e-4, "{}", thin.thickness());
+        assert!(
+            (thin.thickness() - 0.12).abs() < 2e-4,
+            "{}",
+            thin.thickness()
+        );
         assert!(thin.camber(&[0.3])[0].abs() < 1e-6);
         let cambered = Profile::naca("2412").unwrap();
         let heights = cambered.camber(&[0.3, 0.4, 0.5]);
@@ -429,8 +447,14 @@ mod tests {
             ("title\n1 0\n0.5\n", "line 3"),
             ("title\n17 17\n", "Lednicer"),
             ("t\n1 0\n.7 .1\n.3 .1\n0 0\n.3 -.1\n.7 nan\n1 0\n", "finite"),
-            ("t\n1 0\n.7 -.1\n.3 -.1\n0 0\n.3 .1\n.7 .1\n1 0\n", "lower side"),
-            ("t\n1 .1\n.7 .1\n.3 .1\n0 0\n.3 -.1\n.7 -.1\n1 -.1\n", "open"),
+            (
+                "t\n1 0\n.7 -.1\n.3 -.1\n0 0\n.3 .1\n.7 .1\n1 0\n",
+                "lower side",
+            ),
+            (
+                "t\n1 .1\n.7 .1\n.3 .1\n0 0\n.3 -.1\n.7 -.1\n1 -.1\n",
+                "open",
+            ),
         ] {
             let error = Profile::parse(text).unwrap_err().to_string();
             assert!(error.contains(part), "{text}: {error}");

@@ -17,7 +17,11 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         let sections: Vec<[f64; 2]> = (0..=strips)
             .map(|k| {
                 let angle = 0.5 * std::f64::consts::PI * k as f64 / strips as f64;
-                let chord = if k == strips { 0.0 } else { CHORD * angle.cos() };
+                let chord = if k == strips {
+                    0.0
+                } else {
+                    CHORD * angle.cos()
+                };
                 [0.5 * SPAN * angle.sin(), chord]
             })
             .collect();
@@ -33,7 +37,11 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     // e = L²/(π q b² D), q = 1/2.
     let least = far.lift_n.powi(2) / (0.5 * std::f64::consts::PI * SPAN * SPAN);
     session
-        .aero_row(panels, "span efficiency e, Trefftz plane", least / far.induced_drag_n)
+        .aero_row(
+            panels,
+            "span efficiency e, Trefftz plane",
+            least / far.induced_drag_n,
+        )
         .reference(1.0, "elliptic loading (Prandtl)")
         .gate(Gate::Within(0.02));
     let near = flow.pressure_forces(&surface, 1.0, DVec3::ZERO);
@@ -61,7 +69,10 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             "lift slope without thickness",
             2.0 * of_thickness[1] - of_thickness[0],
         )
-        .reference(2.0 * lattice[1] - lattice[0], "vortex lattice, extrapolated")
+        .reference(
+            2.0 * lattice[1] - lattice[0],
+            "vortex lattice, extrapolated",
+        )
         .gate(Gate::Within(0.03));
     Ok(())
 }

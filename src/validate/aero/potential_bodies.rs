@@ -54,7 +54,10 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             );
             if n == sizes[sizes.len() - 1] {
                 row.gate(Gate::AtMost(LARGEST));
-                let force = flow.pressure_forces(&body, 2.0, DVec3::ZERO).force_n.length();
+                let force = flow
+                    .pressure_forces(&body, 2.0, DVec3::ZERO)
+                    .force_n
+                    .length();
                 session
                     .aero_row(panels, format!("{name}: force over q l^2"), force)
                     .gate(Gate::AtMost(1e-2));

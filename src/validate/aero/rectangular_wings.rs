@@ -15,7 +15,7 @@ const CIRCULAR_WING: f64 = 1.790_023;
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let thin = symmetric_profile(2)?;
-    let (per_side, strips) = session.size((24, 10), (40, 20));
+    let (per_side, strips) = session.size((32, 16), (40, 24));
     // Chords √(1 − y²) · 2, straight at half chord.
     let of_circle = |strips: usize| {
         let sections: Vec<[f64; 2]> = (0..=strips)
@@ -64,7 +64,9 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         session
             .aero_row(
                 2 * per_side * strips,
-                format!("rectangular wing, aspect ratio {aspect_ratio}: lift slope without thickness"),
+                format!(
+                    "rectangular wing, aspect ratio {aspect_ratio}: lift slope without thickness"
+                ),
                 2.0 * of_thickness[1] - of_thickness[0],
             )
             .reference(lattice, "vortex lattice, extrapolated")
