@@ -63,13 +63,14 @@ impl Profile {
         }
         // The mean line of a cambered profile begins at the origin, which is not always the point farthest ahead: nothing is turned.
         let edge = 0.5 * (points[0] + points[points.len() - 1]);
-        let (nose, distance) = points
-            .iter()
-            .map(|p| p.length())
-            .enumerate()
-            .fold((0, f64::INFINITY), |best, next| {
-                if next.1 < best.1 { next } else { best }
-            });
+        let (nose, distance) =
+            points
+                .iter()
+                .map(|p| p.length())
+                .enumerate()
+                .fold((0, f64::INFINITY), |best, next| {
+                    if next.1 < best.1 { next } else { best }
+                });
         if nose == 0
             || nose == points.len() - 1
             || distance > 0.02
