@@ -67,7 +67,7 @@ impl Polar {
         thickness: f64,
         reynolds: f64,
     ) -> Result<Self, AeroError> {
-        if !(reynolds >= 1e5 && reynolds <= 1e8) {
+        if !(1e5..=1e8).contains(&reynolds) {
             return Err(AeroError::Polar(
                 "the Reynolds number has to be between 1e5 and 1e8".to_owned(),
             ));

@@ -110,8 +110,8 @@ impl Profile {
             .map(|c| c.to_digit(10).map(f64::from))
             .collect();
         let digits = digits.ok_or_else(unknown)?;
-        let (camber, thickness) = match digits.as_slice() {
-            &[m, p, t1, t2] => (
+        let (camber, thickness) = match *digits.as_slice() {
+            [m, p, t1, t2] => (
                 if m == 0.0 || p == 0.0 {
                     Camber::None
                 } else {
@@ -122,7 +122,7 @@ impl Profile {
                 },
                 0.1 * t1 + 0.01 * t2,
             ),
-            &[l, p, reflex, t1, t2] if l > 0.0 && (1.0..=5.0).contains(&p) && reflex == 0.0 => {
+            [l, p, reflex, t1, t2] if l > 0.0 && (1.0..=5.0).contains(&p) && reflex == 0.0 => {
                 (Camber::five_digit(l, 0.05 * p), 0.1 * t1 + 0.01 * t2)
             }
             _ => return Err(unknown()),

@@ -140,7 +140,9 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let unsettled = viscous
         .iter()
         .zip(ANGLES)
-        .filter(|(flow, angle)| *angle <= 16.0 && !(flow.residual < AGREEMENT))
+        .filter(|(flow, angle)| {
+            *angle <= 16.0 && (flow.residual.is_nan() || flow.residual >= AGREEMENT)
+        })
         .count();
     session
         .aero_row(
