@@ -39,6 +39,7 @@
 //! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
 //! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
+//! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
@@ -78,6 +79,7 @@
 //! Each file names its sources and departures in its header; `docs/papers.md` collects those from the five papers.
 //! [`measure`] reads the simulation itself, not frames alone, because impulses and slip are not part of a snapshot.
 
+pub mod aero;
 pub mod bench;
 pub mod bluff_body;
 pub mod case;

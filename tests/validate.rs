@@ -19,6 +19,15 @@ const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-ca
 /// Plates of fabric in the wind, and rigid ones with markers ever farther apart.
 const PLATES: [&str; 4] = ["marker-spacing", "force-routes", "flexible-plate", "flag"];
 
+/// Panels and vortex lattices.
+const AERODYNAMICS: [&str; 5] = [
+    "potential-bodies",
+    "plane-section",
+    "rectangular-wings",
+    "elliptic-wing",
+    "belloc-wing",
+];
+
 /// Problems of fabric and cables.
 const FABRIC: [&str; 9] = [
     "membrane-patch",
@@ -58,6 +67,9 @@ pub fn trials() -> Vec<Trial> {
     }));
     trials.extend(plain("validate::permeable_screen::cpu_f32", || {
         problems(&PERMEABLE, "cpu");
+    }));
+    trials.extend(plain("validate::aerodynamics::cpu", || {
+        problems(&AERODYNAMICS, "cpu");
     }));
     trials.extend(plain("validate::usage_errors", usage));
     trials.extend(plain("validate::sphere", sphere));

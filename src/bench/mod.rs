@@ -2,10 +2,12 @@
 //!
 //! [`work_precision`] computes flows with known answers over resolution, Mach number, operator, storage and engine, and says which
 //! settings no other beats in both time and error. [`stability`] looks for the fastest flow that every operator survives at vanishing
-//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`.
+//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`aerodynamics`] does the same for panels, and draws a
+//! measured wing's polar beside the computed one.
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
+pub mod aerodynamics;
 mod drag;
 mod front;
 mod plots;

@@ -8,14 +8,14 @@ use clap::builder::NonEmptyStringValueParser;
 use super::engine::Engine;
 use super::progress::Progress;
 use super::{Failure, emit, exit, interrupt_flag};
-use crate::bench::{self, Stop, Watch, stability, work_precision};
+use crate::bench::{self, Stop, Watch, aerodynamics, stability, work_precision};
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name; `stability` maps where operators break down, and runs only when named.
+    /// Only problems with this text in their name; `stability`, which maps where operators break down, and `aerodynamics` run only when named.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -32,6 +32,7 @@ pub(super) struct BenchArguments {
 }
 
 const STABILITY: &str = "stability";
+const AERODYNAMICS: &str = "aerodynamics";
 
 impl From<Stop> for Failure {
     fn from(stop: Stop) -> Self {
@@ -46,14 +47,18 @@ impl From<Stop> for Failure {
 
 pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let engines = engines(arguments)?;
-    let maps_stability = arguments
-        .filter
-        .as_deref()
-        .is_some_and(|filter| STABILITY.contains(filter));
+    let is_named = |name: &str| {
+        let filter = arguments.filter.as_deref();
+        filter.is_some_and(|filter| name.contains(filter))
+    };
+    let maps_stability = is_named(STABILITY);
+    let flies_wings = is_named(AERODYNAMICS);
     let filter = arguments.filter.as_deref();
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
-    if !maps_stability && !measures {
-        let names: Vec<&str> = work_precision::names().chain([STABILITY]).collect();
+    if !maps_stability && !flies_wings && !measures {
+        let names: Vec<&str> = work_precision::names()
+            .chain([STABILITY, AERODYNAMICS])
+            .collect();
         return Err(Failure::Other(
             exit::BAD_CASE,
             format!(
@@ -80,6 +85,10 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if maps_stability {
         let points = stability::map(&engines, &arguments.out, &mut watch)?;
         text.push_str(&stability::table(&points));
+    }
+    if flies_wings {
+        let points = aerodynamics::measure(arguments.full, &arguments.out, &mut watch)?;
+        text.push_str(&aerodynamics::table(&points));
     }
     progress.finish();
     text.push_str(&format!("tables and plots: {}\n", arguments.out.display()));

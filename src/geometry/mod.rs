@@ -7,5 +7,6 @@ pub mod fabric_surface;
 pub mod mesh;
 pub mod parachute;
 pub mod plate;
+pub mod profile;
 pub mod sheet;
 pub mod surfaces;

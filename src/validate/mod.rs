@@ -5,6 +5,7 @@
 //! the sizes for which the reference gates are meant.
 
 mod acoustic_pulse;
+mod aero;
 mod beltrami;
 mod cavity;
 mod cloth;
@@ -59,7 +60,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 29] = [
+pub const PROBLEMS: [Problem; 34] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -159,6 +160,31 @@ pub const PROBLEMS: [Problem; 29] = [
         name: "light-canopies",
         updates: [100.0, 8_000.0],
         compute: coupling::light_canopies::compute,
+    },
+    Problem {
+        name: "potential-bodies",
+        updates: [30.0, 600.0],
+        compute: aero::potential_bodies::compute,
+    },
+    Problem {
+        name: "plane-section",
+        updates: [10.0, 60.0],
+        compute: aero::plane_section::compute,
+    },
+    Problem {
+        name: "rectangular-wings",
+        updates: [120.0, 500.0],
+        compute: aero::rectangular_wings::compute,
+    },
+    Problem {
+        name: "elliptic-wing",
+        updates: [60.0, 800.0],
+        compute: aero::elliptic_wing::compute,
+    },
+    Problem {
+        name: "belloc-wing",
+        updates: [60.0, 400.0],
+        compute: aero::belloc_wing::compute,
     },
     Problem {
         name: "membrane-patch",

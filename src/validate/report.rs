@@ -49,6 +49,9 @@ pub struct Row {
     /// Nodes of the structure, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<usize>,
+    /// Panels or rings of vortices, where a row is about these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub panels: Option<usize>,
     /// What computed this row, where it is not the engine of the report.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<&'static str>,
@@ -77,6 +80,7 @@ impl Row {
             seconds,
             cells,
             nodes: None,
+            panels: None,
             engine: None,
             is_judged: true,
         }
@@ -220,10 +224,11 @@ impl Report {
                     None => dash(),
                 },
                 format!("{:.1}", row.seconds),
-                match row.nodes {
-                    Some(nodes) => format!("{nodes} nodes"),
-                    None if row.cells == [0; 3] => dash(),
-                    None => format!("{}x{}x{}", row.cells[0], row.cells[1], row.cells[2]),
+                match (row.nodes, row.panels) {
+                    (Some(nodes), _) => format!("{nodes} nodes"),
+                    (None, Some(panels)) => format!("{panels} panels"),
+                    (None, None) if row.cells == [0; 3] => dash(),
+                    (None, None) => format!("{}x{}x{}", row.cells[0], row.cells[1], row.cells[2]),
                 },
                 row.engine.map_or_else(|| engine.clone(), str::to_owned),
             ]

@@ -1,0 +1,283 @@
+//! Polars of sections: lift and drag coefficients over the angle of attack.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::AeroError;
+use super::potential_flow::{MEMORY_LIMIT, PotentialFlow};
+use super::surface::{Station, Wing};
+use crate::geometry::profile::Profile;
+
+/// Half-span over chord of the wing that stands for a plane section: its downwash is 1e-3 of the angle.
+const SECTION_HALF_SPAN: f64 = 1e3;
+
+/// Panels per side for the potential flow of a section.
+const SECTION_PANELS_PER_SIDE: usize = 60;
+
+/// One angle of a polar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PolarPoint {
+    /// Angle of attack [rad].
+    pub angle_rad: f64,
+    /// Lift coefficient.
+    pub lift: f64,
+    /// Drag coefficient.
+    pub drag: f64,
+}
+
+/// Lift and drag of a section with viscosity, linear between its points. Beyond the last point the lift stays and the drag grows like that of a
+/// flat plate held up to the stream, by 2 (sin² α − sin² α_last) (Hoerner, Fluid-Dynamic Drag, 1965, section 3-16: 2.0 at a right angle).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polar {
+    points: Vec<PolarPoint>,
+}
+
+impl Polar {
+    /// A polar from at least two points in ascending order of their angles.
+    pub fn new(points: Vec<PolarPoint>) -> Result<Self, AeroError> {
+        let wrong = |what: &str| Err(AeroError::Polar(what.to_owned()));
+        if points.len() < 2 {
+            return wrong("at least two angles are needed");
+        }
+        if points
+            .iter()
+            .any(|p| ![p.angle_rad, p.lift, p.drag].iter().all(|n| n.is_finite()))
+        {
+            return wrong("a number is not finite");
+        }
+        if points.iter().any(|p| p.drag < 0.0) {
+            return wrong("drag coefficients cannot be negative");
+        }
+        if points.windows(2).any(|p| p[1].angle_rad <= p[0].angle_rad) {
+            return wrong("angles have to ascend");
+        }
+        Ok(Self { points })
+    }
+
+    /// A polar for a paraglider's section with an open intake, where nothing better is known, from the section's own lift in potential flow.
+    ///
+    /// Thin, documented and rough: the lift slope is 0.88 of potential flow's, and angles beyond 0.75 of the highest lift bend over by a
+    /// parabola to a highest lift coefficient of 1.3, which then falls by 0.02 per degree. The drag coefficient is that of a turbulent flat plate at
+    /// the given Reynolds number, both sides, with the form factor 1 + 2 t/c + 60 (t/c)⁴ (Hoerner 1965, section 6-2), plus 0.006 for the
+    /// intake, seams and wrinkles, plus 0.008 C_l². These shares are ours, chosen for Reynolds numbers of 1e6 to 2.5e6; no measured
+    /// section with an open intake stands behind them.
+    pub fn paraglider(
+        section: &SectionFlow,
+        thickness: f64,
+        reynolds: f64,
+    ) -> Result<Self, AeroError> {
+        if !(1e5..=1e8).contains(&reynolds) {
+            return Err(AeroError::Polar(
+                "the Reynolds number has to be between 1e5 and 1e8".to_owned(),
+            ));
+        }
+        const HIGHEST_LIFT: f64 = 1.3;
+        const LINEAR_SHARE: f64 = 0.75;
+        let slope = 0.88 * section.slope_per_rad;
+        // Prandtl & Schlichting.
+        let friction = 0.455 / reynolds.log10().powf(2.58);
+        let form = 1.0 + 2.0 * thickness + 60.0 * thickness.powi(4);
+        let points = (-40..=60)
+            .map(|half_degrees| {
+                let angle_rad = (0.5 * f64::from(half_degrees)).to_radians();
+                let linear = slope * (angle_rad - section.zero_lift_rad);
+                let bound = LINEAR_SHARE * HIGHEST_LIFT;
+                let beyond = linear.abs() - bound;
+                // A parabola that leaves the line with its slope and is level at the highest lift.
+                let width = 2.0 * (HIGHEST_LIFT - bound);
+                let size = if beyond <= 0.0 {
+                    linear.abs()
+                } else if beyond <= width {
+                    bound + beyond - beyond * beyond / (2.0 * width)
+                } else {
+                    let degrees = ((beyond - width) / slope).to_degrees();
+                    (HIGHEST_LIFT - 0.02 * degrees).max(0.6)
+                };
+                let stalled = (beyond - width).max(0.0) / slope;
+                PolarPoint {
+                    angle_rad,
+                    lift: size * linear.signum(),
+                    drag: 2.0 * friction * form
+                        + 0.006
+                        + 0.008 * size * size
+                        + 2.0 * stalled.sin().powi(2)
+                        + 0.4 * stalled,
+                }
+            })
+            .collect();
+        Self::new(points)
+    }
+
+    /// Lift coefficient and its slope per radian.
+    #[must_use]
+    pub fn lift(&self, angle_rad: f64) -> (f64, f64) {
+        match self.segment(angle_rad) {
+            Some((a, b, t)) => (
+                a.lift + t * (b.lift - a.lift),
+                (b.lift - a.lift) / (b.angle_rad - a.angle_rad),
+            ),
+            None => (self.nearest(angle_rad).lift, 0.0),
+        }
+    }
+
+    /// Drag coefficient.
+    #[must_use]
+    pub fn drag(&self, angle_rad: f64) -> f64 {
+        match self.segment(angle_rad) {
+            Some((a, b, t)) => a.drag + t * (b.drag - a.drag),
+            None => {
+                let last = self.nearest(angle_rad);
+                let more = angle_rad.sin().powi(2) - last.angle_rad.sin().powi(2);
+                last.drag + 2.0 * more.max(0.0)
+            }
+        }
+    }
+
+    /// Whether the polar reaches that far.
+    #[must_use]
+    pub fn covers(&self, angle_rad: f64) -> bool {
+        self.segment(angle_rad).is_some()
+    }
+
+    fn segment(&self, angle_rad: f64) -> Option<(PolarPoint, PolarPoint, f64)> {
+        let pair = self
+            .points
+            .windows(2)
+            .find(|p| p[0].angle_rad <= angle_rad && angle_rad <= p[1].angle_rad)?;
+        let t = (angle_rad - pair[0].angle_rad) / (pair[1].angle_rad - pair[0].angle_rad);
+        Some((pair[0], pair[1], t))
+    }
+
+    fn nearest(&self, angle_rad: f64) -> PolarPoint {
+        let last = self.points[self.points.len() - 1];
+        if angle_rad > last.angle_rad {
+            last
+        } else {
+            self.points[0]
+        }
+    }
+}
+
+/// Lift of a section in potential flow, C_l = slope · sin(α − zero lift).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionFlow {
+    /// Slope [1/rad].
+    pub slope_per_rad: f64,
+    /// Angle without lift [rad].
+    pub zero_lift_rad: f64,
+}
+
+impl SectionFlow {
+    /// The panel method on one strip of a wing that is 2 000 chords long.
+    pub fn of(profile: &Arc<Profile>) -> Result<Self, AeroError> {
+        let station = |y: f64| Station {
+            position_m: DVec3::Y * y,
+            chord_m: 1.0,
+            twist_rad: 0.0,
+            roll_rad: 0.0,
+            profile: Arc::clone(profile),
+        };
+        let wing = Wing {
+            stations: vec![station(0.0), station(SECTION_HALF_SPAN)],
+            chord_fraction: 0.25,
+            is_symmetric: true,
+        };
+        let surface = wing.panels(SECTION_PANELS_PER_SIDE)?;
+        let flows =
+            PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT)?.solve(&[DVec3::X, DVec3::Z])?;
+        // C_l is linear in cos α and sin α.
+        let [a, b] = [&flows[0], &flows[1]].map(|flow| 2.0 * flow.circulation_m2_s[0]);
+        Ok(Self {
+            slope_per_rad: a.hypot(b),
+            zero_lift_rad: -(a / b).atan(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(degrees: f64, lift: f64, drag: f64) -> PolarPoint {
+        PolarPoint {
+            angle_rad: degrees.to_radians(),
+            lift,
+            drag,
+        }
+    }
+
+    #[test]
+    fn polars_interpolate_and_end() {
+        let polar = Polar::new(vec![
+            point(0.0, 0.1, 0.01),
+            point(10.0, 1.1, 0.02),
+            point(20.0, 0.9, 0.1),
+        ])
+        .unwrap();
+        let (lift, slope) = polar.lift(5f64.to_radians());
+        assert!((lift - 0.6).abs() < 1e-12 && (slope.to_radians() - 0.1).abs() < 1e-12);
+        assert!((polar.drag(15f64.to_radians()) - 0.06).abs() < 1e-12);
+        let far = 40f64.to_radians();
+        assert_eq!(polar.lift(far), (0.9, 0.0));
+        assert!(!polar.covers(far) && polar.drag(far) > 0.5);
+        for (points, part) in [
+            (vec![point(0.0, 0.0, 0.0)], "two"),
+            (vec![point(0.0, 0.0, 0.0), point(0.0, 0.0, 0.0)], "ascend"),
+            (
+                vec![point(0.0, 0.0, -1.0), point(1.0, 0.0, 0.0)],
+                "negative",
+            ),
+            (
+                vec![point(0.0, f64::NAN, 0.0), point(1.0, 0.0, 0.0)],
+                "finite",
+            ),
+        ] {
+            let error = Polar::new(points).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+
+    /// A thin symmetric section has 2π, a thick one 2π (1 + 0.77 t/c) (exact Joukowski sections), and a cambered one lifts at no angle.
+    #[test]
+    fn sections_have_their_slope_and_zero_lift() {
+        let of = |name: &str| SectionFlow::of(&Arc::new(Profile::naca(name).unwrap())).unwrap();
+        let two_pi = 2.0 * std::f64::consts::PI;
+        let thin = of("0003");
+        assert!(
+            (thin.slope_per_rad / (1.023 * two_pi) - 1.0).abs() < 0.01,
+            "{thin:?}"
+        );
+        assert!(thin.zero_lift_rad.abs() < 1e-6, "{thin:?}");
+        // Abbott & von Doenhoff: −1.1 to −1.2 degrees for the 230 series; thin-profile theory −1.09.
+        let cambered = of("23012");
+        assert!(
+            (cambered.zero_lift_rad.to_degrees() + 1.1).abs() < 0.15,
+            "{cambered:?}"
+        );
+    }
+
+    #[test]
+    fn the_rough_polar_is_smooth_and_ends_in_a_stall() {
+        let section = SectionFlow {
+            slope_per_rad: 6.9,
+            zero_lift_rad: -0.02,
+        };
+        let polar = Polar::paraglider(&section, 0.16, 1.5e6).unwrap();
+        let mut highest: f64 = 0.0;
+        for step in 0..250 {
+            let angle = 0.001 * f64::from(step);
+            let (lift, slope) = polar.lift(angle);
+            assert!(slope < 0.881 * 6.9 && (polar.lift(angle + 1e-4).0 - lift).abs() < 1e-3);
+            highest = highest.max(lift);
+        }
+        assert!((highest - 1.3).abs() < 0.01, "{highest}");
+        assert!(polar.lift(0.5).0 < 1.2);
+        assert!(
+            (0.013..0.02).contains(&polar.drag(0.05)),
+            "{}",
+            polar.drag(0.05)
+        );
+        assert!(Polar::paraglider(&section, 0.16, 10.0).is_err());
+    }
+}
