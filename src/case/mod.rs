@@ -9,12 +9,14 @@ mod file_bodies;
 mod file_descent;
 mod file_permeability;
 mod file_specimens;
+mod file_wing;
 pub mod locate;
 mod output;
 mod permeability;
 pub mod scene;
 mod specimens;
 mod structure;
+pub mod wing;
 
 use std::path::Path;
 

@@ -8,3 +8,4 @@ pub mod mesh;
 pub mod parachute;
 pub mod sheet;
 pub mod surfaces;
+pub mod wing;

@@ -537,7 +537,11 @@ fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &Structur
                 Quantity::new(pull / coupon.cross_section_m2 / strain, "Pa"),
             );
         }
-        BodyKind::Canopy(_) | BodyKind::Sheet | BodyKind::Cable { .. } | BodyKind::Mesh => {}
+        BodyKind::Canopy(_)
+        | BodyKind::Sheet
+        | BodyKind::Cable { .. }
+        | BodyKind::Mesh
+        | BodyKind::Wing => {}
     }
 }
 

@@ -8,6 +8,7 @@ mod placement;
 mod report;
 pub mod stages;
 mod warnings;
+mod wing;
 
 pub use crate::lattice::Storage;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
