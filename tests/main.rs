@@ -29,6 +29,7 @@ mod permeability;
 mod tolerances;
 mod validate;
 mod walls;
+mod wing;
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -41,6 +42,7 @@ fn main() -> std::process::ExitCode {
         cloth::trials(),
         contact::trials(),
         walls::trials(),
+        wing::trials(),
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),

@@ -16,6 +16,8 @@ pub struct WingTable {
     pub tip_cell_width_ratio: Option<f64>,
     /// Where the right half's risers are held [m].
     pub hang_point_m: [f64; 3],
+    /// Keeps the middle from drifting along x, since prescribed pressure turns with the wing [N/m]; absent: nothing does.
+    pub pitch_guide_n_m: Option<f64>,
     /// Where mini-ribs begin, per chord; absent: none.
     pub mini_ribs_from: Option<f64>,
     /// From the middle to the tip.

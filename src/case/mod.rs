@@ -25,7 +25,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 10] = [
+pub const SHIPPED: [(&str, &str); 12] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
@@ -54,6 +54,8 @@ pub const SHIPPED: [(&str, &str); 10] = [
         "taylor-green",
         include_str!("../../cases/taylor-green.toml"),
     ),
+    ("wing-27", include_str!("../../cases/wing-27.toml")),
+    ("wing-school", include_str!("../../cases/wing-school.toml")),
 ];
 
 /// What is wrong with a case, where, and what to do.

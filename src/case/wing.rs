@@ -56,19 +56,26 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             None => Ok(None),
         };
     };
+    if file.air.is_some() {
+        return Err(Problem::new(
+            "air",
+            "a wing in moving air is not computed yet: only its equilibrium under prescribed pressure",
+            "remove [air], and give [equilibrium] with [equilibrium.wing_pressure]",
+        ));
+    }
+    if file.equilibrium.as_ref().is_some_and(|e| e.pressure_pa.is_some()) {
+        return Err(Problem::new(
+            "equilibrium.pressure_pa",
+            "equilibrium.pressure_pa would push on one side of ribs and diagonals, too",
+            "use [equilibrium.wing_pressure]: the same pressure in all cells is inside = 1.0 with that dynamic_pressure_pa and upper = lower = [[0.0, 0.0]]",
+        ));
+    }
     let materials = check_materials(table)?;
     let plan = check_plan(table, &materials)?;
     let fineness = check_fineness(table)?;
     let wing = wing::build(&plan, fineness).map_err(refused)?;
     let (jumps_pa, dynamic_pressure_pa) = match prescribed {
         Some(pressure) => {
-            if file.equilibrium.as_ref().is_some_and(|e| e.pressure_pa.is_some()) {
-                return Err(Problem::new(
-                    "equilibrium.pressure_pa",
-                    "both equilibrium.pressure_pa and [equilibrium.wing_pressure] are given",
-                    "keep one of them",
-                ));
-            }
             let distribution = check_pressure(pressure, table.cells)?;
             let jumps = jumps_pa(&wing, &distribution);
             (Some(jumps), Some(distribution.dynamic_pressure_pa))
@@ -460,6 +467,10 @@ fn check_plan(table: &file::WingTable, materials: &Materials) -> Result<Plan, Pr
         rows,
         tapes,
         hang_point_m,
+        pitch_guide_n_m: table
+            .pitch_guide_n_m
+            .map(|k| positive(&key("pitch_guide_n_m"), k))
+            .transpose()?,
         fabrics,
     })
 }

@@ -5,6 +5,7 @@ pub mod catenary;
 mod record;
 mod results;
 pub mod statistics;
+mod wing;
 
 pub use record::Record;
 pub use results::results;

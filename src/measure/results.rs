@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
-use super::{Record, bodies, catenary};
+use super::{Record, bodies, catenary, wing};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::output::{Quantity, Results};
@@ -36,6 +36,11 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
                 let weight: f64 = body.structure.masses_kg.iter().sum::<f64>()
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
                 body_results(&mut results, &body.kind, structure, weight);
+                if let Some(known) = &scene.wing {
+                    let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
+                    let mass: f64 = body.structure.masses_kg.iter().sum();
+                    wing::results(&mut results, known, structure, gravity * mass);
+                }
             }
         }
         (None, Some(air)) if !scene.rigid_bodies.is_empty() => {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::plan::Row;
 use super::section::Side;
 use super::{Builder, LineKind};
+use crate::cloth::Guide;
 use crate::frame::CableKind;
 
 /// Cable between two nodes, and its length beyond their distance [m].
@@ -28,6 +29,30 @@ impl Builder<'_> {
             }
         }
         points
+    }
+
+    /// Keeps the middle from drifting: along x as stiffly as the plan says, along y, where symmetry leaves nothing to carry, alike.
+    pub(super) fn add_guides(&mut self) {
+        let Some(stiffness) = self.plan.pitch_guide_n_m else {
+            return;
+        };
+        let ribs = self.counted(if self.plan.cells.is_multiple_of(2) { 0 } else { 1 });
+        let [right, left] = ribs.map(|rib| {
+            let outline = &self.outlines[rib];
+            [outline[0], outline[self.fineness.along_chord]]
+        });
+        let nodes = if right == left { vec![right] } else { vec![right, left] };
+        let share = stiffness / nodes.len() as f64;
+        for [nose, tail] in nodes {
+            for (node, axes) in [(nose, DVec3::new(1.0, 1.0, 0.0)), (tail, DVec3::Y)] {
+                let anchor_m = self.position(node);
+                self.structure.guides.push(Guide {
+                    node,
+                    anchor_m,
+                    stiffness_n_m: axes * share,
+                });
+            }
+        }
     }
 
     fn add_row(&mut self, number: usize, row: &Row, half: usize, hang: u32) {

@@ -118,8 +118,14 @@ pub struct Wing {
     pub tags: Vec<Tag>,
     /// What every cable segment is, `[cable_count]`.
     pub line_kinds: Vec<LineKind>,
+    /// Stiffness of the pitch guide [N/m] and where its node is at rest along x [m]; `None`: there is none.
+    pub pitch_guide: Option<[f64; 2]>,
     /// Held nodes: where the risers hang, right and left.
     pub hang_points: [u32; 2],
+    /// Noses of the tip ribs, left and right.
+    pub tip_noses: [u32; 2],
+    /// Nose and trailing edge of the rib in the middle, or next to it on the right.
+    pub middle_chord: [u32; 2],
     /// Number of cells.
     pub cells: usize,
     /// Middle of every cell along the arc over the half span, 0 in the middle and 1 at the tips, `[cells]`.
@@ -288,7 +294,11 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
     builder.add_diagonals()?;
     builder.add_tapes();
     let hang_points = builder.add_lines();
+    builder.add_guides();
     let measures = Measures::new(&builder);
+    let middle = &builder.outlines[plan.cells.div_ceil(2)];
+    let middle_chord = [middle[0], middle[fineness.along_chord]];
+    let tip_noses = [builder.outlines[0][0], builder.outlines[plan.cells][0]];
     let Builder {
         mut structure,
         tags,
@@ -301,11 +311,17 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
     structure.thickness_m = first.thickness_m;
     structure.yield_stress_pa = first.yield_stress_pa;
     structure.further_fabrics = further.iter().map(SewnFabric::from).collect();
+    let pitch_guide = plan
+        .pitch_guide_n_m
+        .map(|stiffness| [stiffness, structure.positions_m[middle_chord[0] as usize].x]);
     Ok(Wing {
         structure,
         tags,
         line_kinds,
+        pitch_guide,
         hang_points,
+        tip_noses,
+        middle_chord,
         cells: plan.cells,
         cell_places: spans
             .windows(2)

@@ -33,6 +33,9 @@ pub struct Plan {
     pub tapes: Vec<Tape>,
     /// Where the risers of the right half are held [m].
     pub hang_point_m: DVec3,
+    /// Stiffness with which a nose in the middle is kept from drifting along x [N/m]; `None`: the attitude follows from lines and loads
+    /// alone.
+    pub pitch_guide_n_m: Option<f64>,
     /// What panels, ribs and diagonals are made of.
     pub fabrics: PartFabrics,
 }
