@@ -115,7 +115,8 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
 pub(super) fn check_fabric_at(key: &str, written: &file::Fabric) -> Result<Fabric, Problem> {
     let key = |name: &str| format!("{key}.{name}");
     let warp_modulus_pa = positive(&key("youngs_modulus_pa"), written.youngs_modulus_pa)?;
-    let weft_modulus_pa = positive(&key("weft_youngs_modulus_pa"),
+    let weft_modulus_pa = positive(
+        &key("weft_youngs_modulus_pa"),
         written.weft_youngs_modulus_pa.unwrap_or(warp_modulus_pa),
     )?;
     let poisson_ratio = within(&key("poisson_ratio"), written.poisson_ratio, 0.0, 0.49)?;
@@ -133,14 +134,16 @@ pub(super) fn check_fabric_at(key: &str, written: &file::Fabric) -> Result<Fabri
         warp_modulus_pa,
         weft_modulus_pa,
         poisson_ratio,
-        shear_modulus_pa: positive(&key("shear_modulus_pa"),
+        shear_modulus_pa: positive(
+            &key("shear_modulus_pa"),
             written.shear_modulus_pa.unwrap_or(isotropic),
         )?,
         cubic_shear_compliance_1_pa3: written
             .cubic_shear_compliance_1_pa3
             .map(|cubic| positive(&key("cubic_shear_compliance_1_pa3"), cubic))
             .transpose()?,
-        residual_stiffness: within(&key("residual_stiffness"),
+        residual_stiffness: within(
+            &key("residual_stiffness"),
             written.residual_stiffness.unwrap_or(1e-3),
             0.0,
             1.0,

@@ -6,14 +6,15 @@ use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::structure::check_fabric_at;
+use crate::geometry::mesh::quality;
+use crate::geometry::wing;
+pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{
     Diagonals, Fineness, Hole, Intakes, Level, PartFabrics, Plan, Row, Tape, WingFault,
 };
-use crate::geometry::wing::pressure::{Distribution, jumps_pa};
+use crate::geometry::wing::pressure::{Distribution, Load};
 use crate::geometry::wing::section::{Profile, Side};
-use crate::geometry::wing::{self, LineKind};
-use crate::geometry::mesh::quality;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 const KEY: &str = "structure.wing";
@@ -28,10 +29,8 @@ pub struct Wing {
     pub wing: wing::Wing,
     /// How fine its mesh is.
     pub fineness: Fineness,
-    /// Jumps along the normals of the triangles in the equilibrium [Pa], `[triangle_count]`; `None`: none are prescribed.
-    pub jumps_pa: Option<Vec<f64>>,
-    /// Dynamic pressure that they refer to [Pa].
-    pub dynamic_pressure_pa: Option<f64>,
+    /// Pressure in the equilibrium; `None`: none is prescribed.
+    pub load: Option<Load>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
 }
@@ -63,7 +62,11 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             "remove [air], and give [equilibrium] with [equilibrium.wing_pressure]",
         ));
     }
-    if file.equilibrium.as_ref().is_some_and(|e| e.pressure_pa.is_some()) {
+    if file
+        .equilibrium
+        .as_ref()
+        .is_some_and(|e| e.pressure_pa.is_some())
+    {
         return Err(Problem::new(
             "equilibrium.pressure_pa",
             "equilibrium.pressure_pa would push on one side of ribs and diagonals, too",
@@ -74,23 +77,19 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
     let plan = check_plan(table, &materials)?;
     let fineness = check_fineness(table)?;
     let wing = wing::build(&plan, fineness).map_err(refused)?;
-    let (jumps_pa, dynamic_pressure_pa) = match prescribed {
-        Some(pressure) => {
+    let load = prescribed
+        .map(|pressure| {
             let distribution = check_pressure(pressure, table.cells)?;
-            let jumps = jumps_pa(&wing, &distribution);
-            (Some(jumps), Some(distribution.dynamic_pressure_pa))
-        }
-        None => (None, None),
-    };
+            Ok(Load::new(&wing, &distribution))
+        })
+        .transpose()?;
     let breaking_loads_n = wing
         .line_kinds
         .iter()
         .map(|kind| {
             let name = match *kind {
                 LineKind::Line { row, level } => &plan.rows[row].levels[level].material,
-                LineKind::Riser { row } => {
-                    &table.rows.values().nth(row)?.riser_material
-                }
+                LineKind::Riser { row } => &table.rows.values().nth(row)?.riser_material,
                 LineKind::Tape(number) => &table.tapes.values().nth(number)?.material,
             };
             materials.get(name)?.1
@@ -99,8 +98,7 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
     Ok(Some(Wing {
         wing,
         fineness,
-        jumps_pa,
-        dynamic_pressure_pa,
+        load,
         breaking_loads_n,
     }))
 }
@@ -250,7 +248,9 @@ fn points(key: &str, table: &[[f64; 2]], [low, high]: [f64; 2]) -> Result<Vec<[f
     if table.is_empty() || !grows || !inside {
         return Err(Problem::new(
             key,
-            format!("{key} is not a table of points [place, value] with places growing from 0 to 1"),
+            format!(
+                "{key} is not a table of points [place, value] with places growing from 0 to 1"
+            ),
             "e.g. [[0.0, 0.01], [0.3, 0.03], [1.0, 0.0]]",
         ));
     }
@@ -304,10 +304,7 @@ fn check_pressure(
     })
 }
 
-fn check_stations(
-    table: &file::WingTable,
-    names: &[&String],
-) -> Result<Vec<Station>, Problem> {
+fn check_stations(table: &file::WingTable, names: &[&String]) -> Result<Vec<Station>, Problem> {
     let key = key("stations");
     let refuse = |message: String, help: &str| Err(Problem::new(&key, message, help));
     if table.stations.len() < 2 {
@@ -374,7 +371,10 @@ fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
         if !fits || !(0.05..=0.9).contains(&hole.height) {
             return Err(Problem::new(
                 &key,
-                format!("{key}: hole {place} does not fit: it reaches from {from:.3} to {to:.3} of the chord and over {} of the height", hole.height),
+                format!(
+                    "{key}: hole {place} does not fit: it reaches from {from:.3} to {to:.3} of the chord and over {} of the height",
+                    hole.height
+                ),
                 "holes must lie between 0.02 and 0.97 of the chord, one behind the other with fabric between them, and take 0.05 to 0.9 of the height",
             ));
         }
@@ -530,7 +530,11 @@ fn check_row(
     if written.ribs.is_empty() || !grows || !inside {
         return Err(Problem::new(
             key("ribs"),
-            format!("{} = {:?} is not a list of ribs of the right half", key("ribs"), written.ribs),
+            format!(
+                "{} = {:?} is not a list of ribs of the right half",
+                key("ribs"),
+                written.ribs
+            ),
             format!("count ribs from the middle and list them outwards, 1 to {last} (the tip)"),
         ));
     }
@@ -606,7 +610,10 @@ fn check_row(
     if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
         return Err(Problem::new(
             key("trim_m"),
-            format!("{} = {trim_m} leaves nothing of a riser of {riser_length_m} m", key("trim_m")),
+            format!(
+                "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m",
+                key("trim_m")
+            ),
             "shorten it by less than nine tenths",
         ));
     }

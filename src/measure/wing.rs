@@ -23,10 +23,10 @@ pub(super) fn results(
 
 /// Sum of the pulls of prescribed pressure on the flown shape [N]; zero if there is none.
 fn pressure_force_n(wing: &Wing, structure: &StructureFrame) -> DVec3 {
-    let Some(jumps) = &wing.jumps_pa else {
+    let Some(load) = &wing.load else {
         return DVec3::ZERO;
     };
-    let triangles = structure.triangles.iter().zip(jumps);
+    let triangles = structure.triangles.iter().zip(load.jumps_pa());
     triangles
         .map(|(nodes, jump)| {
             let [a, b, c] = nodes.map(|n| structure.positions_m[n as usize]);
@@ -100,7 +100,12 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
             &format!("row_{name}_load_share"),
             Quantity::new(if sum > 0.0 { total / sum } else { 0.0 }, "1"),
         );
-        let upper = tensions(&|kind| kind == LineKind::Line { row: number, level: 0 });
+        let upper = tensions(&|kind| {
+            kind == LineKind::Line {
+                row: number,
+                level: 0,
+            }
+        });
         results.insert(
             &format!("row_{name}_attachment_load_max_n"),
             Quantity::new(largest(upper.into_iter()), "N"),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use crate::case::Scene;
-use crate::geometry::wing::LineKind;
+use crate::case::wing::LineKind;
 
 /// Sizes, masses, parts, rows, and where the prescribed pressure pulls.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -65,11 +65,11 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             0.5 * risers
         )?;
     }
-    if let Some(jumps) = &wing.jumps_pa {
+    if let Some(load) = &wing.load {
         let structure = &body.structure;
         let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
-        for (triangle, jump) in structure.triangles.iter().zip(jumps) {
+        for (triangle, jump) in structure.triangles.iter().zip(load.jumps_pa()) {
             let places = triangle.nodes.map(|n| structure.positions_m[n as usize]);
             let pull = triangle.doubled_area_vector(&structure.positions_m) * (0.5 * jump);
             force += pull;
@@ -94,9 +94,12 @@ fn smallest_angle_deg(scene: &Scene) -> Option<f64> {
     let angles = structure.triangles.iter().map(|t| {
         // Law of cosines over the squared rest lengths.
         let [a, b, c] = t.rest_squares_m2;
-        let angle = |a: f64, b: f64, c: f64| ((b + c - a) / (2.0 * (b * c).sqrt())).clamp(-1.0, 1.0);
+        let angle =
+            |a: f64, b: f64, c: f64| ((b + c - a) / (2.0 * (b * c).sqrt())).clamp(-1.0, 1.0);
         angle(a, b, c).max(angle(b, c, a)).max(angle(c, a, b))
     });
     let largest_cosine = angles.fold(f64::NAN, f64::max);
-    largest_cosine.is_finite().then(|| largest_cosine.acos().to_degrees())
+    largest_cosine
+        .is_finite()
+        .then(|| largest_cosine.acos().to_degrees())
 }

@@ -186,9 +186,11 @@ impl Simulation {
 
 /// Pressure that acts in the equilibrium that the case asks for.
 pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
-    let jumps = scene.wing.as_ref().and_then(|wing| wing.jumps_pa.as_deref());
-    if let Some(jumps) = jumps {
-        return Pressure::PerTriangle(jumps);
+    if let Some(load) = scene.wing.as_ref().and_then(|wing| wing.load.as_ref()) {
+        return Pressure::Parted {
+            following: &load.inside_pa,
+            lagged: &load.rest_pa,
+        };
     }
     scene
         .equilibrium

@@ -58,7 +58,9 @@ impl Places {
     pub fn around(&self, side: Side, place: f64, width: f64) -> [usize; 2] {
         let middle = self.nearest(side, place);
         let last = self.of(side).len() - 1;
-        let first = self.nearest(side, place - 0.5 * width).min(middle.saturating_sub(1));
+        let first = self
+            .nearest(side, place - 0.5 * width)
+            .min(middle.saturating_sub(1));
         let end = self.nearest(side, place + 0.5 * width).max(middle + 1);
         [first, end.min(last)]
     }

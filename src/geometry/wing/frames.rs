@@ -100,14 +100,21 @@ pub fn frames(stations: &[Station], spans_m: &[f64]) -> Vec<Frame> {
     spans_m
         .iter()
         .map(|&s| {
-            let at = if step > 0.0 { (s / step).min(ARC_STEPS as f64) } else { 0.0 };
+            let at = if step > 0.0 {
+                (s / step).min(ARC_STEPS as f64)
+            } else {
+                0.0
+            };
             let before = (at as usize).min(ARC_STEPS - 1);
             let share = at - before as f64;
-            let [y, z] = [0, 1].map(|i| arc[before][i] + (arc[before + 1][i] - arc[before][i]) * share);
+            let [y, z] =
+                [0, 1].map(|i| arc[before][i] + (arc[before + 1][i] - arc[before][i]) * share);
             let (sin_roll, cos_roll) = roll.at(s).sin_cos();
             let (sin_twist, cos_twist) = twist.at(s).sin_cos();
             let across = DVec3::new(0.0, sin_roll, cos_roll);
-            let next = places.partition_point(|p| *p <= s).clamp(1, places.len() - 1);
+            let next = places
+                .partition_point(|p| *p <= s)
+                .clamp(1, places.len() - 1);
             let between = (s - places[next - 1]) / (places[next] - places[next - 1]);
             Frame {
                 span_m: s,
@@ -115,7 +122,10 @@ pub fn frames(stations: &[Station], spans_m: &[f64]) -> Vec<Frame> {
                 chord_m: chord.at(s),
                 aft: DVec3::X * cos_twist - across * sin_twist,
                 up: DVec3::X * sin_twist + across * cos_twist,
-                profiles: ([stations[next - 1].profile, stations[next].profile], between),
+                profiles: (
+                    [stations[next - 1].profile, stations[next].profile],
+                    between,
+                ),
             }
         })
         .collect()

@@ -36,12 +36,20 @@ impl Builder<'_> {
         let Some(stiffness) = self.plan.pitch_guide_n_m else {
             return;
         };
-        let ribs = self.counted(if self.plan.cells.is_multiple_of(2) { 0 } else { 1 });
+        let ribs = self.counted(if self.plan.cells.is_multiple_of(2) {
+            0
+        } else {
+            1
+        });
         let [right, left] = ribs.map(|rib| {
             let outline = &self.outlines[rib];
             [outline[0], outline[self.fineness.along_chord]]
         });
-        let nodes = if right == left { vec![right] } else { vec![right, left] };
+        let nodes = if right == left {
+            vec![right]
+        } else {
+            vec![right, left]
+        };
         let share = stiffness / nodes.len() as f64;
         for [nose, tail] in nodes {
             for (node, axes) in [(nose, DVec3::new(1.0, 1.0, 0.0)), (tail, DVec3::Y)] {
@@ -75,8 +83,7 @@ impl Builder<'_> {
         let riser_m = hang_m + towards * row.riser_length_m;
         let riser = self.add_node(riser_m);
         // Every node above with the attachments that it carries.
-        let mut above: Vec<(u32, Vec<u32>)> =
-            attachments.iter().map(|&n| (n, vec![n])).collect();
+        let mut above: Vec<(u32, Vec<u32>)> = attachments.iter().map(|&n| (n, vec![n])).collect();
         for (level, lines) in row.levels.iter().enumerate() {
             let mut below: Vec<(u32, Vec<u32>)> = Vec::new();
             let mut pieces = Vec::new();

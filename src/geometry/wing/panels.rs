@@ -16,7 +16,10 @@ pub(super) fn arc_point(extra: f64, t: f64) -> [f64; 2] {
     // Radius per w: ½/sin θ; the arc runs from −θ to θ.
     let angle = half * (2.0 * t - 1.0);
     let radius = 0.5 / half.sin();
-    [0.5 + radius * angle.sin(), radius * (angle.cos() - half.cos())]
+    [
+        0.5 + radius * angle.sin(),
+        radius * (angle.cos() - half.cos()),
+    ]
 }
 
 /// θ of θ/sin θ = ratio, 0 to π/2 for ratios up to π/2.
@@ -75,7 +78,9 @@ impl Builder<'_> {
         let (left, right) = (outline(cell, k), outline(cell + 1, k));
         let along = |rib: usize| outline(rib, k + 1) - outline(rib, k + count - 1);
         let across = right - left;
-        let out = (along(cell) + along(cell + 1)).cross(across).normalize_or_zero();
+        let out = (along(cell) + along(cell + 1))
+            .cross(across)
+            .normalize_or_zero();
         let width = across.length();
         let extra = self.ballooning(k);
         // Mini-ribs divide the panel into two arcs.
@@ -166,12 +171,7 @@ impl Builder<'_> {
                     + self.position(self.outlines[cell + 1][next])
                     - self.position(self.outlines[cell + 1][k]);
                 for a in 0..edges {
-                    let corners = [
-                        grid[k][a],
-                        grid[next][a],
-                        grid[next][a + 1],
-                        grid[k][a + 1],
-                    ];
+                    let corners = [grid[k][a], grid[next][a], grid[next][a + 1], grid[k][a + 1]];
                     let [Some(p), Some(q), Some(r), Some(s)] = corners else {
                         continue;
                     };
@@ -186,7 +186,9 @@ impl Builder<'_> {
                     }
                 }
             }
-            let rows = grid.iter().map(|row| row[1..edges].iter().copied().flatten().collect());
+            let rows = grid
+                .iter()
+                .map(|row| row[1..edges].iter().copied().flatten().collect());
             self.rows_across.push(rows.collect());
         }
         Ok(())

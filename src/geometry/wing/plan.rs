@@ -144,7 +144,9 @@ pub struct Fineness {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WingFault {
     /// More places are named than the chord has edges.
-    #[error("{along_chord} edges along the chord cannot hold the {places} places on the {side} side where lines and intakes end")]
+    #[error(
+        "{along_chord} edges along the chord cannot hold the {places} places on the {side} side where lines and intakes end"
+    )]
     TooCoarse {
         /// Edges asked for.
         along_chord: usize,
@@ -154,13 +156,17 @@ pub enum WingFault {
         side: &'static str,
     },
     /// The outline of a rib crosses itself or one of its holes.
-    #[error("rib {rib} (counted from the middle) cannot be filled with triangles: its outline crosses itself or a hole")]
+    #[error(
+        "rib {rib} (counted from the middle) cannot be filled with triangles: its outline crosses itself or a hole"
+    )]
     Rib {
         /// Counted from the middle.
         rib: usize,
     },
     /// Triangles without area.
-    #[error("a triangle of the {part} of cell or rib {number} (from the left tip, from 0) has no area")]
+    #[error(
+        "a triangle of the {part} of cell or rib {number} (from the left tip, from 0) has no area"
+    )]
     Degenerate {
         /// Part.
         part: &'static str,

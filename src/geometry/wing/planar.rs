@@ -33,12 +33,11 @@ pub fn fill(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Option<Filled> {
     }
     let given = points.len();
     let mut crossing = false;
-    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
-        points,
-        edges,
-        |_| crossing = true,
-    )
-    .ok()?;
+    let mut mesh =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, edges, |_| {
+            crossing = true
+        })
+        .ok()?;
     if crossing || mesh.num_vertices() != given {
         return None;
     }

@@ -18,7 +18,10 @@ impl Builder<'_> {
             [cells / 2 + from_middle, cells / 2 - from_middle]
         } else {
             // There is no rib 0.
-            [cells.div_ceil(2) + from_middle - 1, cells / 2 + 1 - from_middle]
+            [
+                cells.div_ceil(2) + from_middle - 1,
+                cells / 2 + 1 - from_middle,
+            ]
         }
     }
 
@@ -55,8 +58,7 @@ impl Builder<'_> {
             let count = ((around / mean_edge).round() as usize).max(LEAST_HOLE_EDGES);
             (0..count)
                 .map(|i| {
-                    let (sin, cos) =
-                        (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
+                    let (sin, cos) = (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
                     let x = hole.position + 0.5 * hole.width * cos;
                     let (up, down) = (height(Side::Upper, x), height(Side::Lower, x));
                     DVec2::new(x, 0.5 * (up + down) + 0.5 * hole.height * (up - down) * sin)
@@ -109,7 +111,11 @@ impl Builder<'_> {
         warp: DVec3,
     ) -> Result<(), WingFault> {
         for &[a, b, c] in &filled.triangles {
-            let middle = [a, b, c].map(|i| filled.points[i as usize].x).iter().sum::<f64>() / 3.0;
+            let middle = [a, b, c]
+                .map(|i| filled.points[i as usize].x)
+                .iter()
+                .sum::<f64>()
+                / 3.0;
             let tag = Tag {
                 part,
                 number: number as u32,
@@ -204,7 +210,8 @@ impl Builder<'_> {
         };
         let foot = nodes_of(rib, Side::Lower, feet);
         let top = nodes_of(head, Side::Upper, heads);
-        let line = |nodes: &[u32]| -> Vec<DVec3> { nodes.iter().map(|&n| self.position(n)).collect() };
+        let line =
+            |nodes: &[u32]| -> Vec<DVec3> { nodes.iter().map(|&n| self.position(n)).collect() };
         let (foot_line, top_line) = (line(&foot), line(&top));
         let warp = top_line[top_line.len() / 2] - foot_line[foot_line.len() / 2];
         // As many rows of triangles as make edges along both directions alike.

@@ -92,7 +92,9 @@ impl Profile {
 
 /// Straight in √x, along which a round nose is straight.
 fn between(points: &[[f64; 2]], x: f64) -> f64 {
-    let next = points.partition_point(|p| p[0] <= x).clamp(1, points.len() - 1);
+    let next = points
+        .partition_point(|p| p[0] <= x)
+        .clamp(1, points.len() - 1);
     let ([x0, z0], [x1, z1]) = (points[next - 1], points[next]);
     let share = (x.max(0.0).sqrt() - x0.sqrt()) / (x1.sqrt() - x0.sqrt());
     z0 + (z1 - z0) * share
