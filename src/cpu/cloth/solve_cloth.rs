@@ -189,7 +189,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Takes what the potential of following pressure lacks at `point`, and pressure that lags, into the loads, beside the `dead` ones; returns the largest change
-    /// of a node's load over the largest load of pressure.
+    /// of a node's load over the largest load of pressure, or where pressure lags the root of the mean squares of both.
     fn correct_edges(&mut self, dead: &[DVec3], point: &[DVec3]) -> f64 {
         let Some(origin) = self.origin_m else {
             return 0.0;
@@ -202,11 +202,21 @@ impl<'a> Objective<'a> {
         pressure::add_forces(self.structure, point, lagged, &mut correction);
         let mut pulls = vec![DVec3::ZERO; point.len()];
         pressure::add_forces(self.structure, point, jump, &mut pulls);
-        let mut change: f64 = 0.0;
+        let (mut change, mut squares): (f64, f64) = (0.0, 0.0);
         for ((load, dead), correction) in self.loads.iter_mut().zip(dead).zip(&correction) {
             let new = *dead + *correction;
             change = change.max((new - *load).length());
+            squares += (new - *load).length_squared();
             *load = new;
+        }
+        if !lagged.is_none() {
+            // In the mean over the nodes: single ones of slack fabric never stand still.
+            let all: f64 = pulls.iter().map(|p| p.length_squared()).sum();
+            return if all > 0.0 {
+                (squares / all).sqrt()
+            } else {
+                0.0
+            };
         }
         let largest = pulls.iter().map(|p| p.length()).fold(0.0, f64::max);
         if largest > 0.0 { change / largest } else { 0.0 }

@@ -1,13 +1,13 @@
 //! Ram-air wings: panels between ribs, ribs with holes, diagonals, tapes and lines, from one plan.
 //!
-//! * [`plan`]: what a designer states;
-//! * [`section`]: profiles;
-//! * [`frames`]: where the ribs stand;
-//! * [`chord`]: where nodes stand along the chord;
-//! * [`panels`], [`ribs`], [`lines`]: the mesh, part by part;
-//! * [`planar`]: triangles inside an outline with holes;
-//! * [`pressure`]: pressure jumps of a prescribed distribution;
-//! * [`measures`]: areas, lengths and masses.
+//! * [`plan`] – what a designer states;
+//! * [`section`] – profiles;
+//! * [`frames`] – where the ribs stand;
+//! * [`chord`] – where nodes stand along the chord;
+//! * `panels`, `ribs`, `lines` – the mesh, part by part;
+//! * [`planar`] – triangles inside an outline with holes;
+//! * [`pressure`] – pressure jumps of a prescribed distribution;
+//! * [`measures`] – areas, lengths and masses.
 //!
 //! # Rest shape
 //!
