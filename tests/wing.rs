@@ -272,19 +272,9 @@ fn seams() {
     };
     let skin = edges(skin(&wing).triangles.into_iter());
     assert!(skin.values().all(|n| *n <= 2));
-    // 26 open cells; each rim runs across both ends and along both ribs, where two neighbours share one seam of a rib.
-    let open: Vec<[u32; 2]> = skin
-        .iter()
-        .filter(|(_, n)| **n == 1)
-        .map(|(e, _)| *e)
-        .collect();
-    assert!(!open.is_empty());
-    let place = |n: u32| wing.structure.positions_m[n as usize];
-    let across = open
-        .iter()
-        .filter(|[a, b]| (place(*a).y - place(*b).y).abs() > 1e-3)
-        .count();
-    assert_eq!(across, 26 * 2 * 2);
+    // 26 open cells in a row, with two edges across each of their two rims, and one edge along the rib at either end.
+    let open = skin.values().filter(|n| **n == 1).count();
+    assert_eq!(open, 26 * 2 * 2 + 2);
     // Every rib's outline: edges that one of its own triangles has, and those belong to panels unless an intake is on both sides.
     for rib in 1..wing.cells as u32 {
         let own = of(&|part, number| part == Part::Rib && number == rib);
