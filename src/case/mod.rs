@@ -17,6 +17,7 @@ pub mod scene;
 mod specimens;
 mod structure;
 pub mod wing;
+mod wing_lines;
 
 use std::path::Path;
 

@@ -161,6 +161,25 @@ pub(super) fn edge_correction(
     forces
 }
 
+/// How far loads have changed: the largest change of a node over the largest pull of pressure, or the root of the mean squares of both,
+/// where single nodes, of slack fabric under a load that lags, need not stand still.
+pub(super) fn relative_change(
+    [old, new]: [&[DVec3]; 2],
+    pulls: &[DVec3],
+    in_the_mean: bool,
+) -> f64 {
+    let size = |squares: &mut dyn Iterator<Item = f64>| {
+        if in_the_mean {
+            squares.sum::<f64>().sqrt()
+        } else {
+            squares.fold(0.0, f64::max).sqrt()
+        }
+    };
+    let change = size(&mut old.iter().zip(new).map(|(a, b)| (*b - *a).length_squared()));
+    let all = size(&mut pulls.iter().map(|p| p.length_squared()));
+    if all > 0.0 { change / all } else { 0.0 }
+}
+
 /// −pV at `positions`, seen from the middle of `start` [J].
 #[must_use]
 pub fn potential_j(

@@ -202,24 +202,10 @@ impl<'a> Objective<'a> {
         pressure::add_forces(self.structure, point, lagged, &mut correction);
         let mut pulls = vec![DVec3::ZERO; point.len()];
         pressure::add_forces(self.structure, point, jump, &mut pulls);
-        let (mut change, mut squares): (f64, f64) = (0.0, 0.0);
-        for ((load, dead), correction) in self.loads.iter_mut().zip(dead).zip(&correction) {
-            let new = *dead + *correction;
-            change = change.max((new - *load).length());
-            squares += (new - *load).length_squared();
-            *load = new;
-        }
-        if !lagged.is_none() {
-            // In the mean over the nodes: single ones of slack fabric never stand still.
-            let all: f64 = pulls.iter().map(|p| p.length_squared()).sum();
-            return if all > 0.0 {
-                (squares / all).sqrt()
-            } else {
-                0.0
-            };
-        }
-        let largest = pulls.iter().map(|p| p.length()).fold(0.0, f64::max);
-        if largest > 0.0 { change / largest } else { 0.0 }
+        let sum = |(dead, correction): (&DVec3, &DVec3)| *dead + *correction;
+        let new = dead.iter().zip(&correction).map(sum).collect();
+        let old = std::mem::replace(&mut self.loads, new);
+        pressure::relative_change([&old, &self.loads], &pulls, !lagged.is_none())
     }
 
     pub(super) fn rebuild(&mut self, point: &[DVec3]) {
