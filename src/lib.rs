@@ -38,7 +38,7 @@
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
-//! | [`geometry`] | canopies, sheets, cables, bodies, mesh files | cloth, rigid |
+//! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |

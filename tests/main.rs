@@ -31,6 +31,7 @@ mod plates;
 mod tolerances;
 mod validate;
 mod walls;
+mod wing;
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -43,6 +44,7 @@ fn main() -> std::process::ExitCode {
         cloth::trials(),
         contact::trials(),
         walls::trials(),
+        wing::trials(),
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),

@@ -9,6 +9,7 @@ pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
 pub use super::file_specimens::*;
+pub use super::file_wing::*;
 use crate::frame::FabricQuantity;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
@@ -148,6 +149,7 @@ pub struct StructureTable {
     pub airbag: Option<Airbag>,
     pub disc: Option<Disc>,
     pub coupon: Option<Coupon>,
+    pub wing: Option<WingTable>,
 }
 
 /// `[structure.flat_circular]`.
@@ -363,6 +365,8 @@ pub struct Equilibrium {
     pub tolerance: f64,
     pub evaluation_limit: usize,
     pub pressure_pa: Option<f64>,
+    /// Per cell and chord place.
+    pub wing_pressure: Option<WingPressureTable>,
 }
 
 /// `[steady]`.

@@ -10,6 +10,7 @@ mod file_descent;
 mod file_permeability;
 mod file_plate;
 mod file_specimens;
+mod file_wing;
 mod grid_sequence;
 pub mod locate;
 mod output;
@@ -18,6 +19,8 @@ mod plate;
 pub mod scene;
 mod specimens;
 mod structure;
+pub mod wing;
+mod wing_lines;
 
 use std::path::Path;
 
@@ -26,7 +29,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 12] = [
+pub const SHIPPED: [(&str, &str); 14] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
@@ -60,6 +63,8 @@ pub const SHIPPED: [(&str, &str); 12] = [
         "taylor-green",
         include_str!("../../cases/taylor-green.toml"),
     ),
+    ("wing-27", include_str!("../../cases/wing-27.toml")),
+    ("wing-school", include_str!("../../cases/wing-school.toml")),
 ];
 
 /// What is wrong with a case, where, and what to do.

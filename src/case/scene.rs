@@ -6,6 +6,7 @@ use glam::DVec3;
 
 pub use super::descent::{Carrier, Descent};
 use super::file::File;
+use super::wing::{self, Wing};
 use super::{Problem, air, bodies, descent, output, structure};
 use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
@@ -26,6 +27,8 @@ pub struct Scene {
     pub air: Option<Air>,
     /// Fabric and cables.
     pub body: Option<Body>,
+    /// What is known of the structure if it is a wing.
+    pub wing: Option<Wing>,
     /// Rigid bodies in the air, by name.
     pub rigid_bodies: Vec<RigidBody>,
     /// Coupling of the air with fabric and bodies; present if there is something to couple.
@@ -137,6 +140,8 @@ pub enum BodyKind {
     },
     /// A strip that is pulled.
     Coupon(Coupon),
+    /// A ram-air wing; [`Scene::wing`] holds more.
+    Wing,
 }
 
 /// What is measured on a strip that is pulled along x.
@@ -338,6 +343,10 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         .as_ref()
         .is_some_and(|s| s.flat_circular.is_some());
     let fabric = file.structure.as_ref().is_some_and(|s| s.cable.is_none());
+    let one_fabric = file
+        .structure
+        .as_ref()
+        .is_some_and(|s| s.cable.is_none() && s.wing.is_none());
     for (key, present, used, what) in [
         ("lines", file.lines.is_some(), canopy, "a canopy"),
         ("belts", file.belts.is_some(), canopy, "a canopy"),
@@ -350,8 +359,8 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         (
             "fabric",
             file.fabric.is_some(),
-            fabric,
-            "a structure with fabric",
+            one_fabric,
+            "a structure of one fabric (a wing has [structure.wing.fabrics])",
         ),
         (
             "contact",
@@ -438,7 +447,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
         .transpose()?;
     refuse_unused(file)?;
-    let mut body = structure::check(file, folder, gravity_m_s2)?;
+    let mut wing = wing::check(file)?;
+    let mut body = structure::check(file, folder, gravity_m_s2, wing.as_mut())?;
     let air = file
         .air
         .as_ref()
@@ -501,6 +511,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         title,
         air,
         body,
+        wing,
         rigid_bodies,
         coupling,
         gravity_m_s2,

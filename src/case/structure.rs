@@ -8,6 +8,7 @@ use super::Problem;
 use super::contact;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
+use super::wing::{self, Wing};
 use super::{descent, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
@@ -27,6 +28,7 @@ pub(super) fn check(
     file: &File,
     folder: &Path,
     gravity: Option<DVec3>,
+    wing: Option<&mut Wing>,
 ) -> Result<Option<Body>, Problem> {
     let Some(table) = &file.structure else {
         return Ok(None);
@@ -40,6 +42,7 @@ pub(super) fn check(
         table.airbag.is_some(),
         table.disc.is_some(),
         table.coupon.is_some(),
+        table.wing.is_some(),
     ];
     let body = if shapes.into_iter().filter(|is_there| *is_there).count() != 1 {
         None
@@ -60,14 +63,14 @@ pub(super) fn check(
     } else if let Some(coupon) = &table.coupon {
         Some(specimens::check_coupon(coupon, &check_fabric(file)?)?)
     } else {
-        None
+        wing.map(wing::body)
     };
     let mut body = body.ok_or_else(|| {
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
             "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], \
-             [structure.airbag], [structure.disc], [structure.coupon]",
+             [structure.airbag], [structure.disc], [structure.coupon], [structure.wing]",
         )
     })?;
     body.structure.permeability = check_permeability(file)?;
@@ -108,47 +111,56 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
         .fabric
         .as_ref()
         .ok_or_else(|| absent("fabric", "the structure is made of fabric"))?;
-    let warp_modulus_pa = positive("fabric.youngs_modulus_pa", written.youngs_modulus_pa)?;
-    let weft_modulus_pa = positive(
-        "fabric.weft_youngs_modulus_pa",
-        written.weft_youngs_modulus_pa.unwrap_or(warp_modulus_pa),
-    )?;
-    let poisson_ratio = within("fabric.poisson_ratio", written.poisson_ratio, 0.0, 0.49)?;
-    if poisson_ratio * poisson_ratio * weft_modulus_pa >= warp_modulus_pa {
-        return Err(Problem::new(
-            "fabric.poisson_ratio",
-            "ν² E_weft ≥ E_warp: such a material would create energy",
-            "lower fabric.poisson_ratio",
-        ));
-    }
     // What resists bending is compressed on one side.
     let is_plate = file.structure.as_ref().is_some_and(|s| s.plate.is_some());
-    let usual_residual = if is_plate { 1.0 } else { 1e-3 };
+    check_fabric_at("fabric", written, if is_plate { 1.0 } else { 1e-3 })
+}
+
+/// Checks the fabric written in the table `key`; `usual_residual` is the share of compressive stiffness that it keeps if the case says nothing.
+pub(super) fn check_fabric_at(
+    key: &str,
+    written: &file::Fabric,
+    usual_residual: f64,
+) -> Result<Fabric, Problem> {
+    let key = |name: &str| format!("{key}.{name}");
+    let warp_modulus_pa = positive(&key("youngs_modulus_pa"), written.youngs_modulus_pa)?;
+    let weft_modulus_pa = positive(
+        &key("weft_youngs_modulus_pa"),
+        written.weft_youngs_modulus_pa.unwrap_or(warp_modulus_pa),
+    )?;
+    let poisson_ratio = within(&key("poisson_ratio"), written.poisson_ratio, 0.0, 0.49)?;
+    if poisson_ratio * poisson_ratio * weft_modulus_pa >= warp_modulus_pa {
+        return Err(Problem::new(
+            key("poisson_ratio"),
+            "ν² E_weft ≥ E_warp: such a material would create energy",
+            format!("lower {}", key("poisson_ratio")),
+        ));
+    }
     let isotropic = Fabric::isotropic_shear_modulus_pa(warp_modulus_pa, poisson_ratio);
     Ok(Fabric {
-        thickness_m: positive("fabric.thickness_m", written.thickness_m)?,
-        density_kg_m3: positive("fabric.density_kg_m3", written.density_kg_m3)?,
+        thickness_m: positive(&key("thickness_m"), written.thickness_m)?,
+        density_kg_m3: positive(&key("density_kg_m3"), written.density_kg_m3)?,
         warp_modulus_pa,
         weft_modulus_pa,
         poisson_ratio,
         shear_modulus_pa: positive(
-            "fabric.shear_modulus_pa",
+            &key("shear_modulus_pa"),
             written.shear_modulus_pa.unwrap_or(isotropic),
         )?,
         cubic_shear_compliance_1_pa3: written
             .cubic_shear_compliance_1_pa3
-            .map(|cubic| positive("fabric.cubic_shear_compliance_1_pa3", cubic))
+            .map(|cubic| positive(&key("cubic_shear_compliance_1_pa3"), cubic))
             .transpose()?,
         residual_stiffness: within(
-            "fabric.residual_stiffness",
+            &key("residual_stiffness"),
             written.residual_stiffness.unwrap_or(usual_residual),
             0.0,
             1.0,
         )?,
-        initial_strain: check_initial_strain(written.initial_strain)?,
+        initial_strain: check_initial_strain(&key("initial_strain"), written.initial_strain)?,
         yield_stress_pa: written
             .yield_stress_pa
-            .map(|stress| positive("fabric.yield_stress_pa", stress))
+            .map(|stress| positive(&key("yield_stress_pa"), stress))
             .transpose()?,
     })
 }
@@ -156,11 +168,11 @@ fn check_fabric(file: &File) -> Result<Fabric, Problem> {
 /// Strains at which the initial state of fabric may lie: far beyond what any fabric bears.
 const INITIAL_STRAIN: [f64; 2] = [-0.5, 0.5];
 
-fn check_initial_strain(written: Option<[f64; 2]>) -> Result<[f64; 2], Problem> {
+fn check_initial_strain(key: &str, written: Option<[f64; 2]>) -> Result<[f64; 2], Problem> {
     let strain = written.unwrap_or_default();
     let [least, most] = INITIAL_STRAIN;
     for value in strain {
-        within("fabric.initial_strain", value, least, most)?;
+        within(key, value, least, most)?;
     }
     Ok(strain)
 }

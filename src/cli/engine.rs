@@ -139,6 +139,15 @@ impl EngineArguments {
                 "--cloth device: the case has [contact], which is searched for on the host; leave it out, or remove [contact]",
             );
         }
+        let has_fabrics = scene
+            .body
+            .as_ref()
+            .is_some_and(|body| !body.structure.further_fabrics.is_empty());
+        if self.cloth == ClothChoice::Device && has_fabrics {
+            return misuse(
+                "--cloth device: the structure is sewn of several fabrics, which only the host computes yet; leave it out",
+            );
+        }
         let on_request = named.unwrap_or(AdapterChoice::Any);
         if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
             // Whoever names an adapter must hear that there is none of that name.
@@ -170,7 +179,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            ClothChoice::Auto if has_contact => false,
+            ClothChoice::Auto if has_contact || has_fabrics => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

@@ -13,6 +13,8 @@ use crate::frame::CableKind;
 pub struct Triangle {
     /// Nodes.
     pub nodes: [u32; 3],
+    /// What it is made of: 0 for the structure's first fabric, k for [`crate::cloth::Structure::further_fabrics`]`[k − 1]`.
+    pub fabric: u32,
     /// Rest area [m²].
     pub rest_area_m2: f64,
     /// Squared rest lengths of the edges (1→2, 2→0, 0→1) [m²].
@@ -44,6 +46,7 @@ impl Triangle {
         }
         Some(Self {
             nodes,
+            fabric: 0,
             rest_area_m2,
             rest_squares_m2: edges.map(|e| e.length_squared()),
             strain_from_squares,

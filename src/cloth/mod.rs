@@ -5,12 +5,14 @@
 pub mod contact;
 pub mod curvature;
 pub mod elements;
+pub mod fabrics;
 pub mod faults;
 mod waves;
 
 use glam::DVec3;
 
 pub use elements::{Bending, CableSegment, Spring, Triangle};
+pub use fabrics::{Laws, SewnFabric};
 
 use contact::Contact;
 
@@ -43,12 +45,14 @@ pub struct Structure {
     pub held: Vec<bool>,
     /// Membrane triangles; without a law (`membrane` absent) they only carry area, pressure and markers.
     pub triangles: Vec<Triangle>,
-    /// Law of the membrane triangles; absent where a spring network carries the load.
+    /// Law of the membrane triangles of the first fabric; absent where a spring network carries the load.
     pub membrane: Option<Membrane>,
-    /// Fabric thickness [m], to turn tensions into stresses.
+    /// Thickness of the first fabric [m], to turn tensions into stresses.
     pub thickness_m: f64,
     /// Von Mises stress from which fabric is flagged as yielding [Pa]; `None`: never.
     pub yield_stress_pa: Option<f64>,
+    /// Fabrics beside the first, in structures sewn of several; triangles name theirs by number.
+    pub further_fabrics: Vec<SewnFabric>,
     /// Permeability of the fabric; `None`: no air passes.
     pub permeability: Option<Permeability>,
     /// Springs of a network.

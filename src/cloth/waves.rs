@@ -8,10 +8,10 @@ impl Structure {
     #[must_use]
     pub fn elements_crossed(&self, time_step_s: f64) -> f64 {
         let mut stiffness = vec![0.0; self.node_count()];
-        if let Some(membrane) = &self.membrane {
-            let law = membrane.stiffness();
-            let along = law[0][0].max(law[1][1]);
+        if let Some(laws) = self.laws() {
             for triangle in &self.triangles {
+                let law = laws.of(triangle).stiffness();
+                let along = law[0][0].max(law[1][1]);
                 // A linear triangle resists the motion of a corner by C l²/4A, l the opposite edge.
                 let shares = triangle.nodes.iter().zip(triangle.rest_squares_m2);
                 for (&node, square) in shares {

@@ -10,3 +10,4 @@ pub mod plate;
 pub mod profile;
 pub mod sheet;
 pub mod surfaces;
+pub mod wing;

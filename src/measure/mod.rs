@@ -6,6 +6,7 @@ mod plate;
 mod record;
 mod results;
 pub mod statistics;
+mod wing;
 
 pub use record::Record;
 pub use results::results;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::record::largest as largest_of;
 use super::statistics::{Mean, slope};
-use super::{Record, bodies, catenary, plate};
+use super::{Record, bodies, catenary, plate, wing};
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::output::{Quantity, Results};
@@ -39,6 +39,11 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
                 let weight: f64 = body.structure.masses_kg.iter().sum::<f64>()
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
                 body_results(&mut results, &body.kind, structure, weight);
+                if let Some(known) = &scene.wing {
+                    let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
+                    let mass: f64 = body.structure.masses_kg.iter().sum();
+                    wing::results(&mut results, known, structure, gravity * mass);
+                }
             }
         }
         (None, Some(air)) if !scene.rigid_bodies.is_empty() => {
@@ -547,7 +552,11 @@ fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &Structur
                 results.insert(name, Quantity::new(value, "m").with_note(note));
             }
         }
-        BodyKind::Canopy(_) | BodyKind::Sheet | BodyKind::Cable { .. } | BodyKind::Mesh => {}
+        BodyKind::Canopy(_)
+        | BodyKind::Sheet
+        | BodyKind::Cable { .. }
+        | BodyKind::Mesh
+        | BodyKind::Wing => {}
     }
 }
 

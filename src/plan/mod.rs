@@ -8,6 +8,7 @@ mod placement;
 mod report;
 pub mod stages;
 mod warnings;
+mod wing;
 
 pub use crate::lattice::Storage;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
@@ -179,7 +180,7 @@ fn skips(scene: &Scene) -> Vec<Skip> {
                 skip("cables", "the structure has no lines and no belts".into());
             }
             if structure.guides.is_empty() {
-                skip("guides", "no apex_guide_n_m".into());
+                skip("guides", "no apex_guide_n_m, no pitch_guide_n_m".into());
             }
             if structure.contact.is_none() && !structure.triangles.is_empty() {
                 skip(

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan, descent, permeability};
+use super::{AirPlacement, ClothPlacement, Plan, descent, permeability, wing};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
@@ -164,6 +164,7 @@ impl Plan {
             }
             self.write_canopy(out, scene)?;
         }
+        wing::write(out, scene)?;
         self.write_bodies(out, scene)?;
         permeability::write(out, scene)?;
         descent::write(out, scene)?;

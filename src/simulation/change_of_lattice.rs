@@ -222,7 +222,6 @@ impl Simulation {
             step,
             sound_step: step,
             largest_marker_motion: self.largest_marker_motion,
-            pressure_pa: self.pressure_pa,
             cost: self.cost,
             ..next
         };

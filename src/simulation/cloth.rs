@@ -148,11 +148,11 @@ impl Simulation {
     pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
         let equilibrium = self.scene.equilibrium?;
         let cloth = self.cloth.as_mut()?;
-        self.pressure_pa = equilibrium.pressure_pa;
+        self.pressure_acts = true;
         let start = Instant::now();
         let input = StepInput {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure: self.pressure_pa.map_or(Pressure::None, Pressure::Uniform),
+            pressure: prescribed_pressure(&self.scene),
             ..StepInput::default()
         };
         let settings = SolverSettings {
@@ -182,6 +182,20 @@ impl Simulation {
         }
         Some(Ok(outcome))
     }
+}
+
+/// Pressure that acts in the equilibrium that the case asks for.
+pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
+    if let Some(load) = scene.wing.as_ref().and_then(|wing| wing.load.as_ref()) {
+        return Pressure::Parted {
+            following: &load.inside_pa,
+            lagged: &load.rest_pa,
+        };
+    }
+    scene
+        .equilibrium
+        .and_then(|equilibrium| equilibrium.pressure_pa)
+        .map_or(Pressure::None, Pressure::Uniform)
 }
 
 /// What acts in a step; with k > 1 the implicit step spans k steps of the air, but the positions advance step by step.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
+use super::cloth::prescribed_pressure;
 use crate::cpu::cloth::{Cloth, Pressure, StepInput, read_outs};
 use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
@@ -27,7 +28,11 @@ impl Simulation {
             structure: self.cloth.as_ref().map(|cloth| {
                 let input = StepInput {
                     gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-                    pressure: self.pressure_pa.map_or(Pressure::None, Pressure::Uniform),
+                    pressure: if self.pressure_acts {
+                        prescribed_pressure(&self.scene)
+                    } else {
+                        Pressure::None
+                    },
                     ..StepInput::default()
                 };
                 structure_frame(cloth, &input)
@@ -76,6 +81,11 @@ impl Simulation {
 fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
     let structure = &cloth.structure;
     let loads = read_outs::triangle_loads(structure, &cloth.positions_m);
+    let thicknesses_m: Vec<f64> = structure
+        .triangles
+        .iter()
+        .map(|triangle| structure.thickness_of_m(triangle))
+        .collect();
     let mut reactions_n = vec![DVec3::ZERO; structure.node_count()];
     for (node, force) in cloth.reactions_n(input) {
         reactions_n[node as usize] = force;
@@ -90,18 +100,24 @@ fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
         tension_directions: loads.iter().map(|l| l.direction).collect(),
         stress_pa: loads
             .iter()
-            .map(|l| l.principal_tensions_n_m[0] / structure.thickness_m)
+            .zip(&thicknesses_m)
+            .map(|(l, thickness_m)| l.principal_tensions_n_m[0] / thickness_m)
             .collect(),
         von_mises_pa: loads
             .iter()
-            .map(|l| l.von_mises_n_m() / structure.thickness_m)
+            .zip(&thicknesses_m)
+            .map(|(l, thickness_m)| l.von_mises_n_m() / thickness_m)
             .collect(),
         shear_stress_pa: loads
             .iter()
-            .map(|l| l.shear_tension_n_m / structure.thickness_m)
+            .zip(&thicknesses_m)
+            .map(|(l, thickness_m)| l.shear_tension_n_m / thickness_m)
             .collect(),
         shear_strain: loads.iter().map(|l| l.shear_strain).collect(),
-        yield_stress_pa: structure.yield_stress_pa,
+        // One figure serves fabric of one kind only.
+        yield_stress_pa: structure
+            .yield_stress_pa
+            .filter(|_| structure.further_fabrics.is_empty()),
         rest_areas_m2: structure.triangles.iter().map(|t| t.rest_area_m2).collect(),
         states: loads.iter().map(|l| l.state).collect(),
         cables: structure.cables.iter().map(|c| c.nodes).collect(),

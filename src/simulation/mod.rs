@@ -105,8 +105,8 @@ pub struct Simulation {
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
     largest_marker_motion: f64,
-    /// Pressure jump along the normals that acts on the fabric now [Pa]: once the equilibrium is sought.
-    pressure_pa: Option<f64>,
+    /// True once the equilibrium is sought: its pressure acts on the fabric.
+    pressure_acts: bool,
     cost: Cost,
 }
 
@@ -200,7 +200,7 @@ impl Simulation {
             step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
-            pressure_pa: None,
+            pressure_acts: false,
             cost: Cost::default(),
         })
     }

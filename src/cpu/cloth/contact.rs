@@ -140,8 +140,12 @@ impl Contacts {
         let thickness_m = structure.contact?.thickness_m;
         let surface = Surface::new(structure, thickness_m);
         let edge = surface.mean_edge_m();
-        let tensile = match &structure.membrane {
-            Some(membrane) => membrane.stiffness()[0][0],
+        let tensile = match structure.laws() {
+            // The softest: a stiff panel does not show how soft the others may be pushed.
+            Some(laws) => laws
+                .all()
+                .map(|law| law.stiffness()[0][0])
+                .fold(f64::INFINITY, f64::min),
             None => {
                 let springs = structure.springs.iter().map(|s| s.stiffness_n_m);
                 springs.sum::<f64>() / structure.springs.len().max(1) as f64

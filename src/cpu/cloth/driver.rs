@@ -25,9 +25,8 @@ fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -
         && input.time_step_s.is_none()
         && structure.springs.is_empty()
         && structure
-            .membrane
-            .as_ref()
-            .is_some_and(|law| law.residual() < TENSION_ONLY)
+            .laws()
+            .is_some_and(|laws| laws.all().all(|law| law.residual() < TENSION_ONLY))
 }
 
 /// Minimises the objective with the driver that suits it.

@@ -50,8 +50,9 @@ fn add_bending<const N: usize>(bendings: &[Bending<N>], blocks: &mut [DMat3]) {
 
 /// Adds the elastic blocks [N/m] to `blocks`, `[node_count]`.
 pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &mut [DMat3]) {
-    if let Some(membrane) = &structure.membrane {
+    if let Some(laws) = structure.laws() {
         for triangle in &structure.triangles {
+            let membrane = laws.of(triangle);
             let edges = triangle.edge_vectors(positions);
             let strain = triangle.strain(&edges);
             let response = membrane.respond(&strain);

@@ -85,9 +85,12 @@ pub fn dead_loads(structure: &Structure, input: &StepInput) -> Vec<DVec3> {
 #[must_use]
 pub fn step_loads(structure: &Structure, start: &[DVec3], input: &StepInput) -> Vec<DVec3> {
     let mut loads = dead_loads(structure, input);
-    if !input.pressure_follows() {
-        pressure::add_forces(structure, start, input.pressure, &mut loads);
-    }
+    let staying = if input.pressure_follows() {
+        input.pressure.lagged()
+    } else {
+        input.pressure
+    };
+    pressure::add_forces(structure, start, staying, &mut loads);
     loads
 }
 

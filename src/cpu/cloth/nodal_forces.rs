@@ -75,9 +75,9 @@ pub fn elastic_gradient(
     gradient: &mut [DVec3],
 ) -> f64 {
     let mut energy = 0.0;
-    if let Some(membrane) = &structure.membrane {
+    if let Some(laws) = structure.laws() {
         energy += fill(&structure.triangles, &mut pulls.triangles, |triangle| {
-            triangle_pull(membrane, triangle, positions)
+            triangle_pull(laws.of(triangle), triangle, positions)
         });
     }
     energy += fill(&structure.springs, &mut pulls.springs, |spring| {

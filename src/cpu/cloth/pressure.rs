@@ -4,6 +4,10 @@
 //! step. In the static limit it follows: −p V, with V the volume under the triangle as seen from a point o, has these pulls as its
 //! gradient, but for terms along the edges of a patch of equal pressure, which cancel where the edge is held. They are taken from the
 //! last iterate and corrected until they stand still (`edge_correction`).
+//!
+//! A load that is not the same all around a body ([`Pressure::Parted`], a wing's) has such terms everywhere, and as a whole turns with the
+//! body: a wing on its lines would find nothing to stand by. There the part that is the same everywhere follows as above, and the rest is
+//! taken from the last iterate, in the direction that it had there, until it stands still.
 
 use glam::DVec3;
 
@@ -21,9 +25,16 @@ pub enum Pressure<'a> {
     Uniform(f64),
     /// One for every triangle [Pa], `[triangle_count]`: per face, or per cell of a wing.
     PerTriangle(&'a [f64]),
+    /// Two parts for every triangle [Pa], `[triangle_count]` each.
+    Parted {
+        /// Follows within a solve.
+        following: &'a [f64],
+        /// Stays as it was at the last iterate, and is renewed until it stands still.
+        lagged: &'a [f64],
+    },
 }
 
-impl Pressure<'_> {
+impl<'a> Pressure<'a> {
     /// Jump at a triangle [Pa].
     #[inline]
     #[must_use]
@@ -32,6 +43,7 @@ impl Pressure<'_> {
             Self::None => 0.0,
             Self::Uniform(pressure_pa) => *pressure_pa,
             Self::PerTriangle(pressures_pa) => pressures_pa[triangle],
+            Self::Parted { following, lagged } => following[triangle] + lagged[triangle],
         }
     }
 
@@ -42,6 +54,27 @@ impl Pressure<'_> {
             Self::None => true,
             Self::Uniform(pressure_pa) => *pressure_pa == 0.0,
             Self::PerTriangle(pressures_pa) => pressures_pa.iter().all(|p| *p == 0.0),
+            Self::Parted { following, lagged } => {
+                following.iter().chain(*lagged).all(|p| *p == 0.0)
+            }
+        }
+    }
+
+    /// The part that follows the fabric within a static solve.
+    #[must_use]
+    pub const fn following(self) -> Self {
+        match self {
+            Self::Parted { following, .. } => Self::PerTriangle(following),
+            all => all,
+        }
+    }
+
+    /// The part that stays as it was at the last iterate.
+    #[must_use]
+    pub const fn lagged(self) -> Pressure<'a> {
+        match self {
+            Self::Parted { lagged, .. } => Self::PerTriangle(lagged),
+            _ => Self::None,
         }
     }
 }
@@ -126,6 +159,25 @@ pub(super) fn edge_correction(
         }
     }
     forces
+}
+
+/// How far loads have changed: the largest change of a node over the largest pull of pressure, or the root of the mean squares of both,
+/// where single nodes, of slack fabric under a load that lags, need not stand still.
+pub(super) fn relative_change(
+    [old, new]: [&[DVec3]; 2],
+    pulls: &[DVec3],
+    in_the_mean: bool,
+) -> f64 {
+    let size = |squares: &mut dyn Iterator<Item = f64>| {
+        if in_the_mean {
+            squares.sum::<f64>().sqrt()
+        } else {
+            squares.fold(0.0, f64::max).sqrt()
+        }
+    };
+    let change = size(&mut old.iter().zip(new).map(|(a, b)| (*b - *a).length_squared()));
+    let all = size(&mut pulls.iter().map(|p| p.length_squared()));
+    if all > 0.0 { change / all } else { 0.0 }
 }
 
 /// −pV at `positions`, seen from the middle of `start` [J].

@@ -106,8 +106,8 @@ fn principal_direction(triangle: &Triangle, edges: &[DVec3; 3], tension: &[f64; 
 /// Loads of all triangles; without tensions (NaN) where a spring network carries the load.
 #[must_use]
 pub fn triangle_loads(structure: &Structure, positions: &[DVec3]) -> Vec<TriangleLoad> {
-    let load = |triangle| match &structure.membrane {
-        Some(membrane) => load(membrane, triangle, positions),
+    let load = |triangle| match structure.laws() {
+        Some(laws) => load(laws.of(triangle), triangle, positions),
         None => TriangleLoad::of_network(network_state(triangle, positions)),
     };
     structure.triangles.iter().map(load).collect()

@@ -16,7 +16,7 @@ use std::convert::Infallible;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::dashpots::{Dashpot, dashpots};
-use super::loads::{StepInput, add_pull_of_the_air, prediction, step_loads};
+use super::loads::{StepInput, add_pull_of_the_air, dead_loads, prediction, step_loads};
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{
     Cloth, Prepared, driver, initial_hessian, nodal_forces, permeable, pressure, stiffness,
@@ -122,7 +122,7 @@ impl<'a> Objective<'a> {
         });
         value -= work;
         if let Some(origin) = self.origin_m {
-            let jump = self.input.pressure;
+            let jump = self.input.pressure.following();
             value += pressure::add_potential(structure, gather, point, origin, jump, gradient);
         }
         if let Some(dt) = self.input.time_step_s {
@@ -188,25 +188,24 @@ impl<'a> Objective<'a> {
         value
     }
 
-    /// Takes what the potential of following pressure lacks at `point` into the loads, beside the `dead` ones; returns the largest change
-    /// of a node's load over the largest load of pressure.
+    /// Takes what the potential of following pressure lacks at `point`, and pressure that lags, into the loads, beside the `dead` ones; returns the largest change
+    /// of a node's load over the largest load of pressure, or where pressure lags the root of the mean squares of both.
     fn correct_edges(&mut self, dead: &[DVec3], point: &[DVec3]) -> f64 {
         let Some(origin) = self.origin_m else {
             return 0.0;
         };
         let jump = self.input.pressure;
+        let (following, lagged) = (jump.following(), jump.lagged());
         let gather = &self.prepared.gather;
-        let correction = pressure::edge_correction(self.structure, gather, point, origin, jump);
+        let mut correction =
+            pressure::edge_correction(self.structure, gather, point, origin, following);
+        pressure::add_forces(self.structure, point, lagged, &mut correction);
         let mut pulls = vec![DVec3::ZERO; point.len()];
         pressure::add_forces(self.structure, point, jump, &mut pulls);
-        let mut change: f64 = 0.0;
-        for ((load, dead), correction) in self.loads.iter_mut().zip(dead).zip(&correction) {
-            let new = *dead + *correction;
-            change = change.max((new - *load).length());
-            *load = new;
-        }
-        let largest = pulls.iter().map(|p| p.length()).fold(0.0, f64::max);
-        if largest > 0.0 { change / largest } else { 0.0 }
+        let sum = |(dead, correction): (&DVec3, &DVec3)| *dead + *correction;
+        let new = dead.iter().zip(&correction).map(sum).collect();
+        let old = std::mem::replace(&mut self.loads, new);
+        pressure::relative_change([&old, &self.loads], &pulls, !lagged.is_none())
     }
 
     pub(super) fn rebuild(&mut self, point: &[DVec3]) {
@@ -380,7 +379,8 @@ impl<'a> Objective<'a> {
     pub(super) fn load_norm(&mut self, point: &[DVec3]) -> f64 {
         let mut loads = self.loads.clone();
         if self.origin_m.is_some() {
-            pressure::add_forces(self.structure, point, self.input.pressure, &mut loads);
+            let following = self.input.pressure.following();
+            pressure::add_forces(self.structure, point, following, &mut loads);
         }
         add_pull_of_the_air(self.structure, self.input, &mut loads);
         for (load, &held) in loads.iter_mut().zip(&self.structure.held) {
@@ -524,10 +524,10 @@ impl Cloth {
         );
         let mut options = options(structure, settings);
         objective.keep_apart(&mut point);
-        let dead = objective.loads.clone();
+        let dead = dead_loads(structure, input);
         objective.correct_edges(&dead, &point);
         let mut outcome = driver::minimise(&mut objective, &mut point, &options, watch);
-        // Edges of patches of equal pressure, until what they lack stands still.
+        // Edges of patches of equal pressure, and pressure that lags, until what they add stands still.
         for pass in 0..=EDGE_PASS_LIMIT {
             let change = objective.correct_edges(&dead, &point);
             if outcome.stop != Stop::Converged || change <= settings.tolerance {

@@ -169,12 +169,12 @@ pub(super) fn assemble(
     [start, positions]: [&[DVec3]; 2],
     matrix: &mut BlockMatrix,
 ) {
-    let triangles: Vec<TriangleStiffness> = match &structure.membrane {
-        Some(membrane) => structure
+    let triangles: Vec<TriangleStiffness> = match structure.laws() {
+        Some(laws) => structure
             .triangles
             .par_iter()
             .with_min_len(ELEMENTS_AT_ONCE)
-            .map(|triangle| triangle_stiffness(membrane, triangle, positions))
+            .map(|triangle| triangle_stiffness(laws.of(triangle), triangle, positions))
             .collect(),
         None => Vec::new(),
     };

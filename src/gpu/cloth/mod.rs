@@ -127,6 +127,13 @@ impl Cloth {
                 remedy: "use --cloth host, or remove [contact]",
             });
         }
+        if !structure.further_fabrics.is_empty() {
+            return Err(DeviceError::Feature {
+                what: "structure sewn of several fabrics",
+                device: device.info().name.clone(),
+                remedy: "use --cloth host",
+            });
+        }
         let nodes = structure.node_count();
         let elements = Elements::new(structure, markers, faces);
         let constants = constants(structure, &elements);

@@ -1,0 +1,446 @@
+//! Checks of `[structure.wing]` and `[equilibrium.wing_pressure]`, and the building of the wing.
+
+use super::Problem;
+use super::file::{self, File};
+use super::scene::{Body, BodyKind, positive, vector, within};
+use super::structure::check_fabric_at;
+use super::wing_lines::{Materials, check_materials, check_row, material};
+use crate::geometry::mesh::quality;
+use crate::geometry::wing;
+pub use crate::geometry::wing::LineKind;
+use crate::geometry::wing::frames::Station;
+use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
+use crate::geometry::wing::pressure::{Distribution, Load};
+use crate::geometry::wing::section::{Profile, Side};
+
+const KEY: &str = "structure.wing";
+
+/// Most nodes of a wing: some 6 GB.
+const NODE_LIMIT: usize = 4_000_000;
+
+/// A wing with what acts on it and what its lines bear.
+#[derive(Debug, Clone)]
+pub struct Wing {
+    /// The wing; its structure is the body's.
+    pub wing: wing::Wing,
+    /// How fine its mesh is.
+    pub fineness: Fineness,
+    /// Pressure in the equilibrium; `None`: none is prescribed.
+    pub load: Option<Load>,
+    /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
+    pub breaking_loads_n: Vec<Option<f64>>,
+}
+
+/// Dotted path of a key of the wing.
+pub(super) fn key(name: &str) -> String {
+    format!("{KEY}.{name}")
+}
+
+/// Builds the wing of a case, if it has one.
+pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
+    let prescribed = file
+        .equilibrium
+        .as_ref()
+        .and_then(|equilibrium| equilibrium.wing_pressure.as_ref());
+    let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
+        return match prescribed {
+            Some(_) => Err(Problem::new(
+                "equilibrium.wing_pressure",
+                "[equilibrium.wing_pressure] has no effect: it needs [structure.wing]",
+                "remove it, or use equilibrium.pressure_pa",
+            )),
+            None => Ok(None),
+        };
+    };
+    if file.air.is_some() {
+        return Err(Problem::new(
+            "air",
+            "a wing in moving air is not computed yet: only its equilibrium under prescribed pressure",
+            "remove [air], and give [equilibrium] with [equilibrium.wing_pressure]",
+        ));
+    }
+    if file
+        .equilibrium
+        .as_ref()
+        .is_some_and(|e| e.pressure_pa.is_some())
+    {
+        return Err(Problem::new(
+            "equilibrium.pressure_pa",
+            "equilibrium.pressure_pa would push on one side of ribs and diagonals, too",
+            "use [equilibrium.wing_pressure]: the same pressure in all cells is inside = 1.0 with that dynamic_pressure_pa and upper = lower = [[0.0, 0.0]]",
+        ));
+    }
+    let materials = check_materials(table)?;
+    let plan = check_plan(table, &materials)?;
+    let fineness = check_fineness(table)?;
+    let wing = wing::build(&plan, fineness).map_err(refused)?;
+    let load = prescribed
+        .map(|pressure| {
+            let distribution = check_pressure(pressure, table.cells)?;
+            Ok(Load::new(&wing, &distribution))
+        })
+        .transpose()?;
+    let breaking_loads_n = wing
+        .line_kinds
+        .iter()
+        .map(|kind| {
+            let name = match *kind {
+                LineKind::Line { row, level } => &plan.rows[row].levels[level].material,
+                LineKind::Riser { row } => &table.rows.values().nth(row)?.riser_material,
+                LineKind::Tape(number) => &table.tapes.values().nth(number)?.material,
+            };
+            materials.get(name)?.1
+        })
+        .collect();
+    Ok(Some(Wing {
+        wing,
+        fineness,
+        load,
+        breaking_loads_n,
+    }))
+}
+
+/// The wing's structure as the body of the scene.
+pub(super) fn body(wing: &mut Wing) -> Body {
+    let structure = std::mem::take(&mut wing.wing.structure);
+    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
+    Body {
+        quality: quality::measure(&structure.positions_m, &triangles),
+        kind: BodyKind::Wing,
+        structure,
+    }
+}
+
+fn refused(fault: WingFault) -> Problem {
+    let message = format!("the wing cannot be meshed: {fault}");
+    match fault {
+        WingFault::TooCoarse { places, .. } => Problem::new(
+            key("mesh.along_chord"),
+            message,
+            format!("give at least {places}, or move rows and intakes onto each other"),
+        ),
+        WingFault::Rib { .. } => Problem::new(
+            key("profiles"),
+            message,
+            "thicken the profile, make holes smaller, or raise mesh.along_chord",
+        ),
+        WingFault::Degenerate { .. } => Problem::new(
+            key("stations"),
+            message,
+            "chords and cell widths must not vanish, nor diagonals collapse",
+        ),
+    }
+}
+
+fn check_fineness(table: &file::WingTable) -> Result<Fineness, Problem> {
+    let mesh = &table.mesh;
+    let range = |name: &str, value: usize, low: usize, high: usize| {
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let key = key(&format!("mesh.{name}"));
+        Err(Problem::new(
+            &key,
+            format!("{key} = {value} is out of range"),
+            format!("allowed are {low} to {high}"),
+        ))
+    };
+    let along_chord = range("along_chord", mesh.along_chord, 6, 2000)?;
+    let across_cell = range("across_cell", mesh.across_cell, 2, 200)?;
+    if !across_cell.is_multiple_of(2) {
+        let key = key("mesh.across_cell");
+        return Err(Problem::new(
+            &key,
+            format!("{key} = {across_cell} is odd"),
+            "an even number has nodes in the middle of each cell and makes both halves alike",
+        ));
+    }
+    let nodes = table.cells.saturating_mul(2 * along_chord * across_cell);
+    if nodes > NODE_LIMIT {
+        return Err(Problem::new(
+            key("mesh"),
+            format!("the panels alone would have some {nodes} nodes"),
+            format!("allowed are {NODE_LIMIT}; divide chord or cells less"),
+        ));
+    }
+    Ok(Fineness {
+        along_chord,
+        across_cell,
+    })
+}
+
+/// Refuses tables of points whose places do not grow, or lie outside 0 to 1, or whose values are out of range.
+fn points(key: &str, table: &[[f64; 2]], [low, high]: [f64; 2]) -> Result<Vec<[f64; 2]>, Problem> {
+    let grows = table.windows(2).all(|p| p[1][0] > p[0][0]);
+    let inside = table.iter().all(|p| (0.0..=1.0).contains(&p[0]));
+    if table.is_empty() || !grows || !inside {
+        return Err(Problem::new(
+            key,
+            format!(
+                "{key} is not a table of points [place, value] with places growing from 0 to 1"
+            ),
+            "e.g. [[0.0, 0.01], [0.3, 0.03], [1.0, 0.0]]",
+        ));
+    }
+    for point in table {
+        within(key, point[1], low, high)?;
+    }
+    Ok(table.to_vec())
+}
+
+fn check_pressure(
+    written: &file::WingPressureTable,
+    cells: usize,
+) -> Result<Distribution, Problem> {
+    const KEY: &str = "equilibrium.wing_pressure";
+    let key = |name: &str| format!("{KEY}.{name}");
+    let coefficient = |key: &str, value: f64| within(key, value, -20.0, 20.0);
+    let inside = match (written.inside, &written.inside_per_cell) {
+        (Some(all), None) => vec![coefficient(&key("inside"), all)?],
+        (None, Some(each)) if each.len() == cells => each
+            .iter()
+            .map(|&c| coefficient(&key("inside_per_cell"), c))
+            .collect::<Result<_, _>>()?,
+        (None, Some(each)) => {
+            return Err(Problem::new(
+                key("inside_per_cell"),
+                format!(
+                    "{} has {} coefficients for {cells} cells",
+                    key("inside_per_cell"),
+                    each.len()
+                ),
+                "give one per cell from the left tip to the right one, or `inside` for all",
+            ));
+        }
+        _ => {
+            return Err(Problem::new(
+                KEY,
+                "the pressure inside the cells is not given, or given twice",
+                "give one of `inside` (1 at a stagnation point) and `inside_per_cell`",
+            ));
+        }
+    };
+    Ok(Distribution {
+        dynamic_pressure_pa: positive(&key("dynamic_pressure_pa"), written.dynamic_pressure_pa)?,
+        inside,
+        upper: points(&key("upper"), &written.upper, [-20.0, 20.0])?,
+        lower: points(&key("lower"), &written.lower, [-20.0, 20.0])?,
+        along_span: match &written.along_span {
+            Some(table) => points(&key("along_span"), table, [-10.0, 10.0])?,
+            None => vec![[0.0, 1.0]],
+        },
+    })
+}
+
+fn check_stations(table: &file::WingTable, names: &[&String]) -> Result<Vec<Station>, Problem> {
+    let key = key("stations");
+    let refuse = |message: String, help: &str| Err(Problem::new(&key, message, help));
+    if table.stations.len() < 2 {
+        return refuse(
+            format!("{key} needs at least two stations"),
+            "give one in the middle (span_m = 0) and one at the tip",
+        );
+    }
+    let mut stations: Vec<Station> = Vec::new();
+    for (number, written) in table.stations.iter().enumerate() {
+        let place = number + 1;
+        let last = stations.last().map_or(-1.0, |s| s.span_m);
+        if !(written.span_m > last && written.span_m < 1e3) {
+            return refuse(
+                format!("{key}: station {place} does not lie farther out than the one before"),
+                "order the stations from the middle (span_m = 0) to the tip",
+            );
+        }
+        if number == 0 && (written.span_m != 0.0 || written.roll_deg != 0.0) {
+            return refuse(
+                format!("{key}: the first station is not the upright middle of the wing"),
+                "give it span_m = 0 and roll_deg = 0",
+            );
+        }
+        let Some(profile) = names.iter().position(|name| **name == written.profile) else {
+            return refuse(
+                format!(
+                    "{key}: station {place} names the profile `{}`, which does not exist",
+                    written.profile
+                ),
+                "name one of [structure.wing.profiles]",
+            );
+        };
+        let named = |name: &str| format!("{key}, station {place}: {name}");
+        let located = |result: Result<f64, Problem>| {
+            result.map_err(|problem| Problem {
+                key: key.clone(),
+                ..problem
+            })
+        };
+        stations.push(Station {
+            span_m: written.span_m,
+            chord_m: located(within(&named("chord_m"), written.chord_m, 1e-3, 1e3))?,
+            sweep_m: located(within(&named("sweep_m"), written.sweep_m, -1e3, 1e3))?,
+            roll_rad: located(within(&named("roll_deg"), written.roll_deg, -120.0, 120.0))?
+                .to_radians(),
+            twist_rad: located(within(&named("twist_deg"), written.twist_deg, -45.0, 45.0))?
+                .to_radians(),
+            profile,
+        });
+    }
+    Ok(stations)
+}
+
+fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
+    let key = key("holes");
+    let mut last = 0.02;
+    let mut holes = Vec::new();
+    for (number, hole) in table.holes.iter().enumerate() {
+        let place = number + 1;
+        let from = hole.position - 0.5 * hole.width;
+        let to = hole.position + 0.5 * hole.width;
+        let fits = hole.width > 0.0 && from > last && to < 0.97;
+        if !fits || !(0.05..=0.9).contains(&hole.height) {
+            return Err(Problem::new(
+                &key,
+                format!(
+                    "{key}: hole {place} does not fit: it reaches from {from:.3} to {to:.3} of the chord and over {} of the height",
+                    hole.height
+                ),
+                "holes must lie between 0.02 and 0.97 of the chord, one behind the other with fabric between them, and take 0.05 to 0.9 of the height",
+            ));
+        }
+        last = to + 0.005;
+        holes.push(Hole {
+            position: hole.position,
+            width: hole.width,
+            height: hole.height,
+        });
+    }
+    Ok(holes)
+}
+
+fn check_plan(table: &file::WingTable, materials: &Materials) -> Result<Plan, Problem> {
+    if !(2..=400).contains(&table.cells) {
+        return Err(Problem::new(
+            key("cells"),
+            format!("{} = {} is out of range", key("cells"), table.cells),
+            "a wing has 2 to 400 cells",
+        ));
+    }
+    let names: Vec<&String> = table.profiles.keys().collect();
+    let profiles = table
+        .profiles
+        .iter()
+        .map(|(name, written)| {
+            Profile::naca(&written.naca).ok_or_else(|| {
+                Problem::new(
+                    key(&format!("profiles.{name}")),
+                    format!("`{}` is not a NACA four-digit profile", written.naca),
+                    "give four digits, such as \"2415\": camber, its place, and thickness in hundredths",
+                )
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let stations = check_stations(table, &names)?;
+    let intakes = table.intakes.as_ref().map(check_intakes).transpose()?;
+    let fabrics = check_fabrics(&table.fabrics)?;
+    let ballooning = match &table.ballooning {
+        Some(written) => [
+            points(&key("ballooning.upper"), &written.upper, [0.0, 0.5])?,
+            points(&key("ballooning.lower"), &written.lower, [0.0, 0.5])?,
+        ],
+        None => [Vec::new(), Vec::new()],
+    };
+    let rows = table
+        .rows
+        .iter()
+        .map(|(name, row)| check_row(table, (name, row), materials))
+        .collect::<Result<_, _>>()?;
+    let tapes = table
+        .tapes
+        .iter()
+        .map(|(name, tape)| {
+            let key = key(&format!("tapes.{name}"));
+            Ok(Tape {
+                side: match tape.side {
+                    file::SideName::Upper => Side::Upper,
+                    file::SideName::Lower => Side::Lower,
+                },
+                position: within(&format!("{key}.position"), tape.position, 0.0, 1.0)?,
+                sewn: tape.sewn,
+                cable: material(materials, &format!("{key}.material"), &tape.material)?,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    let hang_point_m = vector(&key("hang_point_m"), table.hang_point_m)?;
+    positive(&key("hang_point_m"), hang_point_m.y).map_err(|problem| Problem {
+        message: format!("{} must lie on the right half, y > 0", key("hang_point_m")),
+        help: "the left half is its mirror image".to_owned(),
+        ..problem
+    })?;
+    Ok(Plan {
+        profiles,
+        stations,
+        cells: table.cells,
+        tip_cell_width_ratio: within(
+            &key("tip_cell_width_ratio"),
+            table.tip_cell_width_ratio.unwrap_or(1.0),
+            0.1,
+            3.0,
+        )?,
+        ballooning,
+        intakes,
+        holes: check_holes(table)?,
+        mini_ribs_from: table
+            .mini_ribs_from
+            .map(|from| within(&key("mini_ribs_from"), from, 0.5, 0.95))
+            .transpose()?,
+        rows,
+        tapes,
+        hang_point_m,
+        pitch_guide_n_m: table
+            .pitch_guide_n_m
+            .map(|k| positive(&key("pitch_guide_n_m"), k))
+            .transpose()?,
+        fabrics,
+    })
+}
+
+fn check_fabrics(written: &file::WingFabrics) -> Result<PartFabrics, Problem> {
+    let of = |name: &str, fabric: &file::Fabric| {
+        let key = key(&format!("fabrics.{name}"));
+        if fabric.permeability.is_some() {
+            return Err(Problem::new(
+                format!("{key}.permeability"),
+                "a wing's fabric cannot be permeable yet",
+                "remove the table",
+            ));
+        }
+        check_fabric_at(&key, fabric, 1e-3)
+    };
+    let optional = |name: &str, fabric: &Option<file::Fabric>| {
+        fabric.as_ref().map(|fabric| of(name, fabric)).transpose()
+    };
+    let upper = of("upper", &written.upper)?;
+    let ribs = optional("ribs", &written.ribs)?.unwrap_or(upper);
+    Ok(PartFabrics {
+        upper,
+        lower: optional("lower", &written.lower)?.unwrap_or(upper),
+        ribs,
+        diagonals: optional("diagonals", &written.diagonals)?.unwrap_or(ribs),
+    })
+}
+
+fn check_intakes(written: &file::IntakesTable) -> Result<Intakes, Problem> {
+    let from = within(&key("intakes.from"), written.from, 0.0, 0.3)?;
+    let to = within(&key("intakes.to"), written.to, 0.0, 0.3)?;
+    if to < from + 1e-3 {
+        return Err(Problem::new(
+            key("intakes.to"),
+            format!("the intakes end at {to} of the chord and begin at {from}"),
+            "give places on the lower side with `to` behind `from`",
+        ));
+    }
+    Ok(Intakes {
+        from,
+        to,
+        closed_tip_cells: written.closed_tip_cells.unwrap_or(0),
+    })
+}

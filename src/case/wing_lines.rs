@@ -1,0 +1,192 @@
+//! Checks of a wing's lines: `[structure.wing.line_materials]` and `[structure.wing.rows]`.
+
+use std::collections::BTreeMap;
+
+use super::Problem;
+use super::file;
+use super::scene::{absent, positive, within};
+use super::wing::key;
+use crate::geometry::wing::plan::{Diagonals, Level, Row};
+use crate::lines::{Cable, CableLaw, ForceStrainTable};
+
+/// Cables by name, with their breaking loads [N].
+pub(super) type Materials = BTreeMap<String, (Cable, Option<f64>)>;
+
+pub(super) fn check_materials(table: &file::WingTable) -> Result<Materials, Problem> {
+    let mut materials = Materials::new();
+    for (name, written) in &table.line_materials {
+        let key = key(&format!("line_materials.{name}"));
+        let diameter_m = positive(&format!("{key}.diameter_m"), written.diameter_m)?;
+        let mass = positive(
+            &format!("{key}.mass_per_length_kg_m"),
+            written.mass_per_length_kg_m,
+        )?;
+        let area_m2 = std::f64::consts::FRAC_PI_4 * diameter_m * diameter_m;
+        let law = check_law(&key, written)?;
+        let breaking = written
+            .breaking_load_n
+            .map(|load| positive(&format!("{key}.breaking_load_n"), load))
+            .transpose()?;
+        let cable = Cable {
+            area_m2,
+            density_kg_m3: mass / area_m2,
+            law,
+            damping_n_s: 0.0,
+        };
+        materials.insert(name.clone(), (cable, breaking));
+    }
+    Ok(materials)
+}
+
+fn check_law(key: &str, written: &file::LineMaterialTable) -> Result<CableLaw, Problem> {
+    let key = |name: &str| format!("{key}.{name}");
+    match (written.axial_stiffness_n, &written.force_strain) {
+        (Some(stiffness), None) => Ok(CableLaw::Linear {
+            axial_stiffness_n: positive(&key("axial_stiffness_n"), stiffness)?,
+        }),
+        (None, Some(points)) => ForceStrainTable::new(points.clone())
+            .map(CableLaw::Table)
+            .map_err(|why| {
+                Problem::new(
+                    key("force_strain"),
+                    format!("{} is no force–strain curve: {why}", key("force_strain")),
+                    "give points [strain, force in N] that rise, such as [[0.01, 100.0], [0.03, 500.0]]",
+                )
+            }),
+        _ => Err(Problem::new(
+            key("axial_stiffness_n"),
+            format!(
+                "needs exactly one of {} and {}",
+                key("axial_stiffness_n"),
+                key("force_strain")
+            ),
+            "keep the stiffness EA of a linear line, or the table of a tensile test",
+        )),
+    }
+}
+
+pub(super) fn material(materials: &Materials, key: &str, name: &str) -> Result<Cable, Problem> {
+    materials.get(name).map(|m| m.0.clone()).ok_or_else(|| {
+        let known: Vec<&str> = materials.keys().map(String::as_str).collect();
+        Problem::new(
+            key,
+            format!("{key}: there is no line material `{name}`"),
+            format!(
+                "known are {}; add [structure.wing.line_materials.{name}]",
+                known.join(", ")
+            ),
+        )
+    })
+}
+
+pub(super) fn check_row(
+    table: &file::WingTable,
+    (name, written): (&String, &file::RowTable),
+    materials: &Materials,
+) -> Result<Row, Problem> {
+    let row_key = key(&format!("rows.{name}"));
+    let key = |name: &str| format!("{row_key}.{name}");
+    let last = table.cells / 2 + table.cells % 2;
+    let grows = written.ribs.windows(2).all(|p| p[1] > p[0]);
+    let inside = written.ribs.iter().all(|rib| (1..=last).contains(rib));
+    if written.ribs.is_empty() || !grows || !inside {
+        return Err(Problem::new(
+            key("ribs"),
+            format!(
+                "{} = {:?} is not a list of ribs of the right half",
+                key("ribs"),
+                written.ribs
+            ),
+            format!("count ribs from the middle and list them outwards, 1 to {last} (the tip)"),
+        ));
+    }
+    let position = within(&key("position"), written.position, 0.01, 1.0)?;
+    if let Some(intakes) = &table.intakes
+        && position > intakes.from
+        && position < intakes.to
+    {
+        return Err(Problem::new(
+            key("position"),
+            format!("{} = {position} lies in the intakes", key("position")),
+            "attach lines before or behind them",
+        ));
+    }
+    let mut carried = written.ribs.len();
+    let mut height = 1.0;
+    let mut levels = Vec::new();
+    for (number, level) in written.levels.iter().enumerate() {
+        let is_last = number + 1 == written.levels.len();
+        let refuse = |message: String| {
+            Err(Problem::new(
+                key("levels"),
+                format!("{}: {message}", key("levels")),
+                "list levels from the attachments down; all but the last have `joins` (how many lines join at each node below) and `height` (share of the way from the riser up, falling), the last has neither",
+            ))
+        };
+        let (joins, at) = match (&level.joins, level.height) {
+            (None, None) if is_last => (Vec::new(), 0.0),
+            (Some(joins), Some(at)) if !is_last => (joins.clone(), at),
+            _ => return refuse(format!("level {} has the wrong keys", number + 1)),
+        };
+        if !is_last {
+            if joins.iter().sum::<usize>() != carried || joins.contains(&0) {
+                return refuse(format!(
+                    "the lines that join below level {} are {joins:?}, but {carried} reach it",
+                    number + 1
+                ));
+            }
+            if !(at > 0.05 && at < height - 0.02) {
+                return refuse(format!("level {} has height {at}", number + 1));
+            }
+            (carried, height) = (joins.len(), at);
+        }
+        levels.push(Level {
+            joins,
+            height: at,
+            material: level.material.clone(),
+            cable: material(materials, &key("levels"), &level.material)?,
+        });
+    }
+    if levels.is_empty() {
+        return Err(absent(&key("levels"), "a row has lines"));
+    }
+    let diagonals = written
+        .diagonals
+        .as_ref()
+        .map(|shape| {
+            Ok(Diagonals {
+                foot: within(&key("diagonals.foot"), shape.foot, 0.0, 0.3)?,
+                head: within(&key("diagonals.head"), shape.head, 0.0, 0.5)?,
+            })
+        })
+        .transpose()?;
+    if diagonals.is_some() && !(0.02..=0.9).contains(&position) {
+        return Err(Problem::new(
+            key("diagonals"),
+            format!("diagonals at {position} of the chord have no room"),
+            "rows with diagonals lie between 0.02 and 0.9 of the chord",
+        ));
+    }
+    let riser_length_m = positive(&key("riser_length_m"), written.riser_length_m)?;
+    let trim_m = written.trim_m.unwrap_or(0.0);
+    if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
+        return Err(Problem::new(
+            key("trim_m"),
+            format!(
+                "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m",
+                key("trim_m")
+            ),
+            "shorten it by less than nine tenths",
+        ));
+    }
+    Ok(Row {
+        name: name.clone(),
+        position,
+        ribs: written.ribs.clone(),
+        levels,
+        riser_length_m,
+        riser: material(materials, &key("riser_material"), &written.riser_material)?,
+        trim_m,
+        diagonals,
+    })
+}

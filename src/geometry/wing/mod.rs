@@ -1,0 +1,333 @@
+//! Ram-air wings: panels between ribs, ribs with holes, diagonals, tapes and lines, from one plan.
+//!
+//! * [`plan`] – what a designer states;
+//! * [`section`] – profiles;
+//! * [`frames`] – where the ribs stand;
+//! * [`chord`] – where nodes stand along the chord;
+//! * `panels`, `ribs`, `lines` – the mesh, part by part;
+//! * [`planar`] – triangles inside an outline with holes;
+//! * [`pressure`] – pressure jumps of a prescribed distribution;
+//! * [`measures`] – areas, lengths and masses.
+//!
+//! # Rest shape
+//!
+//! A panel is cut wider than the distance of its ribs by its ballooning b: between two corresponding points of neighbouring ribs, a
+//! distance w apart, it lies on a circular arc of length w (1 + b). Every triangle is free of stress in that shape. The surface is curved
+//! twice where b or the ribs change along the chord, so flat cloth could take it only nearly; a sewer's flat panel keeps the seam lengths,
+//! as here, and differs inside by strains of the order of b. Ribs and diagonals are free of stress as they are drawn, lines at their
+//! designed lengths (with trim).
+//!
+//! The mesh of panels is structured, with nodes at the same chord places on every rib; ribs are filled by a constrained Delaunay
+//! triangulation that keeps the outline's edges. All parts share nodes along their seams. Both halves are mirror images, node by node.
+
+pub mod chord;
+pub mod frames;
+mod lines;
+pub mod measures;
+mod panels;
+pub mod plan;
+pub mod planar;
+pub mod pressure;
+mod ribs;
+pub mod section;
+
+use glam::DVec3;
+
+use crate::cloth::{SewnFabric, Structure, Triangle};
+use crate::fabric::Fabric;
+use chord::Places;
+use frames::Frame;
+use measures::Measures;
+use plan::{Fineness, Plan, WingFault};
+use section::Side;
+
+/// What a triangle is part of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Upper panel.
+    Upper,
+    /// Lower panel.
+    Lower,
+    /// Rib.
+    Rib,
+    /// Short rib at the trailing edge.
+    MiniRib,
+    /// From an attachment to a neighbouring rib.
+    Diagonal,
+}
+
+impl Part {
+    /// All parts.
+    pub const ALL: [Self; 5] = [
+        Self::Upper,
+        Self::Lower,
+        Self::Rib,
+        Self::MiniRib,
+        Self::Diagonal,
+    ];
+
+    /// Name in reports and results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Upper => "upper panels",
+            Self::Lower => "lower panels",
+            Self::Rib => "ribs",
+            Self::MiniRib => "mini-ribs",
+            Self::Diagonal => "diagonals",
+        }
+    }
+}
+
+/// Where a triangle belongs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tag {
+    /// Its part.
+    pub part: Part,
+    /// Number of its cell (panels, mini-ribs) or rib, from the left tip, from 0; of a diagonal the rib at its foot.
+    pub number: u32,
+    /// Place of its middle along the chord, per chord.
+    pub chord_place: f32,
+}
+
+/// What a cable is, beside being one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineKind {
+    /// Line of a row at a level, 0 at the attachments.
+    Line {
+        /// Number of the row in the plan.
+        row: usize,
+        /// From the attachments down.
+        level: usize,
+    },
+    /// Riser of a row.
+    Riser {
+        /// Number of the row in the plan.
+        row: usize,
+    },
+    /// Tape, by its number in the plan.
+    Tape(usize),
+}
+
+/// A wing as a mesh, with what reports need to know of it.
+#[derive(Debug, Clone)]
+pub struct Wing {
+    /// The structure at its start, free of stress; normals of panels point outwards, of ribs to the right.
+    pub structure: Structure,
+    /// What every triangle belongs to, `[triangle_count]`.
+    pub tags: Vec<Tag>,
+    /// What every cable segment is, `[cable_count]`.
+    pub line_kinds: Vec<LineKind>,
+    /// Stiffness of the pitch guide [N/m] and where its node is at rest along x [m]; `None`: there is none.
+    pub pitch_guide: Option<[f64; 2]>,
+    /// Held nodes: where the risers hang, right and left.
+    pub hang_points: [u32; 2],
+    /// Noses of the tip ribs, left and right.
+    pub tip_noses: [u32; 2],
+    /// Nose and trailing edge of the rib in the middle, or next to it on the right.
+    pub middle_chord: [u32; 2],
+    /// Number of cells.
+    pub cells: usize,
+    /// Middle of every cell along the arc over the half span, 0 in the middle and 1 at the tips, `[cells]`.
+    pub cell_places: Vec<f64>,
+    /// Names of the rows.
+    pub row_names: Vec<String>,
+    /// Sizes and masses.
+    pub measures: Measures,
+}
+
+/// Nodes on the outline of a rib or along a line across a cell, and what builders add to.
+pub(super) struct Builder<'a> {
+    plan: &'a Plan,
+    fineness: Fineness,
+    places: Places,
+    frames: Vec<Frame>,
+    structure: Structure,
+    tags: Vec<Tag>,
+    line_kinds: Vec<LineKind>,
+    fabrics: Vec<Fabric>,
+    /// Node at every place of the outline of every rib: nose, upper side, trailing edge, lower side back to the nose.
+    outlines: Vec<Vec<u32>>,
+    /// Nodes across every cell, the ribs' left out, by place of the outline; none where the panel is open.
+    rows_across: Vec<Vec<Vec<u32>>>,
+}
+
+impl Builder<'_> {
+    /// Numbers along an outline.
+    const fn outline_len(&self) -> usize {
+        2 * self.fineness.along_chord
+    }
+
+    /// Number on the outline of node `j` of a side, counted from the nose.
+    const fn on_outline(&self, side: Side, j: usize) -> usize {
+        match side {
+            Side::Upper => j,
+            Side::Lower => (self.outline_len() - j) % self.outline_len(),
+        }
+    }
+
+    /// Side and number, counted from the nose, of a place on the outline; the nose and the trailing edge count as upper.
+    const fn side_of(&self, k: usize) -> (Side, usize) {
+        if k <= self.fineness.along_chord {
+            (Side::Upper, k)
+        } else {
+            (Side::Lower, self.outline_len() - k)
+        }
+    }
+
+    /// Place of an outline's node along the chord, and its height above it, per chord.
+    fn chord_point(&self, rib: usize, k: usize) -> [f64; 2] {
+        let (side, j) = self.side_of(k);
+        let x = self.places.of(side)[j];
+        [x, self.frames[rib].height(&self.plan.profiles, side, x)]
+    }
+
+    fn add_node(&mut self, place: DVec3) -> u32 {
+        let node = self.structure.node_count() as u32;
+        self.structure.positions_m.push(place);
+        self.structure.masses_kg.push(0.0);
+        self.structure.held.push(false);
+        node
+    }
+
+    fn position(&self, node: u32) -> DVec3 {
+        self.structure.positions_m[node as usize]
+    }
+
+    fn fabric_number(&mut self, part: Part) -> usize {
+        let fabrics = &self.plan.fabrics;
+        let fabric = match part {
+            Part::Upper => fabrics.upper,
+            Part::Lower => fabrics.lower,
+            Part::Rib | Part::MiniRib => fabrics.ribs,
+            Part::Diagonal => fabrics.diagonals,
+        };
+        if let Some(known) = self.fabrics.iter().position(|f| *f == fabric) {
+            return known;
+        }
+        self.fabrics.push(fabric);
+        self.fabrics.len() - 1
+    }
+
+    /// Adds a triangle that is free of stress as its nodes stand.
+    fn add_triangle(&mut self, nodes: [u32; 3], warp: DVec3, tag: Tag) -> Result<(), WingFault> {
+        let number = self.fabric_number(tag.part);
+        let fabric = self.fabrics[number];
+        let corners = nodes.map(|n| self.position(n));
+        let mut triangle = Triangle::laid_out(nodes, corners, warp, fabric.initial_strain).ok_or(
+            WingFault::Degenerate {
+                part: tag.part.name(),
+                number: tag.number as usize,
+            },
+        )?;
+        triangle.fabric = number as u32;
+        let mass = fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
+        for node in nodes {
+            self.structure.masses_kg[node as usize] += mass;
+        }
+        self.structure.triangles.push(triangle);
+        self.tags.push(tag);
+        Ok(())
+    }
+}
+
+/// Distances of the ribs from the middle along the arc, from the left tip to the right one [m].
+#[must_use]
+pub fn rib_spans_m(cells: usize, half_span_m: f64, tip_cell_width_ratio: f64) -> Vec<f64> {
+    // Widths change evenly with the distance of a cell from the middle.
+    let reach = 0.5 * (cells - 1) as f64;
+    let width = |i: usize| {
+        let out = if reach > 0.0 {
+            (i as f64 - reach).abs() / reach
+        } else {
+            0.0
+        };
+        1.0 + (tip_cell_width_ratio - 1.0) * out
+    };
+    let total: f64 = (0..cells).map(width).sum();
+    let right: Vec<f64> = {
+        // From the right tip inwards, so that both halves are built alike.
+        let mut spans = vec![half_span_m];
+        for i in (cells.div_ceil(2)..cells).rev() {
+            let last = spans[spans.len() - 1];
+            spans.push(last - 2.0 * half_span_m * width(i) / total);
+        }
+        if cells.is_multiple_of(2) {
+            // Exactly in the middle.
+            if let Some(last) = spans.last_mut() {
+                *last = 0.0;
+            }
+        }
+        spans.reverse();
+        spans
+    };
+    let mirrored = right.iter().rev().filter(|s| **s > 0.0).map(|s| -s);
+    mirrored.chain(right.iter().copied()).collect()
+}
+
+/// Builds the mesh of a wing.
+pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
+    let half_span_m = plan.stations.last().map_or(0.0, |s| s.span_m);
+    let spans = rib_spans_m(plan.cells, half_span_m, plan.tip_cell_width_ratio);
+    let right: Vec<f64> = spans.iter().copied().filter(|s| *s >= 0.0).collect();
+    let right = frames::frames(&plan.stations, &right);
+    let left = right
+        .iter()
+        .rev()
+        .filter(|f| f.span_m > 0.0)
+        .map(Frame::mirrored);
+    let frames: Vec<Frame> = left.chain(right.iter().copied()).collect();
+    let mut builder = Builder {
+        plan,
+        fineness,
+        places: Places::new(plan, fineness)?,
+        frames,
+        structure: Structure::default(),
+        tags: Vec::new(),
+        line_kinds: Vec::new(),
+        fabrics: Vec::new(),
+        outlines: Vec::new(),
+        rows_across: Vec::new(),
+    };
+    builder.add_panels()?;
+    builder.add_ribs()?;
+    builder.add_diagonals()?;
+    builder.add_tapes();
+    let hang_points = builder.add_lines();
+    builder.add_guides();
+    let measures = Measures::new(&builder);
+    let middle = &builder.outlines[plan.cells.div_ceil(2)];
+    let middle_chord = [middle[0], middle[fineness.along_chord]];
+    let tip_noses = [builder.outlines[0][0], builder.outlines[plan.cells][0]];
+    let Builder {
+        mut structure,
+        tags,
+        line_kinds,
+        fabrics,
+        ..
+    } = builder;
+    let (first, further) = (&fabrics[0], &fabrics[1..]);
+    structure.membrane = Some(first.membrane());
+    structure.thickness_m = first.thickness_m;
+    structure.yield_stress_pa = first.yield_stress_pa;
+    structure.further_fabrics = further.iter().map(SewnFabric::from).collect();
+    let pitch_guide = plan
+        .pitch_guide_n_m
+        .map(|stiffness| [stiffness, structure.positions_m[middle_chord[0] as usize].x]);
+    Ok(Wing {
+        structure,
+        tags,
+        line_kinds,
+        pitch_guide,
+        hang_points,
+        tip_noses,
+        middle_chord,
+        cells: plan.cells,
+        cell_places: spans
+            .windows(2)
+            .map(|pair| (0.5 * (pair[0] + pair[1])).abs() / half_span_m)
+            .collect(),
+        row_names: plan.rows.iter().map(|row| row.name.clone()).collect(),
+        measures,
+    })
+}

@@ -1,0 +1,176 @@
+//! What a wing is made of, as its designer states it; checked values in SI units.
+
+use glam::DVec3;
+
+use super::frames::Station;
+use super::section::{Profile, Side};
+use crate::fabric::Fabric;
+use crate::lines::Cable;
+
+/// Plan of a wing, symmetric about the plane y = 0; x runs from nose to trailing edge, z up, and the nose of the middle is the origin.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Profiles that stations name by number.
+    pub profiles: Vec<Profile>,
+    /// From the middle (span 0, roll 0) to the tip.
+    pub stations: Vec<Station>,
+    /// Panels on each side from tip to tip; ribs stand between them and at both tips.
+    pub cells: usize,
+    /// Width of the outermost cell over that of the middlemost one; between them it changes evenly.
+    pub tip_cell_width_ratio: f64,
+    /// Width of a panel over the distance of its ribs, less 1: points (place on the chord, that) of the upper and the lower side. At the
+    /// trailing edge, where both are sewn together, it is taken as 0, at the nose as the mean of both.
+    pub ballooning: [Vec<[f64; 2]>; 2],
+    /// Openings in the lower panels; `None`: the wing is closed.
+    pub intakes: Option<Intakes>,
+    /// Holes in all ribs but those at the tips.
+    pub holes: Vec<Hole>,
+    /// Where short ribs begin in the middle of every cell, per chord; they end at the trailing edge. `None`: there are none.
+    pub mini_ribs_from: Option<f64>,
+    /// Rows of lines, brakes among them.
+    pub rows: Vec<Row>,
+    /// Tapes along the span.
+    pub tapes: Vec<Tape>,
+    /// Where the risers of the right half are held [m].
+    pub hang_point_m: DVec3,
+    /// Stiffness with which a nose in the middle is kept from drifting along x [N/m]; `None`: the attitude follows from lines and loads
+    /// alone.
+    pub pitch_guide_n_m: Option<f64>,
+    /// What panels, ribs and diagonals are made of.
+    pub fabrics: PartFabrics,
+}
+
+/// Fabric of every part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartFabrics {
+    /// Of upper panels.
+    pub upper: Fabric,
+    /// Of lower panels.
+    pub lower: Fabric,
+    /// Of ribs and mini-ribs.
+    pub ribs: Fabric,
+    /// Of diagonals.
+    pub diagonals: Fabric,
+}
+
+/// Openings of cells, from rib to rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intakes {
+    /// Edges on the lower side, per chord.
+    pub from: f64,
+    /// See `from`.
+    pub to: f64,
+    /// Cells at each tip without an opening.
+    pub closed_tip_cells: usize,
+}
+
+/// A hole in a rib: an ellipse that is bent with the rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hole {
+    /// Place of its middle, per chord.
+    pub position: f64,
+    /// Length along the chord, per chord.
+    pub width: f64,
+    /// Height over that of the rib.
+    pub height: f64,
+}
+
+/// Tape along the span, through the seams of the ribs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tape {
+    /// Side.
+    pub side: Side,
+    /// Place per chord.
+    pub position: f64,
+    /// True if it is sewn on the panels; else it runs straight from rib to rib.
+    pub sewn: bool,
+    /// What it is made of.
+    pub cable: Cable,
+}
+
+/// A row of lines, on both halves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Name, such as `A` or `brake`.
+    pub name: String,
+    /// Place of the attachments on the lower side, per chord; 1 is the trailing edge.
+    pub position: f64,
+    /// Ribs with attachments, counted from the middle (0 in the plane of symmetry if there is one), growing.
+    pub ribs: Vec<usize>,
+    /// From the attachments down.
+    pub levels: Vec<Level>,
+    /// From where the lines of the row meet to the hang point.
+    pub riser_length_m: f64,
+    /// What it is made of.
+    pub riser: Cable,
+    /// By how much the riser is made longer than designed [m]: trim, or the slack of a brake.
+    pub trim_m: f64,
+    /// Fabric from the attachments to the upper seams of both neighbouring ribs; `None`: there is none.
+    pub diagonals: Option<Diagonals>,
+}
+
+/// Lines from the nodes of a row down to where they join.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// How many lines join at each node below, from the middle to the tip; empty: all meet at the riser.
+    pub joins: Vec<usize>,
+    /// Where they join: share of the way from the riser to the mean of the attachments above.
+    pub height: f64,
+    /// Name of the material.
+    pub material: String,
+    /// What they are made of.
+    pub cable: Cable,
+}
+
+/// Shape of diagonals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Diagonals {
+    /// Width along the chord at the attachment, per chord; at least one edge of the mesh on each side.
+    pub foot: f64,
+    /// The same at the upper seam.
+    pub head: f64,
+}
+
+/// How fine the mesh is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fineness {
+    /// Edges along each side of a rib.
+    pub along_chord: usize,
+    /// Edges across each cell; even.
+    pub across_cell: usize,
+}
+
+/// Why a plan makes no mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum WingFault {
+    /// More places are named than the chord has edges.
+    #[error(
+        "{along_chord} edges along the chord cannot hold the {places} places on the {side} side where lines and intakes end"
+    )]
+    TooCoarse {
+        /// Edges asked for.
+        along_chord: usize,
+        /// Intervals between the places.
+        places: usize,
+        /// "upper" or "lower"
+        side: &'static str,
+    },
+    /// The outline of a rib crosses itself or one of its holes.
+    #[error(
+        "rib {rib} (counted from the middle) cannot be filled with triangles: its outline crosses itself or a hole"
+    )]
+    Rib {
+        /// Counted from the middle.
+        rib: usize,
+    },
+    /// Triangles without area.
+    #[error(
+        "a triangle of the {part} of cell or rib {number} (from the left tip, from 0) has no area"
+    )]
+    Degenerate {
+        /// Part.
+        part: &'static str,
+        /// Number.
+        number: usize,
+    },
+}

@@ -1,0 +1,160 @@
+//! Profiles of ribs: height of the upper and the lower side over the chord, both per chord.
+//!
+//! A NACA four-digit profile has its thickness added across the chord, not across the camber line (x then is the place along the chord
+//! on both sides, and every rib has the same stations), with the coefficient of a closed trailing edge.
+
+/// Side of a wing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Towards the low pressure.
+    Upper,
+    /// Towards the lines.
+    Lower,
+}
+
+/// A profile with its nose at (0, 0) and its sharp trailing edge at (1, 0).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Profile {
+    /// NACA four-digit profile.
+    Naca {
+        /// Largest camber per chord.
+        camber: f64,
+        /// Where it is, per chord.
+        camber_position: f64,
+        /// Largest thickness per chord.
+        thickness: f64,
+    },
+    /// Points (x, z) of both sides, from the nose to the trailing edge.
+    Points {
+        /// Upper side.
+        upper: Vec<[f64; 2]>,
+        /// Lower side.
+        lower: Vec<[f64; 2]>,
+    },
+}
+
+impl Profile {
+    /// Profile of four digits, such as `2415`; `None` for anything else.
+    #[must_use]
+    pub fn naca(digits: &str) -> Option<Self> {
+        let numbers: Vec<f64> = digits
+            .chars()
+            .map(|c| c.to_digit(10).map(f64::from))
+            .collect::<Option<_>>()?;
+        let [camber, position, tens, ones] = numbers[..] else {
+            return None;
+        };
+        let thickness = 0.1 * tens + 0.01 * ones;
+        let cambered = camber > 0.0;
+        if thickness < 0.01 || cambered != (position > 0.0) {
+            return None;
+        }
+        Some(Self::Naca {
+            camber: 0.01 * camber,
+            camber_position: 0.1 * position,
+            thickness,
+        })
+    }
+
+    /// Height of a side at `x`, per chord.
+    #[must_use]
+    pub fn height(&self, side: Side, x: f64) -> f64 {
+        match self {
+            Self::Naca {
+                camber,
+                camber_position: p,
+                thickness,
+            } => {
+                let line = if *camber == 0.0 {
+                    0.0
+                } else if x < *p {
+                    camber / (p * p) * (2.0 * p * x - x * x)
+                } else {
+                    camber / ((1.0 - p) * (1.0 - p)) * (1.0 - 2.0 * p + 2.0 * p * x - x * x)
+                };
+                // Closed trailing edge: −0.1036 for −0.1015.
+                let half = 5.0
+                    * thickness
+                    * (0.2969 * x.max(0.0).sqrt()
+                        + x * (-0.1260 + x * (-0.3516 + x * (0.2843 - 0.1036 * x))));
+                match side {
+                    Side::Upper => line + half,
+                    Side::Lower => line - half,
+                }
+            }
+            Self::Points { upper, lower } => match side {
+                Side::Upper => between(upper, x),
+                Side::Lower => between(lower, x),
+            },
+        }
+    }
+}
+
+/// Straight in √x, along which a round nose is straight.
+fn between(points: &[[f64; 2]], x: f64) -> f64 {
+    let next = points
+        .partition_point(|p| p[0] <= x)
+        .clamp(1, points.len() - 1);
+    let ([x0, z0], [x1, z1]) = (points[next - 1], points[next]);
+    let share = (x.max(0.0).sqrt() - x0.sqrt()) / (x1.sqrt() - x0.sqrt());
+    z0 + (z1 - z0) * share
+}
+
+/// Linear interpolation in a table of (place, value) with growing places; constant beyond its ends.
+#[must_use]
+pub fn lookup(table: &[[f64; 2]], at: f64) -> f64 {
+    let (Some(first), Some(last)) = (table.first(), table.last()) else {
+        return 0.0;
+    };
+    if at <= first[0] {
+        return first[1];
+    }
+    if at >= last[0] {
+        return last[1];
+    }
+    let next = table.partition_point(|p| p[0] <= at);
+    let ([x0, y0], [x1, y1]) = (table[next - 1], table[next]);
+    y0 + (y1 - y0) * (at - x0) / (x1 - x0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn naca_digits_give_thickness_and_camber() {
+        let profile = Profile::naca("2415").unwrap();
+        let thickness = |x: f64| profile.height(Side::Upper, x) - profile.height(Side::Lower, x);
+        assert!((thickness(0.3) - 0.15).abs() < 1e-4);
+        let camber = 0.5 * (profile.height(Side::Upper, 0.4) + profile.height(Side::Lower, 0.4));
+        assert!((camber - 0.02).abs() < 1e-12);
+        assert!(profile.height(Side::Upper, 1.0).abs() < 1e-12);
+        assert_eq!(profile.height(Side::Lower, 0.0), 0.0);
+        for bad in ["241", "24155", "2a15", "2015", "0415", "2400"] {
+            assert_eq!(Profile::naca(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn points_follow_the_profile_they_were_taken_from() {
+        let naca = Profile::naca("2415").unwrap();
+        let side = |side| {
+            (0..=60)
+                .map(|i| {
+                    let x = (f64::from(i) / 60.0).powi(2);
+                    [x, naca.height(side, x)]
+                })
+                .collect::<Vec<_>>()
+        };
+        let points = Profile::Points {
+            upper: side(Side::Upper),
+            lower: side(Side::Lower),
+        };
+        for i in 0..100 {
+            let x = f64::from(i) / 99.0;
+            for s in [Side::Upper, Side::Lower] {
+                assert!((points.height(s, x) - naca.height(s, x)).abs() < 2e-4);
+            }
+        }
+    }
+}

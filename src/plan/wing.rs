@@ -1,0 +1,105 @@
+//! What `ripstop check` tells of a wing.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use crate::case::Scene;
+use crate::case::wing::LineKind;
+
+/// Sizes, masses, parts, rows, and where the prescribed pressure pulls.
+pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
+        return Ok(());
+    };
+    let measures = &wing.wing.measures;
+    writeln!(out, "\nwing")?;
+    writeln!(
+        out,
+        "  flat                {:.3} m2, span {:.3} m, aspect ratio {:.3}",
+        measures.flat_area_m2,
+        measures.flat_span_m,
+        measures.flat_aspect_ratio()
+    )?;
+    writeln!(
+        out,
+        "  projected           {:.3} m2, span {:.3} m, aspect ratio {:.3}",
+        measures.projected_area_m2,
+        measures.projected_span_m,
+        measures.projected_aspect_ratio()
+    )?;
+    writeln!(
+        out,
+        "  mesh                {} edges along each side of a rib, {} across each of {} cells",
+        wing.fineness.along_chord, wing.fineness.across_cell, wing.wing.cells
+    )?;
+    if let Some(angle) = smallest_angle_deg(scene) {
+        writeln!(out, "  smallest angle      {angle:.1} degrees")?;
+    }
+    for &(part, triangles, area, mass) in &measures.parts {
+        writeln!(
+            out,
+            "  {:<19} {triangles} triangles, {area:.3} m2, {mass:.3} kg",
+            part.name()
+        )?;
+    }
+    writeln!(
+        out,
+        "  lines               {} with {:.2} m in all; with risers and tapes {:.3} kg",
+        measures.lines, measures.line_length_m, measures.cable_mass_kg
+    )?;
+    for (row, name) in wing.wing.row_names.iter().enumerate() {
+        let of = |is: &dyn Fn(&LineKind) -> bool| {
+            let cables = body.structure.cables.iter().zip(&wing.wing.line_kinds);
+            let lengths = cables.filter(|(_, kind)| is(kind));
+            lengths.fold((0, 0.0), |(count, sum), (cable, _)| {
+                (count + 1, sum + cable.rest_length_m)
+            })
+        };
+        let (count, length) =
+            of(&|kind| matches!(kind, LineKind::Line { row: r, .. } if *r == row));
+        let (_, risers) = of(&|kind| matches!(kind, LineKind::Riser { row: r } if *r == row));
+        writeln!(
+            out,
+            "    row {name:<13} {count} lines, {length:.2} m; riser {:.3} m",
+            0.5 * risers
+        )?;
+    }
+    if let Some(load) = &wing.load {
+        let structure = &body.structure;
+        let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
+        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for (triangle, jump) in structure.triangles.iter().zip(load.jumps_pa()) {
+            let places = triangle.nodes.map(|n| structure.positions_m[n as usize]);
+            let pull = triangle.doubled_area_vector(&structure.positions_m) * (0.5 * jump);
+            force += pull;
+            moment += ((places[0] + places[1] + places[2]) / 3.0 - hang).cross(pull);
+        }
+        writeln!(
+            out,
+            "  prescribed pressure pulls with {:.1}, {:.1}, {:.1} N along x, y, z as designed,",
+            force.x, force.y, force.z
+        )?;
+        writeln!(
+            out,
+            "                      along a line {:.3} m behind the points where the risers hang",
+            -moment.y / force.z
+        )?;
+    }
+    Ok(())
+}
+
+fn smallest_angle_deg(scene: &Scene) -> Option<f64> {
+    let structure = &scene.body.as_ref()?.structure;
+    let angles = structure.triangles.iter().map(|t| {
+        // Law of cosines over the squared rest lengths.
+        let [a, b, c] = t.rest_squares_m2;
+        let angle =
+            |a: f64, b: f64, c: f64| ((b + c - a) / (2.0 * (b * c).sqrt())).clamp(-1.0, 1.0);
+        angle(a, b, c).max(angle(b, c, a)).max(angle(c, a, b))
+    });
+    let largest_cosine = angles.fold(f64::NAN, f64::max);
+    largest_cosine
+        .is_finite()
+        .then(|| largest_cosine.acos().to_degrees())
+}
