@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
 use super::{Problem, bodies, descent};
+use crate::immersed::markers::SPACING_LIMIT_CELLS;
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
@@ -335,7 +336,7 @@ pub(super) fn check_coupling(
             return Problem::new(
                 "structure",
                 "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
-                "add [coupling] with over_relaxation = 1.6 and structure_every = 1",
+                "add [coupling] with over_relaxation = 1.6",
             );
         }
         Problem::new(
@@ -362,7 +363,7 @@ pub(super) fn check_coupling(
                     ));
                 }
             }
-            1
+            None
         }
     };
     for (key, given) in [
@@ -420,15 +421,17 @@ pub(super) fn check_coupling(
         )?,
         structure_every,
         passes,
+        marker_spacing_cells: SPACING_LIMIT_CELLS,
+        averaging_steps: 1,
     }))
 }
 
-/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric.
+/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric, if they are given.
 fn check_fabric_coupling(
     written: &file::Coupling,
     air: &Air,
     body: &mut Body,
-) -> Result<u32, Problem> {
+) -> Result<Option<u32>, Problem> {
     if body.structure.triangles.is_empty() {
         return Err(Problem::new(
             "structure",
@@ -442,14 +445,13 @@ fn check_fabric_coupling(
             *mass *= factor;
         }
     }
-    let structure_every = written
-        .structure_every
-        .ok_or_else(|| absent("coupling.structure_every", "the case has fabric"))?;
-    if !(1..=10).contains(&structure_every) {
+    if let Some(structure_every) = written.structure_every
+        && !(1..=10).contains(&structure_every)
+    {
         return Err(Problem::new(
             "coupling.structure_every",
             format!("coupling.structure_every = {structure_every} is out of range"),
-            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest",
+            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest, and what holds without this key",
         ));
     }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
@@ -470,5 +472,5 @@ fn check_fabric_coupling(
             ));
         }
     }
-    Ok(structure_every)
+    Ok(written.structure_every)
 }

@@ -1,6 +1,6 @@
 //! Markers: quadrature points on the fabric's triangles, spaced by the lattice, not by the structural mesh.
 
-/// Largest spacing of markers [cells]; a sheet with gaps beyond about 1.5 cells lets air through.
+/// Largest spacing of markers [cells], unless schemes are compared; a sheet with gaps beyond about 1.5 cells lets air through.
 pub const SPACING_LIMIT_CELLS: f64 = 1.0;
 
 /// How far inside a closed rigid surface its markers stand [cells]. The kernel reaches two cells beyond a marker and makes a body act
@@ -30,29 +30,30 @@ pub struct Marker {
     pub area_m2: f64,
 }
 
-/// Parts per edge into which a triangle is divided, each part carrying one marker at its centroid. Centroids of equilateral
+/// Parts per edge into which a triangle is divided, each part carrying one marker at its centroid, for markers at most `spacing_m` apart,
+/// [`SPACING_LIMIT_CELLS`] cells as a rule. Centroids of equilateral
 /// neighbours lie an edge over √3 apart; the longest edge decides, so that slivers are not undersampled along their length.
 #[must_use]
-pub fn subdivisions(extent: &Extent, cell_size_m: f64) -> usize {
+pub fn subdivisions(extent: &Extent, spacing_m: f64) -> usize {
     let spacing = extent.longest_edge_m / 3f64.sqrt();
-    ((spacing / (SPACING_LIMIT_CELLS * cell_size_m)).ceil() as usize).max(1)
+    ((spacing / spacing_m).ceil() as usize).max(1)
 }
 
 /// Number of markers that [`place`] would place.
 #[must_use]
-pub fn count(extents: impl Iterator<Item = Extent>, cell_size_m: f64) -> u64 {
+pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> u64 {
     extents.fold(0, |total, extent| {
-        let n = subdivisions(&extent, cell_size_m) as u64;
+        let n = subdivisions(&extent, spacing_m) as u64;
         total.saturating_add(n.saturating_mul(n))
     })
 }
 
 /// Places markers on triangles.
 #[must_use]
-pub fn place(extents: impl Iterator<Item = Extent>, cell_size_m: f64) -> Vec<Marker> {
+pub fn place(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> Vec<Marker> {
     let mut markers = Vec::new();
     for (triangle, extent) in extents.enumerate() {
-        let n = subdivisions(&extent, cell_size_m);
+        let n = subdivisions(&extent, spacing_m);
         let share = extent.area_m2 / (n * n) as f64;
         let mut push = |i: f64, j: f64| {
             let (a, b) = (i / n as f64, j / n as f64);

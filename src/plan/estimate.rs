@@ -110,13 +110,13 @@ impl Sizes {
                 sizes.structure_device_bytes = sizes.structure_bytes / 2;
             }
         }
-        if let (Some(air), Some(_)) = (&scene.air, &scene.coupling) {
-            let cell_size_m = air.units.cell_size_m;
+        if let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) {
+            let spacing_m = coupling.marker_spacing_m(air);
             if let Some(body) = &scene.body {
-                sizes.markers = markers::count(body.structure.extents(), cell_size_m);
+                sizes.markers = markers::count(body.structure.extents(), spacing_m);
             }
             for body in &scene.rigid_bodies {
-                let own = markers::count(body.marker_surface.extents(), cell_size_m);
+                let own = markers::count(body.marker_surface.extents(), spacing_m);
                 sizes.markers = sizes.markers.saturating_add(own);
             }
             // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.

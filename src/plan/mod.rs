@@ -1,5 +1,6 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
+mod cadence;
 mod descent;
 mod estimate;
 mod initial_hessian;
@@ -10,6 +11,7 @@ pub mod stages;
 mod warnings;
 
 pub use crate::lattice::Storage;
+pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
@@ -109,8 +111,8 @@ impl Plan {
 #[must_use]
 pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     match (&scene.air, &scene.body, &scene.coupling) {
-        (Some(air), Some(body), Some(_)) => {
-            markers::place(body.structure.extents(), air.units.cell_size_m)
+        (Some(air), Some(body), Some(coupling)) => {
+            markers::place(body.structure.extents(), coupling.marker_spacing_m(air))
         }
         _ => Vec::new(),
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan, descent, permeability};
+use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, permeability};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
@@ -232,9 +232,10 @@ impl Plan {
         )?;
         writeln!(
             out,
-            "  over-relaxation     a = {}, structure every {} step(s)",
-            coupling.over_relaxation, coupling.structure_every
+            "  over-relaxation     a = {}",
+            coupling.over_relaxation
         )?;
+        cadence::write(out, scene)?;
         writeln!(
             out,
             "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
@@ -293,7 +294,8 @@ impl Plan {
             )?;
         }
         for body in &scene.rigid_bodies {
-            let own = markers::count(body.marker_surface.extents(), cell);
+            let spacing_m = coupling.marker_spacing_m(air);
+            let own = markers::count(body.marker_surface.extents(), spacing_m);
             writeln!(
                 out,
                 "  {}: {own} markers on {} triangles, {}",

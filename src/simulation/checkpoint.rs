@@ -31,6 +31,9 @@ impl Simulation {
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
         }
+        if let Some(cadence) = &self.cadence {
+            cadence.save(out)?;
+        }
         if let Some(descent) = &self.descent {
             descent.save(out)?;
         }
@@ -66,6 +69,9 @@ impl Simulation {
                     vain: numbers[3],
                 });
             }
+        }
+        if let Some(cadence) = &mut self.cadence {
+            cadence.restore(from)?;
         }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;

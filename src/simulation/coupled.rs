@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::air::AirEngine;
 use super::bodies::{BodyMarkers, Load};
 use super::markers::MarkerEngine;
-use super::permeable::PermeableMarkers;
+use super::permeable::{PermeableMarkers, normal_of};
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -25,6 +25,8 @@ pub struct Coupled {
     bodies: Vec<BodyMarkers>,
     /// Passes of forcing.
     passes: u32,
+    /// Steps of the running mean of u*; 1 without.
+    averaging_steps: u32,
     immersed: MarkerEngine,
     /// [cells]
     positions: Vec<[f64; 3]>,
@@ -49,7 +51,7 @@ impl Coupled {
         let markers = place_markers(scene);
         let cell_area = air.units.cell_size_m * air.units.cell_size_m;
         let (bodies, body_areas_m2) =
-            BodyMarkers::place_all(scene, air.units.cell_size_m, markers.len());
+            BodyMarkers::place_all(scene, coupling.marker_spacing_m(air), markers.len());
         let areas: Vec<f64> = markers
             .iter()
             .map(|m| m.area_m2)
@@ -71,6 +73,7 @@ impl Coupled {
             markers,
             bodies,
             passes: coupling.passes,
+            averaging_steps: coupling.averaging_steps,
             immersed: MarkerEngine::new(engine, areas, coupling.over_relaxation)?,
             positions: vec![[0.0; 3]; count],
             velocities: vec![[0.0; 3]; count],
@@ -181,8 +184,23 @@ impl Coupled {
         Ok(())
     }
 
-    /// u* counts towards the mean of the steps since the last solve.
+    /// u* counts towards the mean of the steps since the last solve, or moves the running mean.
     fn add_air_velocities(&mut self) {
+        if self.averaging_steps > 1 {
+            let share = if self.sums == 0 {
+                1.0
+            } else {
+                1.0 / f64::from(self.averaging_steps)
+            };
+            let present = self.immersed.air_velocities();
+            for (mean, u) in self.air_velocity_sums.iter_mut().zip(present) {
+                for a in 0..3 {
+                    mean[a] += share * (u[a] - mean[a]);
+                }
+            }
+            self.sums = 1;
+            return;
+        }
         for (sum, u) in self
             .air_velocity_sums
             .iter_mut()
@@ -224,8 +242,10 @@ impl Coupled {
         if let Some(permeable) = &mut self.permeable {
             permeable.gather(self.markers.len(), &self.immersed, &self.units);
         }
-        self.air_velocity_sums.fill([0.0; 3]);
-        self.sums = 0;
+        if self.averaging_steps == 1 {
+            self.air_velocity_sums.fill([0.0; 3]);
+            self.sums = 0;
+        }
     }
 
     /// Velocities for a step that ends at `time_s`; before release all is held.
@@ -312,12 +332,46 @@ impl Coupled {
     /// Fastest marker [cells per step].
     #[must_use]
     pub fn fastest_marker(&self) -> f64 {
-        self.velocities
-            .iter()
-            .map(|v| v.iter().map(|c| c * c).sum::<f64>())
-            .fold(0.0, f64::max)
-            .sqrt()
+        fastest(self.velocities.iter().copied())
     }
+
+    /// Fastest marker of the fabric as its nodes move now [cells per step].
+    pub(super) fn fastest_of_fabric(&self, cloth: &Cloth) -> f64 {
+        let velocity = |marker| at_marker(cloth, marker, &cloth.velocities_m_s);
+        let velocities = self.markers.iter().map(velocity);
+        fastest(velocities.map(|v| self.units.velocity_to_lattice(v)))
+    }
+
+    /// Mean normal velocity of the air through all surfaces at `time_s`, relative to them and beside what they let pass, after the half
+    /// force: positive along the triangles' normals, weighted by area \[m/s\].
+    pub fn leakage_m_s(&self, cloth: Option<&Cloth>, time_s: f64) -> Result<f64, DeviceError> {
+        let targets = targets(&self.permeable, &self.velocities);
+        let slips = self.immersed.slip_velocities(targets)?;
+        let mut normals = vec![[0.0; 3]; slips.len()];
+        if let Some(cloth) = cloth {
+            for (normal, marker) in normals.iter_mut().zip(&self.markers) {
+                let nodes = cloth.structure.triangles[marker.triangle as usize].nodes;
+                *normal = normal_of(nodes.map(|n| cloth.positions_m[n as usize])).to_array();
+            }
+        }
+        for body in &self.bodies {
+            body.normals(time_s, &mut normals);
+        }
+        let (mut flow, mut whole) = (0.0, 0.0);
+        for (k, (slip, normal)) in slips.iter().zip(&normals).enumerate() {
+            let area = self.immersed.area(k);
+            flow += area * (0..3).map(|a| slip[a] * normal[a]).sum::<f64>();
+            whole += area;
+        }
+        Ok(flow / whole * self.units.speed_m_s())
+    }
+}
+
+fn fastest(velocities: impl Iterator<Item = [f64; 3]>) -> f64 {
+    velocities
+        .map(|v| v.iter().map(|c| c * c).sum::<f64>())
+        .fold(0.0, f64::max)
+        .sqrt()
 }
 
 /// Velocities that the air is to have at the markers: their own, and what passes them.

@@ -2,6 +2,7 @@
 
 mod air;
 mod bodies;
+mod cadence;
 mod checkpoint;
 mod cloth;
 mod coupled;
@@ -20,6 +21,7 @@ use glam::DVec3;
 
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
+pub use cadence::Cadence;
 pub use coupled::Coupled;
 pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
@@ -33,7 +35,7 @@ use crate::case::scene::{BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{self, Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
-use crate::plan::{Plan, Stage};
+use crate::plan::{Plan, PlannedStage, Stage, structure_every};
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
@@ -69,6 +71,25 @@ pub struct Cost {
     pub equilibrium: Duration,
     /// Steps whose stages were timed: all, or some where a device works while the host goes on.
     pub timed_steps: u64,
+    /// What every stage took in those steps, in the order of [`Stage::ALL`].
+    pub stages: [StageCost; Stage::ALL.len()],
+}
+
+/// What a stage took in the timed steps.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StageCost {
+    /// Steps in which it was due.
+    pub calls: u64,
+    /// Wall time.
+    pub time: Duration,
+}
+
+impl Cost {
+    /// What a stage took.
+    #[must_use]
+    pub const fn of(&self, stage: Stage) -> StageCost {
+        self.stages[stage as usize]
+    }
 }
 
 /// A scene in motion.
@@ -82,6 +103,8 @@ pub struct Simulation {
     device_cloth: Option<gpu::cloth::Cloth>,
     device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
+    /// Present where several steps of the air may pass between solves of the fabric.
+    cadence: Option<Cadence>,
     impulses: Option<Impulses>,
     descent: Option<Descent>,
     /// Drag of payload and lines in the step.
@@ -152,7 +175,10 @@ impl Simulation {
             }
             _ => None,
         };
+        let every = structure_every(&scene);
+        let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
         let mut simulation = Self {
+            cadence,
             descent,
             drags: Vec::new(),
             scene,
@@ -286,6 +312,12 @@ impl Simulation {
         self.largest_marker_motion
     }
 
+    /// Steps of the air between solves of the fabric; `None` where it is solved in each.
+    #[must_use]
+    pub const fn cadence(&self) -> Option<&Cadence> {
+        self.cadence.as_ref()
+    }
+
     /// Wall time and work so far.
     #[must_use]
     pub const fn cost(&self) -> &Cost {
@@ -328,6 +360,7 @@ impl Simulation {
         }
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
+            let due = self.is_due(planned);
             let start = Instant::now();
             match planned.stage {
                 Stage::EddyViscosity => self.eddy_viscosity()?,
@@ -335,9 +368,9 @@ impl Simulation {
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
-                Stage::SendNodes => self.send_nodes(planned.every)?,
-                Stage::SolveCloth => self.solve_cloth(planned.every)?,
-                Stage::FetchNodes => self.fetch_nodes(planned.every)?,
+                Stage::SendNodes => self.send_nodes()?,
+                Stage::SolveCloth => self.solve_cloth()?,
+                Stage::FetchNodes => self.fetch_nodes()?,
                 Stage::SendMarkerForces => self.send_marker_forces(),
                 Stage::Spread => self.spread(),
                 Stage::RepeatForcing => self.repeat_forcing()?,
@@ -353,6 +386,9 @@ impl Simulation {
                 device.wait()?;
             }
             let elapsed = start.elapsed();
+            let cost = &mut self.cost.stages[planned.stage as usize];
+            cost.time += elapsed;
+            cost.calls += u64::from(due);
             match planned.stage {
                 Stage::EddyViscosity | Stage::CollideStream => self.cost.fluid += elapsed,
                 Stage::SendMarkers
@@ -385,6 +421,15 @@ impl Simulation {
             self.sound_step = self.step;
         }
         Ok(())
+    }
+
+    /// True if a stage has work in this step.
+    fn is_due(&self, planned: PlannedStage) -> bool {
+        match planned.stage {
+            Stage::EddyViscosity => self.step.is_multiple_of(u64::from(planned.every)),
+            Stage::SendNodes | Stage::SolveCloth | Stage::FetchNodes => self.solves_now(),
+            _ => true,
+        }
     }
 
     /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
@@ -488,7 +533,7 @@ impl Simulation {
         if let Some(coupled) = &mut self.coupled {
             let released = self.step >= self.plan.start_steps;
             coupled.spread(self.cloth.as_ref(), time_s, released);
-            let every = self.scene.coupling.map_or(1, |c| c.structure_every);
+            let every = self.cadence.map_or(1, |cadence| cadence.every());
             let motion = coupled.fastest_marker() * f64::from(every);
             self.largest_marker_motion = self.largest_marker_motion.max(motion);
         }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Immersed;
+use crate::immersed::strength::length;
 
 /// Cells per parallel task.
 const CHUNK: usize = 512;
@@ -38,9 +39,9 @@ impl Immersed {
             .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
     }
 
-    /// Slip left after the half force at every marker, |u* + F/2 − v| [cells per step], `[marker_count]`.
+    /// Slip left after the half force at every marker, u* + F/2 − v [cells per step], `[marker_count]`.
     #[must_use]
-    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Vec<f64> {
+    pub fn slip_velocities(&self, velocities: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let forced: Vec<[f64; 3]> = self
             .cell_velocities
             .iter()
@@ -52,12 +53,16 @@ impl Immersed {
             .enumerate()
             .map(|(k, velocity)| {
                 let u = self.touched.interpolate(k, &forced);
-                (0..3)
-                    .map(|a| (u[a] - velocity[a]).powi(2))
-                    .sum::<f64>()
-                    .sqrt()
+                std::array::from_fn(|a| u[a] - velocity[a])
             })
             .collect()
+    }
+
+    /// Its magnitude [cells per step], `[marker_count]`.
+    #[must_use]
+    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Vec<f64> {
+        let slips = self.slip_velocities(velocities);
+        slips.iter().map(length).collect()
     }
 
     /// Root mean square of [`Immersed::marker_slips`], weighted by area [cells per step].
