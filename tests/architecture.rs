@@ -161,8 +161,10 @@ const ALLOWED: [(&str, &[&str]); 26] = [
         "bench",
         &[
             "bluff_body",
+            "case",
             "gpu",
             "lattice",
+            "measure",
             "output",
             "plan",
             "run",

@@ -12,6 +12,7 @@ mod air;
 mod architecture;
 mod bad_cases;
 mod bodies;
+mod cadence;
 mod canopy;
 mod cases;
 mod checkpoint;
@@ -47,6 +48,7 @@ fn main() -> std::process::ExitCode {
         device_multigrid::trials(),
         canopy::trials(),
         bodies::trials(),
+        cadence::trials(),
         permeability::trials(),
         descent::trials(),
         cases::trials(),

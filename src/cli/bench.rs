@@ -8,14 +8,15 @@ use clap::builder::NonEmptyStringValueParser;
 use super::engine::Engine;
 use super::progress::Progress;
 use super::{Failure, emit, exit, interrupt_flag};
-use crate::bench::{self, Stop, Watch, stability, work_precision};
+use crate::bench::{self, Stop, Watch, coupling, stability, work_precision};
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name; `stability` maps where operators break down, and runs only when named.
+    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `coupling`
+    /// compares schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -33,6 +34,10 @@ pub(super) struct BenchArguments {
 
 const STABILITY: &str = "stability";
 
+const COUPLING: &str = "coupling";
+
+const LIGHT_CANOPIES: &str = "light-canopies";
+
 impl From<Stop> for Failure {
     fn from(stop: Stop) -> Self {
         match stop {
@@ -46,14 +51,15 @@ impl From<Stop> for Failure {
 
 pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let engines = engines(arguments)?;
-    let maps_stability = arguments
-        .filter
-        .as_deref()
-        .is_some_and(|filter| STABILITY.contains(filter));
     let filter = arguments.filter.as_deref();
+    let named = |name: &str| filter.is_some_and(|filter| name.contains(filter));
+    let [maps_stability, compares_coupling, lightens] =
+        [STABILITY, COUPLING, LIGHT_CANOPIES].map(named);
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
-    if !maps_stability && !measures {
-        let names: Vec<&str> = work_precision::names().chain([STABILITY]).collect();
+    if !(maps_stability || measures || compares_coupling || lightens) {
+        let names: Vec<&str> = work_precision::names()
+            .chain([STABILITY, COUPLING, LIGHT_CANOPIES])
+            .collect();
         return Err(Failure::Other(
             exit::BAD_CASE,
             format!(
@@ -80,6 +86,25 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if maps_stability {
         let points = stability::map(&engines, &arguments.out, &mut watch)?;
         text.push_str(&stability::table(&points));
+    }
+    // Schemes are compared in single precision, on CPU threads if they take part.
+    let engine = engines.iter().find(|engine| {
+        !matches!(
+            engine.placement,
+            AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
+        )
+    });
+    for (runs, measure) in [
+        (
+            compares_coupling,
+            coupling::measure as fn(_, &_, &_, &mut _) -> _,
+        ),
+        (lightens, coupling::light_canopies),
+    ] {
+        if let (true, Some(engine)) = (runs, engine) {
+            let (_, table) = measure(arguments.full, engine, &arguments.out, &mut watch)?;
+            text.push_str(&format!("{}\n{table}", engine.name()));
+        }
     }
     progress.finish();
     text.push_str(&format!("tables and plots: {}\n", arguments.out.display()));

@@ -30,6 +30,7 @@ impl Simulation {
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
+            out.put("largest_marker_motion", &[self.largest_marker_motion])?;
         }
         if let Some(cadence) = &self.cadence {
             cadence.save(out)?;
@@ -82,6 +83,7 @@ impl Simulation {
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {
                 coupled.restore(from, air)?;
+                self.largest_marker_motion = from.take_exactly("largest_marker_motion", 1)?[0];
             }
             if let Some(impulses) = &mut self.impulses {
                 impulses.restore(from, air)?;
