@@ -1,6 +1,6 @@
 //! `ripstop bench [FILTER]`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
@@ -15,8 +15,8 @@ use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `coupling`
-    /// compares schemes of coupling, `light-canopies` takes ever lighter sheets.
+    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `coupling-schemes` and
+    /// `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -34,9 +34,15 @@ pub(super) struct BenchArguments {
 
 const STABILITY: &str = "stability";
 
-const COUPLING: &str = "coupling";
+type Comparison =
+    fn(bool, &bench::Engine, &Path, &mut Watch) -> Result<(Vec<coupling::Point>, String), Stop>;
 
-const LIGHT_CANOPIES: &str = "light-canopies";
+/// Comparisons of coupling, which run only when named.
+const COUPLING: [(&str, Comparison); 3] = [
+    ("coupling-schemes", coupling::schemes_compared),
+    ("coupling-passes", coupling::passes_compared),
+    ("light-canopies", coupling::light_canopies),
+];
 
 impl From<Stop> for Failure {
     fn from(stop: Stop) -> Self {
@@ -53,12 +59,13 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let engines = engines(arguments)?;
     let filter = arguments.filter.as_deref();
     let named = |name: &str| filter.is_some_and(|filter| name.contains(filter));
-    let [maps_stability, compares_coupling, lightens] =
-        [STABILITY, COUPLING, LIGHT_CANOPIES].map(named);
+    let maps_stability = named(STABILITY);
+    let comparisons: Vec<_> = COUPLING.iter().filter(|(name, _)| named(name)).collect();
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
-    if !(maps_stability || measures || compares_coupling || lightens) {
+    if !maps_stability && !measures && comparisons.is_empty() {
         let names: Vec<&str> = work_precision::names()
-            .chain([STABILITY, COUPLING, LIGHT_CANOPIES])
+            .chain([STABILITY])
+            .chain(COUPLING.map(|(name, _)| name))
             .collect();
         return Err(Failure::Other(
             exit::BAD_CASE,
@@ -94,15 +101,9 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
             AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
         )
     });
-    for (runs, measure) in [
-        (
-            compares_coupling,
-            coupling::measure as fn(_, &_, &_, &mut _) -> _,
-        ),
-        (lightens, coupling::light_canopies),
-    ] {
-        if let (true, Some(engine)) = (runs, engine) {
-            let (_, table) = measure(arguments.full, engine, &arguments.out, &mut watch)?;
+    for (_, compare) in comparisons {
+        if let Some(engine) = engine {
+            let (_, table) = compare(arguments.full, engine, &arguments.out, &mut watch)?;
             text.push_str(&format!("{}\n{table}", engine.name()));
         }
     }

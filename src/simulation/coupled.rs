@@ -1,4 +1,18 @@
 //! Markers between the air and fabric or rigid bodies: SI on their side, lattice units on the air's.
+//!
+//! The scheme, in a step of the air from tⁿ to tⁿ⁺¹ (docs/coupling.md compares it with others):
+//!
+//! 1. collide and stream under the body force of the last step ([`crate::cpu::fluid`]);
+//! 2. u*_k = Σ_x φ_k(x) u*(x), the bare velocity of the streamed populations at marker k, and a_k = min(2.5 a, a (3/8)/D_k)
+//!    ([`crate::cpu::immersed`]);
+//! 3. every k-th step, at most ([`super::Cadence`]): the fabric minimises inertia, elastic energy and ½ k dt Σ_k K_k |v_k − ū_k|² over
+//!    k dt, K_k = 2 a_k ρ A_k Δx/dt, ū_k the mean of u*_k over the steps since the last solve ([`crate::cpu::cloth::solve_cloth`]); between
+//!    solves it keeps its velocity;
+//! 4. the air gets g_k = K_k (v_k − u*_k) of this step, F(x) = Σ_k φ_k(x) g_k.
+//!
+//! With k = 1 what the air gets is what the fabric felt, to the solver's tolerance; with k > 1 momentum is exchanged exactly only in the
+//! mean over many spans. *Departure from explicit coupling and from Inamuro's multi-direct forcing (paper P0)*: the reaction is part of
+//! the implicit step, with the velocity that the step ends with, so that the ratio of masses does not decide on stability.
 
 use glam::DVec3;
 

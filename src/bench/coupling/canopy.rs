@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{END_S, Point, Scheme, median};
+use super::{END_S, Point, Scheme, Tunnel, median};
 use crate::bench::{Engine, Stop, Watch, go_on};
 use crate::case::scene::BodyKind;
 use crate::case::{self, Case, Choices};
@@ -15,11 +15,26 @@ pub(super) const NAME: &str = "canopy";
 /// Steps between samples of slip, leakage and shape.
 const SAMPLE_EVERY: u64 = 10;
 
-fn case(cells_per_diameter: f64) -> Result<Case, Stop> {
+fn case(tunnel: &Tunnel) -> Result<Case, Stop> {
+    let [length, width, height] = tunnel.size_m;
     let choices = Choices {
         variant: None,
         overrides: vec![
-            format!("resolution.cells_per_diameter={cells_per_diameter:?}"),
+            format!(
+                "resolution.cells_per_diameter={:?}",
+                tunnel.cells_per_diameter
+            ),
+            format!("air.wind_tunnel.size_m=[{length:?}, {width:?}, {height:?}]"),
+            format!(
+                "air.wind_tunnel.sponge_length_m={:?}",
+                tunnel.sponge_length_m
+            ),
+            format!(
+                "structure.flat_circular.confluence_m=[{:?}, {:?}, {:?}]",
+                tunnel.places_m[0],
+                0.5 * width,
+                0.5 * height
+            ),
             format!("time.end_s={END_S:?}"),
         ],
     };
@@ -55,12 +70,12 @@ impl Times {
 
 pub(super) fn run(
     scheme: &Scheme,
-    cells_per_diameter: f64,
+    tunnel: &Tunnel,
     engine: &Engine,
     watch: &Watch,
 ) -> Result<Point, Stop> {
-    let mut case = case(cells_per_diameter)?;
-    let mut point = Point::new(NAME, scheme, cells_per_diameter, engine);
+    let mut case = case(tunnel)?;
+    let mut point = Point::new(NAME, scheme, tunnel.cells_per_diameter, engine);
     let scene = &mut case.scene;
     let (Some(air), Some(body), Some(coupling)) = (scene.air, &mut scene.body, &mut scene.coupling)
     else {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::canopy::noise;
-use super::{END_S, Point, Scheme, median};
+use super::{END_S, Point, Scheme, Tunnel, median};
 use crate::bench::{Engine, Stop, Watch, go_on};
 use crate::case::{self, Choices};
 use crate::plan::{Placement, Plan, Precision};
@@ -17,8 +17,9 @@ const SAMPLE_EVERY: u64 = 10;
 /// Disk as wide as the inflated canopy, 0.7 D_0.
 const DIAMETER_M: f64 = 0.7;
 
-/// The canopy's tunnel, with its cells: `cells_per_diameter` counts D_0 there.
-fn source(cells_per_diameter: f64, end_s: f64) -> String {
+/// The canopy's tunnel, with its cells.
+fn source(tunnel: &Tunnel, end_s: f64) -> String {
+    let [length, width, height] = tunnel.size_m;
     format!(
         r#"version = 1
 title = "Rigid disk across the wind"
@@ -27,16 +28,16 @@ density_kg_m3 = 1.18
 kinematic_viscosity_m2_s = 1.55e-5
 [air.wind_tunnel]
 speed_m_s = 30.0
-size_m = [4.985, 2.991, 2.991]
+size_m = [{length:?}, {width:?}, {height:?}]
 start_time_s = 0.0222
-sponge_length_m = 0.75
+sponge_length_m = {sponge:?}
 [resolution]
 cell_size_m = {cell_size_m:?}
 lattice_speed = 0.08
 operator = "recursive_regularised"
 eddy_viscosity = {{ model = "smagorinsky", constant = 0.15 }}
 [bodies.disk]
-position_m = [1.5, 1.4955, 1.4955]
+position_m = [{x:?}, {y:?}, {z:?}]
 [bodies.disk.disk]
 diameter_m = {DIAMETER_M:?}
 [coupling]
@@ -46,31 +47,35 @@ end_s = {end_s:?}
 [output]
 sample_interval_s = 0.001
 "#,
-        cell_size_m = 0.997 / cells_per_diameter,
+        cell_size_m = 0.997 / tunnel.cells_per_diameter,
+        sponge = tunnel.sponge_length_m,
+        x = tunnel.places_m[1],
+        y = 0.5 * width,
+        z = 0.5 * height,
     )
 }
 
 pub(super) fn run(
     scheme: &Scheme,
-    cells_per_diameter: f64,
+    tunnel: &Tunnel,
     engine: &Engine,
     watch: &Watch,
 ) -> Result<Point, Stop> {
-    run_for(scheme, cells_per_diameter, END_S, engine, watch)
+    run_for(scheme, tunnel, END_S, engine, watch)
 }
 
 /// [`run`] to another end [s].
 pub(super) fn run_for(
     scheme: &Scheme,
-    cells_per_diameter: f64,
+    tunnel: &Tunnel,
     end_s: f64,
     engine: &Engine,
     watch: &Watch,
 ) -> Result<Point, Stop> {
-    let source = source(cells_per_diameter, end_s);
+    let source = source(tunnel, end_s);
     let mut case = case::parse(NAME, &source, Path::new("."), &Choices::default())
         .map_err(|error| Stop::Refused(error.to_string()))?;
-    let mut point = Point::new(NAME, scheme, cells_per_diameter, engine);
+    let mut point = Point::new(NAME, scheme, tunnel.cells_per_diameter, engine);
     let (Some(air), Some(coupling)) = (case.scene.air, &mut case.scene.coupling) else {
         return Err(Stop::Refused("the case has no body in air".to_owned()));
     };

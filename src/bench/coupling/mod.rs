@@ -1,6 +1,7 @@
 //! Schemes of the coupling compared: what each leaves of slip, leakage and noise, and what it costs.
 //!
-//! The shipped canopy (`cases/flat-circular-tunnel.toml`) inflates with every scheme; means run over the second half of [`END_S`].
+//! The shipped canopy (`cases/flat-circular-tunnel.toml`) inflates with every scheme, the quick set in a short and narrow tunnel; means run
+//! over the second half of [`END_S`].
 //! What is varied, one thing at a time around the default (a = 1.6, k = 1, tolerance 1e-2, markers at most one cell apart):
 //!
 //! * over-relaxation a and the steps k of the air per solve of the fabric, in all pairs; for k > 1 the fabric feels the mean ū
@@ -26,8 +27,33 @@ use crate::output::write_atomically;
 /// Time from release [s]; nine D_0/U of the canopy.
 const END_S: f64 = 0.3;
 
-/// Cells per D_0 of the quick and of the full set.
-const CELLS_PER_DIAMETER: [f64; 2] = [16.0, 24.0];
+/// Where the schemes are compared.
+#[derive(Debug, Clone, Copy)]
+struct Tunnel {
+    /// Length, width and height [m].
+    size_m: [f64; 3],
+    /// Of the lines' confluence, and of a disk in place of the canopy, from the inlet [m].
+    places_m: [f64; 2],
+    sponge_length_m: f64,
+    /// Cells per D_0.
+    cells_per_diameter: f64,
+}
+
+/// Of the quick and of the full set; the second is that of the shipped case.
+const TUNNELS: [Tunnel; 2] = [
+    Tunnel {
+        size_m: [2.9915, 1.994, 1.994],
+        places_m: [0.4, 1.2],
+        sponge_length_m: 0.4,
+        cells_per_diameter: 16.0,
+    },
+    Tunnel {
+        size_m: [4.985, 2.991, 2.991],
+        places_m: [0.6, 1.5],
+        sponge_length_m: 0.75,
+        cells_per_diameter: 24.0,
+    },
+];
 
 /// Mass of fabric and lines over that of the air in a cell's thickness on the fabric, of the ladder.
 const MASS_RATIOS: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
@@ -299,36 +325,47 @@ fn write_csv(path: &Path, points: &[Point]) -> Result<(), Stop> {
 fn compute(
     schemes: &[Scheme],
     (full, engine): (bool, &Engine),
-    run: fn(&Scheme, f64, &Engine, &Watch) -> Result<Point, Stop>,
-    name: &str,
+    run: fn(&Scheme, &Tunnel, &Engine, &Watch) -> Result<Point, Stop>,
+    (folder, name): (&Path, &str),
     watch: &mut Watch,
 ) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
     for scheme in schemes {
         go_on(watch.interrupt)?;
-        let cells = CELLS_PER_DIAMETER[usize::from(full)];
-        points.push(run(scheme, cells, engine, watch)?);
+        points.push(run(scheme, &TUNNELS[usize::from(full)], engine, watch)?);
+        mark_unbeaten(&mut points);
+        // What an interrupt leaves is worth keeping.
+        write_csv(&folder.join(format!("{name}.csv")), &points)?;
         let done = points.len() as u64;
         watch.observer.progress(done, schemes.len() as u64, name);
     }
-    mark_unbeaten(&mut points);
     Ok(points)
 }
 
-/// Compares the schemes on one engine; writes `coupling.csv` and `coupling.png` into `folder`, and returns the points with a table.
-pub fn measure(
+/// Compares schemes on the canopy; writes `coupling-schemes.csv` and `.png` into `folder`, and returns the points with a table.
+pub fn schemes_compared(
     full: bool,
     engine: &Engine,
     folder: &Path,
     watch: &mut Watch,
 ) -> Result<(Vec<Point>, String), Stop> {
-    let order = (full, engine);
-    let mut points = compute(&schemes(), order, canopy::run, "coupling", watch)?;
-    let rigid = compute(&rigid_schemes(), order, disk::run, "coupling, disk", watch)?;
-    let text = format!("canopy\n{}\nrigid disk\n{}", table(&points), table(&rigid));
-    plots::schemes(&folder.join("coupling.png"), &points)?;
-    points.extend(rigid);
-    write_csv(&folder.join("coupling.csv"), &points)?;
+    let files = (folder, "coupling-schemes");
+    let points = compute(&schemes(), (full, engine), canopy::run, files, watch)?;
+    plots::schemes(&folder.join("coupling-schemes.png"), &points)?;
+    let text = format!("canopy\n{}", table(&points));
+    Ok((points, text))
+}
+
+/// Compares passes of forcing on a rigid disk; writes `coupling-passes.csv` into `folder`.
+pub fn passes_compared(
+    full: bool,
+    engine: &Engine,
+    folder: &Path,
+    watch: &mut Watch,
+) -> Result<(Vec<Point>, String), Stop> {
+    let files = (folder, "coupling-passes");
+    let points = compute(&rigid_schemes(), (full, engine), disk::run, files, watch)?;
+    let text = format!("rigid disk\n{}", table(&points));
     Ok((points, text))
 }
 
@@ -349,8 +386,8 @@ pub fn light_canopies(
             });
         }
     }
-    let order = (full, engine);
-    let points = compute(&schemes, order, canopy::run, "light-canopies", watch)?;
+    let files = (folder, "light-canopies");
+    let points = compute(&schemes, (full, engine), canopy::run, files, watch)?;
     let mut text = String::new();
     for ratio in MASS_RATIOS {
         let own: Vec<Point> = points
@@ -361,7 +398,6 @@ pub fn light_canopies(
         text.push_str(&format!("mass ratio {ratio}\n{}", table(&own)));
     }
     plots::light_canopies(&folder.join("light-canopies.png"), &points)?;
-    write_csv(&folder.join("light-canopies.csv"), &points)?;
     Ok((points, text))
 }
 
@@ -398,13 +434,17 @@ mod tests {
             observer: &mut Silent,
         };
         let engine = Engine::cpu(Precision::F32);
+        let coarse = Tunnel {
+            cells_per_diameter: 12.0,
+            ..TUNNELS[0]
+        };
         let point = |over_relaxation, passes| {
             let scheme = Scheme {
                 over_relaxation,
                 passes,
                 ..DEFAULT
             };
-            disk::run_for(&scheme, 8.0, 0.02, &engine, &watch).unwrap()
+            disk::run_for(&scheme, &coarse, 0.02, &engine, &watch).unwrap()
         };
         let [weak, strong, repeated] = [point(1.0, 1), point(8.0 / 3.0, 1), point(1.0, 5)];
         assert!(weak.slip > 1.3 * strong.slip && weak.slip > 2.0 * repeated.slip);

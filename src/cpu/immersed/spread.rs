@@ -1,12 +1,7 @@
-//! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), gathered per touched cell.
-
-use rayon::prelude::*;
+//! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), each cell adding up its markers.
 
 use super::Immersed;
 use crate::immersed::strength::length;
-
-/// Cells per parallel task.
-const CHUNK: usize = 512;
 
 impl Immersed {
     /// Gives the air g_k for markers moving with `velocities` [cells per step]: exactly the opposite of the reaction that the fabric
@@ -30,13 +25,8 @@ impl Immersed {
 
     /// F(x) from the marker forces.
     pub(super) fn gather_cell_forces(&mut self) {
-        let touched = &self.touched;
-        self.cell_forces.resize(touched.cells.len(), [0.0; 3]);
-        self.cell_forces
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(CHUNK)
-            .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
+        self.touched
+            .spread(&self.marker_forces, &mut self.cell_forces);
     }
 
     /// Slip left after the half force at every marker, u* + F/2 − v [cells per step], `[marker_count]`.
