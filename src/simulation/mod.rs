@@ -5,6 +5,7 @@ mod bodies;
 mod cadence;
 mod checkpoint;
 mod cloth;
+mod cost;
 mod coupled;
 mod descent;
 mod failure;
@@ -15,13 +16,14 @@ mod opening;
 mod permeable;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use glam::DVec3;
 
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
 pub use cadence::Cadence;
+pub use cost::{Cost, StageCost};
 pub use coupled::Coupled;
 pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
@@ -45,52 +47,6 @@ const TIMED_INTERVAL: u64 = 31;
 
 /// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
 const DIVERGED_SPEED: f64 = 0.4;
-
-/// Wall time per stage and work done.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Cost {
-    /// Eddy viscosity, collide and stream.
-    pub fluid: Duration,
-    /// Interpolate and spread.
-    pub coupling: Duration,
-    /// Solve the cloth.
-    pub cloth: Duration,
-    /// Contact of fabric with itself; part of `cloth`.
-    pub contact: Duration,
-    /// Measure.
-    pub measure: Duration,
-    /// Iterations of the minimiser.
-    pub iterations: u64,
-    /// Evaluations of the objective.
-    pub evaluations: u64,
-    /// Solves that ended without reaching their tolerance.
-    pub unconverged: u64,
-    /// Solves.
-    pub solves: u64,
-    /// The static equilibrium at the end, apart from the steps.
-    pub equilibrium: Duration,
-    /// Steps whose stages were timed: all, or some where a device works while the host goes on.
-    pub timed_steps: u64,
-    /// What every stage took in those steps, in the order of [`Stage::ALL`].
-    pub stages: [StageCost; Stage::ALL.len()],
-}
-
-/// What a stage took in the timed steps.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct StageCost {
-    /// Steps in which it was due.
-    pub calls: u64,
-    /// Wall time.
-    pub time: Duration,
-}
-
-impl Cost {
-    /// What a stage took.
-    #[must_use]
-    pub const fn of(&self, stage: Stage) -> StageCost {
-        self.stages[stage as usize]
-    }
-}
 
 /// A scene in motion.
 #[derive(Debug)]
