@@ -54,7 +54,7 @@
 //! | [`run`] | a whole run into one folder | all |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
 //! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, immersed, lattice, simulation, plan, gpu, output, run |
-//! | [`bench`] | error against seconds, and the map of stability | bluff_body, lattice, simulation, plan, gpu, output, run |
+//! | [`bench`] | error against seconds, the map of stability, schemes of coupling | bluff_body, case, lattice, simulation, measure, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
 //! A test (`tests/architecture.rs`) holds these arrows.

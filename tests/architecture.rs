@@ -167,8 +167,10 @@ const ALLOWED: [(&str, &[&str]); 27] = [
         &[
             "aero",
             "bluff_body",
+            "case",
             "gpu",
             "lattice",
+            "measure",
             "output",
             "plan",
             "run",

@@ -12,6 +12,7 @@ mod air;
 mod architecture;
 mod bad_cases;
 mod bodies;
+mod cadence;
 mod canopy;
 mod cases;
 mod change_of_lattice;
@@ -51,6 +52,7 @@ fn main() -> std::process::ExitCode {
         device_multigrid::trials(),
         canopy::trials(),
         bodies::trials(),
+        cadence::trials(),
         permeability::trials(),
         plates::trials(),
         descent::trials(),

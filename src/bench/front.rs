@@ -1,17 +1,22 @@
 //! Which of several settings are worth their time.
 
-/// True for every point (seconds, error) that no other beats in one and equals in the other; points that are not finite never are.
-pub(super) fn pareto(points: &[(f64, f64)]) -> Vec<bool> {
+/// True for every point that no other beats in one coordinate and equals or beats in the others; points that are not finite never are.
+pub(super) fn unbeaten<const N: usize>(points: &[[f64; N]]) -> Vec<bool> {
+    let beats = |one: &[f64; N], other: &[f64; N]| {
+        (0..N).all(|i| one[i] <= other[i]) && (0..N).any(|i| one[i] < other[i])
+    };
     points
         .iter()
-        .map(|&(seconds, error)| {
-            seconds.is_finite()
-                && error.is_finite()
-                && !points
-                    .iter()
-                    .any(|&(s, e)| s <= seconds && e <= error && (s < seconds || e < error))
+        .map(|point| {
+            point.iter().all(|x| x.is_finite()) && !points.iter().any(|other| beats(other, point))
         })
         .collect()
+}
+
+/// The same of points (seconds, error).
+pub(super) fn pareto(points: &[(f64, f64)]) -> Vec<bool> {
+    let points: Vec<[f64; 2]> = points.iter().map(|&(s, e)| [s, e]).collect();
+    unbeaten(&points)
 }
 
 /// Index of the fastest point with an error of at most `limit`.
@@ -37,6 +42,18 @@ mod tests {
     #[test]
     fn only_unbeaten_points_are_on_the_front() {
         assert_eq!(pareto(&POINTS), [true, true, false, true, false, false]);
+    }
+
+    /// A third coordinate keeps a point that two would beat.
+    #[test]
+    fn points_of_three_coordinates() {
+        let points = [
+            [1.0, 2.0, 3.0],
+            [2.0, 3.0, 1.0],
+            [2.0, 3.0, 3.5],
+            [1.0, 2.0, f64::NAN],
+        ];
+        assert_eq!(unbeaten(&points), [true, true, false, false]);
     }
 
     #[test]

@@ -2,12 +2,14 @@
 //!
 //! [`work_precision`] computes flows with known answers over resolution, Mach number, operator, storage and engine, and says which
 //! settings no other beats in both time and error. [`stability`] looks for the fastest flow that every operator survives at vanishing
-//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`aerodynamics`] does the same for panels, and draws a
-//! measured wing's polar beside the computed one.
+//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`coupling`] compares schemes of
+//! coupling air and fabric, and follows the default one down to sheets much lighter than the air around them. [`aerodynamics`] measures
+//! panels, and draws a measured wing's polar beside the computed one.
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
 pub mod aerodynamics;
+pub mod coupling;
 mod drag;
 mod front;
 mod plots;
@@ -23,6 +25,7 @@ use crate::gpu::{Device, DeviceError};
 use crate::output::OutputError;
 use crate::plan::{AirPlacement, Placement, Precision};
 use crate::run::Observer;
+use crate::simulation::Failure;
 
 /// Who computes the air.
 #[derive(Debug, Clone)]
@@ -72,6 +75,15 @@ pub enum Stop {
     /// A plot could not be drawn.
     #[error("cannot draw a plot: {0}")]
     Plot(String),
+}
+
+impl From<Failure> for Stop {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Device(error) => Self::Device(error),
+            other => Self::Refused(other.to_string()),
+        }
+    }
 }
 
 impl From<bluff_body::Stop> for Stop {

@@ -14,7 +14,7 @@ pub(super) const COLOURS: [&str; 8] = [
 ];
 
 /// Resolution of the pictures against the plot's own units.
-const SCALE: f32 = 1.5;
+pub(super) const SCALE: f32 = 1.5;
 
 pub(super) fn write(path: &Path, plots: Vec<Plot>, layout: Layout) -> Result<(), Stop> {
     let bytes = kuva::render_to_png(plots, layout, SCALE).map_err(Stop::Plot)?;
@@ -22,16 +22,19 @@ pub(super) fn write(path: &Path, plots: Vec<Plot>, layout: Layout) -> Result<(),
     Ok(())
 }
 
-/// Shapes that tell engines apart.
-const SHAPES: [MarkerShape; 4] = [
+/// Shapes that tell engines or schemes apart.
+pub(super) const SHAPES: [MarkerShape; 7] = [
     MarkerShape::Circle,
     MarkerShape::Triangle,
     MarkerShape::Square,
     MarkerShape::Diamond,
+    MarkerShape::Cross,
+    MarkerShape::Plus,
+    MarkerShape::Star,
 ];
 
 /// Place of `entry` among the entries met so far.
-fn position<T: PartialEq>(known: &mut Vec<T>, entry: T) -> usize {
+pub(super) fn position<T: PartialEq>(known: &mut Vec<T>, entry: T) -> usize {
     known.iter().position(|e| *e == entry).unwrap_or_else(|| {
         known.push(entry);
         known.len() - 1

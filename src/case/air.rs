@@ -336,7 +336,7 @@ pub(super) fn check_coupling(
             return Problem::new(
                 "structure",
                 "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
-                "add [coupling] with over_relaxation = 1.6 and structure_every = 1",
+                "add [coupling] with over_relaxation = 1.6",
             );
         }
         Problem::new(
@@ -375,7 +375,7 @@ pub(super) fn check_coupling(
                     ));
                 }
             }
-            1
+            None
         }
     };
     for (key, given, used, needed) in [
@@ -445,6 +445,7 @@ pub(super) fn check_coupling(
         passes,
         marker_spacing_cells: check_marker_spacing(written)?,
         rim_inset_cells,
+        averaging_steps: 1,
     }))
 }
 
@@ -469,12 +470,12 @@ fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {
     ))
 }
 
-/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric.
+/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric, if they are given.
 fn check_fabric_coupling(
     written: &file::Coupling,
     air: &Air,
     body: &mut Body,
-) -> Result<u32, Problem> {
+) -> Result<Option<u32>, Problem> {
     if body.structure.triangles.is_empty() {
         return Err(Problem::new(
             "structure",
@@ -488,14 +489,13 @@ fn check_fabric_coupling(
             *mass *= factor;
         }
     }
-    let structure_every = written
-        .structure_every
-        .ok_or_else(|| absent("coupling.structure_every", "the case has fabric"))?;
-    if !(1..=10).contains(&structure_every) {
+    if let Some(structure_every) = written.structure_every
+        && !(1..=10).contains(&structure_every)
+    {
         return Err(Problem::new(
             "coupling.structure_every",
             format!("coupling.structure_every = {structure_every} is out of range"),
-            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest",
+            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest, and what holds without this key",
         ));
     }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
@@ -516,5 +516,5 @@ fn check_fabric_coupling(
             ));
         }
     }
-    Ok(structure_every)
+    Ok(written.structure_every)
 }

@@ -233,14 +233,24 @@ pub enum Shape {
 pub struct Coupling {
     /// Over-relaxation a on a flat sheet.
     pub over_relaxation: f64,
-    /// Fluid steps per cloth step.
-    pub structure_every: u32,
+    /// Steps of the air per step of the fabric, where the case gives them; otherwise the plan chooses.
+    pub structure_every: Option<u32>,
     /// Passes of multi-direct forcing; 1 unless all is rigid.
     pub passes: u32,
     /// Largest distance of neighbouring markers [cells].
     pub marker_spacing_cells: f64,
     /// How far inside rims markers stand [cells].
     pub rim_inset_cells: f64,
+    /// Steps over which a running mean of u* is taken before the fabric feels it; 1 unless schemes are compared.
+    pub averaging_steps: u32,
+}
+
+impl Coupling {
+    /// Largest spacing of markers on a triangle [m].
+    #[must_use]
+    pub fn marker_spacing_m(&self, air: &Air) -> f64 {
+        self.marker_spacing_cells * air.units.cell_size_m
+    }
 }
 
 /// Solver of the fabric.

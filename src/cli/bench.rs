@@ -1,6 +1,6 @@
 //! `ripstop bench [FILTER]`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
@@ -8,14 +8,15 @@ use clap::builder::NonEmptyStringValueParser;
 use super::engine::Engine;
 use super::progress::Progress;
 use super::{Failure, emit, exit, interrupt_flag};
-use crate::bench::{self, Stop, Watch, aerodynamics, stability, work_precision};
+use crate::bench::{self, Stop, Watch, aerodynamics, coupling, stability, work_precision};
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name; `stability`, which maps where operators break down, and `aerodynamics` run only when named.
+    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `aerodynamics` measures
+    /// panels, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -34,6 +35,16 @@ pub(super) struct BenchArguments {
 const STABILITY: &str = "stability";
 const AERODYNAMICS: &str = "aerodynamics";
 
+type Comparison =
+    fn(bool, &bench::Engine, &Path, &mut Watch) -> Result<(Vec<coupling::Point>, String), Stop>;
+
+/// Comparisons of coupling, which run only when named.
+const COUPLING: [(&str, Comparison); 3] = [
+    ("coupling-schemes", coupling::schemes_compared),
+    ("coupling-passes", coupling::passes_compared),
+    ("light-canopies", coupling::light_canopies),
+];
+
 impl From<Stop> for Failure {
     fn from(stop: Stop) -> Self {
         match stop {
@@ -47,17 +58,16 @@ impl From<Stop> for Failure {
 
 pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let engines = engines(arguments)?;
-    let is_named = |name: &str| {
-        let filter = arguments.filter.as_deref();
-        filter.is_some_and(|filter| name.contains(filter))
-    };
-    let maps_stability = is_named(STABILITY);
-    let flies_wings = is_named(AERODYNAMICS);
     let filter = arguments.filter.as_deref();
+    let named = |name: &str| filter.is_some_and(|filter| name.contains(filter));
+    let maps_stability = named(STABILITY);
+    let comparisons: Vec<_> = COUPLING.iter().filter(|(name, _)| named(name)).collect();
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
-    if !maps_stability && !flies_wings && !measures {
+    let flies_wings = named(AERODYNAMICS);
+    if !maps_stability && !flies_wings && !measures && comparisons.is_empty() {
         let names: Vec<&str> = work_precision::names()
             .chain([STABILITY, AERODYNAMICS])
+            .chain(COUPLING.map(|(name, _)| name))
             .collect();
         return Err(Failure::Other(
             exit::BAD_CASE,
@@ -89,6 +99,19 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if flies_wings {
         let points = aerodynamics::measure(arguments.full, &arguments.out, &mut watch)?;
         text.push_str(&aerodynamics::table(&points));
+    }
+    // Schemes are compared in single precision, on CPU threads if they take part.
+    let engine = engines.iter().find(|engine| {
+        !matches!(
+            engine.placement,
+            AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
+        )
+    });
+    for (_, compare) in comparisons {
+        if let Some(engine) = engine {
+            let (_, table) = compare(arguments.full, engine, &arguments.out, &mut watch)?;
+            text.push_str(&format!("{}\n{table}", engine.name()));
+        }
     }
     progress.finish();
     text.push_str(&format!("tables and plots: {}\n", arguments.out.display()));

@@ -5,6 +5,7 @@ mod check;
 mod devices;
 mod engine;
 mod new;
+mod profile;
 mod progress;
 mod run;
 mod validate;

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::profile;
 use super::progress::Progress;
 use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
 use crate::run::{self, Order, Report, RunError};
@@ -22,6 +23,9 @@ pub(super) struct RunArguments {
     /// Seconds of wall time between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint_every: f64,
+    /// Print what every stage of a step took.
+    #[arg(long)]
+    profile: bool,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -57,6 +61,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     match result {
         Ok(report) => {
             emit(&report_text(&report, &arguments.out))?;
+            if arguments.profile {
+                emit(&profile::table(&report.summary))?;
+            }
             if report.unbalanced {
                 return Err(Failure::Other(
                     exit::DIVERGED,

@@ -34,7 +34,8 @@ pub struct Marker {
     pub area_m2: f64,
 }
 
-/// Parts per edge into which a triangle is divided, each part carrying one marker at its centroid. Centroids of equilateral
+/// Parts per edge into which a triangle is divided, each part carrying one marker at its centroid, for markers at most `spacing_m` apart,
+/// [`SPACING_CELLS`] cells as a rule. Centroids of equilateral
 /// neighbours lie an edge over √3 apart; the longest edge decides, so that slivers are not undersampled along their length.
 #[must_use]
 pub fn subdivisions(extent: &Extent, spacing_m: f64) -> usize {

@@ -1,12 +1,12 @@
-//! The cells under the kernels of all markers, with the entries that a gather per cell needs.
+//! The cells under the kernels of all markers, and the kernels.
 //!
-//! Work is confined to the bounding box of the markers. Cells are ordered by row (y + z · ny), then x; the entries of a cell
-//! by marker: sums over them have one order, so spreading gives the same bits on any number of threads.
+//! Work is confined to the bounding box of the markers. Cells are ordered by row (y + z · ny), then x, so that the four cells of a kernel's
+//! row follow each other; no list of marker and cell pairs is needed. Every cell adds its markers in their order: spreading gives the same
+//! bits on any number of threads.
+
+use rayon::prelude::*;
 
 use super::kernel::{self, WIDTH};
-
-/// Cells under one marker.
-const SUPPORT: usize = WIDTH * WIDTH * WIDTH;
 
 /// A marker whose kernel reaches out of the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +22,7 @@ pub struct OutOfDomain {
 pub struct Domain {
     /// Cells along x, y, z.
     pub cells: [usize; 3],
-    /// Axes along which the domain repeats, so that a kernel that leaves it on one side enters it on the other.
+    /// Axes along which the domain repeats, so that a kernel that leaves it on one side enters it on the other; never x.
     pub repeats: [bool; 3],
 }
 
@@ -77,7 +77,45 @@ pub fn bounding_box(
     Ok((!positions.is_empty()).then_some((low, high)))
 }
 
-/// Touched cells and the marker–cell weights.
+/// Rows of cells under a marker's kernel.
+const ROWS: usize = WIDTH * WIDTH;
+
+/// Markers below which one thread spreads alone: waking others takes longer.
+const ALONE: usize = 512;
+
+/// A marker's kernel: where each of its rows begins among the touched cells, and its weights along the axes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Kernel {
+    /// First touched cell of the rows z, y, y fastest; the other three of a row follow it.
+    rows: [u32; ROWS],
+    /// Weights along x, y, z.
+    weights: [[f64; WIDTH]; 3],
+}
+
+impl Kernel {
+    /// Weight of row `row` for each of its cells.
+    #[inline(always)]
+    fn of_row(&self, row: usize) -> [f64; WIDTH] {
+        let weight = self.weights[2][row / WIDTH] * self.weights[1][row % WIDTH];
+        self.weights[0].map(|along| weight * along)
+    }
+}
+
+/// Place in a box whose ends meet, for one at most a box length away.
+#[inline(always)]
+fn wrapped(place: i64, size: usize) -> usize {
+    let size = size as i64;
+    let place = if place < 0 {
+        place + size
+    } else if place >= size {
+        place - size
+    } else {
+        place
+    };
+    place as usize
+}
+
+/// Touched cells and the markers' kernels.
 #[derive(Debug, Clone, Default)]
 pub struct TouchedCells {
     /// Cells, ordered by row, then x.
@@ -86,17 +124,12 @@ pub struct TouchedCells {
     pub x: Vec<u32>,
     /// (row = y + z · ny, first cell, end), ascending rows.
     pub rows: Vec<(u32, u32, u32)>,
-    /// First entry of every cell, and the end.
-    cell_entries: Vec<u32>,
-    /// Marker of every entry.
-    entry_markers: Vec<u32>,
-    /// Weight of every entry.
-    entry_weights: Vec<f64>,
-    /// Cell index of every marker's 64 kernel points, `[marker][point]`.
-    marker_cells: Vec<u32>,
-    /// Weights in the same order.
-    marker_weights: Vec<f64>,
-    box_map: Vec<u32>,
+    /// `[marker_count]`
+    kernels: Vec<Kernel>,
+    /// True for the touched cells of the bounding box.
+    marks: Vec<u8>,
+    /// Number of every cell of the bounding box among the touched ones; not set elsewhere.
+    numbers: Vec<u32>,
 }
 
 impl TouchedCells {
@@ -108,71 +141,60 @@ impl TouchedCells {
     ) -> Result<(), OutOfDomain> {
         let domain = domain.into();
         let found = bounding_box(positions, domain)?;
-        self.clear();
+        self.cells.clear();
+        self.x.clear();
+        self.rows.clear();
+        self.kernels.clear();
+        self.marks.clear();
         let Some((low, high)) = found else {
             return Ok(());
         };
         let size: [usize; 3] = std::array::from_fn(|a| (high[a] - low[a]) as usize);
-        self.box_map.resize(size[0] * size[1] * size[2], 0);
-        self.marker_cells.resize(positions.len() * SUPPORT, 0);
-        self.marker_weights.resize(positions.len() * SUPPORT, 0.0);
-        for (marker, position) in positions.iter().enumerate() {
+        self.marks.resize(size[0] * size[1] * size[2], 0);
+        self.numbers.resize(self.marks.len(), 0);
+        for position in positions {
             let axes = position.map(kernel::weights);
+            let x = (axes[0].0 - low[0]) as usize;
             // Where the box is the whole domain, a kernel may go on at its other end.
-            let [xs, ys, zs]: [[usize; WIDTH]; 3] = std::array::from_fn(|a| {
+            let [ys, zs]: [[usize; WIDTH]; 2] = [1, 2].map(|a| {
                 let first = axes[a].0 - low[a];
-                std::array::from_fn(|i| (first + i as i64).rem_euclid(size[a] as i64) as usize)
+                std::array::from_fn(|i| wrapped(first + i as i64, size[a]))
             });
-            let mut point = marker * SUPPORT;
-            for k in 0..WIDTH {
-                for j in 0..WIDTH {
-                    let weight = axes[2].1[k] * axes[1].1[j];
-                    let row = size[0] * (ys[j] + size[1] * zs[k]);
-                    for i in 0..WIDTH {
-                        self.box_map[row + xs[i]] += 1;
-                        self.marker_cells[point] = (row + xs[i]) as u32;
-                        self.marker_weights[point] = weight * axes[0].1[i];
-                        point += 1;
-                    }
-                }
+            let mut kernel = Kernel {
+                weights: axes.map(|(_, weights)| weights),
+                ..Kernel::default()
+            };
+            for (row, start) in kernel.rows.iter_mut().enumerate() {
+                let slot = size[0] * (ys[row % WIDTH] + size[1] * zs[row / WIDTH]) + x;
+                self.marks[slot..slot + WIDTH].fill(1);
+                *start = slot as u32;
             }
+            self.kernels.push(kernel);
         }
         self.number_cells(low, size, domain.cells[1]);
-        self.sort_entries();
+        for kernel in &mut self.kernels {
+            for start in &mut kernel.rows {
+                *start = self.numbers[*start as usize];
+            }
+        }
         Ok(())
     }
 
-    fn clear(&mut self) {
-        self.cells.clear();
-        self.x.clear();
-        self.rows.clear();
-        self.cell_entries.clear();
-        self.entry_markers.clear();
-        self.entry_weights.clear();
-        self.marker_cells.clear();
-        self.marker_weights.clear();
-        self.box_map.clear();
-    }
-
-    /// Turns counts per box cell into consecutive cell numbers and prefix sums.
+    /// Gives the touched cells consecutive numbers.
     fn number_cells(&mut self, low: [i64; 3], size: [usize; 3], ny: usize) {
-        let mut entries = 0;
-        let mut slot = 0;
         for k in 0..size[2] {
             for j in 0..size[1] {
                 let first = self.cells.len() as u32;
                 let (y, z) = (low[1] + j as i64, low[2] + k as i64);
-                for i in 0..size[0] {
-                    let count = self.box_map[slot];
-                    if count > 0 {
+                let row = size[0] * (j + size[1] * k)..size[0] * (j + 1 + size[1] * k);
+                let numbers = &mut self.numbers[row.clone()];
+                for (i, (&mark, number)) in self.marks[row].iter().zip(numbers).enumerate() {
+                    if mark != 0 {
                         let x = (low[0] + i as i64) as u32;
-                        self.box_map[slot] = self.cells.len() as u32;
+                        *number = self.cells.len() as u32;
                         self.cells.push([x, y as u32, z as u32]);
                         self.x.push(x);
-                        self.cell_entries.push(entries);
-                        entries += count;
                     }
-                    slot += 1;
                 }
                 let end = self.cells.len() as u32;
                 if end > first {
@@ -181,55 +203,78 @@ impl TouchedCells {
                 }
             }
         }
-        self.cell_entries.push(entries);
-    }
-
-    /// Counting sort of marker–cell entries by cell, keeping the order of markers.
-    fn sort_entries(&mut self) {
-        let total = self.marker_cells.len();
-        self.entry_markers.resize(total, 0);
-        self.entry_weights.resize(total, 0.0);
-        let mut next = self.cell_entries.clone();
-        for point in 0..total {
-            let cell = self.box_map[self.marker_cells[point] as usize];
-            self.marker_cells[point] = cell;
-            let entry = &mut next[cell as usize];
-            self.entry_markers[*entry as usize] = (point / SUPPORT) as u32;
-            self.entry_weights[*entry as usize] = self.marker_weights[point];
-            *entry += 1;
-        }
     }
 
     /// Σ over cells of weight · value for one marker.
     #[must_use]
+    #[inline]
     pub fn interpolate<const N: usize>(&self, marker: usize, values: &[[f64; N]]) -> [f64; N] {
-        let range = marker * SUPPORT..(marker + 1) * SUPPORT;
+        let kernel = &self.kernels[marker];
         let mut sum = [0.0; N];
-        for (&cell, &weight) in self.marker_cells[range.clone()]
-            .iter()
-            .zip(&self.marker_weights[range])
-        {
-            for n in 0..N {
-                sum[n] += weight * values[cell as usize][n];
+        for (row, &start) in kernel.rows.iter().enumerate() {
+            let start = start as usize;
+            let weights = kernel.of_row(row);
+            for (weight, value) in weights.iter().zip(&values[start..start + WIDTH]) {
+                for n in 0..N {
+                    sum[n] += weight * value[n];
+                }
             }
         }
         sum
     }
 
-    /// Σ over markers of weight · value for one cell.
-    #[must_use]
-    pub fn spread<const N: usize>(&self, cell: usize, values: &[[f64; N]]) -> [f64; N] {
-        let range = self.cell_entries[cell] as usize..self.cell_entries[cell + 1] as usize;
-        let mut sum = [0.0; N];
-        for (&marker, &weight) in self.entry_markers[range.clone()]
-            .iter()
-            .zip(&self.entry_weights[range])
-        {
-            for n in 0..N {
-                sum[n] += weight * values[marker as usize][n];
+    /// Σ over markers of weight · value for every cell, `[touched]`: every thread takes a range of cells, and every cell its markers in
+    /// order, so that the bits do not depend on the number of threads.
+    pub fn spread<const N: usize>(&self, values: &[[f64; N]], sums: &mut Vec<[f64; N]>) {
+        sums.clear();
+        sums.resize(self.cells.len(), [0.0; N]);
+        let parts = if self.kernels.len() < ALONE {
+            1
+        } else {
+            rayon::current_num_threads().max(1)
+        };
+        if parts == 1 {
+            for (kernel, value) in self.kernels.iter().zip(values) {
+                for (row, &start) in kernel.rows.iter().enumerate() {
+                    let start = start as usize;
+                    add_row(&mut sums[start..start + WIDTH], kernel.of_row(row), value);
+                }
             }
+            return;
         }
-        sum
+        let share = self.cells.len().div_ceil(parts);
+        sums.par_chunks_mut(share)
+            .enumerate()
+            .for_each(|(part, sums)| {
+                let (first, end) = (part * share, part * share + sums.len());
+                for (kernel, value) in self.kernels.iter().zip(values) {
+                    for (row, &start) in kernel.rows.iter().enumerate() {
+                        let start = start as usize;
+                        if start >= first && start + WIDTH <= end {
+                            let cells = start - first..start - first + WIDTH;
+                            add_row(&mut sums[cells], kernel.of_row(row), value);
+                        } else if start + WIDTH > first && start < end {
+                            // A row that reaches over the end of the range.
+                            let weights = kernel.of_row(row);
+                            for cell in start.max(first)..(start + WIDTH).min(end) {
+                                for n in 0..N {
+                                    sums[cell - first][n] += weights[cell - start] * value[n];
+                                }
+                            }
+                        }
+                    }
+                }
+            });
+    }
+}
+
+/// Adds a marker's value to the cells of one row.
+#[inline(always)]
+fn add_row<const N: usize>(sums: &mut [[f64; N]], weights: [f64; WIDTH], value: &[f64; N]) {
+    for (sum, weight) in sums.iter_mut().zip(weights) {
+        for n in 0..N {
+            sum[n] += weight * value[n];
+        }
     }
 }
 
@@ -265,13 +310,48 @@ mod tests {
         let left: f64 = (0..positions.len())
             .map(|m| touched.interpolate(m, &field)[0] * force[m][0])
             .sum();
-        let spread: Vec<f64> = (0..touched.cells.len())
-            .map(|c| touched.spread(c, &force)[0])
-            .collect();
-        let right: f64 = spread.iter().zip(&field).map(|(s, f)| s * f[0]).sum();
+        let mut spread = Vec::new();
+        touched.spread(&force, &mut spread);
+        let right: f64 = spread.iter().zip(&field).map(|(s, f)| s[0] * f[0]).sum();
         assert!((left - right).abs() < 1e-12 * force.len() as f64);
-        let total: f64 = spread.iter().sum();
+        let total: f64 = spread.iter().map(|s| s[0]).sum();
         assert!((total - force.iter().map(|f| f[0]).sum::<f64>()).abs() < 1e-12);
+    }
+
+    /// However many threads share the cells, each gets the same sum of its markers, in their order.
+    #[test]
+    fn spreading_has_the_same_bits_on_any_number_of_threads() {
+        let positions: Vec<[f64; 3]> = (0..5).flat_map(|_| positions()).collect();
+        let force: Vec<[f64; 3]> = (0..positions.len())
+            .map(|m| [(m as f64).cos(), (m as f64).sin(), 1.0 / (1.0 + m as f64)])
+            .collect();
+        let mut touched = TouchedCells::default();
+        touched.rebuild(&positions, [24, 20, 18]).unwrap();
+        let mut plain = vec![[0.0; 3]; touched.cells.len()];
+        for (position, force) in positions.iter().zip(&force) {
+            let axes = position.map(kernel::weights);
+            for (sum, cell) in plain.iter_mut().zip(&touched.cells) {
+                let at = |a: usize| {
+                    usize::try_from(i64::from(cell[a]) - axes[a].0)
+                        .ok()
+                        .and_then(|i| axes[a].1.get(i))
+                };
+                if let (Some(x), Some(y), Some(z)) = (at(0), at(1), at(2)) {
+                    for a in 0..3 {
+                        sum[a] += z * y * x * force[a];
+                    }
+                }
+            }
+        }
+        for threads in [1, 2, 3, 7] {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            let mut sums = Vec::new();
+            pool.install(|| touched.spread(&force, &mut sums));
+            assert!(sums == plain, "{threads}");
+        }
     }
 
     #[test]
@@ -318,11 +398,12 @@ mod tests {
         let mut touched = TouchedCells::default();
         touched.rebuild(&positions, domain).unwrap();
         assert_eq!(touched.cells.len(), 4 * 30);
-        let ones = vec![[1.0]; 30];
+        let mut sums = Vec::new();
+        touched.spread(&[[1.0]; 30], &mut sums);
         let (_, along) = kernel::weights(5.3);
         for (cell, place) in touched.cells.iter().enumerate() {
             let expected = along[place[0] as usize - 4];
-            assert!((touched.spread(cell, &ones)[0] - expected).abs() < 1e-14);
+            assert!((sums[cell][0] - expected).abs() < 1e-14);
         }
         assert!(touched.rebuild(&[[5.3, 5.6, 1.0]], domain).is_err());
     }

@@ -17,7 +17,7 @@ pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomica
 pub use history::HistoryWriter;
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{
-    CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StopInfo, Summary,
-    write_summary,
+    CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
+    StopInfo, StructureEvery, Summary, write_summary,
 };
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

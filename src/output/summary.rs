@@ -59,6 +59,12 @@ pub struct Summary {
     pub million_lattice_updates_per_s: Option<f64>,
     /// Where the time of a step went.
     pub milliseconds_per_step: MillisecondsPerStep,
+    /// Steps of the air between solves of the fabric; `None` where it is solved in each, or where there is none.
+    #[serde(default)]
+    pub structure_every: Option<StructureEvery>,
+    /// Where the time of the steps went, stage by stage in the order of a step.
+    #[serde(default)]
+    pub stages: Vec<StageTime>,
     /// Why and when the run ended.
     pub stop: StopInfo,
     /// What was asked for but not done, one sentence each.
@@ -107,6 +113,30 @@ pub struct MillisecondsPerStep {
     pub contact: Option<f64>,
     /// Everything else, output included (ms).
     pub measure: Option<f64>,
+}
+
+/// Steps of the air between solves of the fabric.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StructureEvery {
+    /// At most, as planned.
+    pub planned: u32,
+    /// In the mean; `None` without any solve.
+    pub mean: Option<f64>,
+    /// Solves that ended a span of steps.
+    pub solves: u64,
+    /// Those that span fewer steps than planned, as the fabric moved fast.
+    pub shortened: u64,
+}
+
+/// Wall time of one stage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageTime {
+    /// Name of the stage.
+    pub stage: String,
+    /// Calls that were timed: all, or those of one step in 31 where a device works while the host goes on.
+    pub calls: u64,
+    /// Time of those calls (s).
+    pub seconds: f64,
 }
 
 /// Why and when a run ended.

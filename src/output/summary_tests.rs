@@ -38,6 +38,8 @@ fn summary() -> Summary {
         wall_s: 3.25,
         million_lattice_updates_per_s: Some(5.0),
         milliseconds_per_step: MillisecondsPerStep::default(),
+        structure_every: None,
+        stages: Vec::new(),
         stop: StopInfo {
             reason: "end time reached".to_owned(),
             when_s: 1.5,

@@ -113,7 +113,7 @@ impl Sizes {
         }
         if let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) {
             let cell_size_m = air.units.cell_size_m;
-            let spacing_m = coupling.marker_spacing_cells * cell_size_m;
+            let spacing_m = coupling.marker_spacing_m(air);
             if let Some(body) = &scene.body {
                 sizes.markers = match &body.kind {
                     BodyKind::Plate(plate) => {

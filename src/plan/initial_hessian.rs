@@ -1,6 +1,6 @@
 //! Which initial Hessian the implicit steps of the fabric start from.
 
-use super::{Placement, Skip};
+use super::{Placement, Skip, structure_every};
 use crate::case::Scene;
 use crate::solve::InitialHessian;
 
@@ -13,7 +13,7 @@ const ELEMENTS_CROSSED: f64 = 10.0;
 
 /// Elements that a stretching wave crosses in one implicit step; `None` without fabric or time steps.
 fn elements_crossed(scene: &Scene) -> Option<f64> {
-    let every = scene.coupling.map_or(1, |c| c.structure_every);
+    let every = structure_every(scene);
     let time_step_s = scene.time?.step_s * f64::from(every);
     Some(scene.body.as_ref()?.structure.elements_crossed(time_step_s))
 }

@@ -1,5 +1,6 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
+mod cadence;
 mod descent;
 mod estimate;
 mod initial_hessian;
@@ -11,6 +12,7 @@ mod warnings;
 mod wing;
 
 pub use crate::lattice::Storage;
+pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
@@ -132,7 +134,7 @@ pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
         return Vec::new();
     };
     let cell_size_m = air.units.cell_size_m;
-    let spacing_m = coupling.marker_spacing_cells * cell_size_m;
+    let spacing_m = coupling.marker_spacing_m(air);
     match &body.kind {
         BodyKind::Plate(plate) => {
             plate.place_markers(spacing_m, coupling.rim_inset_cells * cell_size_m)

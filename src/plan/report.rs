@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan, descent, permeability, wing};
+use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, permeability, wing};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
@@ -233,9 +233,10 @@ impl Plan {
         )?;
         writeln!(
             out,
-            "  over-relaxation     a = {}, structure every {} step(s)",
-            coupling.over_relaxation, coupling.structure_every
+            "  over-relaxation     a = {}",
+            coupling.over_relaxation
         )?;
+        cadence::write(out, scene)?;
         writeln!(
             out,
             "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
@@ -286,7 +287,7 @@ impl Plan {
             return Ok(());
         };
         let cell = air.units.cell_size_m;
-        let spacing_m = coupling.marker_spacing_cells * cell;
+        let spacing_m = coupling.marker_spacing_m(air);
         let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
         writeln!(out, "\nrigid bodies")?;
         if scene.body.is_none() {

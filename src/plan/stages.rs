@@ -1,6 +1,6 @@
 //! The order of a step: the only place that knows it.
 
-use super::Placement;
+use super::{Placement, structure_every};
 use crate::case::Scene;
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
@@ -37,6 +37,24 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All stages, in the order of a step.
+    pub const ALL: [Self; 14] = [
+        Self::EddyViscosity,
+        Self::CollideStream,
+        Self::SendMarkers,
+        Self::Interpolate,
+        Self::FetchAirVelocities,
+        Self::SendNodes,
+        Self::SolveCloth,
+        Self::FetchNodes,
+        Self::SendMarkerForces,
+        Self::Spread,
+        Self::RepeatForcing,
+        Self::FetchMarkerForces,
+        Self::Measure,
+        Self::Output,
+    ];
+
     /// Name in files, labels and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -89,7 +107,7 @@ impl Stage {
 pub struct PlannedStage {
     /// The stage.
     pub stage: Stage,
-    /// Once in so many steps.
+    /// Once in so many steps; `solve_cloth` and its transfers more often where the fabric moves fast.
     pub every: u32,
 }
 
@@ -120,7 +138,7 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
             add(Stage::FetchAirVelocities, 1);
         }
         if scene.body.is_some() {
-            let every = scene.coupling.map_or(1, |c| c.structure_every);
+            let every = structure_every(scene);
             if placement.cloth_on_device() {
                 add(Stage::SendNodes, every);
             }

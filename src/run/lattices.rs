@@ -107,7 +107,7 @@ impl Lattice {
         record: &Record,
     ) -> Result<Option<(Self, String)>, Failure> {
         let scene = simulation.scene();
-        let Some(air) = &scene.air else {
+        let (Some(air), true) = (&scene.air, simulation.spans_are_over()) else {
             return Ok(None);
         };
         if let (Some(BodyKind::Canopy(canopy)), false) =

@@ -2,15 +2,15 @@
 
 use crate::case::Case;
 use crate::measure::{Record, results};
-use crate::output::{CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StopInfo, Summary};
-use crate::plan::{ClothPlacement, Placement};
+use crate::output::{
+    CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
+    Summary,
+};
+use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
 
 /// Difference of the force routes beyond which a run says so.
 const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
-
-/// Motion of a marker between two solves beyond which the coupling is no longer trusted [cells].
-const MARKER_MOTION_LIMIT: f64 = 0.25;
 
 /// Names who computes in that precision: the device, or the host.
 fn processor(placement: &Placement, on_device: bool, precision: &str) -> Processor {
@@ -69,8 +69,24 @@ pub(super) fn summarise(
     if simulation.largest_marker_motion() > MARKER_MOTION_LIMIT {
         notes.push(format!(
             "a marker moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \
-             lower resolution.lattice_speed or coupling.structure_every",
+             lower resolution.lattice_speed",
             simulation.largest_marker_motion()
+        ));
+    }
+    let structure_every = simulation.cadence().map(|cadence| StructureEvery {
+        planned: cadence.planned(),
+        mean: cadence.mean(),
+        solves: cadence.spans(),
+        shortened: cadence.shortened(),
+    });
+    if let Some(every) = structure_every.filter(|every| every.shortened > 0) {
+        notes.push(format!(
+            "{} of {} solves of the fabric span fewer than {} steps of the air ({:.2} in the mean), as a marker would have moved more than \
+             {MARKER_MOTION_LIMIT} cells",
+            every.shortened,
+            every.solves,
+            every.planned,
+            every.mean.unwrap_or(f64::NAN)
         ));
     }
     if let Some(quality) = scene.body.as_ref().and_then(|b| b.quality) {
@@ -101,7 +117,7 @@ pub(super) fn summarise(
         notes.push(format!(
             "the three force routes differ by {:.1} %: average longer{} or lower solver.tolerance",
             100.0 * imbalance,
-            if scene.coupling.is_some_and(|c| c.structure_every > 1) {
+            if structure_every.is_some() {
                 ", use coupling.structure_every = 1,"
             } else {
                 ""
@@ -146,6 +162,17 @@ pub(super) fn summarise(
             ),
             measure: per_step(cost.measure, true),
         },
+        structure_every,
+        stages: plan
+            .stages
+            .iter()
+            .filter(|planned| cost.timed_steps > 0 && planned.stage != Stage::Output)
+            .map(|planned| StageTime {
+                stage: planned.stage.name().to_owned(),
+                calls: cost.of(planned.stage).calls,
+                seconds: cost.of(planned.stage).time.as_secs_f64(),
+            })
+            .collect(),
         stop: StopInfo {
             reason,
             when_s: simulation.time_s(),

@@ -18,7 +18,7 @@ pub struct BodyMarkers {
     /// Places before the body moves [m].
     points_m: Vec<DVec3>,
     moment_point_m: DVec3,
-    /// Normals before the body moves; empty unless air passes it.
+    /// Normals before the body moves.
     normals: Vec<DVec3>,
     /// Where they are among all markers.
     range: Range<usize>,
@@ -44,7 +44,7 @@ impl Load {
 }
 
 impl BodyMarkers {
-    /// Markers of all bodies, at most `spacing_m` apart and numbered from `first`, and their areas [m²].
+    /// Markers of all bodies, at most `spacing_m` apart on a triangle and numbered from `first`, and their areas [m²].
     pub(super) fn place_all(
         scene: &Scene,
         spacing_m: f64,
@@ -64,10 +64,7 @@ impl BodyMarkers {
                     let nodes = body.marker_surface.triangles[marker.triangle as usize];
                     normal_of(body.marker_surface.corners(nodes))
                 };
-                let normals = match body.permeability {
-                    Some(_) => placed.iter().map(normal).collect(),
-                    None => Vec::new(),
-                };
+                let normals = placed.iter().map(normal).collect();
                 first = range.end;
                 Self {
                     motion: body.motion.clone(),
@@ -86,7 +83,7 @@ impl BodyMarkers {
         self.range.clone()
     }
 
-    /// Normals of a permeable body at `time_s`.
+    /// Normals at `time_s`.
     pub(super) fn normals(&self, time_s: f64, all: &mut [[f64; 3]]) {
         let placement = self.motion.at(time_s);
         let points = self.points_m.iter().zip(&self.normals);

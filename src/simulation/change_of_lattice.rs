@@ -174,7 +174,7 @@ fn on_lattice(old: &Coupled, scene: &Scene, units: &Units, cloth: Option<&Cloth>
 
 impl Simulation {
     /// Goes on on the lattice of `scene`, which differs from this one's in the cells and scales of its air and in its time step alone. Only
-    /// after release. After an error the simulation cannot go on.
+    /// after release, and between spans of the fabric ([`Simulation::spans_are_over`]). After an error the simulation cannot go on.
     pub fn change_lattice(&mut self, scene: Scene, mut plan: Plan) -> Result<(), Failure> {
         let (time_s, step) = (self.time_s(), self.step);
         let (Some(old), Some(air), true) = (self.scene.air, self.air.take(), self.released())
@@ -216,6 +216,7 @@ impl Simulation {
                 .descent
                 .take()
                 .map(|descent| descent.with_time_step(time.step_s)),
+            cadence: self.cadence,
             drags: std::mem::take(&mut self.drags),
             opening: self.opening.take(),
             origin: Origin { step, time_s },
@@ -244,6 +245,12 @@ impl Simulation {
             let done = self.origin.step - self.plan.start_steps;
             self.plan.steps = done.saturating_add(left.ceil().max(0.0) as u64);
         }
+    }
+
+    /// True if no span of several steps between solves of the fabric is under way.
+    #[must_use]
+    pub fn spans_are_over(&self) -> bool {
+        self.cadence.is_none_or(|cadence| cadence.begins(self.step))
     }
 
     /// Fastest cell, or marker [cells per step].

@@ -32,6 +32,10 @@ impl Simulation {
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
+            out.put("largest_marker_motion", &[self.largest_marker_motion])?;
+        }
+        if let Some(cadence) = &self.cadence {
+            cadence.save(out)?;
         }
         if let Some(descent) = &self.descent {
             descent.save(out)?;
@@ -76,6 +80,9 @@ impl Simulation {
                 });
             }
         }
+        if let Some(cadence) = &mut self.cadence {
+            cadence.restore(from)?;
+        }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;
         }
@@ -85,6 +92,7 @@ impl Simulation {
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {
                 coupled.restore(from, air)?;
+                self.largest_marker_motion = from.take_exactly("largest_marker_motion", 1)?[0];
             }
             if let Some(impulses) = &mut self.impulses {
                 impulses.restore(from, air)?;

@@ -18,26 +18,88 @@ const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
 const REFRESH_EVERY: usize = 10;
 
+/// The fabric before a solve over several steps.
+struct Before {
+    positions_m: Vec<DVec3>,
+    velocities_m_s: Vec<DVec3>,
+}
+
 impl Simulation {
     fn step_settings(&self) -> SolverSettings {
         step_settings(&self.scene, &self.plan)
     }
 
-    /// True if the fabric is solved in this step: after release, every `every` steps.
-    fn solves_now(&self, every: u32) -> bool {
+    /// True if the fabric is solved in this step: after release, in every step or where a span of several begins.
+    pub(super) fn solves_now(&self) -> bool {
         self.step >= self.plan.start_steps
-            && (self.step - self.plan.start_steps).is_multiple_of(u64::from(every))
+            && self.cadence.is_none_or(|cadence| cadence.begins(self.step))
+    }
+
+    /// Steps of the air that the present solve spans.
+    fn every(&self) -> u32 {
+        self.cadence.map_or(1, |cadence| cadence.every())
+    }
+
+    /// Takes the number of steps that the next solve spans, by how fast the fabric moves.
+    fn begin_span(&mut self) {
+        if let (Some(cadence), Some(coupled), Some(cloth)) =
+            (&mut self.cadence, &self.coupled, &self.cloth)
+        {
+            cadence.begin(coupled.fastest_of_fabric(cloth));
+        }
+    }
+
+    /// Goes back to where the fabric was, for a solve over fewer steps, if the one just done lets it move too far.
+    fn take_back(&mut self, before: &Before) -> bool {
+        let (Some(cadence), Some(coupled), Some(cloth)) =
+            (&mut self.cadence, &self.coupled, &mut self.cloth)
+        else {
+            return false;
+        };
+        let too_far = cadence.shorten(coupled.fastest_of_fabric(cloth));
+        if too_far {
+            cloth.positions_m.copy_from_slice(&before.positions_m);
+            cloth.velocities_m_s.copy_from_slice(&before.velocities_m_s);
+        }
+        too_far
+    }
+
+    /// Ends a solve over several steps: only the first is gone at once.
+    fn end_span(&mut self, before: &Before) {
+        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        if let (Some(cadence), Some(cloth)) = (&mut self.cadence, &mut self.cloth) {
+            for ((x, old), v) in cloth
+                .positions_m
+                .iter_mut()
+                .zip(&before.positions_m)
+                .zip(&cloth.velocities_m_s)
+            {
+                *x = *old + *v * time_step_s;
+            }
+            cadence.end(self.step);
+        }
+    }
+
+    /// What a solve over several steps may have to be taken back to; `None` where every step is solved.
+    fn before(&self) -> Option<Before> {
+        let cloth = self.cloth.as_ref().filter(|_| self.cadence.is_some())?;
+        Some(Before {
+            positions_m: cloth.positions_m.clone(),
+            velocities_m_s: cloth.velocities_m_s.clone(),
+        })
     }
 
     /// Stage `send_nodes`.
-    pub(super) fn send_nodes(&mut self, every: u32) -> Result<(), DeviceError> {
-        if !self.solves_now(every) {
+    pub(super) fn send_nodes(&mut self) -> Result<(), DeviceError> {
+        if !self.solves_now() {
             return Ok(());
         }
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
+        self.begin_span();
         let felt = self.felt_gravity_m_s2();
+        let every = self.every();
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
@@ -52,9 +114,9 @@ impl Simulation {
     }
 
     /// Stage `solve_cloth`; on the device the solution stays there.
-    pub(super) fn solve_cloth(&mut self, every: u32) -> Result<(), Failure> {
-        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
-        if !self.solves_now(every) {
+    pub(super) fn solve_cloth(&mut self) -> Result<(), Failure> {
+        if !self.solves_now() {
+            let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
             if let Some(cloth) = self
                 .cloth
                 .as_mut()
@@ -67,80 +129,128 @@ impl Simulation {
             }
             return Ok(());
         }
-        let settings = self.step_settings();
-        let felt = self.felt_gravity_m_s2();
-        let Some(cloth) = &mut self.cloth else {
-            return Ok(());
-        };
-        let outcome = match &mut self.device_cloth {
-            Some(device_cloth) => {
-                let input = step_input(
-                    &self.scene,
-                    self.coupled.as_ref(),
-                    (felt, &self.drags),
-                    every,
-                );
-                device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?
-            }
-            None => {
-                if let Some(coupled) = &mut self.coupled {
-                    coupled.gather_reactions();
-                }
-                let input = step_input(
-                    &self.scene,
-                    self.coupled.as_ref(),
-                    (felt, &self.drags),
-                    every,
-                );
-                let before = (every > 1).then(|| cloth.positions_m.clone());
-                let contact = cloth.contact_time();
-                let outcome = cloth.solve_cloth(&input, &settings);
-                self.cost.contact += cloth.contact_time().saturating_sub(contact);
-                if let Some(before) = before {
-                    step_from(&before, cloth, time_step_s);
-                }
-                outcome
-            }
-        };
-        count(&mut self.cost, &outcome);
-        if outcome.stop == Stop::NotFinite {
-            // The fabric often only feels what the air has become.
-            self.watch()?;
-            let node = self
-                .cloth
-                .as_ref()
-                .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
-            let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
-            let what = format!("the fabric's energy is no longer finite{place}");
-            return Err(self.diverged(what).into());
+        if self.device_cloth.is_some() {
+            let outcome = self.solve_on_device()?;
+            return self.finite(outcome.as_ref());
         }
-        Ok(())
+        if let Some(coupled) = &mut self.coupled {
+            coupled.gather_reactions();
+        }
+        self.begin_span();
+        let before = self.before();
+        loop {
+            let outcome = self.solve_on_host();
+            self.finite(outcome.as_ref())?;
+            match &before {
+                Some(before) if self.take_back(before) => {}
+                Some(before) => {
+                    self.end_span(before);
+                    return Ok(());
+                }
+                None => return Ok(()),
+            }
+        }
     }
 
-    /// Stage `fetch_nodes`.
-    pub(super) fn fetch_nodes(&mut self, every: u32) -> Result<(), DeviceError> {
-        if !self.solves_now(every) {
-            return Ok(());
-        }
+    fn solve_on_host(&mut self) -> Option<Outcome> {
+        let settings = self.step_settings();
         let felt = self.felt_gravity_m_s2();
+        let every = self.every();
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
             (felt, &self.drags),
             every,
         );
-        if let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth) {
-            let before = (every > 1).then(|| cloth.positions_m.clone());
-            device_cloth.fetch_nodes(cloth, &input)?;
-            if let Some(before) = before {
-                step_from(
-                    &before,
-                    cloth,
-                    self.scene.time.map_or(0.0, |time| time.step_s),
-                );
-            }
+        let cloth = self.cloth.as_mut()?;
+        let contact = cloth.contact_time();
+        let outcome = cloth.solve_cloth(&input, &settings);
+        self.cost.contact += cloth.contact_time().saturating_sub(contact);
+        count(&mut self.cost, &outcome);
+        Some(outcome)
+    }
+
+    /// On what `send_nodes` sent.
+    fn solve_on_device(&mut self) -> Result<Option<Outcome>, DeviceError> {
+        let settings = self.step_settings();
+        let felt = self.felt_gravity_m_s2();
+        let every = self.every();
+        let input = step_input(
+            &self.scene,
+            self.coupled.as_ref(),
+            (felt, &self.drags),
+            every,
+        );
+        let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) else {
+            return Ok(None);
+        };
+        let outcome =
+            device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?;
+        count(&mut self.cost, &outcome);
+        Ok(Some(outcome))
+    }
+
+    /// A solve that is not finite ends the run.
+    fn finite(&self, outcome: Option<&Outcome>) -> Result<(), Failure> {
+        if outcome.is_none_or(|outcome| outcome.stop != Stop::NotFinite) {
+            return Ok(());
         }
+        // The fabric often only feels what the air has become.
+        self.watch()?;
+        let node = self
+            .cloth
+            .as_ref()
+            .and_then(|c| c.positions_m.iter().position(|x| !x.is_finite()));
+        let place = node.map_or_else(String::new, |node| format!(" at node {node}"));
+        let what = format!("the fabric's energy is no longer finite{place}");
+        Err(self.diverged(what).into())
+    }
+
+    /// Stage `fetch_nodes`; solves anew over fewer steps where the fabric moves too far.
+    pub(super) fn fetch_nodes(&mut self) -> Result<(), Failure> {
+        if !self.solves_now() {
+            return Ok(());
+        }
+        let before = self.before();
+        self.fetch_solution()?;
+        let Some(before) = before else {
+            return Ok(());
+        };
+        while self.take_back(&before) {
+            let settings = self.step_settings();
+            let felt = self.felt_gravity_m_s2();
+            let every = self.every();
+            let input = step_input(
+                &self.scene,
+                self.coupled.as_ref(),
+                (felt, &self.drags),
+                every,
+            );
+            let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth)
+            else {
+                break;
+            };
+            let outcome = device_cloth.solve(cloth, &input, &settings, &mut |_| true)?;
+            count(&mut self.cost, &outcome);
+            self.finite(Some(&outcome))?;
+        }
+        self.end_span(&before);
         Ok(())
+    }
+
+    fn fetch_solution(&mut self) -> Result<(), DeviceError> {
+        let felt = self.felt_gravity_m_s2();
+        let every = self.every();
+        let input = step_input(
+            &self.scene,
+            self.coupled.as_ref(),
+            (felt, &self.drags),
+            every,
+        );
+        match (&mut self.cloth, &mut self.device_cloth) {
+            (Some(cloth), Some(device_cloth)) => device_cloth.fetch_nodes(cloth, &input),
+            _ => Ok(()),
+        }
     }
 
     /// Seeks the static equilibrium asked for by the case, from where the structure is; `None` if it asks for none. `watch` is told
@@ -214,18 +324,6 @@ fn step_input<'a>(
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
         permeable: coupled.map(Coupled::permeable).unwrap_or_default(),
-    }
-}
-
-/// Takes back a solve over several steps but its first.
-fn step_from(before: &[DVec3], cloth: &mut crate::cpu::cloth::Cloth, time_step_s: f64) {
-    for ((x, old), v) in cloth
-        .positions_m
-        .iter_mut()
-        .zip(before)
-        .zip(&cloth.velocities_m_s)
-    {
-        *x = *old + *v * time_step_s;
     }
 }
 

@@ -1,11 +1,25 @@
 //! Markers between the air and fabric or rigid bodies: SI on their side, lattice units on the air's.
+//!
+//! The scheme, in a step of the air from tⁿ to tⁿ⁺¹ (docs/coupling.md compares it with others):
+//!
+//! 1. collide and stream under the body force of the last step ([`crate::cpu::fluid`]);
+//! 2. u*_k = Σ_x φ_k(x) u*(x), the bare velocity of the streamed populations at marker k, and a_k = min(2.5 a, a (3/8)/D_k)
+//!    ([`crate::cpu::immersed`]);
+//! 3. every k-th step, at most ([`super::Cadence`]): the fabric minimises inertia, elastic energy and ½ k dt Σ_k K_k |v_k − ū_k|² over
+//!    k dt, K_k = 2 a_k ρ A_k Δx/dt, ū_k the mean of u*_k over the steps since the last solve ([`crate::cpu::cloth::solve_cloth`]); between
+//!    solves it keeps its velocity;
+//! 4. the air gets g_k = K_k (v_k − u*_k) of this step, F(x) = Σ_k φ_k(x) g_k.
+//!
+//! With k = 1 what the air gets is what the fabric felt, to the solver's tolerance; with k > 1 momentum is exchanged exactly only in the
+//! mean over many spans. *Departure from explicit coupling and from Inamuro's multi-direct forcing (paper P0)*: the reaction is part of
+//! the implicit step, with the velocity that the step ends with, so that the ratio of masses does not decide on stability.
 
 use glam::DVec3;
 
 use super::air::AirEngine;
 use super::bodies::{BodyMarkers, Load};
 use super::markers::MarkerEngine;
-use super::permeable::PermeableMarkers;
+use super::permeable::{PermeableMarkers, normal_of};
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -25,6 +39,8 @@ pub struct Coupled {
     bodies: Vec<BodyMarkers>,
     /// Passes of forcing.
     passes: u32,
+    /// Steps of the running mean of u*; 1 without.
+    averaging_steps: u32,
     immersed: MarkerEngine,
     /// [cells]
     positions: Vec<[f64; 3]>,
@@ -48,8 +64,8 @@ impl Coupled {
     ) -> Result<Self, DeviceError> {
         let markers = place_markers(scene);
         let cell_area = air.units.cell_size_m * air.units.cell_size_m;
-        let spacing_m = coupling.marker_spacing_cells * air.units.cell_size_m;
-        let (bodies, body_areas_m2) = BodyMarkers::place_all(scene, spacing_m, markers.len());
+        let (bodies, body_areas_m2) =
+            BodyMarkers::place_all(scene, coupling.marker_spacing_m(air), markers.len());
         let areas: Vec<f64> = markers
             .iter()
             .map(|m| m.area_m2)
@@ -71,6 +87,7 @@ impl Coupled {
             markers,
             bodies,
             passes: coupling.passes,
+            averaging_steps: coupling.averaging_steps,
             immersed: MarkerEngine::new(engine, areas, coupling.over_relaxation)?,
             positions: vec![[0.0; 3]; count],
             velocities: vec![[0.0; 3]; count],
@@ -207,8 +224,23 @@ impl Coupled {
         Ok(())
     }
 
-    /// u* counts towards the mean of the steps since the last solve.
+    /// u* counts towards the mean of the steps since the last solve, or moves the running mean.
     fn add_air_velocities(&mut self) {
+        if self.averaging_steps > 1 {
+            let share = if self.sums == 0 {
+                1.0
+            } else {
+                1.0 / f64::from(self.averaging_steps)
+            };
+            let present = self.immersed.air_velocities();
+            for (mean, u) in self.air_velocity_sums.iter_mut().zip(present) {
+                for a in 0..3 {
+                    mean[a] += share * (u[a] - mean[a]);
+                }
+            }
+            self.sums = 1;
+            return;
+        }
         for (sum, u) in self
             .air_velocity_sums
             .iter_mut()
@@ -250,8 +282,10 @@ impl Coupled {
         if let Some(permeable) = &mut self.permeable {
             permeable.gather(self.markers.len(), &self.immersed, &self.units);
         }
-        self.air_velocity_sums.fill([0.0; 3]);
-        self.sums = 0;
+        if self.averaging_steps == 1 {
+            self.air_velocity_sums.fill([0.0; 3]);
+            self.sums = 0;
+        }
     }
 
     /// Velocities for a step that ends at `time_s`; before release all is held.
@@ -338,12 +372,46 @@ impl Coupled {
     /// Fastest marker [cells per step].
     #[must_use]
     pub fn fastest_marker(&self) -> f64 {
-        self.velocities
-            .iter()
-            .map(|v| v.iter().map(|c| c * c).sum::<f64>())
-            .fold(0.0, f64::max)
-            .sqrt()
+        fastest(self.velocities.iter().copied())
     }
+
+    /// Fastest marker of the fabric as its nodes move now [cells per step].
+    pub(super) fn fastest_of_fabric(&self, cloth: &Cloth) -> f64 {
+        let velocity = |marker| at_marker(cloth, marker, &cloth.velocities_m_s);
+        let velocities = self.markers.iter().map(velocity);
+        fastest(velocities.map(|v| self.units.velocity_to_lattice(v)))
+    }
+
+    /// Mean normal velocity of the air through all surfaces at `time_s`, relative to them and beside what they let pass, after the half
+    /// force: positive along the triangles' normals, weighted by area \[m/s\].
+    pub fn leakage_m_s(&self, cloth: Option<&Cloth>, time_s: f64) -> Result<f64, DeviceError> {
+        let targets = targets(&self.permeable, &self.velocities);
+        let slips = self.immersed.slip_velocities(targets)?;
+        let mut normals = vec![[0.0; 3]; slips.len()];
+        if let Some(cloth) = cloth {
+            for (normal, marker) in normals.iter_mut().zip(&self.markers) {
+                let nodes = cloth.structure.triangles[marker.triangle as usize].nodes;
+                *normal = normal_of(nodes.map(|n| cloth.positions_m[n as usize])).to_array();
+            }
+        }
+        for body in &self.bodies {
+            body.normals(time_s, &mut normals);
+        }
+        let (mut flow, mut whole) = (0.0, 0.0);
+        for (k, (slip, normal)) in slips.iter().zip(&normals).enumerate() {
+            let area = self.immersed.area(k);
+            flow += area * (0..3).map(|a| slip[a] * normal[a]).sum::<f64>();
+            whole += area;
+        }
+        Ok(flow / whole * self.units.speed_m_s())
+    }
+}
+
+fn fastest(velocities: impl Iterator<Item = [f64; 3]>) -> f64 {
+    velocities
+        .map(|v| v.iter().map(|c| c * c).sum::<f64>())
+        .fold(0.0, f64::max)
+        .sqrt()
 }
 
 /// Velocities that the air is to have at the markers: their own, and what passes them.

@@ -172,7 +172,21 @@ impl MarkerEngine {
         both!(self, markers => markers.force(k))
     }
 
-    /// Slip left after the half force at every marker [cells per step].
+    /// Area of marker `k` [cells²].
+    #[must_use]
+    pub fn area(&self, k: usize) -> f64 {
+        both!(self, markers => markers.area(k))
+    }
+
+    /// Velocity of the air after the half force relative to every marker [cells per step].
+    pub fn slip_velocities(&self, velocities: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, DeviceError> {
+        match self {
+            Self::Cpu(markers) => Ok(markers.slip_velocities(velocities)),
+            Self::Gpu(markers) => markers.slip_velocities(velocities),
+        }
+    }
+
+    /// Its magnitude [cells per step].
     pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Result<Vec<f64>, DeviceError> {
         match self {
             Self::Cpu(markers) => Ok(markers.marker_slips(velocities)),

@@ -2,9 +2,11 @@
 
 mod air;
 mod bodies;
+mod cadence;
 mod change_of_lattice;
 mod checkpoint;
 mod cloth;
+mod cost;
 mod coupled;
 mod descent;
 mod failure;
@@ -15,12 +17,14 @@ mod opening;
 mod permeable;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use glam::DVec3;
 
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
+pub use cadence::Cadence;
+pub use cost::{Cost, StageCost};
 pub use coupled::Coupled;
 pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
@@ -34,7 +38,7 @@ use crate::case::scene::{BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{self, Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
-use crate::plan::{Plan, Stage};
+use crate::plan::{Plan, PlannedStage, Stage, structure_every};
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
@@ -44,35 +48,6 @@ const TIMED_INTERVAL: u64 = 31;
 
 /// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
 const DIVERGED_SPEED: f64 = 0.4;
-
-/// Wall time per stage and work done.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Cost {
-    /// Eddy viscosity, collide and stream.
-    pub fluid: Duration,
-    /// Interpolate and spread.
-    pub coupling: Duration,
-    /// Solve the cloth.
-    pub cloth: Duration,
-    /// Contact of fabric with itself; part of `cloth`.
-    pub contact: Duration,
-    /// Measure.
-    pub measure: Duration,
-    /// Iterations of the minimiser.
-    pub iterations: u64,
-    /// Evaluations of the objective.
-    pub evaluations: u64,
-    /// Solves that ended without reaching their tolerance.
-    pub unconverged: u64,
-    /// Solves.
-    pub solves: u64,
-    /// The static equilibrium at the end, apart from the steps.
-    pub equilibrium: Duration,
-    /// Cells collided in the steps whose stages were timed.
-    pub timed_cells: u64,
-    /// Steps whose stages were timed: all, or some where a device works while the host goes on.
-    pub timed_steps: u64,
-}
 
 /// Where steps and time are counted from: the release, or the last change of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +69,8 @@ pub struct Simulation {
     device_cloth: Option<gpu::cloth::Cloth>,
     device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
+    /// Present where several steps of the air may pass between solves of the fabric.
+    cadence: Option<Cadence>,
     impulses: Option<Impulses>,
     descent: Option<Descent>,
     /// Drag of payload and lines in the step.
@@ -181,11 +158,14 @@ impl Simulation {
             }
             _ => None,
         };
+        let every = structure_every(&scene);
+        let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
         Ok(Self {
             origin: Origin {
                 step: plan.start_steps,
                 time_s: 0.0,
             },
+            cadence,
             descent,
             drags: Vec::new(),
             scene,
@@ -321,6 +301,12 @@ impl Simulation {
         self.largest_marker_motion
     }
 
+    /// Steps of the air between solves of the fabric; `None` where it is solved in each.
+    #[must_use]
+    pub const fn cadence(&self) -> Option<&Cadence> {
+        self.cadence.as_ref()
+    }
+
     /// Wall time and work so far.
     #[must_use]
     pub const fn cost(&self) -> &Cost {
@@ -363,6 +349,7 @@ impl Simulation {
         }
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
+            let due = self.is_due(planned);
             let start = Instant::now();
             match planned.stage {
                 Stage::EddyViscosity => self.eddy_viscosity()?,
@@ -370,9 +357,9 @@ impl Simulation {
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
-                Stage::SendNodes => self.send_nodes(planned.every)?,
-                Stage::SolveCloth => self.solve_cloth(planned.every)?,
-                Stage::FetchNodes => self.fetch_nodes(planned.every)?,
+                Stage::SendNodes => self.send_nodes()?,
+                Stage::SolveCloth => self.solve_cloth()?,
+                Stage::FetchNodes => self.fetch_nodes()?,
                 Stage::SendMarkerForces => self.send_marker_forces(),
                 Stage::Spread => self.spread(),
                 Stage::RepeatForcing => self.repeat_forcing()?,
@@ -388,6 +375,9 @@ impl Simulation {
                 device.wait()?;
             }
             let elapsed = start.elapsed();
+            let cost = &mut self.cost.stages[planned.stage as usize];
+            cost.time += elapsed;
+            cost.calls += u64::from(due);
             match planned.stage {
                 Stage::EddyViscosity | Stage::CollideStream => self.cost.fluid += elapsed,
                 Stage::SendMarkers
@@ -423,6 +413,15 @@ impl Simulation {
             self.sound_step = self.step;
         }
         Ok(())
+    }
+
+    /// True if a stage has work in this step.
+    fn is_due(&self, planned: PlannedStage) -> bool {
+        match planned.stage {
+            Stage::EddyViscosity => self.step.is_multiple_of(u64::from(planned.every)),
+            Stage::SendNodes | Stage::SolveCloth | Stage::FetchNodes => self.solves_now(),
+            _ => true,
+        }
     }
 
     /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
@@ -526,7 +525,7 @@ impl Simulation {
         if let Some(coupled) = &mut self.coupled {
             let released = self.step >= self.plan.start_steps;
             coupled.spread(self.cloth.as_ref(), time_s, released);
-            let every = self.scene.coupling.map_or(1, |c| c.structure_every);
+            let every = self.cadence.map_or(1, |cadence| cadence.every());
             let motion = coupled.fastest_marker() * f64::from(every);
             self.largest_marker_motion = self.largest_marker_motion.max(motion);
         }

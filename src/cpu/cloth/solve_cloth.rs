@@ -10,6 +10,8 @@
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
 //! −f·x ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
+//!
+//! Where the step spans k steps of the air, dt is that of all of them, and u*_k their mean (`simulation::Coupled`).
 
 use std::convert::Infallible;
 

@@ -23,19 +23,19 @@ impl Immersed {
         self.touched.rebuild(positions, self.domain)?;
         let touched = &self.touched;
         self.cell_velocities.resize(touched.cells.len(), [0.0; 3]);
-        let areas = &self.areas;
-        let states: Vec<[f64; 4]> = self
-            .cell_velocities
+        touched.spread(&self.areas, &mut self.cell_areas);
+        self.cell_states.resize(touched.cells.len(), [0.0; 4]);
+        self.cell_states
             .par_iter_mut()
+            .zip(&mut self.cell_velocities)
             .zip(&touched.cells)
-            .enumerate()
+            .zip(&self.cell_areas)
             .with_min_len(CHUNK)
-            .map(|(index, (velocity, cell))| {
+            .for_each(|(((state, velocity), cell), &[area])| {
                 *velocity = fluid.bare_state(cell.map(|c| c as usize)).1;
-                let [area] = touched.spread(index, areas);
-                [velocity[0], velocity[1], velocity[2], area]
-            })
-            .collect();
+                *state = [velocity[0], velocity[1], velocity[2], area];
+            });
+        let states = &self.cell_states;
         let largest = LARGEST_OVER_RELAXATION_RATIO * self.over_relaxation;
         self.strengths
             .par_iter_mut()
@@ -43,7 +43,7 @@ impl Immersed {
             .enumerate()
             .with_min_len(CHUNK)
             .for_each(|(marker, (strength, velocity))| {
-                let [x, y, z, density] = touched.interpolate(marker, &states);
+                let [x, y, z, density] = touched.interpolate(marker, states);
                 *strength = (self.over_relaxation * SUM_OF_SQUARES / density).min(largest);
                 *velocity = [x, y, z];
             });

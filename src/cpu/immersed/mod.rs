@@ -36,6 +36,10 @@ pub struct Immersed {
     air_velocities: Vec<[f64; 3]>,
     /// Bare velocities of the touched cells, `[touched]`.
     cell_velocities: Vec<[f64; 3]>,
+    /// Σ_j A_j φ_j of the touched cells, `[touched]`.
+    cell_areas: Vec<[f64; 1]>,
+    /// Bare velocities and Σ_j A_j φ_j side by side, `[touched]`.
+    cell_states: Vec<[f64; 4]>,
     /// Body force of the touched cells, `[touched]`.
     cell_forces: Vec<[f64; 3]>,
     /// Forces of the markers on the air, `[marker_count]`.
@@ -57,6 +61,8 @@ impl Immersed {
             strengths: vec![0.0; count],
             air_velocities: vec![[0.0; 3]; count],
             cell_velocities: Vec::new(),
+            cell_areas: Vec::new(),
+            cell_states: Vec::new(),
             cell_forces: Vec::new(),
             marker_forces: vec![[0.0; 3]; count],
             active: false,
@@ -79,6 +85,12 @@ impl Immersed {
     #[must_use]
     pub fn stiffness(&self, k: usize) -> f64 {
         2.0 * self.strengths[k] * self.areas[k][0]
+    }
+
+    /// Area of marker `k` [cells²].
+    #[must_use]
+    pub fn area(&self, k: usize) -> f64 {
+        self.areas[k][0]
     }
 
     /// Force of marker `k` on the air by the last `spread` [lattice units].

@@ -1,11 +1,7 @@
-//! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), gathered per touched cell.
-
-use rayon::prelude::*;
+//! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), each cell adding up its markers.
 
 use super::Immersed;
-
-/// Cells per parallel task.
-const CHUNK: usize = 512;
+use crate::immersed::strength::length;
 
 impl Immersed {
     /// Gives the air g_k for markers moving with `velocities` [cells per step]: exactly the opposite of the reaction that the fabric
@@ -29,18 +25,13 @@ impl Immersed {
 
     /// F(x) from the marker forces.
     pub(super) fn gather_cell_forces(&mut self) {
-        let touched = &self.touched;
-        self.cell_forces.resize(touched.cells.len(), [0.0; 3]);
-        self.cell_forces
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(CHUNK)
-            .for_each(|(cell, force)| *force = touched.spread(cell, &self.marker_forces));
+        self.touched
+            .spread(&self.marker_forces, &mut self.cell_forces);
     }
 
-    /// Slip left after the half force at every marker, |u* + F/2 − v| [cells per step], `[marker_count]`.
+    /// Slip left after the half force at every marker, u* + F/2 − v [cells per step], `[marker_count]`.
     #[must_use]
-    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Vec<f64> {
+    pub fn slip_velocities(&self, velocities: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let forced: Vec<[f64; 3]> = self
             .cell_velocities
             .iter()
@@ -52,12 +43,16 @@ impl Immersed {
             .enumerate()
             .map(|(k, velocity)| {
                 let u = self.touched.interpolate(k, &forced);
-                (0..3)
-                    .map(|a| (u[a] - velocity[a]).powi(2))
-                    .sum::<f64>()
-                    .sqrt()
+                std::array::from_fn(|a| u[a] - velocity[a])
             })
             .collect()
+    }
+
+    /// Its magnitude [cells per step], `[marker_count]`.
+    #[must_use]
+    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Vec<f64> {
+        let slips = self.slip_velocities(velocities);
+        slips.iter().map(length).collect()
     }
 
     /// Root mean square of [`Immersed::marker_slips`], weighted by area [cells per step].

@@ -198,6 +198,12 @@ impl Immersed {
         2.0 * self.strengths[k] * self.areas[k]
     }
 
+    /// Area of marker `k` [cells²].
+    #[must_use]
+    pub fn area(&self, k: usize) -> f64 {
+        self.areas[k]
+    }
+
     /// Force of marker `k` on the air by the last `spread` [lattice units].
     #[must_use]
     pub fn force(&self, k: usize) -> [f64; 3] {

@@ -6,6 +6,7 @@
 use super::Immersed;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::compute_pass;
+use crate::immersed::strength::length;
 
 impl Immersed {
     /// Stage `send_marker_forces`: the forces of markers moving with `velocities` [cells per step]; returns their sum on the air
@@ -43,10 +44,10 @@ impl Immersed {
         self.active = true;
     }
 
-    /// Slip left after the half force at every marker, |u* + F/2 − v| [cells per step], `[marker_count]`.
-    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Result<Vec<f64>, DeviceError> {
+    /// Slip left after the half force at every marker, u* + F/2 − v [cells per step], `[marker_count]`.
+    pub fn slip_velocities(&self, velocities: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, DeviceError> {
         let count = self.order.len();
-        let mut slips = vec![0.0; self.areas.len()];
+        let mut slips = vec![[0.0; 3]; self.areas.len()];
         let Some(boxed) = self.boxed.as_ref().filter(|_| count > 0) else {
             return Ok(slips);
         };
@@ -61,12 +62,15 @@ impl Immersed {
         let found: Vec<[f32; 4]> = self.device.read(&self.marker_velocities, 0, count)?;
         for (u, &marker) in found.iter().zip(&self.order) {
             let k = marker as usize;
-            slips[k] = (0..3)
-                .map(|a| (f64::from(u[a]) - velocities[k][a]).powi(2))
-                .sum::<f64>()
-                .sqrt();
+            slips[k] = std::array::from_fn(|a| f64::from(u[a]) - velocities[k][a]);
         }
         Ok(slips)
+    }
+
+    /// Its magnitude [cells per step], `[marker_count]`.
+    pub fn marker_slips(&self, velocities: &[[f64; 3]]) -> Result<Vec<f64>, DeviceError> {
+        let slips = self.slip_velocities(velocities)?;
+        Ok(slips.iter().map(length).collect())
     }
 
     /// Root mean square of [`Immersed::marker_slips`], weighted by area [cells per step].

@@ -1,0 +1,119 @@
+//! Several steps of the air between solves of the fabric.
+
+use libtest_mimic::Trial;
+use ripstop::checkpoint;
+use ripstop::plan::{
+    AirPlacement, ClothPlacement, MARKER_MOTION_LIMIT, Placement, Plan, Precision, Storage,
+};
+use ripstop::simulation::Simulation;
+
+use crate::canopy::small_case;
+use crate::engines::{Engine, needs_device, plain};
+
+pub fn trials() -> Vec<Trial> {
+    let mut trials = plain(
+        "cadence::spans_shorten_where_the_sheet_moves_fast::cpu",
+        || shortens(Precision::F32.into(), Engine::CpuF32),
+    );
+    trials.push(needs_device(
+        "cadence::spans_shorten_where_the_sheet_moves_fast::gpu".to_owned(),
+        || {
+            let placement = Placement {
+                air: AirPlacement::Gpu(Storage::F32),
+                cloth: ClothPlacement::Device,
+                ..Engine::Gpu.plan_placement()
+            };
+            shortens(placement, Engine::Gpu);
+        },
+    ));
+    trials.extend(plain(
+        "cadence::the_plan_chooses_where_the_case_does_not",
+        chosen,
+    ));
+    trials
+}
+
+/// Opening at 10 steps per solve, with a lattice so fast that the sheet would move farther than a quarter of a cell: spans are shortened,
+/// the limit holds, and a run resumed within a shortened span goes on with the same bits.
+fn shortens(placement: Placement, engine: Engine) {
+    let case = small_case(&[
+        "coupling.structure_every=10",
+        "resolution.lattice_speed=0.14",
+    ]);
+    let start = || {
+        let plan = Plan::new(&case.scene, placement.clone());
+        Simulation::new(case.scene.clone(), plan, engine.device()).unwrap()
+    };
+    let mut straight = start();
+    let folder = tempfile::tempdir().unwrap();
+    let mut saved = None;
+    let mut left = 200;
+    while left > 0 {
+        straight.advance().unwrap();
+        let cadence = straight.cadence().unwrap();
+        if straight.released() {
+            left -= 1;
+        }
+        if saved.is_none() && cadence.shortened() > 3 && cadence.every() > 2 {
+            checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
+            saved = Some(straight.step_count());
+        }
+    }
+    let cadence = *straight.cadence().unwrap();
+    assert!(
+        cadence.shortened() > 3 && cadence.shortened() < cadence.spans(),
+        "{cadence:?}"
+    );
+    let mean = cadence.mean().unwrap();
+    assert!(mean > 3.0 && mean < 10.0, "{mean}");
+    let farthest = straight.largest_marker_motion();
+    assert!(
+        farthest > 0.5 * MARKER_MOTION_LIMIT && farthest <= MARKER_MOTION_LIMIT,
+        "{farthest}"
+    );
+    let saved = saved.unwrap();
+    let mut resumed = start();
+    let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
+    resumed.restore(&stored).unwrap();
+    assert_eq!(resumed.step_count(), saved);
+    while resumed.step_count() < straight.step_count() {
+        resumed.advance().unwrap();
+    }
+    assert_eq!(*resumed.cadence().unwrap(), cadence);
+    assert_eq!(resumed.largest_marker_motion(), farthest);
+    let bits = |simulation: &Simulation| {
+        let cloth = simulation.cloth().unwrap();
+        let vectors = cloth.positions_m.iter().chain(&cloth.velocities_m_s);
+        vectors
+            .flat_map(|v| v.to_array().map(f64::to_bits))
+            .collect::<Vec<_>>()
+    };
+    assert!(bits(&straight) == bits(&resumed));
+}
+
+/// Without `coupling.structure_every` the fabric is solved in every step, and nothing is kept for spans of several.
+fn chosen() {
+    let mut case = small_case(&[]);
+    let run = |case: &ripstop::case::Case| {
+        let plan = Plan::new(&case.scene, Precision::F32);
+        let report = plan.report(&case.scene, 1);
+        let mut simulation = Simulation::new(case.scene.clone(), plan, None).unwrap();
+        while simulation.step_count() < 130 {
+            simulation.advance().unwrap();
+        }
+        assert!(simulation.cadence().is_none());
+        (simulation.cloth().unwrap().positions_m.clone(), report)
+    };
+    let (given, asked) = run(&case);
+    case.scene.coupling.as_mut().unwrap().structure_every = None;
+    let (free, chosen) = run(&case);
+    assert!(given == free);
+    assert!(
+        asked.contains("structure every     1 step (asked for)"),
+        "{asked}"
+    );
+    assert!(
+        chosen.contains("structure every     1 step (chosen: "),
+        "{chosen}"
+    );
+}
