@@ -240,7 +240,7 @@ fn school() -> (Wing, case::Case) {
         variant: Some("quick".to_owned()),
         overrides: Vec::new(),
     };
-    let case = case::parse("school", &text, &root(), &choices).unwrap();
+    let case = case::parse("school", &text, root(), &choices).unwrap();
     let mut wing = case.scene.wing.as_ref().unwrap().wing.clone();
     wing.structure = case.scene.body.as_ref().unwrap().structure.clone();
     (wing, case)

@@ -19,6 +19,7 @@ mod plate;
 pub mod scene;
 mod specimens;
 mod structure;
+mod values;
 pub mod wing;
 mod wing_lines;
 

@@ -6,6 +6,8 @@ use glam::DVec3;
 
 pub use super::descent::{Carrier, Descent};
 use super::file::File;
+use super::values::{PLAUSIBLE, at_least_one};
+pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
 use super::{Problem, air, bodies, descent, output, structure};
 use crate::cloth::Structure;
@@ -301,50 +303,8 @@ pub struct Output {
     pub picture_fabric: Vec<FabricQuantity>,
 }
 
-/// Largest and (inverted) smallest quantity taken for a real one, in SI units.
-const PLAUSIBLE: f64 = 1e15;
-
 /// Most steps of a run.
 const STEP_LIMIT: f64 = 1e9;
-
-/// Refuses values that are not positive and finite, or beyond anything physical.
-pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
-    if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&value) {
-        Ok(value)
-    } else {
-        Err(Problem::new(
-            key,
-            format!("{key} = {value:e} must be positive (and between 1e-15 and 1e15)")
-                .replace("e0 must", " must"),
-            "give a number greater than zero, in the unit that the key names",
-        ))
-    }
-}
-
-/// Refuses vectors that are not finite, or beyond anything physical.
-pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
-    if value.iter().all(|v| v.abs() <= PLAUSIBLE) {
-        Ok(DVec3::from_array(value))
-    } else {
-        Err(Problem::new(
-            key,
-            format!("{key} = {value:?} is not a vector of plausible numbers"),
-            "give three finite numbers",
-        ))
-    }
-}
-
-fn at_least_one(key: &str, value: usize) -> Result<usize, Problem> {
-    if value > 0 {
-        Ok(value)
-    } else {
-        Err(Problem::new(
-            key,
-            format!("{key} = 0 would solve nothing"),
-            "give at least 1; hundreds are usual",
-        ))
-    }
-}
 
 /// Refuses tables that nothing in the case would read: a reader would take them for effective.
 fn refuse_unused(file: &File) -> Result<(), Problem> {
@@ -406,40 +366,6 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         }
     }
     Ok(())
-}
-
-/// Refuses values outside a closed range.
-pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, Problem> {
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(Problem::new(
-            key,
-            format!("{key} = {} is out of range", readable(value)),
-            format!(
-                "allowed are values from {} to {}",
-                readable(low),
-                readable(high)
-            ),
-        ))
-    }
-}
-
-/// A number without hundreds of zeros.
-pub(super) fn readable(value: f64) -> String {
-    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
-}
-
-pub(super) fn absent(key: &str, why: &str) -> Problem {
-    Problem::new(
-        key,
-        format!("{key} is missing: {why}"),
-        format!("add `{key}`"),
-    )
 }
 
 /// Checks a case.

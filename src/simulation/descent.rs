@@ -168,13 +168,19 @@ impl Descent {
     pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put(
             "descent",
-            &[self.speed_m_s, self.acceleration_m_s2, self.fallen_m],
+            &[
+                self.speed_m_s,
+                self.acceleration_m_s2,
+                self.fallen_m,
+                self.following_s,
+            ],
         )
     }
 
     pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
-        let values: Vec<f64> = from.take_exactly("descent", 3)?;
-        (self.speed_m_s, self.acceleration_m_s2, self.fallen_m) = (values[0], values[1], values[2]);
+        let values: Vec<f64> = from.take_exactly("descent", 4)?;
+        (self.speed_m_s, self.acceleration_m_s2) = (values[0], values[1]);
+        (self.fallen_m, self.following_s) = (values[2], values[3]);
         Ok(())
     }
 }

@@ -1,0 +1,81 @@
+//! Checks of single values, with what to say about them.
+
+use glam::DVec3;
+
+use super::Problem;
+
+/// Largest and (inverted) smallest quantity taken for a real one, in SI units.
+pub(super) const PLAUSIBLE: f64 = 1e15;
+
+/// Refuses values that are not positive and finite, or beyond anything physical.
+pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
+    if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = {value:e} must be positive (and between 1e-15 and 1e15)")
+                .replace("e0 must", " must"),
+            "give a number greater than zero, in the unit that the key names",
+        ))
+    }
+}
+
+/// Refuses vectors that are not finite, or beyond anything physical.
+pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
+    if value.iter().all(|v| v.abs() <= PLAUSIBLE) {
+        Ok(DVec3::from_array(value))
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = {value:?} is not a vector of plausible numbers"),
+            "give three finite numbers",
+        ))
+    }
+}
+
+pub(super) fn at_least_one(key: &str, value: usize) -> Result<usize, Problem> {
+    if value > 0 {
+        Ok(value)
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = 0 would solve nothing"),
+            "give at least 1; hundreds are usual",
+        ))
+    }
+}
+
+/// Refuses values outside a closed range.
+pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, Problem> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Problem::new(
+            key,
+            format!("{key} = {} is out of range", readable(value)),
+            format!(
+                "allowed are values from {} to {}",
+                readable(low),
+                readable(high)
+            ),
+        ))
+    }
+}
+
+/// A number without hundreds of zeros.
+pub(super) fn readable(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+pub(super) fn absent(key: &str, why: &str) -> Problem {
+    Problem::new(
+        key,
+        format!("{key} is missing: {why}"),
+        format!("add `{key}`"),
+    )
+}
