@@ -71,6 +71,9 @@
 //! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). In a box that falls (`[air.descent]`) every mass, the air's
 //! too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
+//! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down): the state is carried
+//! over in SI units and the stages stay the same ([`simulation::Simulation::change_lattice`], `docs/steady-runs.md`).
+//!
 //! Where a case asks for it ([`cloth::contact`], `docs/contact.md`), fabric that comes close to fabric adds a barrier to that energy, and no
 //! trial goes farther than it can without passing through.
 //!

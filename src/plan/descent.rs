@@ -34,6 +34,10 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             descent.gravity_m_s2,
             air.wind_or_reference_m_s()
         )?;
+        writeln!(
+            out,
+            "  time step           follows the speed of the air: steps and duration below are those of the speed at release"
+        )?;
         if descent.drag_area_m2 > 0.0 {
             writeln!(
                 out,
