@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies, descent, plate};
+use super::{Problem, bodies, descent, plate, rims};
 use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
@@ -348,17 +348,18 @@ pub(super) fn check_coupling(
     let rim_inset_cells = within(
         "coupling.rim_inset_cells",
         written.rim_inset_cells.unwrap_or(RIM_INSET_CELLS),
-        -1.0,
+        if has_fabric { 0.0 } else { -1.0 },
         1.0,
     )?;
-    let is_plate = body
-        .as_ref()
-        .is_some_and(|body| matches!(body.kind, BodyKind::Plate(_)));
-    if let Some(BodyKind::Plate(shape)) = body.as_ref().map(|body| body.kind) {
-        plate::check_cells(&shape, air, rim_inset_cells)?;
-    }
     let structure_every = match body {
-        Some(body) => check_fabric_coupling(written, air, body)?,
+        Some(body) => {
+            let structure_every = check_fabric_coupling(written, air, body)?;
+            match body.kind {
+                BodyKind::Plate(shape) => plate::check_cells(&shape, air, rim_inset_cells)?,
+                _ => rims::check(body, air, rim_inset_cells)?,
+            }
+            structure_every
+        }
         None => {
             for (key, given) in [
                 (
@@ -378,27 +379,12 @@ pub(super) fn check_coupling(
             None
         }
     };
-    for (key, given, used, needed) in [
-        (
+    if written.surface_inset_cells.is_some() && !has_bodies {
+        return Err(Problem::new(
             "coupling.surface_inset_cells",
-            written.surface_inset_cells,
-            has_bodies,
-            "[bodies]",
-        ),
-        (
-            "coupling.rim_inset_cells",
-            written.rim_inset_cells,
-            has_bodies || is_plate,
-            "[bodies] or [structure.plate]",
-        ),
-    ] {
-        if given.is_some() && !used {
-            return Err(Problem::new(
-                key,
-                format!("{key} has no effect: it needs {needed}"),
-                format!("remove {key}"),
-            ));
-        }
+            "coupling.surface_inset_cells has no effect: it needs [bodies]",
+            "remove coupling.surface_inset_cells",
+        ));
     }
     let passes = written.passes.unwrap_or(1);
     if !(1..=PASSES_LIMIT).contains(&passes) {

@@ -16,6 +16,7 @@ pub mod locate;
 mod output;
 mod permeability;
 mod plate;
+mod rims;
 pub mod scene;
 mod specimens;
 mod structure;

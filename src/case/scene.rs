@@ -15,6 +15,7 @@ use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
 use crate::geometry::mesh::quality::Quality;
 use crate::geometry::plate::Plate;
+use crate::immersed::markers;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::rigid::{PrescribedMotion, Surface};
@@ -113,6 +114,14 @@ pub struct Body {
     pub quality: Option<Quality>,
     /// What kind of structure it is.
     pub kind: BodyKind,
+}
+
+impl Body {
+    /// Share of the fabric's area that lies farther than `inset_m` inside its rims, and so has markers.
+    #[must_use]
+    pub fn marked_share(&self, inset_m: f64) -> f64 {
+        markers::marked_share(self.structure.extents(inset_m), inset_m)
+    }
 }
 
 /// Kinds of structures.

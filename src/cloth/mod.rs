@@ -7,6 +7,7 @@ pub mod curvature;
 pub mod elements;
 pub mod fabrics;
 pub mod faults;
+pub mod rims;
 mod waves;
 
 use glam::DVec3;
@@ -114,11 +115,13 @@ impl Structure {
         self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
     }
 
-    /// Rest sizes of the triangles.
-    pub fn extents(&self) -> impl Iterator<Item = Extent> {
-        self.triangles.iter().map(|t| Extent {
+    /// Rest sizes of the triangles, and how far the rims are where that is less than some `inset_m`.
+    pub fn extents(&self, inset_m: f64) -> impl Iterator<Item = Extent> {
+        let distances = (inset_m > 0.0).then(|| rims::distances_m(self, inset_m));
+        self.triangles.iter().enumerate().map(move |(i, t)| Extent {
             area_m2: t.rest_area_m2,
             longest_edge_m: t.rest_squares_m2.iter().copied().fold(0.0, f64::max).sqrt(),
+            rim_distances_m: distances.as_ref().map_or([f64::INFINITY; 3], |d| d[i]),
         })
     }
 

@@ -11,8 +11,30 @@ pub const SPACING_RANGE_CELLS: [f64; 2] = [0.25, 1.5];
 /// larger than its surface of markers; calibrated with the drag of a sphere and a disk, see `docs/rigid-bodies.md` for the calibration.
 pub const SURFACE_INSET_CELLS: f64 = 0.5;
 
-/// How far inside the rim of an open rigid surface its outermost markers' triangles end [cells].
+/// How far inside the rim of an open surface, rigid or of fabric, its outermost markers' triangles end [cells].
 pub const RIM_INSET_CELLS: f64 = 0.65;
+
+/// The same along rims of openings narrower than three cells: widths [cells] and insets, straight between them. Calibrated so that square
+/// holes and slots pass what sharp-edged ones do (`ripstop validate openings`); a closed cut stays closed.
+const OPENING_INSETS: [[f64; 2]; 5] = [
+    [0.0, 0.65],
+    [0.5, 0.84],
+    [1.0, 0.91],
+    [2.0, 0.73],
+    [3.0, RIM_INSET_CELLS],
+];
+
+/// How far inside the rim of an opening of the given width markers stand, all in cells.
+#[must_use]
+pub fn opening_inset_cells(width_cells: f64) -> f64 {
+    for pair in OPENING_INSETS.windows(2) {
+        let [[from, low], [to, high]] = [pair[0], pair[1]];
+        if width_cells < to {
+            return low + (high - low) * ((width_cells - from) / (to - from)).max(0.0);
+        }
+    }
+    RIM_INSET_CELLS
+}
 
 /// Rest size of a triangle, as far as markers care.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +43,8 @@ pub struct Extent {
     pub area_m2: f64,
     /// Longest edge [m].
     pub longest_edge_m: f64,
+    /// Distance of its corners from the nearest rim [m]; infinite where that is too far to matter.
+    pub rim_distances_m: [f64; 3],
 }
 
 /// One marker on a triangle.
@@ -45,38 +69,129 @@ pub fn subdivisions(extent: &Extent, spacing_m: f64) -> usize {
 
 /// Number of markers that [`place`] would place.
 #[must_use]
-pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> u64 {
+pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64, inset_m: f64) -> u64 {
     extents.fold(0, |total, extent| {
         let n = subdivisions(&extent, spacing_m) as u64;
-        total.saturating_add(n.saturating_mul(n))
+        let own = if is_cut(&extent, inset_m) {
+            let mut count = 0;
+            place_on(0, &extent, spacing_m, inset_m, &mut |_| count += 1);
+            count
+        } else {
+            n.saturating_mul(n)
+        };
+        total.saturating_add(own)
     })
 }
 
-/// Places markers on triangles, at most `spacing_m` apart.
+/// Share of the area of triangles that lies farther than `inset_m` inside the rims.
 #[must_use]
-pub fn place(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> Vec<Marker> {
+pub fn marked_share(extents: impl Iterator<Item = Extent>, inset_m: f64) -> f64 {
+    let (mut whole, mut marked) = (0.0, 0.0);
+    for extent in extents {
+        whole += extent.area_m2;
+        if is_cut(&extent, inset_m) {
+            place_on(0, &extent, f64::INFINITY, inset_m, &mut |marker| {
+                marked += marker.area_m2;
+            });
+        } else {
+            marked += extent.area_m2;
+        }
+    }
+    marked / whole
+}
+
+/// Places markers on triangles, at most `spacing_m` apart, and none nearer to a rim than `inset_m`: parts of triangles that lie across that line
+/// are cut along it, and their marker stands at the centroid of what is left.
+#[must_use]
+pub fn place(extents: impl Iterator<Item = Extent>, spacing_m: f64, inset_m: f64) -> Vec<Marker> {
     let mut markers = Vec::new();
     for (triangle, extent) in extents.enumerate() {
-        let n = subdivisions(&extent, spacing_m);
-        let share = extent.area_m2 / (n * n) as f64;
-        let mut push = |i: f64, j: f64| {
-            let (a, b) = (i / n as f64, j / n as f64);
-            markers.push(Marker {
-                triangle: triangle as u32,
-                weights: [1.0 - a - b, a, b],
-                area_m2: share,
-            });
-        };
-        for i in 0..n {
-            for j in 0..n - i {
-                push(i as f64 + 1.0 / 3.0, j as f64 + 1.0 / 3.0);
-                if i + j + 1 < n {
-                    push(i as f64 + 2.0 / 3.0, j as f64 + 2.0 / 3.0);
-                }
+        place_on(
+            triangle as u32,
+            &extent,
+            spacing_m,
+            inset_m,
+            &mut |marker| markers.push(marker),
+        );
+    }
+    markers
+}
+
+fn is_cut(extent: &Extent, inset_m: f64) -> bool {
+    extent.rim_distances_m.iter().any(|d| *d < inset_m)
+}
+
+fn place_on(
+    triangle: u32,
+    extent: &Extent,
+    spacing_m: f64,
+    inset_m: f64,
+    push: &mut impl FnMut(Marker),
+) {
+    let n = subdivisions(extent, spacing_m);
+    let share = extent.area_m2 / (n * n) as f64;
+    let is_cut = is_cut(extent, inset_m);
+    // Distance from the line beyond which there are no markers.
+    let inside_m = |[a, b]: [f64; 2]| {
+        let [d0, d1, d2] = extent.rim_distances_m;
+        (1.0 - a - b) * d0 + a * d1 + b * d2 - inset_m
+    };
+    let mut part = |centroid: [f64; 2], corners: [[usize; 2]; 3]| {
+        let (mut at, mut area_m2) = (centroid.map(|c| c / n as f64), share);
+        if is_cut {
+            let corners = corners.map(|corner| corner.map(|c| c as f64 / n as f64));
+            let Some((left, centroid)) = clipped(corners, corners.map(inside_m)) else {
+                return;
+            };
+            at = centroid;
+            area_m2 *= left;
+        }
+        let [a, b] = at;
+        push(Marker {
+            triangle,
+            weights: [1.0 - a - b, a, b],
+            area_m2,
+        });
+    };
+    let thirds = |i: usize, j: usize, k: f64| [i as f64 + k / 3.0, j as f64 + k / 3.0];
+    for i in 0..n {
+        for j in 0..n - i {
+            part(thirds(i, j, 1.0), [[i, j], [i + 1, j], [i, j + 1]]);
+            if i + j + 1 < n {
+                part(thirds(i, j, 2.0), [[i + 1, j], [i + 1, j + 1], [i, j + 1]]);
             }
         }
     }
-    markers
+}
+
+/// Share of a triangle's area where a linear function, given at its corners, is positive, and the centroid of that part; `None` without one.
+fn clipped(corners: [[f64; 2]; 3], values: [f64; 3]) -> Option<(f64, [f64; 2])> {
+    /// Smaller parts do not count: the fabric's weight would not notice them, the lists of markers would.
+    const SMALLEST_SHARE: f64 = 1e-3;
+    let mut polygon: Vec<[f64; 2]> = Vec::with_capacity(4);
+    for k in 0..3 {
+        let l = (k + 1) % 3;
+        if values[k] >= 0.0 {
+            polygon.push(corners[k]);
+        }
+        if (values[k] >= 0.0) != (values[l] >= 0.0) {
+            let t = values[k] / (values[k] - values[l]);
+            polygon.push([0, 1].map(|a| corners[k][a] + t * (corners[l][a] - corners[k][a])));
+        }
+    }
+    let doubled =
+        |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let (mut area, mut moment) = (0.0, [0.0; 2]);
+    for k in 2..polygon.len() {
+        let fan = [polygon[0], polygon[k - 1], polygon[k]];
+        let own = doubled(fan);
+        area += own;
+        for a in 0..2 {
+            moment[a] += own * (fan[0][a] + fan[1][a] + fan[2][a]) / 3.0;
+        }
+    }
+    let share = area / doubled(corners);
+    (share > SMALLEST_SHARE).then(|| (share, moment.map(|m| m / area)))
 }
 
 #[cfg(test)]
@@ -90,10 +205,11 @@ mod tests {
                 Extent {
                     area_m2,
                     longest_edge_m,
+                    rim_distances_m: [f64::INFINITY; 3],
                 }
             });
-        let markers = place(extents.into_iter(), 1.0);
-        assert_eq!(markers.len() as u64, count(extents.into_iter(), 1.0));
+        let markers = place(extents.into_iter(), 1.0, 0.65);
+        assert_eq!(markers.len() as u64, count(extents.into_iter(), 1.0, 0.65));
         for (triangle, extent) in extents.iter().enumerate() {
             let own: Vec<_> = markers
                 .iter()
@@ -109,5 +225,44 @@ mod tests {
         }
         // A sliver of 5 cells has markers no farther than a cell apart along its length.
         assert_eq!(subdivisions(&extents[3], 1.0), 3);
+    }
+
+    /// Markers of a triangle with one side on a rim stand for just what lies farther inside, with its centroid, whatever the division.
+    #[test]
+    fn markers_near_a_rim_stand_for_what_lies_inside() {
+        for spacing in [0.3, 0.7, 5.0] {
+            for inset in [0.0, 0.2, 0.65, 0.9] {
+                // Corner 2 is one unit from the rim, where the others are.
+                let extent = Extent {
+                    area_m2: 2.0,
+                    longest_edge_m: 4.0,
+                    rim_distances_m: [0.0, 0.0, 1.0],
+                };
+                let markers = place([extent].into_iter(), spacing, inset);
+                assert_eq!(
+                    markers.len() as u64,
+                    count([extent].into_iter(), spacing, inset)
+                );
+                let sum = |of: &dyn Fn(&Marker) -> f64| -> f64 {
+                    markers.iter().map(|m| m.area_m2 * of(m)).sum()
+                };
+                let left = (1.0 - inset) * (1.0 - inset);
+                // Parts of less than a thousandth of their triangle are left out.
+                let off = 1e-3 * 2.0;
+                assert!(
+                    (sum(&|_| 1.0) - 2.0 * left).abs() < off,
+                    "{spacing} {inset}"
+                );
+                let height = inset + (1.0 - inset) / 3.0;
+                assert!((sum(&|m| m.weights[2]) - 2.0 * left * height).abs() < off);
+                assert!(markers.iter().all(|m| m.weights[2] >= inset));
+            }
+        }
+        let outside = Extent {
+            area_m2: 1.0,
+            longest_edge_m: 1.0,
+            rim_distances_m: [0.0, 0.1, 0.6],
+        };
+        assert!(place([outside].into_iter(), 1.0, 0.65).is_empty());
     }
 }

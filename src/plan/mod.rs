@@ -135,11 +135,10 @@ pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     };
     let cell_size_m = air.units.cell_size_m;
     let spacing_m = coupling.marker_spacing_m(air);
+    let inset_m = coupling.rim_inset_cells * cell_size_m;
     match &body.kind {
-        BodyKind::Plate(plate) => {
-            plate.place_markers(spacing_m, coupling.rim_inset_cells * cell_size_m)
-        }
-        _ => markers::place(body.structure.extents(), spacing_m),
+        BodyKind::Plate(plate) => plate.place_markers(spacing_m, inset_m),
+        _ => markers::place(body.structure.extents(inset_m), spacing_m, inset_m),
     }
 }
 

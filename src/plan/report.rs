@@ -248,6 +248,13 @@ impl Plan {
                 "  cells over plate    {length:.1} along, {width:.1} across; markers stand {} cells inside its rim",
                 coupling.rim_inset_cells
             )?;
+        } else {
+            writeln!(
+                out,
+                "  rims                markers stand {} cells inside them, on {:.0} % of the fabric",
+                coupling.rim_inset_cells,
+                100.0 * body.marked_share(coupling.rim_inset_cells * cell)
+            )?;
         }
         if let BodyKind::Canopy(canopy) = body.kind {
             let diameter = canopy.nominal_diameter_m;
@@ -304,7 +311,7 @@ impl Plan {
             )?;
         }
         for body in &scene.rigid_bodies {
-            let own = markers::count(body.marker_surface.extents(), spacing_m);
+            let own = markers::count(body.marker_surface.extents(), spacing_m, 0.0);
             writeln!(
                 out,
                 "  {}: {own} markers on {} triangles, {}",

@@ -51,6 +51,8 @@ impl Surface {
                 Extent {
                     area_m2: area.length(),
                     longest_edge_m: a.distance(b).max(b.distance(c)).max(c.distance(a)),
+                    // Rigid surfaces are drawn in as a whole.
+                    rim_distances_m: [f64::INFINITY; 3],
                 }
             })
     }

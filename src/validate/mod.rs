@@ -14,6 +14,7 @@ mod coupling;
 mod disk;
 mod drag;
 mod falling_disk;
+mod openings;
 mod permeable_screen;
 mod poiseuille;
 mod report;
@@ -60,7 +61,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 34] = [
+pub const PROBLEMS: [Problem; 35] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -95,6 +96,11 @@ pub const PROBLEMS: [Problem; 34] = [
         name: "permeable-screen",
         updates: [60.0, 60.0],
         compute: permeable_screen::compute,
+    },
+    Problem {
+        name: "openings",
+        updates: [200.0, 9_000.0],
+        compute: openings::compute,
     },
     Problem {
         name: "sphere",

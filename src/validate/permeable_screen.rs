@@ -106,7 +106,7 @@ struct Screen {
 impl Screen {
     fn new(air: &AirEngine, over_relaxation: f64, free: bool) -> Result<Self, Stop> {
         let structure = screen()?;
-        let markers = markers::place(structure.extents(), 1.0);
+        let markers = markers::place(structure.extents(0.0), 1.0, 0.0);
         let areas = markers.iter().map(|marker| marker.area_m2).collect();
         Ok(Self {
             immersed: MarkerEngine::new(air, areas, over_relaxation)?,
