@@ -32,11 +32,15 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 14] = [
+pub const SHIPPED: [(&str, &str); 16] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
         include_str!("../../cases/bias-extension.toml"),
+    ),
+    (
+        "disk-gap-band",
+        include_str!("../../cases/disk-gap-band.toml"),
     ),
     (
         "finite-mass-drop",
@@ -60,6 +64,10 @@ pub const SHIPPED: [(&str, &str); 14] = [
     (
         "hanging-chain",
         include_str!("../../cases/hanging-chain.toml"),
+    ),
+    (
+        "slotted-drop",
+        include_str!("../../cases/slotted-drop.toml"),
     ),
     ("sphere", include_str!("../../cases/sphere.toml")),
     (
