@@ -103,6 +103,12 @@ pub enum CableKind {
     SuspensionLine,
     /// Reinforcing belt sewn on the fabric, sharing its nodes.
     Belt,
+    /// Line across a vent.
+    VentLine,
+    /// Part of a suspension line that crosses a gap in the canopy.
+    GapLine,
+    /// What all suspension lines of a canopy hang on.
+    Riser,
     /// A free-standing cable, such as a hanging chain.
     Cable,
 }

@@ -13,6 +13,7 @@ use ripstop::cloth::contact::{self, Contact, ContactFault};
 use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::parachute::gores::FlatCircular;
+use ripstop::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use ripstop::geometry::parachute::{self, Rigging};
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use ripstop::lines::Cable;
@@ -126,21 +127,31 @@ fn two_sheets(divisions: [usize; 2], gap_m: f64, thickness_m: Option<f64>) -> St
 
 fn canopy(rings: usize, ratio: f64, thickness_m: Option<f64>) -> Structure {
     let rigging = Rigging {
-        pattern: FlatCircular {
+        cut: Cut::Circle(FlatCircular {
             nominal_area_m2: 0.78,
             gores: 8,
             rings,
-        },
+        }),
         fabric: fabric(),
         belts: None,
+        skirt_band: None,
+        vent_band: None,
+        vent_lines: None,
+        line_places: LinePlaces::Seams,
+        line_segments: 1,
+        riser_length_m: None,
+        tilt_rad: 0.0,
         lines: Cable::linear(4.42e-6, 462.0, 1e9),
         line_length_m: 0.75,
         line_slack_m: 0.0,
         confluence_m: DVec3::ZERO,
-        folded_diameter_ratio: ratio,
+        folding: Folding {
+            diameter_ratio: ratio,
+            asymmetry: 0.0,
+        },
         apex_guide_n_m: Some(1e4),
     };
-    let mut structure = parachute::build(&rigging).unwrap();
+    let mut structure = parachute::build(&rigging).unwrap().structure;
     structure.contact = thickness_m.map(|thickness_m| Contact { thickness_m });
     structure
 }

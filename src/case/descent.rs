@@ -22,7 +22,7 @@ pub struct Descent {
 /// What carries a falling mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Carrier {
-    /// The node where a canopy's lines meet.
+    /// The node where a canopy's lines meet, or the lower end of its riser.
     Confluence {
         /// The node.
         node: u32,
@@ -155,7 +155,7 @@ pub(super) fn check(
                 "add [structure.flat_circular], or let a body fall (bodies.NAME.motion.free_fall)",
             ));
         };
-        let node = canopy.canopy_node_count;
+        let node = canopy.lower_end;
         body.structure.held[node] = false;
         body.structure.masses_kg[node] += mass_kg;
         return Ok(Some(Descent {

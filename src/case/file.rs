@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 pub use super::file_bodies::*;
+pub use super::file_canopy::*;
 pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
@@ -38,6 +39,12 @@ pub struct File {
     pub lines: Option<Lines>,
     /// Belts sewn on the seams; absent: none.
     pub belts: Option<CableMaterial>,
+    /// Band along the lower edge of a canopy; absent: none.
+    pub skirt_band: Option<CableMaterial>,
+    /// Band around the vent; absent: none.
+    pub vent_band: Option<CableMaterial>,
+    /// Lines across the vent; absent: of the suspension lines' material.
+    pub vent_lines: Option<CableMaterial>,
     /// Contact of fabric with itself; absent: it passes through itself.
     pub contact: Option<ContactTable>,
     /// Gravity; absent: none.
@@ -142,6 +149,12 @@ pub struct EddyViscosity {
 )]
 pub struct StructureTable {
     pub flat_circular: Option<FlatCircular>,
+    pub conical: Option<Conical>,
+    pub slotted: Option<Slotted>,
+    pub extended_skirt: Option<ExtendedSkirt>,
+    pub annular: Option<Annular>,
+    pub disk_gap_band: Option<DiskGapBand>,
+    pub cruciform: Option<Cruciform>,
     pub sheet: Option<Sheet>,
     pub plate: Option<Plate>,
     pub cable: Option<HangingCable>,
@@ -152,33 +165,18 @@ pub struct StructureTable {
     pub wing: Option<WingTable>,
 }
 
-/// `[structure.flat_circular]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
-)]
-pub struct FlatCircular {
-    pub nominal_area_m2: f64,
-    pub gores: usize,
-    pub rings: usize,
-    pub confluence_m: [f64; 3],
-    pub apex_guide_n_m: Option<f64>,
-    pub folding: Folding,
-}
-
-/// `[structure.flat_circular.folding]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
-)]
-pub struct Folding {
-    pub folded_diameter_ratio: f64,
-    pub opened_diameter_ratio: f64,
-    pub loading_pressure_pa: f64,
+impl StructureTable {
+    /// True for a parachute canopy.
+    #[must_use]
+    pub const fn is_canopy(&self) -> bool {
+        self.flat_circular.is_some()
+            || self.conical.is_some()
+            || self.slotted.is_some()
+            || self.extended_skirt.is_some()
+            || self.annular.is_some()
+            || self.disk_gap_band.is_some()
+            || self.cruciform.is_some()
+    }
 }
 
 /// `[structure.sheet]`.
@@ -258,29 +256,6 @@ pub struct CableMaterial {
     pub youngs_modulus_pa: Option<f64>,
     pub force_strain: Option<Vec<[f64; 2]>>,
     pub damping_n_s: Option<f64>,
-}
-
-/// `[lines]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
-)]
-pub struct Lines {
-    pub count: usize,
-    pub length_m: f64,
-    /// Length beyond that, or less.
-    pub slack_m: Option<f64>,
-    pub area_m2: f64,
-    pub density_kg_m3: f64,
-    /// Or a table.
-    pub youngs_modulus_pa: Option<f64>,
-    pub force_strain: Option<Vec<[f64; 2]>>,
-    pub damping_n_s: Option<f64>,
-    /// With a diameter.
-    pub drag_coefficient: Option<f64>,
-    pub diameter_m: Option<f64>,
 }
 
 /// `[contact]`.

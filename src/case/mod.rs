@@ -2,10 +2,12 @@
 
 mod air;
 mod bodies;
+mod canopy;
 mod contact;
 mod descent;
 pub mod file;
 mod file_bodies;
+mod file_canopy;
 mod file_descent;
 mod file_permeability;
 mod file_plate;
@@ -31,11 +33,15 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 14] = [
+pub const SHIPPED: [(&str, &str); 16] = [
     ("airbag", include_str!("../../cases/airbag.toml")),
     (
         "bias-extension",
         include_str!("../../cases/bias-extension.toml"),
+    ),
+    (
+        "disk-gap-band",
+        include_str!("../../cases/disk-gap-band.toml"),
     ),
     (
         "finite-mass-drop",
@@ -59,6 +65,10 @@ pub const SHIPPED: [(&str, &str); 14] = [
     (
         "hanging-chain",
         include_str!("../../cases/hanging-chain.toml"),
+    ),
+    (
+        "slotted-drop",
+        include_str!("../../cases/slotted-drop.toml"),
     ),
     ("sphere", include_str!("../../cases/sphere.toml")),
     (

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 pub use super::descent::{Carrier, Descent};
-use super::file::File;
+use super::file::{self, File};
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
@@ -173,8 +173,12 @@ pub struct Canopy {
     pub nominal_area_m2: f64,
     /// Nominal diameter D₀ [m].
     pub nominal_diameter_m: f64,
-    /// Canopy nodes come first; the rest is the confluence.
+    /// Nodes of fabric, which come first; then the confluence, then others.
     pub canopy_node_count: usize,
+    /// Node that is held or carries the payload: the confluence, or the lower end of the riser.
+    pub lower_end: usize,
+    /// Nodes whose mean place is the apex: the first, or the edge of a vent.
+    pub apex_count: usize,
     /// Projected-diameter ratio to which the folded canopy is opened before the wind starts.
     pub opened_diameter_ratio: f64,
     /// Pressure that opens it [Pa].
@@ -320,7 +324,7 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
     let canopy = file
         .structure
         .as_ref()
-        .is_some_and(|s| s.flat_circular.is_some());
+        .is_some_and(file::StructureTable::is_canopy);
     let fabric = file.structure.as_ref().is_some_and(|s| s.cable.is_none());
     let one_fabric = file
         .structure
@@ -329,6 +333,9 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
     for (key, present, used, what) in [
         ("lines", file.lines.is_some(), canopy, "a canopy"),
         ("belts", file.belts.is_some(), canopy, "a canopy"),
+        ("skirt_band", file.skirt_band.is_some(), canopy, "a canopy"),
+        ("vent_band", file.vent_band.is_some(), canopy, "a canopy"),
+        ("vent_lines", file.vent_lines.is_some(), canopy, "a canopy"),
         (
             "steady",
             file.steady.is_some(),

@@ -1,22 +1,18 @@
-//! Checks of `[structure]`, `[fabric]`, `[lines]` and `[belts]`, and the building of the structure.
+//! Checks of `[structure]` and `[fabric]`, and the building of the structure; canopies in [`super::canopy`].
 
 use std::path::Path;
 
 use glam::DVec3;
 
 use super::Problem;
-use super::contact;
 use super::file::{self, File};
-use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
+use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
-use super::{descent, permeability, plate, specimens};
+use super::{canopy, contact, descent, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality};
-use crate::geometry::parachute::gores::FlatCircular;
-use crate::geometry::parachute::{self, Rigging};
 use crate::geometry::{cable, fabric_surface, sheet};
-use crate::lines::drag::LineDrag;
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 use crate::rigid::Surface;
 
@@ -35,6 +31,12 @@ pub(super) fn check(
     };
     let shapes = [
         table.flat_circular.is_some(),
+        table.conical.is_some(),
+        table.slotted.is_some(),
+        table.extended_skirt.is_some(),
+        table.annular.is_some(),
+        table.disk_gap_band.is_some(),
+        table.cruciform.is_some(),
         table.sheet.is_some(),
         table.plate.is_some(),
         table.cable.is_some(),
@@ -46,8 +48,8 @@ pub(super) fn check(
     ];
     let body = if shapes.into_iter().filter(|is_there| *is_there).count() != 1 {
         None
-    } else if let Some(canopy) = &table.flat_circular {
-        Some(check_canopy(file, canopy)?)
+    } else if table.is_canopy() {
+        canopy::check(file)?
     } else if let Some(sheet) = &table.sheet {
         Some(check_sheet(file, sheet)?)
     } else if let Some(written) = &table.plate {
@@ -69,7 +71,7 @@ pub(super) fn check(
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
-            "keep or add just one of [structure.flat_circular], [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], \
+            "keep or add just one canopy ([structure.flat_circular], docs/canopies.md) or one of [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], \
              [structure.airbag], [structure.disc], [structure.coupon], [structure.wing]",
         )
     })?;
@@ -106,7 +108,7 @@ fn check_permeability(file: &File) -> Result<Option<Permeability>, Problem> {
     permeability::check("fabric.permeability", table, thickness_m, density_kg_m3).map(Some)
 }
 
-fn check_fabric(file: &File) -> Result<Fabric, Problem> {
+pub(super) fn check_fabric(file: &File) -> Result<Fabric, Problem> {
     let written = file
         .fabric
         .as_ref()
@@ -149,7 +151,10 @@ pub(super) fn check_fabric_at(
         )?,
         cubic_shear_compliance_1_pa3: written
             .cubic_shear_compliance_1_pa3
-            .map(|cubic| positive(&key("cubic_shear_compliance_1_pa3"), cubic))
+            .map(|cubic| {
+                // With τ of some megapascals, α τ³ of some percent.
+                within(&key("cubic_shear_compliance_1_pa3"), cubic, 1e-40, 1e-6)
+            })
             .transpose()?,
         residual_stiffness: within(
             &key("residual_stiffness"),
@@ -177,7 +182,7 @@ fn check_initial_strain(key: &str, written: Option<[f64; 2]>) -> Result<[f64; 2]
     Ok(strain)
 }
 
-fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Problem> {
+pub(super) fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Problem> {
     let key = |name: &str| format!("{key}.{name}");
     let area_m2 = positive(&key("area_m2"), material.area_m2)?;
     let law = match (material.youngs_modulus_pa, &material.force_strain) {
@@ -215,156 +220,6 @@ fn check_material(key: &str, material: &file::CableMaterial) -> Result<Cable, Pr
         density_kg_m3: positive(&key("density_kg_m3"), material.density_kg_m3)?,
         law,
         damping_n_s,
-    })
-}
-
-/// Length that lines have beyond the one drawn \[m\]; negative for lines that are tight.
-fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
-    let slack_m = lines.slack_m.unwrap_or(0.0);
-    within(
-        "lines.slack_m",
-        slack_m,
-        -0.1 * lines.length_m,
-        lines.length_m,
-    )
-}
-
-fn check_line_drag(file: &File, lines: &file::Lines) -> Result<Option<LineDrag>, Problem> {
-    let (coefficient, diameter_m) = match (lines.drag_coefficient, lines.diameter_m) {
-        (None, None) => return Ok(None),
-        (Some(coefficient), Some(diameter_m)) => (coefficient, diameter_m),
-        (Some(_), None) => {
-            return Err(absent(
-                "lines.diameter_m",
-                "lines.drag_coefficient refers to it",
-            ));
-        }
-        (None, Some(_)) => {
-            return Err(Problem::new(
-                "lines.diameter_m",
-                "lines.diameter_m has no effect: it needs lines.drag_coefficient",
-                "add lines.drag_coefficient (about 1.1 for a round line), or remove the diameter",
-            ));
-        }
-    };
-    if file.air.is_none() {
-        return Err(Problem::new(
-            "lines.drag_coefficient",
-            "lines.drag_coefficient has no effect: it needs [air]",
-            "remove it and lines.diameter_m, or add [air]",
-        ));
-    }
-    Ok(Some(LineDrag {
-        coefficient: within("lines.drag_coefficient", coefficient, 0.01, 5.0)?,
-        diameter_m: positive("lines.diameter_m", diameter_m)?,
-    }))
-}
-
-fn check_canopy(file: &File, written: &file::FlatCircular) -> Result<Body, Problem> {
-    const KEY: &str = "structure.flat_circular";
-    let key = |name: &str| format!("{KEY}.{name}");
-    let fabric = check_fabric(file)?;
-    let nominal_area_m2 = positive(&key("nominal_area_m2"), written.nominal_area_m2)?;
-    if !(3..=200).contains(&written.gores) {
-        return Err(Problem::new(
-            key("gores"),
-            format!("{} = {} is out of range", key("gores"), written.gores),
-            "a flat circular canopy has 3 to 200 gores",
-        ));
-    }
-    if !(2..=500).contains(&written.rings) {
-        return Err(Problem::new(
-            key("rings"),
-            format!("{} = {} is out of range", key("rings"), written.rings),
-            "allowed are 2 to 500 rings of triangles; 12 is the least that folds well",
-        ));
-    }
-    let lines = file
-        .lines
-        .as_ref()
-        .ok_or_else(|| absent("lines", "a canopy hangs on suspension lines"))?;
-    if lines.count != written.gores {
-        let message = if lines.count == 0 {
-            "lines.count = 0: nothing would hold the canopy".to_owned()
-        } else {
-            format!(
-                "lines.count = {} does not match {} gores",
-                lines.count, written.gores
-            )
-        };
-        return Err(Problem::new(
-            "lines.count",
-            message,
-            format!("give one line per seam: lines.count = {}", written.gores),
-        ));
-    }
-    let line_material = file::CableMaterial {
-        area_m2: lines.area_m2,
-        density_kg_m3: lines.density_kg_m3,
-        youngs_modulus_pa: lines.youngs_modulus_pa,
-        force_strain: lines.force_strain.clone(),
-        damping_n_s: lines.damping_n_s,
-    };
-    let folded_diameter_ratio = within(
-        &key("folding.folded_diameter_ratio"),
-        written.folding.folded_diameter_ratio,
-        0.02,
-        0.95,
-    )?;
-    let opened_diameter_ratio = within(
-        &key("folding.opened_diameter_ratio"),
-        written.folding.opened_diameter_ratio,
-        folded_diameter_ratio,
-        0.95,
-    )?;
-    let rigging = Rigging {
-        pattern: FlatCircular {
-            nominal_area_m2,
-            gores: written.gores,
-            rings: written.rings,
-        },
-        fabric,
-        belts: file
-            .belts
-            .as_ref()
-            .map(|belts| check_material("belts", belts))
-            .transpose()?,
-        lines: check_material("lines", &line_material)?,
-        line_length_m: positive("lines.length_m", lines.length_m)?,
-        line_slack_m: check_line_slack(lines)?,
-        confluence_m: vector(&key("confluence_m"), written.confluence_m)?,
-        folded_diameter_ratio,
-        apex_guide_n_m: written
-            .apex_guide_n_m
-            .map(|k| positive(&key("apex_guide_n_m"), k))
-            .transpose()?,
-    };
-    let mesh = parachute::gores::mesh(&rigging.pattern);
-    let structure = parachute::build(&rigging).ok_or_else(|| {
-        Problem::new(
-            "lines.length_m",
-            format!(
-                "lines of {} m are too short for the folded skirt",
-                lines.length_m
-            ),
-            "lengthen the lines, or fold tighter (folding.folded_diameter_ratio)",
-        )
-    })?;
-    let mut structure = structure;
-    structure.line_drag = check_line_drag(file, lines)?;
-    Ok(Body {
-        quality: quality::measure(&mesh.flat_positions_m, &mesh.triangles),
-        kind: BodyKind::Canopy(Canopy {
-            nominal_area_m2,
-            nominal_diameter_m: rigging.pattern.nominal_diameter_m(),
-            canopy_node_count: mesh.flat_positions_m.len(),
-            opened_diameter_ratio,
-            loading_pressure_pa: positive(
-                &key("folding.loading_pressure_pa"),
-                written.folding.loading_pressure_pa,
-            )?,
-        }),
-        structure,
     })
 }
 

@@ -7,6 +7,7 @@ pub mod curvature;
 pub mod elements;
 pub mod fabrics;
 pub mod faults;
+pub mod openings;
 pub mod rims;
 mod waves;
 
@@ -16,6 +17,7 @@ pub use elements::{Bending, CableSegment, Spring, Triangle};
 pub use fabrics::{Laws, SewnFabric};
 
 use contact::Contact;
+use openings::Opening;
 
 use crate::fabric::membrane::Membrane;
 use crate::fabric::permeability::Permeability;
@@ -72,6 +74,8 @@ pub struct Structure {
     pub line_drag: Option<LineDrag>,
     /// That fabric meets itself; `None`: it passes through itself.
     pub contact: Option<Contact>,
+    /// Openings that the fabric is built with.
+    pub openings: Vec<Opening>,
 }
 
 impl Structure {

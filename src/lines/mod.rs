@@ -92,6 +92,15 @@ impl ForceStrainTable {
         Ok(Self { points, energies_n })
     }
 
+    /// The table of so many cables side by side.
+    #[must_use]
+    pub fn times(&self, count: f64) -> Self {
+        Self {
+            points: self.points.iter().map(|[s, f]| [*s, f * count]).collect(),
+            energies_n: self.energies_n.iter().map(|e| e * count).collect(),
+        }
+    }
+
     /// Points (strain, force \[N\]).
     #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {

@@ -358,7 +358,8 @@ impl Record {
         );
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
-        let apex = fabric[0] - confluence;
+        let apex = fabric[..canopy.apex_count].iter().sum::<DVec3>() / canopy.apex_count as f64;
+        let apex = apex - confluence;
         Ok(vec![
             time_s,
             wind,

@@ -32,7 +32,7 @@ const NO_CODE: i8 = -1;
 /// | `shear_stress_pa`, `shear_strain` | cells | f64 | between warp and weft (Pa, 1); NaN on cables |
 /// | `fabric_state` | cells | i8 | 0 taut, 1 wrinkled, 2 slack; -1 on cables |
 /// | `cable_tension_n` | cells | f64 | tension (N); NaN on fabric |
-/// | `cable_kind` | cells | i8 | 0 suspension line, 1 belt, 2 free cable; -1 on fabric |
+/// | `cable_kind` | cells | i8 | 0 suspension line, 1 belt, 2 free cable, 3 vent line, 4 line over a gap, 5 riser; -1 on fabric |
 ///
 /// # Errors
 ///
@@ -173,6 +173,9 @@ fn kind_code(kind: CableKind) -> i8 {
         CableKind::SuspensionLine => 0,
         CableKind::Belt => 1,
         CableKind::Cable => 2,
+        CableKind::VentLine => 3,
+        CableKind::GapLine => 4,
+        CableKind::Riser => 5,
     }
 }
 

@@ -4,6 +4,7 @@ mod cadence;
 mod descent;
 mod estimate;
 mod initial_hessian;
+mod openings;
 mod permeability;
 mod placement;
 mod report;

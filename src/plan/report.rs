@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, permeability, wing};
+use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, openings, permeability, wing};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
@@ -155,6 +155,7 @@ impl Plan {
                     quality.longest_edge_m
                 )?;
             }
+            openings::write(out, scene)?;
             if let Some(contact) = body.structure.contact {
                 writeln!(
                     out,

@@ -103,7 +103,8 @@ fn style(kind: CableKind, zoom: f64) -> LineStyle {
     let (width_px, opacity) = match kind {
         CableKind::SuspensionLine => (2.0, 1.0),
         CableKind::Belt => (1.2, 0.85),
-        CableKind::Cable => (3.0, 1.0),
+        CableKind::VentLine | CableKind::GapLine => (1.2, 1.0),
+        CableKind::Riser | CableKind::Cable => (3.0, 1.0),
     };
     LineStyle {
         width_px: width_px * zoom,

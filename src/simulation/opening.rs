@@ -39,8 +39,8 @@ pub(super) fn open(
         shape::projected_diameter_m(&cloth.positions_m, triangles) / canopy.nominal_diameter_m
     };
     // A payload that is to fall is held as long.
-    let confluence = canopy.canopy_node_count;
-    let held = std::mem::replace(&mut cloth.structure.held[confluence], true);
+    let lower_end = canopy.lower_end;
+    let held = std::mem::replace(&mut cloth.structure.held[lower_end], true);
     let folded_ratio = ratio(cloth);
     let input = StepInput {
         time_step_s: Some(STEP_S),
@@ -69,7 +69,7 @@ pub(super) fn open(
     if !held {
         // What was prepared for the solves so far knows the node as held.
         let mut structure = std::mem::take(&mut cloth.structure);
-        structure.held[confluence] = false;
+        structure.held[lower_end] = false;
         let positions_m = std::mem::take(&mut cloth.positions_m);
         *cloth = Cloth::new(structure);
         cloth.positions_m = positions_m;

@@ -27,7 +27,15 @@ pub fn shape(corners: [DVec3; 3]) -> f64 {
 /// Quality of all `triangles`; `None` for an empty mesh.
 #[must_use]
 pub fn measure(positions: &[DVec3], triangles: &[[u32; 3]]) -> Option<Quality> {
-    if triangles.is_empty() {
+    let corners = |triangle: &[u32; 3]| triangle.map(|node| positions[node as usize]);
+    measure_corners(triangles.iter().map(corners))
+}
+
+/// Quality of triangles given by their corners; `None` without any.
+#[must_use]
+pub fn measure_corners(triangles: impl ExactSizeIterator<Item = [DVec3; 3]>) -> Option<Quality> {
+    let count = triangles.len();
+    if count == 0 {
         return None;
     }
     let mut quality = Quality {
@@ -36,11 +44,10 @@ pub fn measure(positions: &[DVec3], triangles: &[[u32; 3]]) -> Option<Quality> {
         shortest_edge_m: f64::INFINITY,
         longest_edge_m: 0.0,
     };
-    for triangle in triangles {
-        let corners = triangle.map(|node| positions[node as usize]);
+    for corners in triangles {
         let value = shape(corners);
         quality.smallest_shape = quality.smallest_shape.min(value);
-        quality.mean_shape += value / triangles.len() as f64;
+        quality.mean_shape += value / count as f64;
         for i in 0..3 {
             let length = corners[i].distance(corners[(i + 1) % 3]);
             quality.shortest_edge_m = quality.shortest_edge_m.min(length);

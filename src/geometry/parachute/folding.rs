@@ -5,7 +5,7 @@
 //! cos δ = cos α_o cos α_i + sin α_o sin α_i cos δ, δ = π/gores. So the map is an isometry of every triangle. One
 //! parameter remains, which sets the projected area gores · sin α_o sin α_i sin δ · R².
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
@@ -59,23 +59,105 @@ pub fn pleated_cone(
             polar.sin() * azimuth.sin(),
         )
     };
-    Some(
-        mesh.flat_positions_m
+    Some(positions_along(mesh, delta, fold_line))
+}
+
+/// Inner fold angle for an outer one between fold lines that are `half_azimuth` apart about the axis, for half gores of the angle `delta`
+/// [rad]; `None` where half gores are too wide for their azimuth, or too narrow.
+#[must_use]
+pub(super) fn inner_angle(outer: f64, half_azimuth: f64, delta: f64) -> Option<f64> {
+    let (a, b) = (outer.cos(), outer.sin() * half_azimuth.cos());
+    let cosine = delta.cos() / a.hypot(b);
+    if cosine > 1.0 + 1e-12 {
+        return None;
+    }
+    let inner = b.atan2(a) - cosine.min(1.0).acos();
+    (inner > 0.0).then_some(inner)
+}
+
+/// Half the azimuth that each gore takes where pleats are uneven [rad]: π/N (1 + a cos(2π (g + ½)/N)).
+#[must_use]
+pub(super) fn half_azimuths(gores: usize, asymmetry: f64) -> Vec<f64> {
+    let place = |gore: usize| TAU * (gore as f64 + 0.5) / gores as f64;
+    (0..gores)
+        .map(|gore| PI / gores as f64 * (1.0 + asymmetry * place(gore).cos()))
+        .collect()
+}
+
+/// As [`pleated_cone`], with uneven pleats: all seams lean as much, centre lines follow; an isometry, too.
+#[must_use]
+pub fn uneven_cone(
+    pattern: &FlatCircular,
+    mesh: &GoreMesh,
+    diameter_ratio: f64,
+    asymmetry: f64,
+) -> Option<Vec<DVec3>> {
+    let delta = pattern.half_gore_rad();
+    let radius = pattern.skirt_radius_m();
+    let target = diameter_ratio * diameter_ratio * pattern.nominal_area_m2;
+    let halves = half_azimuths(pattern.gores, asymmetry);
+    let inner = |outer: f64| -> Option<Vec<f64>> {
+        halves
             .iter()
-            .zip(&mesh.half_gores)
-            .map(|(flat, &half)| {
-                // Coordinates of the node along the two fold lines that bound its half gore.
-                let start = delta * half as f64;
-                let (along, beside) = (
-                    flat.y * start.cos() + flat.z * start.sin(),
-                    flat.z * start.cos() - flat.y * start.sin(),
-                );
-                let second = beside / delta.sin();
-                let first = along - second * delta.cos();
-                fold_line(half) * first + fold_line(half + 1) * second
-            })
-            .collect(),
-    )
+            .map(|half| inner_angle(outer, *half, delta))
+            .collect()
+    };
+    let area = |outer: f64, inner: &[f64]| -> f64 {
+        let gores = halves.iter().zip(inner);
+        let sum: f64 = gores.map(|(half, inner)| inner.sin() * half.sin()).sum();
+        sum * outer.sin() * radius * radius
+    };
+    let (mut low, mut high) = (delta, 0.5 * PI);
+    let mut best = None;
+    for _ in 0..80 {
+        let outer = 0.5 * (low + high);
+        match inner(outer) {
+            Some(inner) if area(outer, &inner) < target => {
+                low = outer;
+                best = Some((outer, inner));
+            }
+            _ => high = outer,
+        }
+    }
+    let (outer, inner) = best?;
+    if (area(outer, &inner) / target - 1.0).abs() > 1e-3 {
+        return None;
+    }
+    let mut fold_lines = Vec::with_capacity(2 * pattern.gores + 1);
+    let direction = |polar: f64, azimuth: f64| {
+        DVec3::new(
+            -polar.cos(),
+            polar.sin() * azimuth.cos(),
+            polar.sin() * azimuth.sin(),
+        )
+    };
+    let mut azimuth = 0.0;
+    for (half, inner) in halves.iter().zip(&inner) {
+        fold_lines.push(direction(outer, azimuth));
+        fold_lines.push(direction(*inner, azimuth + half));
+        azimuth += 2.0 * half;
+    }
+    fold_lines.push(fold_lines[0]);
+    Some(positions_along(mesh, delta, |line| fold_lines[line]))
+}
+
+/// Node positions for given directions of the fold lines.
+fn positions_along(mesh: &GoreMesh, delta: f64, fold_line: impl Fn(usize) -> DVec3) -> Vec<DVec3> {
+    mesh.flat_positions_m
+        .iter()
+        .zip(&mesh.half_gores)
+        .map(|(flat, &half)| {
+            // Coordinates of the node along the two fold lines that bound its half gore.
+            let start = delta * half as f64;
+            let (along, beside) = (
+                flat.y * start.cos() + flat.z * start.sin(),
+                flat.z * start.cos() - flat.y * start.sin(),
+            );
+            let second = beside / delta.sin();
+            let first = along - second * delta.cos();
+            fold_line(half) * first + fold_line(half + 1) * second
+        })
+        .collect()
 }
 
 #[cfg(test)]

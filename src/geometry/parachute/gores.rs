@@ -76,6 +76,8 @@ pub struct GoreMesh {
     pub warps: Vec<DVec3>,
     /// Nodes along every seam, from the apex to the skirt.
     pub seams: Vec<Vec<u32>>,
+    /// Nodes along the centre line of every gore, from the apex to the skirt.
+    pub centres: Vec<Vec<u32>>,
 }
 
 /// Meshes the pattern.
@@ -134,19 +136,20 @@ pub fn mesh(pattern: &FlatCircular) -> GoreMesh {
             }
         }
     }
-    let seams = (0..pattern.gores)
-        .map(|g| {
-            (0..=pattern.rings)
-                .map(|ring| node(ring, 2 * g, 0))
-                .collect()
-        })
-        .collect();
+    let down = |half: usize| {
+        (0..=pattern.rings)
+            .map(|ring| node(ring, half, 0))
+            .collect()
+    };
+    let seams = (0..pattern.gores).map(|g| down(2 * g)).collect();
+    let centres = (0..pattern.gores).map(|g| down(2 * g + 1)).collect();
     GoreMesh {
         flat_positions_m,
         half_gores,
         triangles,
         warps,
         seams,
+        centres,
     }
 }
 

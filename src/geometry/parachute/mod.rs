@@ -1,102 +1,264 @@
-//! Parachute canopies: flat patterns of gores, their folding, and the complete rigged canopy.
+//! Parachute canopies: patterns of gores, their folding, and the complete rigged canopy.
 
+pub mod designs;
+#[cfg(test)]
+mod designs_tests;
 pub mod folding;
 pub mod gores;
+pub mod pattern;
+pub mod pleats;
+pub mod sewn;
 pub mod shape;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::cloth::{Guide, Structure, Triangle};
 use crate::fabric::Fabric;
 use crate::frame::CableKind;
-use crate::lines::Cable;
-use gores::FlatCircular;
+use crate::geometry::mesh::quality::Quality;
+use crate::lines::{Cable, CableLaw};
+use sewn::{Cut, Folding, LinePlaces, Sewn};
 
-/// A rigged canopy: fabric, belts, suspension lines, confluence.
+/// A rigged canopy: fabric, belts, suspension lines, confluence, riser.
 ///
 /// The wind blows along +x: the confluence is upstream, the apex downstream. Triangle normals point out of the canopy.
 #[derive(Debug, Clone)]
 pub struct Rigging {
-    /// The flat pattern.
-    pub pattern: FlatCircular,
+    /// The canopy.
+    pub cut: Cut,
     /// Fabric.
     pub fabric: Fabric,
-    /// Belt along every seam, if any.
+    /// Belts along every seam, and along every centre line that carries a suspension line, if any.
     pub belts: Option<Cable>,
-    /// Suspension lines, one per seam.
+    /// Band along the lower edge, if any.
+    pub skirt_band: Option<Cable>,
+    /// Band around the vent, if any.
+    pub vent_band: Option<Cable>,
+    /// Lines across the vent; of the suspension lines' material if absent.
+    pub vent_lines: Option<Cable>,
+    /// Suspension lines; they run on over gaps.
     pub lines: Cable,
-    /// Length of a suspension line [m].
+    /// Where they are.
+    pub line_places: LinePlaces,
+    /// Length of the longest from the folded canopy to the confluence [m].
     pub line_length_m: f64,
-    /// What its unstretched length is beyond that [m].
+    /// What the unstretched length of every line is beyond `line_length_m` [m].
     pub line_slack_m: f64,
-    /// Where all lines meet, held fixed [m].
+    /// Segments of a line.
+    pub line_segments: usize,
+    /// Length of a riser upstream of the confluence, if any: as strong and heavy as all lines together [m].
+    pub riser_length_m: Option<f64>,
+    /// Where all lines meet; held fixed, or without hold where a riser follows [m].
     pub confluence_m: DVec3,
-    /// Projected diameter of the folded canopy over its nominal diameter.
-    pub folded_diameter_ratio: f64,
-    /// Lateral stiffness of a guide at the apex, if any [N/m].
+    /// How it is folded.
+    pub folding: Folding,
+    /// How far the canopy is turned from the wind about the confluence, towards +y [rad].
+    pub tilt_rad: f64,
+    /// Lateral stiffness of a guide at the apex (the crossing of the vent lines), if any [N/m].
     pub apex_guide_n_m: Option<f64>,
 }
 
-/// Builds the canopy as an exactly isometric pleated cone with its lines straight; `None` if the folding asked for does
-/// not exist.
-#[must_use]
-pub fn build(rigging: &Rigging) -> Option<Structure> {
-    let pattern = &rigging.pattern;
-    let mesh = gores::mesh(pattern);
-    let folded = folding::pleated_cone(pattern, &mesh, rigging.folded_diameter_ratio)?;
-    let attached = folded[mesh.seams[0][pattern.rings] as usize];
-    let reach = rigging.line_length_m.powi(2) - attached.y.powi(2) - attached.z.powi(2);
-    if reach <= 0.0 {
-        return None;
-    }
-    let shift = rigging.confluence_m + DVec3::X * (reach.sqrt() - attached.x);
+/// A canopy as built.
+#[derive(Debug, Clone)]
+pub struct Rigged {
+    /// All of it; nodes of fabric first, then the confluence, then others.
+    pub structure: Structure,
+    /// Nodes of fabric; also the number of the confluence.
+    pub canopy_node_count: usize,
+    /// Node that is held: the confluence, or the lower end of the riser.
+    pub lower_end: usize,
+    /// Nodes whose mean place is the apex.
+    pub apex_count: usize,
+    /// Quality of the triangles at rest.
+    pub quality: Option<Quality>,
+}
+
+/// Why a canopy cannot be built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum BuildFault {
+    /// The folding does not exist.
+    #[error("the canopy cannot be pleated to this diameter")]
+    Folding,
+    /// Lines do not reach from the skirt to the axis.
+    #[error("lines are too short for the folded skirt")]
+    ShortLines,
+    /// A triangle without area.
+    #[error("triangle {0} of the pattern has no area")]
+    Degenerate(usize),
+}
+
+/// Relative difference of lengths below which lines count as equally long.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// Builds the canopy folded, with its lines straight.
+pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
+    let sewn = sewn::sew(&rigging.cut, rigging.line_places, &rigging.folding)
+        .ok_or(BuildFault::Folding)?;
+    let shift = place(rigging, &sewn)?;
     let mut structure = Structure {
-        positions_m: folded.iter().map(|p| *p + shift).collect(),
+        positions_m: sewn.positions_m.iter().map(|p| *p + shift).collect(),
         membrane: Some(rigging.fabric.membrane()),
         yield_stress_pa: rigging.fabric.yield_stress_pa,
         thickness_m: rigging.fabric.thickness_m,
+        openings: sewn.openings.clone(),
         ..Structure::default()
     };
     structure.positions_m.push(rigging.confluence_m);
-    let node_count = structure.node_count();
-    let confluence = (node_count - 1) as u32;
-    structure.masses_kg = vec![0.0; node_count];
-    structure.held = vec![false; node_count];
-    structure.held[confluence as usize] = true;
-    for (nodes, warp) in mesh.triangles.iter().zip(&mesh.warps) {
-        let rest = nodes.map(|n| mesh.flat_positions_m[n as usize]);
-        let triangle = Triangle::laid_out(*nodes, rest, *warp, rigging.fabric.initial_strain)?;
+    let canopy_node_count = sewn.positions_m.len();
+    let confluence = canopy_node_count as u32;
+    structure.masses_kg = vec![0.0; canopy_node_count + 1];
+    structure.held = vec![false; canopy_node_count + 1];
+    for (number, (nodes, rest)) in sewn.triangles.iter().zip(&sewn.rest_m).enumerate() {
+        let warp = sewn.warps[number];
+        let triangle = Triangle::laid_out(*nodes, *rest, warp, rigging.fabric.initial_strain)
+            .ok_or(BuildFault::Degenerate(number))?;
         for node in nodes {
             structure.masses_kg[*node as usize] +=
                 rigging.fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
         }
         structure.triangles.push(triangle);
     }
-    for seam in &mesh.seams {
+    let length_m = rigging.line_length_m + rigging.line_slack_m;
+    for radial in &sewn.radials {
         if let Some(belt) = &rigging.belts {
-            let rest: Vec<f64> = seam
-                .windows(2)
-                .map(|pair| {
-                    mesh.flat_positions_m[pair[0] as usize]
-                        .distance(mesh.flat_positions_m[pair[1] as usize])
-                })
-                .collect();
-            structure.add_cable(seam, &rest, belt, CableKind::Belt);
+            for path in &radial.belts {
+                structure.add_cable(&path.nodes, &path.rest_m, belt, CableKind::Belt);
+            }
         }
-        let skirt = seam[pattern.rings];
-        structure.add_cable(
-            &[skirt, confluence],
-            &[rigging.line_length_m + rigging.line_slack_m],
-            &rigging.lines,
-            CableKind::SuspensionLine,
-        );
+        for gap in &radial.gaps {
+            structure.add_cable(&gap.nodes, &gap.rest_m, &rigging.lines, CableKind::GapLine);
+        }
+        if let Some(skirt) = radial.line {
+            let kind = CableKind::SuspensionLine;
+            add_line(&mut structure, [skirt, confluence], length_m, rigging, kind);
+        }
     }
-    if let Some(stiffness) = rigging.apex_guide_n_m {
+    for (band, paths) in [
+        (&rigging.skirt_band, &sewn.skirt[..]),
+        (&rigging.vent_band, sewn.vent.as_slice()),
+    ] {
+        for path in paths {
+            if let Some(band) = band {
+                structure.add_cable(&path.nodes, &path.rest_m, band, CableKind::Belt);
+            }
+        }
+    }
+    let crossing = add_vent_lines(&mut structure, rigging, &sewn);
+    let guided = match (crossing, sewn.apex[..].len()) {
+        (Some(node), _) => Some(node),
+        (None, 1) => Some(sewn.apex[0]),
+        (None, _) => None,
+    };
+    if let (Some(stiffness), Some(node)) = (rigging.apex_guide_n_m, guided) {
         structure.guides.push(Guide {
-            node: 0,
+            node,
             anchor_m: rigging.confluence_m,
             stiffness_n_m: DVec3::new(0.0, stiffness, stiffness),
         });
     }
-    Some(structure)
+    if rigging.tilt_rad != 0.0 {
+        let turn = DQuat::from_rotation_z(rigging.tilt_rad);
+        for position in &mut structure.positions_m {
+            *position = rigging.confluence_m + turn * (*position - rigging.confluence_m);
+        }
+    }
+    let lower_end = add_riser(&mut structure, rigging, confluence);
+    structure.held[lower_end] = true;
+    Ok(Rigged {
+        structure,
+        canopy_node_count,
+        lower_end,
+        apex_count: sewn.apex.len(),
+        quality: sewn.quality,
+    })
+}
+
+/// Where the folded canopy goes so that the line that reaches farthest is just straight [m].
+fn place(rigging: &Rigging, sewn: &Sewn) -> Result<DVec3, BuildFault> {
+    let mut nearest: Option<f64> = None;
+    for node in sewn.radials.iter().filter_map(|radial| radial.line) {
+        let attached = sewn.positions_m[node as usize];
+        let reach = rigging.line_length_m.powi(2) - attached.y.powi(2) - attached.z.powi(2);
+        if reach <= 0.0 {
+            return Err(BuildFault::ShortLines);
+        }
+        let shift = reach.sqrt() - attached.x;
+        let nearer = nearest.is_none_or(|last| shift < last - SAME_LENGTH * rigging.line_length_m);
+        if nearer {
+            nearest = Some(shift);
+        }
+    }
+    let shift = nearest.ok_or(BuildFault::ShortLines)?;
+    Ok(rigging.confluence_m + DVec3::X * shift)
+}
+
+/// A straight line of several segments between two nodes; the first of them is its upper end.
+fn add_line(
+    structure: &mut Structure,
+    [from, to]: [u32; 2],
+    length_m: f64,
+    rigging: &Rigging,
+    kind: CableKind,
+) {
+    let segments = rigging.line_segments;
+    let ends = [from, to].map(|node| structure.positions_m[node as usize]);
+    let mut nodes = vec![from];
+    for k in 1..segments {
+        nodes.push(add_node(
+            structure,
+            ends[0].lerp(ends[1], k as f64 / segments as f64),
+        ));
+    }
+    nodes.push(to);
+    let rest = vec![length_m / segments as f64; segments];
+    structure.add_cable(&nodes, &rest, &rigging.lines, kind);
+}
+
+fn add_node(structure: &mut Structure, place: DVec3) -> u32 {
+    structure.positions_m.push(place);
+    structure.masses_kg.push(0.0);
+    structure.held.push(false);
+    structure.positions_m.len() as u32 - 1
+}
+
+/// Lines from the edge of the vent to where they all cross, and are joined; that node.
+fn add_vent_lines(structure: &mut Structure, rigging: &Rigging, sewn: &Sewn) -> Option<u32> {
+    let lines = sewn.vent_lines.as_ref()?;
+    let mut middle = DVec3::ZERO;
+    for &end in &lines.ends {
+        middle += structure.positions_m[end as usize] / lines.ends.len() as f64;
+    }
+    let crossing = add_node(structure, middle);
+    let cable = rigging.vent_lines.as_ref().unwrap_or(&rigging.lines);
+    for &end in &lines.ends {
+        let half = 0.5 * lines.length_m;
+        structure.add_cable(&[end, crossing], &[half], cable, CableKind::VentLine);
+    }
+    Some(crossing)
+}
+
+/// The node that is held: the lower end of the riser, or the confluence without one.
+fn add_riser(structure: &mut Structure, rigging: &Rigging, confluence: u32) -> usize {
+    let Some(length_m) = rigging.riser_length_m else {
+        return confluence as usize;
+    };
+    let lines = structure
+        .cables
+        .iter()
+        .filter(|cable| cable.nodes.contains(&confluence))
+        .count() as f64;
+    let riser = Cable {
+        area_m2: lines * rigging.lines.area_m2,
+        density_kg_m3: rigging.lines.density_kg_m3,
+        law: match &rigging.lines.law {
+            CableLaw::Linear { axial_stiffness_n } => CableLaw::Linear {
+                axial_stiffness_n: lines * axial_stiffness_n,
+            },
+            CableLaw::Table(table) => CableLaw::Table(table.times(lines)),
+        },
+        damping_n_s: lines * rigging.lines.damping_n_s,
+    };
+    let lower = add_node(structure, rigging.confluence_m - DVec3::X * length_m);
+    structure.add_cable(&[confluence, lower], &[length_m], &riser, CableKind::Riser);
+    lower as usize
 }
