@@ -2,13 +2,15 @@
 
 use super::Problem;
 use super::scene::{Air, Body, readable};
+use crate::cloth::rims::RimInsets;
 
 /// Least share of the fabric's area that markers must stand for.
 const LEAST_MARKED_SHARE: f64 = 0.3;
 
 /// Refuses fabric of which too little lies more than `inset_cells` inside its rims.
 pub(super) fn check(body: &Body, air: &Air, inset_cells: f64) -> Result<(), Problem> {
-    let share = body.marked_share(inset_cells * air.units.cell_size_m);
+    let insets = RimInsets::new(&body.structure, inset_cells, air.units.cell_size_m);
+    let share = body.marked_share(&insets);
     if share >= LEAST_MARKED_SHARE {
         return Ok(());
     }

@@ -11,6 +11,7 @@ pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
 use super::{Problem, air, bodies, descent, output, structure};
 use crate::cloth::Structure;
+use crate::cloth::rims::RimInsets;
 use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
 use crate::geometry::mesh::quality::Quality;
@@ -117,10 +118,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// Share of the fabric's area that lies farther than `inset_m` inside its rims, and so has markers.
+    /// Share of the fabric's area that has markers: those near rims end inside them.
     #[must_use]
-    pub fn marked_share(&self, inset_m: f64) -> f64 {
-        markers::marked_share(self.structure.extents(inset_m), inset_m)
+    pub fn marked_share(&self, insets: &RimInsets) -> f64 {
+        markers::marked_share(self.structure.extents(insets))
     }
 }
 
@@ -265,6 +266,12 @@ impl Coupling {
     #[must_use]
     pub fn marker_spacing_m(&self, air: &Air) -> f64 {
         self.marker_spacing_cells * air.units.cell_size_m
+    }
+
+    /// How far inside the rims of fabric markers stand.
+    #[must_use]
+    pub fn rim_insets(&self, structure: &Structure, air: &Air) -> RimInsets {
+        RimInsets::new(structure, self.rim_inset_cells, air.units.cell_size_m)
     }
 }
 

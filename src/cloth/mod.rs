@@ -18,6 +18,7 @@ pub use fabrics::{Laws, SewnFabric};
 
 use contact::Contact;
 use openings::Opening;
+use rims::RimInsets;
 
 use crate::fabric::membrane::Membrane;
 use crate::fabric::permeability::Permeability;
@@ -119,13 +120,13 @@ impl Structure {
         self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
     }
 
-    /// Rest sizes of the triangles, and how far the rims are where that is less than some `inset_m`.
-    pub fn extents(&self, inset_m: f64) -> impl Iterator<Item = Extent> {
-        let distances = (inset_m > 0.0).then(|| rims::distances_m(self, inset_m));
+    /// Rest sizes of the triangles, and how far inside the line on which markers end they lie where that matters.
+    pub fn extents(&self, insets: &RimInsets) -> impl Iterator<Item = Extent> {
+        let depths = (insets.rim_m > 0.0).then(|| rims::depths_m(self, insets));
         self.triangles.iter().enumerate().map(move |(i, t)| Extent {
             area_m2: t.rest_area_m2,
             longest_edge_m: t.rest_squares_m2.iter().copied().fold(0.0, f64::max).sqrt(),
-            rim_distances_m: distances.as_ref().map_or([f64::INFINITY; 3], |d| d[i]),
+            rim_depths_m: depths.as_ref().map_or([f64::INFINITY; 3], |d| d[i]),
         })
     }
 

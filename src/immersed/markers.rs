@@ -43,8 +43,8 @@ pub struct Extent {
     pub area_m2: f64,
     /// Longest edge [m].
     pub longest_edge_m: f64,
-    /// Distance of its corners from the nearest rim [m]; infinite where that is too far to matter.
-    pub rim_distances_m: [f64; 3],
+    /// How far its corners lie inside the line, near the rims, on which markers end [m]; negative outside, infinite where it does not matter.
+    pub rim_depths_m: [f64; 3],
 }
 
 /// One marker on a triangle.
@@ -69,12 +69,12 @@ pub fn subdivisions(extent: &Extent, spacing_m: f64) -> usize {
 
 /// Number of markers that [`place`] would place.
 #[must_use]
-pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64, inset_m: f64) -> u64 {
+pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> u64 {
     extents.fold(0, |total, extent| {
         let n = subdivisions(&extent, spacing_m) as u64;
-        let own = if is_cut(&extent, inset_m) {
+        let own = if is_cut(&extent) {
             let mut count = 0;
-            place_on(0, &extent, spacing_m, inset_m, &mut |_| count += 1);
+            place_on(0, &extent, spacing_m, &mut |_| count += 1);
             count
         } else {
             n.saturating_mul(n)
@@ -83,14 +83,14 @@ pub fn count(extents: impl Iterator<Item = Extent>, spacing_m: f64, inset_m: f64
     })
 }
 
-/// Share of the area of triangles that lies farther than `inset_m` inside the rims.
+/// Share of the area of triangles for which markers stand.
 #[must_use]
-pub fn marked_share(extents: impl Iterator<Item = Extent>, inset_m: f64) -> f64 {
+pub fn marked_share(extents: impl Iterator<Item = Extent>) -> f64 {
     let (mut whole, mut marked) = (0.0, 0.0);
     for extent in extents {
         whole += extent.area_m2;
-        if is_cut(&extent, inset_m) {
-            place_on(0, &extent, f64::INFINITY, inset_m, &mut |marker| {
+        if is_cut(&extent) {
+            place_on(0, &extent, f64::INFINITY, &mut |marker| {
                 marked += marker.area_m2;
             });
         } else {
@@ -100,41 +100,31 @@ pub fn marked_share(extents: impl Iterator<Item = Extent>, inset_m: f64) -> f64 
     marked / whole
 }
 
-/// Places markers on triangles, at most `spacing_m` apart, and none nearer to a rim than `inset_m`: parts of triangles that lie across that line
+/// Places markers on triangles, at most `spacing_m` apart, and none beyond the line near the rims on which they end: parts of triangles that lie across that line
 /// are cut along it, and their marker stands at the centroid of what is left.
 #[must_use]
-pub fn place(extents: impl Iterator<Item = Extent>, spacing_m: f64, inset_m: f64) -> Vec<Marker> {
+pub fn place(extents: impl Iterator<Item = Extent>, spacing_m: f64) -> Vec<Marker> {
     let mut markers = Vec::new();
     for (triangle, extent) in extents.enumerate() {
-        place_on(
-            triangle as u32,
-            &extent,
-            spacing_m,
-            inset_m,
-            &mut |marker| markers.push(marker),
-        );
+        place_on(triangle as u32, &extent, spacing_m, &mut |marker| {
+            markers.push(marker)
+        });
     }
     markers
 }
 
-fn is_cut(extent: &Extent, inset_m: f64) -> bool {
-    extent.rim_distances_m.iter().any(|d| *d < inset_m)
+fn is_cut(extent: &Extent) -> bool {
+    extent.rim_depths_m.iter().any(|d| *d < 0.0)
 }
 
-fn place_on(
-    triangle: u32,
-    extent: &Extent,
-    spacing_m: f64,
-    inset_m: f64,
-    push: &mut impl FnMut(Marker),
-) {
+fn place_on(triangle: u32, extent: &Extent, spacing_m: f64, push: &mut impl FnMut(Marker)) {
     let n = subdivisions(extent, spacing_m);
     let share = extent.area_m2 / (n * n) as f64;
-    let is_cut = is_cut(extent, inset_m);
+    let is_cut = is_cut(extent);
     // Distance from the line beyond which there are no markers.
     let inside_m = |[a, b]: [f64; 2]| {
-        let [d0, d1, d2] = extent.rim_distances_m;
-        (1.0 - a - b) * d0 + a * d1 + b * d2 - inset_m
+        let [d0, d1, d2] = extent.rim_depths_m;
+        (1.0 - a - b) * d0 + a * d1 + b * d2
     };
     let mut part = |centroid: [f64; 2], corners: [[usize; 2]; 3]| {
         let (mut at, mut area_m2) = (centroid.map(|c| c / n as f64), share);
@@ -205,11 +195,11 @@ mod tests {
                 Extent {
                     area_m2,
                     longest_edge_m,
-                    rim_distances_m: [f64::INFINITY; 3],
+                    rim_depths_m: [f64::INFINITY; 3],
                 }
             });
-        let markers = place(extents.into_iter(), 1.0, 0.65);
-        assert_eq!(markers.len() as u64, count(extents.into_iter(), 1.0, 0.65));
+        let markers = place(extents.into_iter(), 1.0);
+        assert_eq!(markers.len() as u64, count(extents.into_iter(), 1.0));
         for (triangle, extent) in extents.iter().enumerate() {
             let own: Vec<_> = markers
                 .iter()
@@ -236,13 +226,10 @@ mod tests {
                 let extent = Extent {
                     area_m2: 2.0,
                     longest_edge_m: 4.0,
-                    rim_distances_m: [0.0, 0.0, 1.0],
+                    rim_depths_m: [-inset, -inset, 1.0 - inset],
                 };
-                let markers = place([extent].into_iter(), spacing, inset);
-                assert_eq!(
-                    markers.len() as u64,
-                    count([extent].into_iter(), spacing, inset)
-                );
+                let markers = place([extent].into_iter(), spacing);
+                assert_eq!(markers.len() as u64, count([extent].into_iter(), spacing));
                 let sum = |of: &dyn Fn(&Marker) -> f64| -> f64 {
                     markers.iter().map(|m| m.area_m2 * of(m)).sum()
                 };
@@ -261,8 +248,8 @@ mod tests {
         let outside = Extent {
             area_m2: 1.0,
             longest_edge_m: 1.0,
-            rim_distances_m: [0.0, 0.1, 0.6],
+            rim_depths_m: [-0.65, -0.55, -0.05],
         };
-        assert!(place([outside].into_iter(), 1.0, 0.65).is_empty());
+        assert!(place([outside].into_iter(), 1.0).is_empty());
     }
 }

@@ -115,17 +115,20 @@ impl Sizes {
             let cell_size_m = air.units.cell_size_m;
             let spacing_m = coupling.marker_spacing_m(air);
             if let Some(body) = &scene.body {
-                let inset_m = coupling.rim_inset_cells * cell_size_m;
                 sizes.markers = match &body.kind {
                     BodyKind::Plate(plate) => {
+                        let inset_m = coupling.rim_inset_cells * cell_size_m;
                         let [along, across] = plate.marker_counts(spacing_m, inset_m);
                         (along as u64).saturating_mul(across as u64)
                     }
-                    _ => markers::count(body.structure.extents(inset_m), spacing_m, inset_m),
+                    _ => {
+                        let insets = coupling.rim_insets(&body.structure, air);
+                        markers::count(body.structure.extents(&insets), spacing_m)
+                    }
                 };
             }
             for body in &scene.rigid_bodies {
-                let own = markers::count(body.marker_surface.extents(), spacing_m, 0.0);
+                let own = markers::count(body.marker_surface.extents(), spacing_m);
                 sizes.markers = sizes.markers.saturating_add(own);
             }
             // 64 kernel points with cell, weight and sorted entry, plus per-marker vectors.

@@ -134,12 +134,15 @@ pub fn place_markers(scene: &Scene) -> Vec<markers::Marker> {
     let (Some(air), Some(body), Some(coupling)) = (&scene.air, &scene.body, &scene.coupling) else {
         return Vec::new();
     };
-    let cell_size_m = air.units.cell_size_m;
     let spacing_m = coupling.marker_spacing_m(air);
-    let inset_m = coupling.rim_inset_cells * cell_size_m;
     match &body.kind {
-        BodyKind::Plate(plate) => plate.place_markers(spacing_m, inset_m),
-        _ => markers::place(body.structure.extents(inset_m), spacing_m, inset_m),
+        BodyKind::Plate(plate) => {
+            plate.place_markers(spacing_m, coupling.rim_inset_cells * air.units.cell_size_m)
+        }
+        _ => {
+            let insets = coupling.rim_insets(&body.structure, air);
+            markers::place(body.structure.extents(&insets), spacing_m)
+        }
     }
 }
 

@@ -4,9 +4,13 @@ use std::fmt::Write;
 
 use crate::case::Scene;
 use crate::cloth::openings::{Opening, OpeningKind};
+use crate::immersed::markers;
 
-/// Cells across an opening below which the flow through it is not resolved.
+/// Cells across an opening from which the jet through it is resolved (`ripstop validate openings`).
 const RESOLVED_CELLS: f64 = 6.0;
+
+/// Cells below which even the inset of markers does not make it pass what it should.
+const SMALLEST_CELLS: f64 = 1.0;
 
 /// Openings of one kind and width: the first of them and how many they are.
 fn kinds(openings: &[Opening]) -> Vec<(&Opening, usize)> {
@@ -27,25 +31,34 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     let Some(body) = &scene.body else {
         return Ok(());
     };
-    let cell = scene.air.map(|air| air.units.cell_size_m);
+    let inset = |width_m: f64| {
+        let (air, coupling) = (scene.air.as_ref()?, scene.coupling.as_ref()?);
+        let cell = air.units.cell_size_m;
+        let of_rims = coupling.rim_inset_cells / markers::RIM_INSET_CELLS;
+        let inset = of_rims * markers::opening_inset_cells(width_m / cell);
+        Some((width_m / cell, inset))
+    };
     for (opening, count) in kinds(&body.structure.openings) {
         let what = match opening.kind {
             OpeningKind::Slot => format!("{count} slots"),
             kind => kind.name().to_owned(),
         };
-        let cells = match cell {
+        let cells = match inset(opening.width_m) {
             None => String::new(),
-            Some(_) if opening.width_m == 0.0 => {
-                ": cuts along seams, which open under load".to_owned()
-            }
-            Some(cell) => {
-                let cells = opening.width_m / cell;
-                let judged = if cells < RESOLVED_CELLS {
-                    format!(" (below {RESOLVED_CELLS}: the flow through it is not resolved)")
-                } else {
-                    String::new()
+            Some((_, inset)) if opening.width_m == 0.0 => format!(
+                ": cuts along seams, which open under load; markers stand {inset:.2} cells inside their rims"
+            ),
+            Some((cells, inset)) => {
+                let judged = match cells {
+                    _ if cells >= RESOLVED_CELLS => "its jet is resolved",
+                    _ if cells >= SMALLEST_CELLS => {
+                        "its jet is not resolved, but passes what it should"
+                    }
+                    _ => "too narrow: it passes less than it should",
                 };
-                format!(", {cells:.1} cells{judged}")
+                format!(
+                    ", {cells:.1} cells: markers stand {inset:.2} cells inside its rim; {judged}"
+                )
             }
         };
         writeln!(out, "  {what:<19} {:.4} m wide{cells}", opening.width_m)?;

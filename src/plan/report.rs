@@ -254,7 +254,7 @@ impl Plan {
                 out,
                 "  rims                markers stand {} cells inside them, on {:.0} % of the fabric",
                 coupling.rim_inset_cells,
-                100.0 * body.marked_share(coupling.rim_inset_cells * cell)
+                100.0 * body.marked_share(&coupling.rim_insets(structure, air))
             )?;
         }
         if let BodyKind::Canopy(canopy) = body.kind {
@@ -312,7 +312,7 @@ impl Plan {
             )?;
         }
         for body in &scene.rigid_bodies {
-            let own = markers::count(body.marker_surface.extents(), spacing_m, 0.0);
+            let own = markers::count(body.marker_surface.extents(), spacing_m);
             writeln!(
                 out,
                 "  {}: {own} markers on {} triangles, {}",

@@ -52,7 +52,7 @@ impl Surface {
                     area_m2: area.length(),
                     longest_edge_m: a.distance(b).max(b.distance(c)).max(c.distance(a)),
                     // Rigid surfaces are drawn in as a whole.
-                    rim_distances_m: [f64::INFINITY; 3],
+                    rim_depths_m: [f64::INFINITY; 3],
                 }
             })
     }

@@ -55,7 +55,7 @@ impl BodyMarkers {
             .rigid_bodies
             .iter()
             .map(|body| {
-                let placed = markers::place(body.marker_surface.extents(), spacing_m, 0.0);
+                let placed = markers::place(body.marker_surface.extents(), spacing_m);
                 areas_m2.extend(placed.iter().map(|marker| marker.area_m2));
                 let points_m: Vec<DVec3> =
                     placed.iter().map(|marker| point_m(body, marker)).collect();

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::{Gate, Session, Stop, periodic, states};
 use crate::cloth::Structure;
+use crate::cloth::rims::RimInsets;
 use crate::cpu::cloth::{Cloth, InitialHessian, MarkerReaction, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
@@ -106,7 +107,7 @@ struct Screen {
 impl Screen {
     fn new(air: &AirEngine, over_relaxation: f64, free: bool) -> Result<Self, Stop> {
         let structure = screen()?;
-        let markers = markers::place(structure.extents(0.0), 1.0, 0.0);
+        let markers = markers::place(structure.extents(&RimInsets::NONE), 1.0);
         let areas = markers.iter().map(|marker| marker.area_m2).collect();
         Ok(Self {
             immersed: MarkerEngine::new(air, areas, over_relaxation)?,
