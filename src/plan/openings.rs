@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::Scene;
-use crate::cloth::openings::{Opening, OpeningKind};
+use crate::case::scene::{Opening, OpeningKind};
 
 /// Cells across an opening below which the flow through it is not resolved.
 const RESOLVED_CELLS: f64 = 6.0;
