@@ -13,6 +13,7 @@ mod architecture;
 mod bad_cases;
 mod bodies;
 mod cadence;
+mod canopies;
 mod canopy;
 mod cases;
 mod change_of_lattice;
@@ -51,6 +52,7 @@ fn main() -> std::process::ExitCode {
         device_cloth::trials(),
         device_multigrid::trials(),
         canopy::trials(),
+        canopies::trials(),
         bodies::trials(),
         cadence::trials(),
         permeability::trials(),

@@ -224,3 +224,12 @@ pub const IMPULSE_CARRIED: f64 = 1e-6;
 
 /// Impulses by the three routes since release, over a change: markers and momentum box agree to 1e-5, the lines to 0.2 % (the solver's tolerance).
 pub const ROUTES_OVER_A_CHANGE: f64 = 0.01;
+
+/// Rigged canopies.
+pub mod canopies {
+    /// Difference of gores after 12 steps under pressure, which move them by some millimetres [m]: where each step's minimiser stops.
+    pub const ALIKE_M: f64 = 1e-4;
+
+    /// Riser against the sum of lines at the confluence, whose ends still move a little.
+    pub const RISER: f64 = 0.05;
+}

@@ -219,6 +219,9 @@ pub struct MeshFile {
     pub file: String,
     pub scale: f64,
     pub held_nodes: Vec<u32>,
+    /// A table of lines, with their material.
+    pub lines: Option<String>,
+    pub line_material: Option<CableMaterial>,
 }
 
 /// `[fabric]`.

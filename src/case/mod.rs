@@ -15,6 +15,7 @@ mod file_specimens;
 mod file_wing;
 mod grid_sequence;
 pub mod locate;
+mod mesh_lines;
 mod output;
 mod permeability;
 mod plate;

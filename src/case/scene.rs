@@ -11,6 +11,7 @@ pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
 use super::{Problem, air, bodies, descent, output, structure};
 use crate::cloth::Structure;
+pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
 use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;

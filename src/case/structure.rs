@@ -8,10 +8,10 @@ use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
-use super::{canopy, contact, descent, permeability, plate, specimens};
+use super::{canopy, contact, descent, mesh_lines, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
-use crate::geometry::mesh::{obj, quality};
+use crate::geometry::mesh::{obj, quality, surface};
 use crate::geometry::{cable, fabric_surface, sheet};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 use crate::rigid::Surface;
@@ -328,18 +328,28 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
     let fabric = check_fabric(file)?;
     let path = folder.join(&written.file);
     let scale = positive(&format!("{KEY}.scale"), written.scale)?;
-    let mesh = obj::read(&path, scale).map_err(|why| {
+    let unreadable = |why: String| {
         Problem::new(
             format!("{KEY}.file"),
             format!("cannot read the mesh {}: {why}", path.display()),
-            "give an OBJ file with triangles or polygons, relative to the case file",
+            "give an OBJ file with triangles or polygons (or STL, PLY), relative to the case file",
         )
-    })?;
-    let node_count = mesh.positions_m.len();
-    let surface = Surface {
-        positions_m: mesh.positions_m,
-        triangles: mesh.triangles,
     };
+    // Nodes of OBJ files keep their numbers; those of others are joined where they lie together.
+    let is_numbered = !["stl", "ply"].iter().any(|other| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(other))
+    });
+    let surface = if is_numbered {
+        let mesh = obj::read(&path, scale).map_err(unreadable)?;
+        Surface {
+            positions_m: mesh.positions_m,
+            triangles: mesh.triangles,
+        }
+    } else {
+        surface::read(&path, scale).map_err(unreadable)?
+    };
+    let node_count = surface.positions_m.len();
     let mut structure = fabric_surface::build(&surface, DVec3::X, &fabric).map_err(|index| {
         let nodes = surface.triangles[index];
         let corners = surface.corners(nodes);
@@ -372,8 +382,10 @@ fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Bo
         };
         *held = true;
     }
+    let quality = quality::measure(&structure.positions_m, &surface.triangles);
+    mesh_lines::add(written, folder, &mut structure)?;
     Ok(Body {
-        quality: quality::measure(&structure.positions_m, &surface.triangles),
+        quality,
         kind: BodyKind::Mesh,
         structure,
     })

@@ -4,6 +4,7 @@ pub mod airbag;
 pub mod cable;
 pub mod coupon;
 pub mod fabric_surface;
+pub mod line_table;
 pub mod mesh;
 pub mod parachute;
 pub mod plate;

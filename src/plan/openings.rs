@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::Scene;
-use crate::cloth::openings::{Opening, OpeningKind};
+use crate::case::scene::{Opening, OpeningKind};
 use crate::immersed::markers;
 
 /// Cells across an opening from which the jet through it is resolved (`ripstop validate openings`).

@@ -267,9 +267,11 @@ impl Piece {
     }
 }
 
-/// Sections with `rings` shared out by their lengths.
+/// Sections with `rings` shared out by their lengths, narrow parts of gores counted as longer.
 fn shared_out(pieces: Vec<Piece>, rings: usize) -> Vec<Section> {
-    let length = |piece: &Piece| piece.section.to.distance_m - piece.section.from.distance_m;
+    let plain = |piece: &Piece| piece.section.to.distance_m - piece.section.from.distance_m;
+    let height_m = pieces.iter().map(plain).sum::<f64>() / rings as f64;
+    let length = |piece: &Piece| piece.section.weighted_length_m(height_m);
     let total: f64 = pieces.iter().map(length).sum();
     pieces
         .into_iter()

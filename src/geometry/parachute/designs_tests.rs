@@ -108,9 +108,13 @@ fn areas_are_those_of_the_constructed_canopies() {
                 slots,
             } => {
                 let slots = slots.map_or(0.0, |slots| {
-                    let section = &pattern.sections[1];
-                    let length = (slots.to_m - slots.from_m) * (1.0 - 1.0 / section.rings as f64);
-                    8.0 * slots.width_m * length
+                    // They close over half a ring at either end.
+                    let rows: Vec<f64> = (mesh.rows.iter().map(|row| row.at.distance_m))
+                        .filter(|s| (slots.from_m..=slots.to_m).contains(s))
+                        .collect();
+                    let n = rows.len();
+                    let open = [0.5 * (rows[0] + rows[1]), 0.5 * (rows[n - 2] + rows[n - 1])];
+                    8.0 * slots.width_m * (open[1] - open[0])
                 });
                 design.nominal_area_m2 - vent / cone_angle_rad.cos() - slots
             }

@@ -55,6 +55,40 @@ impl Section {
             * (self.from.half_width_m + self.to.half_width_m)
     }
 
+    /// Where its rings end, in shares of its length: closer together where the gore is narrower than rings of this height [m].
+    fn ring_shares(&self, height_m: f64) -> Vec<f64> {
+        let sums = self.crowding(height_m);
+        let all = sums[PIECES];
+        (0..=self.rings)
+            .map(|ring| {
+                let wanted = all * ring as f64 / self.rings as f64;
+                let piece = sums.partition_point(|sum| *sum < wanted).clamp(1, PIECES);
+                let [below, above] = [sums[piece - 1], sums[piece]];
+                ((piece - 1) as f64 + (wanted - below) / (above - below)) / PIECES as f64
+            })
+            .collect()
+    }
+
+    /// Length in rings of its own height there [m], where rings are `height_m` high but for narrow gores.
+    #[must_use]
+    pub fn weighted_length_m(&self, height_m: f64) -> f64 {
+        let length = self.to.distance_m - self.from.distance_m;
+        length / PIECES as f64 * self.crowding(height_m)[PIECES]
+    }
+
+    /// Sums, from the upper end, of how much closer than `height_m` rings should be.
+    fn crowding(&self, height_m: f64) -> Vec<f64> {
+        let mut sums = vec![0.0];
+        for piece in 0..PIECES {
+            let share = (piece as f64 + 0.5) / PIECES as f64;
+            let half_width =
+                self.from.half_width_m + share * (self.to.half_width_m - self.from.half_width_m);
+            let height = (half_width / (NARROW * height_m)).clamp(LEAST_HEIGHT, 1.0);
+            sums.push(sums[piece] + 1.0 / height);
+        }
+        sums
+    }
+
     /// db/ds.
     #[must_use]
     pub fn slope(&self) -> f64 {
@@ -148,11 +182,17 @@ impl Pattern {
     #[must_use]
     pub fn fabric_area_m2(&self) -> f64 {
         let gores = self.gores as f64;
+        let height_m = self.ring_height_m();
         let section = |section: &Section| {
             let length = section.to.distance_m - section.from.distance_m;
             let slots = section.slots.map_or(0.0, |slots| {
-                let closed = if slots.open_at_skirt { 0.5 } else { 1.0 };
-                let clear = length * (1.0 - closed / section.rings as f64);
+                let shares = section.ring_shares(height_m);
+                let last = if slots.open_at_skirt {
+                    0.0
+                } else {
+                    1.0 - shares[section.rings - 1]
+                };
+                let clear = length * (1.0 - 0.5 * (shares[1] + last));
                 slots.width_m * clear * (self.gores / slots.every) as f64
             });
             gores * section.area_m2() - slots
@@ -160,22 +200,24 @@ impl Pattern {
         self.sections.iter().map(section).sum()
     }
 
+    /// Mean height of a ring of triangles [m].
+    fn ring_height_m(&self) -> f64 {
+        let length = |s: &Section| s.to.distance_m - s.from.distance_m;
+        let rings: usize = self.sections.iter().map(|s| s.rings).sum();
+        self.sections.iter().map(length).sum::<f64>() / rings as f64
+    }
+
     /// Rows of nodes from the vent or the apex to the skirt.
     #[must_use]
     pub fn rows(&self) -> Vec<Row> {
-        let length: f64 = self
-            .sections
-            .iter()
-            .map(|s| s.to.distance_m - s.from.distance_m)
-            .sum();
-        let rings: usize = self.sections.iter().map(|s| s.rings).sum();
-        let height_m = length / rings as f64;
+        let height_m = self.ring_height_m();
         let mut rows: Vec<Row> = Vec::new();
         for (number, section) in self.sections.iter().enumerate() {
             let sewn = number > 0 && section.sewn;
             let is_last = number + 1 == self.sections.len();
+            let shares = section.ring_shares(height_m);
             for ring in usize::from(sewn)..=section.rings {
-                let share = ring as f64 / section.rings as f64;
+                let share = shares[ring];
                 let between = |a: f64, b: f64| {
                     if ring == section.rings {
                         b
@@ -518,6 +560,15 @@ impl PatternMesh {
 fn edges(nodes: &[u32]) -> Vec<[u32; 2]> {
     nodes.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
+
+/// Pieces of a section by which the places of its rings are found.
+const PIECES: usize = 256;
+
+/// Half width of a gore over the mean height of a ring below which rings come closer together.
+const NARROW: f64 = 0.6;
+
+/// Height of the closest rings over the mean.
+const LEAST_HEIGHT: f64 = 1.0 / 3.0;
 
 /// Width of a triangle's base over the height of a ring that the mesh aims at.
 const WIDTH_OVER_HEIGHT: f64 = 1.0;

@@ -1,0 +1,273 @@
+//! Canopies as rigged: gores that stay alike under pressure, lines and risers, tilted and uneven foldings.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DQuat, DVec3};
+use libtest_mimic::Trial;
+use ripstop::cloth::Structure;
+use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
+use ripstop::fabric::Fabric;
+use ripstop::frame::CableKind;
+use ripstop::geometry::parachute::designs::{Design, RadialSlots, Shape};
+use ripstop::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
+use ripstop::geometry::parachute::{self, Rigged, Rigging};
+use ripstop::lines::Cable;
+
+use crate::engines::plain;
+use crate::tolerances::canopies as tolerance;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("canopies::gores_stay_alike_under_pressure", alike),
+        plain("canopies::riser_carries_what_lines_carry", riser),
+        plain(
+            "canopies::tilted_and_uneven_foldings_begin_free_of_stress",
+            tilted,
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn fabric() -> Fabric {
+    Fabric {
+        thickness_m: 1e-4,
+        density_kg_m3: 533.77,
+        warp_modulus_pa: 4.31e8,
+        weft_modulus_pa: 4.31e8,
+        poisson_ratio: 0.14,
+        shear_modulus_pa: 1.89e8,
+        residual_stiffness: 1e-3,
+        cubic_shear_compliance_1_pa3: None,
+        initial_strain: [0.0; 2],
+        yield_stress_pa: None,
+    }
+}
+
+fn rigging(design: Design, line_places: LinePlaces) -> Rigging {
+    let cable = Cable::linear(4.42e-6, 462.0, 1e9);
+    Rigging {
+        cut: Cut::Gores(design, design.pattern().unwrap()),
+        fabric: fabric(),
+        belts: Some(cable.clone()),
+        skirt_band: Some(cable.clone()),
+        vent_band: Some(cable.clone()),
+        vent_lines: None,
+        lines: cable,
+        line_places,
+        line_length_m: 1.0,
+        line_slack_m: 0.0,
+        line_segments: 3,
+        riser_length_m: None,
+        confluence_m: DVec3::new(0.3, 1.0, 2.0),
+        folding: Folding {
+            diameter_ratio: 0.2,
+            asymmetry: 0.0,
+        },
+        tilt_rad: 0.0,
+        apex_guide_n_m: None,
+    }
+}
+
+fn design(shape: Shape, gores: usize) -> Design {
+    Design {
+        nominal_area_m2: 0.785,
+        gores,
+        rings: 10,
+        vent_diameter_m: Some(0.15),
+        shape,
+    }
+}
+
+fn slotted() -> Design {
+    let slots = RadialSlots {
+        count: 12,
+        width_m: 0.0,
+        from_m: 0.15,
+        to_m: 0.4,
+    };
+    let shape = Shape::Conical {
+        cone_angle_rad: 0.3,
+        slots: Some(slots),
+    };
+    design(shape, 12)
+}
+
+fn band() -> Design {
+    let shape = Shape::DiskGapBand {
+        disk_diameter_m: 0.72,
+        gap_width_m: 0.043,
+        band_width_m: 0.12,
+    };
+    design(shape, 12)
+}
+
+const SETTINGS: SolverSettings = SolverSettings {
+    tolerance: 1e-3,
+    displacement_floor_m: 1e-9,
+    evaluation_limit: 300,
+    history: 5,
+    refresh_every: Some(5),
+    initial_hessian: InitialHessian::BlockJacobi,
+};
+
+/// Steps under pressure from the folded state.
+fn inflate(built: &Rigged, steps: usize) -> Cloth {
+    let mut cloth = Cloth::new(built.structure.clone());
+    let input = StepInput {
+        time_step_s: Some(5e-4),
+        pressure: Pressure::Uniform(50.0),
+        damping_1_s: 20.0,
+        ..StepInput::default()
+    };
+    for _ in 0..steps {
+        cloth.solve_cloth(&input, &SETTINGS);
+    }
+    cloth
+}
+
+/// A canopy turned by one gore about its axis is the same canopy, and so it stays while it opens.
+fn alike() {
+    for (design, places) in [
+        (slotted(), LinePlaces::Seams),
+        (band(), LinePlaces::SeamsAndCentres),
+    ] {
+        let rigging = rigging(design, places);
+        let built = parachute::build(&rigging).unwrap();
+        let cloth = inflate(&built, 12);
+        let axis = rigging.confluence_m;
+        let turn = DQuat::from_rotation_x(TAU / 12.0);
+        let moved: f64 = (cloth.positions_m.iter().zip(&built.structure.positions_m))
+            .map(|(now, start)| now.distance(*start))
+            .fold(0.0, f64::max);
+        assert!(moved > 0.005, "it hardly moved: {moved}");
+        let fabric = &cloth.positions_m[..built.canopy_node_count];
+        let start = &built.structure.positions_m[..built.canopy_node_count];
+        for (node, place) in start.iter().enumerate() {
+            let turned = axis + turn * (*place - axis);
+            let other = start
+                .iter()
+                .position(|p| p.distance(turned) < 1e-9)
+                .unwrap_or_else(|| panic!("node {node} has no like in the next gore"));
+            // Both sides of a cut start at the same place; either is a like.
+            let expected = axis + turn * (fabric[node] - axis);
+            let apart = start
+                .iter()
+                .zip(fabric)
+                .filter(|(p, _)| p.distance(start[other]) < 1e-9)
+                .map(|(_, now)| now.distance(expected))
+                .fold(f64::INFINITY, f64::min);
+            assert!(apart < tolerance::ALIKE_M, "node {node}: {apart:e}");
+        }
+    }
+}
+
+fn of_kind(structure: &Structure, kind: CableKind) -> usize {
+    structure.cables.iter().filter(|c| c.kind == kind).count()
+}
+
+/// The riser's end is held, the confluence is free, and the riser pulls with what comes down the lines.
+fn riser() {
+    let rigging = Rigging {
+        riser_length_m: Some(0.5),
+        ..rigging(band(), LinePlaces::SeamsAndCentres)
+    };
+    let built = parachute::build(&rigging).unwrap();
+    let structure = &built.structure;
+    assert_eq!(of_kind(structure, CableKind::SuspensionLine), 24 * 3);
+    assert_eq!(of_kind(structure, CableKind::GapLine), 24);
+    assert_eq!(of_kind(structure, CableKind::VentLine), 12);
+    assert_eq!(of_kind(structure, CableKind::Riser), 1);
+    assert_eq!(structure.openings.len(), 2);
+    let held: Vec<usize> = (0..structure.node_count())
+        .filter(|&n| structure.held[n])
+        .collect();
+    assert_eq!(held, [built.lower_end]);
+    let confluence = structure.positions_m[built.canopy_node_count];
+    assert_eq!(confluence, rigging.confluence_m);
+    assert!((confluence.distance(structure.positions_m[built.lower_end]) - 0.5).abs() < 1e-12);
+    // Settled under a following pressure: lines and riser are in balance along the axis.
+    let input = StepInput {
+        time_step_s: Some(2e-3),
+        pressure: Pressure::Uniform(50.0),
+        damping_1_s: 200.0,
+        ..StepInput::default()
+    };
+    let mut cloth = Cloth::new(structure.clone());
+    for _ in 0..20 {
+        cloth.solve_cloth(&input, &SETTINGS);
+    }
+    let mut lines = DVec3::ZERO;
+    let mut riser = DVec3::ZERO;
+    for cable in &structure.cables {
+        let confluence = built.canopy_node_count as u32;
+        let Some(end) = cable.nodes.iter().position(|&n| n == confluence) else {
+            continue;
+        };
+        let [here, there] = [cable.nodes[end], cable.nodes[1 - end]];
+        let way = cloth.positions_m[there as usize] - cloth.positions_m[here as usize];
+        let pull = way.normalize() * structure.cable_state(cable, way.length()).tension_n;
+        if cable.kind == CableKind::Riser {
+            riser += pull;
+        } else {
+            lines += pull;
+        }
+    }
+    assert!(lines.length() > 1.0, "lines hang slack");
+    assert!(
+        (lines + riser).length() < tolerance::RISER * lines.length(),
+        "{lines} {riser}"
+    );
+}
+
+/// Green strain of fabric and tension of lines at the start are nothing, wherever the canopy points.
+fn tilted() {
+    for (asymmetry, tilt_rad) in [(0.0, 0.3), (0.5, 0.0), (0.5, 0.3)] {
+        let rigging = Rigging {
+            folding: Folding {
+                diameter_ratio: 0.15,
+                asymmetry,
+            },
+            tilt_rad,
+            ..rigging(slotted(), LinePlaces::Seams)
+        };
+        let built = parachute::build(&rigging).unwrap();
+        let structure = &built.structure;
+        for triangle in &structure.triangles {
+            let strain = triangle.strain(&triangle.edge_vectors(&structure.positions_m));
+            assert!(strain.iter().all(|e| e.abs() < 1e-9), "{strain:?}");
+        }
+        for cable in &structure.cables {
+            let [a, b] = cable.nodes.map(|n| structure.positions_m[n as usize]);
+            assert!(
+                a.distance(b) < cable.rest_length_m * (1.0 + 1e-9),
+                "{cable:?}"
+            );
+        }
+        // The apex lies where the tilt points.
+        let apex = structure.positions_m[..built.apex_count]
+            .iter()
+            .sum::<DVec3>()
+            / built.apex_count as f64
+            - rigging.confluence_m;
+        let angle = apex.y.atan2(apex.x);
+        let allowed = if asymmetry > 0.0 { 0.05 } else { 1e-9 };
+        assert!((angle - tilt_rad).abs() < allowed, "{angle}");
+        // Uneven pleats: the widest gore takes (1 + a)/(1 − a) times the azimuth of the narrowest, nearly.
+        if asymmetry > 0.0 && tilt_rad == 0.0 {
+            let azimuth = |node: u32| {
+                let p = structure.positions_m[node as usize] - rigging.confluence_m;
+                p.z.atan2(p.y).rem_euclid(TAU)
+            };
+            let lines: Vec<f64> = (structure.cables.iter())
+                .filter(|c| c.kind == CableKind::SuspensionLine)
+                .step_by(rigging.line_segments)
+                .map(|c| azimuth(c.nodes[0]))
+                .collect();
+            let wide = (lines[1] - lines[0]).rem_euclid(TAU);
+            let expected = 2.0 * PI / 12.0 * (1.0 + asymmetry * (PI / 12.0).cos());
+            assert!((wide / expected - 1.0).abs() < 1e-6, "{wide} {expected}");
+        }
+    }
+}
