@@ -107,6 +107,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
         &[
             "case",
             "checkpoint",
+            "cloth",
             "cpu",
             "frame",
             "geometry",
@@ -179,7 +180,9 @@ const ALLOWED: [(&str, &[&str]); 27] = [
     ),
     (
         "cli",
-        &["bench", "case", "gpu", "output", "plan", "run", "validate"],
+        &[
+            "bench", "case", "gpu", "measure", "output", "plan", "run", "validate",
+        ],
     ),
     ("main.rs", &[]),
 ];

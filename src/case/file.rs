@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 pub use super::file_bodies::*;
+pub use super::file_comparison::*;
 pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
@@ -56,6 +57,9 @@ pub struct File {
     pub steady: Option<Steady>,
     /// What to write and how often.
     pub output: Option<Output>,
+    /// Values of others, by the names of results.
+    #[serde(default)]
+    pub comparison: BTreeMap<String, ComparisonTable>,
     /// Named changes to this case, e.g. a quick version.
     #[serde(default)]
     pub variants: BTreeMap<String, toml::Table>,

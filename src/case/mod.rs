@@ -2,10 +2,12 @@
 
 mod air;
 mod bodies;
+mod comparison;
 mod contact;
 mod descent;
 pub mod file;
 mod file_bodies;
+mod file_comparison;
 mod file_descent;
 mod file_permeability;
 mod file_plate;

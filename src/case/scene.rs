@@ -4,12 +4,13 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::File;
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
-use super::{Problem, air, bodies, descent, output, structure};
+use super::{Problem, air, bodies, comparison, descent, output, structure};
 use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
 use crate::frame::FabricQuantity;
@@ -49,6 +50,8 @@ pub struct Scene {
     pub steady_drag_confidence: Option<f64>,
     /// What to write.
     pub output: Output,
+    /// Values of others that results are set beside.
+    pub comparisons: Vec<Comparison>,
 }
 
 /// The air.
@@ -457,6 +460,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         equilibrium,
         steady_drag_confidence,
         output,
+        comparisons: comparison::check(file)?,
     })
 }
 

@@ -20,6 +20,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::case::{self, Case, CaseError, Choices, Problem};
 use crate::gpu::Device;
+use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// What `--help` says about them.
@@ -120,6 +121,7 @@ impl CaseArguments {
             overrides: self.overrides.clone(),
         };
         let case = case::load(&self.case, &choices)?;
+        refuse_unknown_comparisons(&case)?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
             .fit_into(None)
@@ -167,6 +169,26 @@ impl CaseArguments {
                     (Some(_), Precision::F64) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
                 },
             )))
+    }
+}
+
+/// Refuses comparisons with results that a run of the case does not have.
+fn refuse_unknown_comparisons(case: &Case) -> Result<(), Failure> {
+    if case.scene.comparisons.is_empty() {
+        return Ok(());
+    }
+    let names = measure::result_names(&case.scene);
+    let unknown = |c: &&case::scene::Comparison| !names.contains(&c.quantity);
+    match case.scene.comparisons.iter().find(unknown) {
+        None => Ok(()),
+        Some(comparison) => Err(Failure::Case(case.error(Problem::new(
+            format!("comparison.{}", comparison.quantity),
+            format!(
+                "in {}: this case has no result `{}` to compare",
+                case.name, comparison.quantity
+            ),
+            format!("its results are: {}", names.join(", ")),
+        )))),
     }
 }
 

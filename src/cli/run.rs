@@ -8,6 +8,7 @@ use clap::Args;
 use super::profile;
 use super::progress::Progress;
 use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use crate::output::comparison_text;
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -98,6 +99,10 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
     let summary = &report.summary;
     lines.push(summary.case.title.clone());
     lines.push(summary.table().trim_end().to_owned());
+    if !summary.comparison.is_empty() {
+        lines.push("beside the values of others:".to_owned());
+        lines.push(comparison_text(&summary.comparison).trim_end().to_owned());
+    }
     lines.push(format!(
         "stopped: {} (t = {:.4} s)",
         summary.stop.reason, summary.stop.when_s

@@ -47,6 +47,7 @@ fn summary() -> Summary {
         skipped: Vec::new(),
         notes: vec!["a note".to_owned()],
         results,
+        comparison: Vec::new(),
     }
 }
 

@@ -98,7 +98,8 @@ pub(super) fn remove_stale(folder: &Path) {
                 "bodies.pvd",
                 "flow.pvd",
             ]
-            .contains(&name.as_str());
+            .contains(&name.as_str())
+            || super::tables::NAMES.contains(&name.as_str());
         if ours {
             // What cannot be removed will be overwritten or reported then.
             let _ = std::fs::remove_file(entry.path());

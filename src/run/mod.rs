@@ -4,6 +4,7 @@ mod equilibrium;
 mod files;
 mod lattices;
 mod summary;
+mod tables;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -197,6 +198,7 @@ pub fn run(
         run.resumed_at_step,
     );
     run.history.finish()?;
+    tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     match diverged {
         Some(diverged) => Err(RunError::Diverged(diverged)),
@@ -368,7 +370,7 @@ impl<'a> Run<'a> {
             }
         }
         let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
-        for row in record.rows() {
+        for row in record.history_rows() {
             history.push(row)?;
         }
         let files = Files::create(folder, &case.scene, &written, device)?;
