@@ -331,6 +331,9 @@ fn merge(base: &mut toml::Table, changes: toml::Table) {
     }
 }
 
+/// Value of an override that removes the key or table from the case.
+pub const ABSENT: &str = "absent";
+
 /// Applies one `key.path=value`.
 fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseError>> {
     let refuse = |why: &str| {
@@ -363,6 +366,12 @@ fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseE
         target = entry
             .as_table_mut()
             .ok_or_else(|| refuse(&format!("`{part}` is not a table")))?;
+    }
+    if text.trim() == ABSENT {
+        return match target.remove(last) {
+            Some(_) => Ok(()),
+            None => Err(refuse("the case has no such key to remove")),
+        };
     }
     target.insert(last.to_owned(), value);
     Ok(())

@@ -8,6 +8,7 @@ mod new;
 mod profile;
 mod progress;
 mod run;
+mod sweep;
 mod validate;
 
 use std::io::Write;
@@ -55,6 +56,8 @@ struct Cli {
 enum Command {
     /// Run a case to its end or to steady state.
     Run(run::RunArguments),
+    /// Run a case once for each value of some of its keys, and set the results side by side.
+    Sweep(sweep::SweepArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
     Check(check::CheckArguments),
     /// Print a shipped case to start from.
@@ -110,17 +113,26 @@ impl From<Box<CaseError>> for Failure {
 impl CaseArguments {
     /// Reads and checks the case, plans it, and refuses what does not fit.
     fn prepare(&self) -> Result<Prepared, Failure> {
+        self.prepare_with(&[])
+    }
+
+    /// What the command line asks for, with more `key.path=value` behind its own.
+    fn choices(&self, more: &[String]) -> Choices {
+        Choices {
+            variant: self.variant.clone(),
+            overrides: [&self.overrides[..], more].concat(),
+        }
+    }
+
+    /// The same with more changes of the case.
+    fn prepare_with(&self, more: &[String]) -> Result<Prepared, Failure> {
         if self.threads > 0 {
             // Fails only if a pool exists already, which a command-line run never has.
             let _ = rayon::ThreadPoolBuilder::new()
                 .num_threads(usize::from(self.threads))
                 .build_global();
         }
-        let choices = Choices {
-            variant: self.variant.clone(),
-            overrides: self.overrides.clone(),
-        };
-        let case = case::load(&self.case, &choices)?;
+        let case = case::load(&self.case, &self.choices(more))?;
         refuse_unknown_comparisons(&case)?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
@@ -238,6 +250,7 @@ pub fn main() -> ExitCode {
     };
     let result = match &cli.command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
         Command::Bench(arguments) => bench::bench(arguments),

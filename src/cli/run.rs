@@ -78,12 +78,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             })
         }
         Err(error) => {
-            let code = match &error {
-                RunError::Diverged(_) => exit::DIVERGED,
-                RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
-                RunError::Device(_) => exit::NO_DEVICE,
-                RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
-            };
+            let code = exit_code(&error);
             let kept = if code == exit::DIVERGED {
                 format!("\nresults up to then are in {}", arguments.out.display())
             } else {
@@ -91,6 +86,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             };
             Err(Failure::Other(code, format!("{error}{kept}")))
         }
+    }
+}
+
+pub(super) const fn exit_code(error: &RunError) -> u8 {
+    match error {
+        RunError::Diverged(_) => exit::DIVERGED,
+        RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
+        RunError::Device(_) => exit::NO_DEVICE,
+        RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
     }
 }
 

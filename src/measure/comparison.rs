@@ -17,6 +17,13 @@ pub fn result_names(scene: &Scene) -> Vec<String> {
     results.iter().map(|(name, _)| name.to_owned()).collect()
 }
 
+/// Columns that the history of a run of the scene will have.
+#[must_use]
+pub fn history_columns(scene: &Scene) -> Vec<String> {
+    let record = Record::of(scene);
+    record.columns().into_iter().map(str::to_owned).collect()
+}
+
 /// A structure that carries nothing.
 fn at_rest(structure: &Structure) -> StructureFrame {
     let (nodes, triangles, cables) = (

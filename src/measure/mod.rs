@@ -13,6 +13,6 @@ mod spectrum;
 pub mod statistics;
 mod wing;
 
-pub use comparison::{comparison, result_names};
+pub use comparison::{comparison, history_columns, result_names};
 pub use record::Record;
 pub use results::{results, skirt_spectrum};

@@ -6,6 +6,7 @@
 //! [`HistoryWriter`]).
 
 mod atomic;
+mod chart;
 mod comparison;
 mod history;
 mod pvd;
@@ -16,6 +17,7 @@ mod vtk;
 mod vtk_data;
 
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
+pub use chart::{Chart, Series};
 pub use comparison::{
     ComparisonRow, UNRESOLVED_CELLS, comparison_markdown, comparison_text, write_comparison,
 };
@@ -25,5 +27,6 @@ pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
     StopInfo, StructureEvery, Summary, write_summary,
 };
+pub use summary_table::value_and_uncertainty;
 pub use table::write_table;
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

@@ -57,8 +57,11 @@ fn row(name: &str, quantity: &Quantity) -> [String; 6] {
     ]
 }
 
+/// A value and its uncertainty for a reader; `-` where there is none.
+///
 /// A value is shown to the last digit of its half width, or of the interval between its samples, but never with less than two digits.
-pub(super) fn value_and_uncertainty(quantity: &Quantity) -> [String; 2] {
+#[must_use]
+pub fn value_and_uncertainty(quantity: &Quantity) -> [String; 2] {
     let Some(value) = quantity.value else {
         return [NOTHING.to_owned(), NOTHING.to_owned()];
     };
