@@ -11,7 +11,7 @@ pub use super::file_permeability::*;
 pub use super::file_plate::*;
 pub use super::file_specimens::*;
 pub use super::file_wing::*;
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -399,4 +399,9 @@ pub struct Output {
     pub flow_interval_s: Option<f64>,
     pub picture_times_s: Option<Vec<f64>>,
     pub picture_fabric: Option<Vec<FabricQuantity>>,
+    pub picture_flow: Option<Vec<FlowQuantity>>,
+    /// Of the air's velocity.
+    pub picture_arrows: Option<bool>,
+    pub animation_interval_s: Option<f64>,
+    pub history_plots: Option<bool>,
 }

@@ -13,7 +13,7 @@ use super::wing::{self, Wing};
 use super::{Problem, air, bodies, comparison, descent, output, structure};
 use crate::cloth::Structure;
 use crate::fabric::permeability::Permeability;
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::mesh::quality::Quality;
 use crate::geometry::plate::Plate;
 use crate::lattice::Operator;
@@ -304,6 +304,14 @@ pub struct Output {
     pub picture_times_s: Vec<f64>,
     /// What the fabric's colours show: one picture each.
     pub picture_fabric: Vec<FabricQuantity>,
+    /// What the slice of air shows: one picture each.
+    pub picture_flow: Vec<FlowQuantity>,
+    /// Arrows of the air's velocity on the slice.
+    pub picture_arrows: bool,
+    /// Time between frames of `animation.png`; absent: none.
+    pub animation_interval_s: Option<f64>,
+    /// Charts of the history's main columns at the end.
+    pub history_plots: bool,
 }
 
 /// Most steps of a run.

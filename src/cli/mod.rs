@@ -113,27 +113,28 @@ impl From<Box<CaseError>> for Failure {
 impl CaseArguments {
     /// Reads and checks the case, plans it, and refuses what does not fit.
     fn prepare(&self) -> Result<Prepared, Failure> {
-        self.prepare_with(&[])
+        self.plan(self.load(&[])?)
     }
 
-    /// What the command line asks for, with more `key.path=value` behind its own.
-    fn choices(&self, more: &[String]) -> Choices {
-        Choices {
+    /// Reads and checks the case, with more `key.path=value` behind those of the command line.
+    fn load(&self, more: &[String]) -> Result<Case, Failure> {
+        let choices = Choices {
             variant: self.variant.clone(),
             overrides: [&self.overrides[..], more].concat(),
-        }
+        };
+        let case = case::load(&self.case, &choices)?;
+        refuse_unknown_comparisons(&case)?;
+        Ok(case)
     }
 
-    /// The same with more changes of the case.
-    fn prepare_with(&self, more: &[String]) -> Result<Prepared, Failure> {
+    /// Plans a case, and refuses what does not fit.
+    fn plan(&self, case: Case) -> Result<Prepared, Failure> {
         if self.threads > 0 {
-            // Fails only if a pool exists already, which a command-line run never has.
+            // Fails only if a pool exists already, as from the second run of a sweep on.
             let _ = rayon::ThreadPoolBuilder::new()
                 .num_threads(usize::from(self.threads))
                 .build_global();
         }
-        let case = case::load(&self.case, &self.choices(more))?;
-        refuse_unknown_comparisons(&case)?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
             .fit_into(None)

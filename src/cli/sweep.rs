@@ -7,10 +7,8 @@ use std::time::Duration;
 use clap::Args;
 
 use super::progress::Progress;
-use super::{
-    CaseArguments, Failure, Prepared, emit, exit, interrupt_flag, refuse_unknown_comparisons,
-};
-use crate::case::{self, Case};
+use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use crate::case::Case;
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
 use crate::run::{self, Observer, Order};
@@ -55,12 +53,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     // All cases first: a wrong value of the last must not show after hours.
     let mut cases = Vec::new();
     for point in &points {
-        let case = case::load(
-            &arguments.case.case,
-            &arguments.case.choices(&point.overrides()),
-        )?;
-        refuse_unknown_comparisons(&case)?;
-        cases.push(case);
+        cases.push(arguments.case.load(&point.overrides())?);
     }
     let Some(first) = cases.first() else {
         return Err(usage("there is no run".to_owned()));
@@ -80,14 +73,14 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     };
     let interrupt = interrupt_flag("the sweep");
     let mut code = 0;
-    for (number, point) in points.iter().enumerate() {
+    for (number, (point, case)) in points.iter().zip(cases).enumerate() {
         let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
         if sweep.runs[number].status == Status::Done {
             eprintln!("{heading}: kept, it is done");
             continue;
         }
         eprintln!("{heading}");
-        let ended = one(arguments, point, &mut sweep.runs[number], &interrupt);
+        let ended = one(arguments, case, &mut sweep.runs[number], &interrupt);
         sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
         match ended {
             0 => {}
@@ -184,11 +177,12 @@ fn known(
 /// Computes one run; returns its exit code.
 fn one(
     arguments: &SweepArguments,
-    point: &Point,
+    case: Case,
     outcome: &mut Outcome,
     interrupt: &AtomicBool,
 ) -> u8 {
     let resume = outcome.status == Status::Interrupted;
+    let folder = arguments.out.join(&outcome.folder);
     let mut fail = |code: u8, message: String| {
         outcome.status = Status::Failed;
         outcome.message = Some(message);
@@ -199,7 +193,7 @@ fn one(
         plan,
         device,
         fallback,
-    } = match arguments.case.prepare_with(&point.overrides()) {
+    } = match arguments.case.plan(case) {
         Ok(prepared) => prepared,
         Err(Failure::Case(error)) => return fail(exit::BAD_CASE, error.to_string()),
         Err(Failure::NoDevice(message)) => return fail(exit::NO_DEVICE, message),
@@ -212,7 +206,7 @@ fn one(
             plan,
             device,
             fallback,
-            folder: &arguments.out.join(&point.folder),
+            folder: &folder,
             resume,
             checkpoint_interval: CHECKPOINT_INTERVAL,
         },

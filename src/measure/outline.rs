@@ -1,14 +1,15 @@
 //! What a canopy's mesh tells of its parts: border loops, lines, gores, the top. Found once, from the shape at the start.
 //!
 //! A border loop is a closed chain of edges that belong to one triangle only. Loops that run round the axis (from the confluence to
-//! the middle of the lines' attachments) are, from upstream: the skirt, then pairs on both sides of a gap, then the vent if one is
-//! left over. Loops that do not run round it are slots.
+//! the middle of the lines' attachments) are the skirt, the one farthest upstream; the vent, the narrowest of the others if their number
+//! is odd; and pairs on both sides of a gap. Loops that do not run round it are slots.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use super::skirt::mean_radius_m;
 use crate::case::scene::Canopy;
 use crate::cloth::Structure;
 use crate::frame::CableKind;
@@ -229,25 +230,29 @@ impl Outline {
             lines,
             ..Self::default()
         };
-        let mut round: Vec<(f64, Vec<u32>)> = Vec::new();
+        // Height and radius of those that run round the axis.
+        let mut round: Vec<([f64; 2], Vec<u32>)> = Vec::new();
         for border in border_loops(&triangles) {
             let places: Vec<DVec3> = border.iter().map(|&n| place(n)).collect();
             if axis.turns(&places) == 0 {
                 outline.slots.push(border);
             } else {
-                round.push((axis.height(mean(places.into_iter())), border));
+                let height = axis.height(mean(places.iter().copied()));
+                round.push(([height, mean_radius_m(&places)], border));
             }
         }
-        round.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut round = round.into_iter().map(|(_, border)| border);
-        outline.skirt = round.next().unwrap_or_default();
-        let rest: Vec<Vec<u32>> = round.collect();
-        let mut pairs = rest.chunks_exact(2);
-        for pair in pairs.by_ref() {
-            outline.gaps.push([pair[0].clone(), pair[1].clone()]);
+        round.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        if !round.is_empty() {
+            outline.skirt = round.remove(0).1;
         }
-        if let [vent] = pairs.remainder() {
-            outline.vent.clone_from(vent);
+        if round.len() % 2 == 1 {
+            // Before a flat canopy is loaded, its vent is no farther downstream than the other borders.
+            let radius = |k: &usize| round[*k].0[1];
+            let vent = (0..round.len()).min_by(|a, b| radius(a).total_cmp(&radius(b)));
+            outline.vent = vent.map(|k| round.remove(k).1).unwrap_or_default();
+        }
+        for pair in round.chunks_exact(2) {
+            outline.gaps.push([pair[0].1.clone(), pair[1].1.clone()]);
         }
         outline.gores = outline.find_gores();
 
