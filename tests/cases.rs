@@ -59,7 +59,9 @@ fn case(name: &str) {
     let loaded = ripstop::case::load(&root().join(&file), &choices).unwrap();
     let mut known = ripstop::measure::result_names(&loaded.scene);
     known.sort();
-    assert_eq!(results.keys().cloned().collect::<Vec<_>>(), known);
+    let mut found: Vec<String> = results.keys().cloned().collect();
+    found.sort();
+    assert_eq!(found, known);
     let compared = summary["comparison"].as_array().map_or(0, Vec::len);
     assert_eq!(compared, loaded.scene.comparisons.len());
     assert_eq!(out.join("comparison.csv").exists(), compared > 0);

@@ -13,8 +13,9 @@ use crate::frame::StructureFrame;
 use crate::geometry::parachute::shape;
 
 /// Of every canopy.
-const ALWAYS: [&str; 9] = [
+const ALWAYS: [&str; 10] = [
     "projected_area_m2",
+    "fabric_area_m2",
     "height_to_projected_diameter",
     "apex_dent_m",
     "top_projected_diameter_ratio",
@@ -151,6 +152,7 @@ impl CanopyShape {
         let top_area = shape::projected_area_m2(&frame.positions_m, top);
         let mut row = vec![
             area,
+            fabric_area_m2(frame),
             height / (4.0 * area / PI).sqrt(),
             downstream - apex.x,
             (top_area / outline.top_area_m2).sqrt(),
@@ -259,4 +261,13 @@ impl CanopyShape {
         let row = [mean, highest, asymmetry(&heights), 1.0 / curvature, angle];
         (row, details)
     }
+}
+
+/// Area of the fabric as it is stretched [m²].
+fn fabric_area_m2(frame: &StructureFrame) -> f64 {
+    let area = |nodes: &[u32; 3]| {
+        let [a, b, c] = nodes.map(|n| frame.positions_m[n as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    frame.triangles.iter().map(area).sum()
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::frame::StructureFrame;
 use crate::frame::{CableKind, FabricState};
-use crate::render::content::SPEED_SCALE;
+use crate::render::content::{SPEED_SCALE, range_from_zero};
 use crate::render::picture::Projection;
 use crate::render::{rasterise, snapshot_png_bytes};
 

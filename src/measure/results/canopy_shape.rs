@@ -10,10 +10,11 @@ use crate::steady::{self, Window};
 const COLLAPSED: f64 = 0.05;
 
 /// Columns whose mean over the window is a result of the same name.
-const MEANS: [(&str, &str); 18] = [
+const MEANS: [(&str, &str); 19] = [
     ("height_m", "m"),
     ("height_to_projected_diameter", "1"),
     ("projected_area_m2", "m2"),
+    ("fabric_area_m2", "m2"),
     ("vent_radius_m", "m"),
     ("edge_distance_m", "m"),
     ("edge_distance_min_m", "m"),
@@ -139,11 +140,18 @@ fn inflation(results: &mut Results, record: &Record, window: &Window, released: 
             100.0 * COLLAPSED
         )),
     );
+    let (time, area) = column_max(record, "fabric_area_m2", released);
+    results.insert(
+        "fabric_area_max_m2",
+        Quantity::new(area, "m2")
+            .with_note(&format!("stretched; largest of the run, at {time:.4} s")),
+    );
     let (time, depth) = column_max(record, "apex_dent_m", released);
     results.insert(
         "apex_dent_max_m",
         Quantity::new(depth, "m").with_note(&format!("largest of the run, at {time:.4} s")),
     );
+    results.insert("apex_dent_max_time_s", known(Some(time), unseen));
 }
 
 /// Mean tension of the lines of both sides: first and second half of the lines in the order of their azimuth.
