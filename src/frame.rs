@@ -96,6 +96,34 @@ impl FabricQuantity {
     }
 }
 
+/// What a picture shows of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FlowQuantity {
+    /// Speed [m/s].
+    #[default]
+    Speed,
+    /// Vorticity across the plane that is shown [1/s]; positive where it turns anticlockwise to the eye.
+    Vorticity,
+    /// Pressure above the outlet's [Pa].
+    Pressure,
+}
+
+impl FlowQuantity {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Speed, Self::Vorticity, Self::Pressure];
+
+    /// The word of case files and file names.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Vorticity => "vorticity",
+            Self::Pressure => "pressure",
+        }
+    }
+}
+
 /// What a cable is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CableKind {

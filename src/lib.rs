@@ -52,6 +52,7 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
+//! | [`sweep`] | which runs a sweep has, its tables and charts | output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
 //! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, immersed, lattice, simulation, plan, gpu, output, run |
 //! | [`bench`] | error against seconds, the map of stability, schemes of coupling | bluff_body, case, lattice, simulation, measure, plan, gpu, output, run |
@@ -106,5 +107,6 @@ pub mod run;
 pub mod simulation;
 pub mod solve;
 pub mod steady;
+pub mod sweep;
 pub mod units;
 pub mod validate;

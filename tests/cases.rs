@@ -1,7 +1,7 @@
 //! Every shipped case runs, shortened where it has a quick variant, and delivers all its files.
 
 use libtest_mimic::Trial;
-use ripstop::case::SHIPPED;
+use ripstop::case::{Choices, SHIPPED};
 
 use crate::command_line::{ripstop, root};
 use crate::engines::plain;
@@ -51,6 +51,20 @@ fn case(name: &str) {
     assert_eq!(summary["schema_version"], 1);
     let results = summary["results"].as_object().unwrap();
     assert!(!results.is_empty());
+    // What comparisons may name is known before a run.
+    let choices = Choices {
+        variant: arguments.contains(&"quick").then(|| "quick".to_owned()),
+        overrides: Vec::new(),
+    };
+    let loaded = ripstop::case::load(&root().join(&file), &choices).unwrap();
+    let mut known = ripstop::measure::result_names(&loaded.scene);
+    known.sort();
+    let mut found: Vec<String> = results.keys().cloned().collect();
+    found.sort();
+    assert_eq!(found, known);
+    let compared = summary["comparison"].as_array().map_or(0, Vec::len);
+    assert_eq!(compared, loaded.scene.comparisons.len());
+    assert_eq!(out.join("comparison.csv").exists(), compared > 0);
     for (key, result) in results {
         assert!(result["unit"].is_string(), "{key}");
         assert!(

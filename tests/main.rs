@@ -30,6 +30,7 @@ mod eddy_viscosity;
 mod engines;
 mod permeability;
 mod plates;
+mod sweep;
 mod tolerances;
 mod validate;
 mod walls;
@@ -63,6 +64,7 @@ fn main() -> std::process::ExitCode {
         bad_cases::trials(),
         command_line::trials(),
         checkpoint::trials(),
+        sweep::trials(),
         validate::trials(),
     ]
     .into_iter()

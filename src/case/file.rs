@@ -6,12 +6,13 @@ use serde::Deserialize;
 
 pub use super::file_bodies::*;
 pub use super::file_canopy::*;
+pub use super::file_comparison::*;
 pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
 pub use super::file_specimens::*;
 pub use super::file_wing::*;
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -63,6 +64,9 @@ pub struct File {
     pub steady: Option<Steady>,
     /// What to write and how often.
     pub output: Option<Output>,
+    /// Values of others, by the names of results.
+    #[serde(default)]
+    pub comparison: BTreeMap<String, ComparisonTable>,
     /// Named changes to this case, e.g. a quick version.
     #[serde(default)]
     pub variants: BTreeMap<String, toml::Table>,
@@ -373,4 +377,9 @@ pub struct Output {
     pub flow_interval_s: Option<f64>,
     pub picture_times_s: Option<Vec<f64>>,
     pub picture_fabric: Option<Vec<FabricQuantity>>,
+    pub picture_flow: Option<Vec<FlowQuantity>>,
+    /// Of the air's velocity.
+    pub picture_arrows: Option<bool>,
+    pub animation_interval_s: Option<f64>,
+    pub history_plots: Option<bool>,
 }

@@ -3,11 +3,13 @@
 mod air;
 mod bodies;
 mod canopy;
+mod comparison;
 mod contact;
 mod descent;
 pub mod file;
 mod file_bodies;
 mod file_canopy;
+mod file_comparison;
 mod file_descent;
 mod file_permeability;
 mod file_plate;
@@ -341,6 +343,9 @@ fn merge(base: &mut toml::Table, changes: toml::Table) {
     }
 }
 
+/// Value of an override that removes the key or table from the case.
+pub const ABSENT: &str = "absent";
+
 /// Applies one `key.path=value`.
 fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseError>> {
     let refuse = |why: &str| {
@@ -373,6 +378,12 @@ fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseE
         target = entry
             .as_table_mut()
             .ok_or_else(|| refuse(&format!("`{part}` is not a table")))?;
+    }
+    if text.trim() == ABSENT {
+        return match target.remove(last) {
+            Some(_) => Ok(()),
+            None => Err(refuse("the case has no such key to remove")),
+        };
     }
     target.insert(last.to_owned(), value);
     Ok(())

@@ -3,7 +3,7 @@
 use super::Problem;
 use super::file::File;
 use super::scene::{Output, positive};
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity};
 
 /// Checks the table; intervals that are left out follow from the end of the run [s].
 pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
@@ -16,22 +16,76 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
         bodies_interval_s: optional("output.bodies_interval_s", written.bodies_interval_s)?,
         flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
         picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
-        picture_fabric: picture_fabric(written.picture_fabric)?,
+        picture_fabric: quantities(
+            "picture_fabric",
+            written.picture_fabric,
+            &FabricQuantity::ALL,
+            FabricQuantity::name,
+        )?,
+        picture_flow: picture_flow(file, written.picture_flow)?,
+        picture_arrows: written.picture_arrows.unwrap_or(false),
+        animation_interval_s: animation_interval(written.animation_interval_s, end_s)?,
+        history_plots: written.history_plots.unwrap_or(false),
     })
 }
 
-/// What the fabric's colours show: its tension if nothing is said; each quantity once.
-fn picture_fabric(written: Option<Vec<FabricQuantity>>) -> Result<Vec<FabricQuantity>, Problem> {
-    let quantities = written.unwrap_or_else(|| vec![FabricQuantity::Tension]);
+/// What the slice of air shows; refused without air.
+fn picture_flow(
+    file: &File,
+    written: Option<Vec<FlowQuantity>>,
+) -> Result<Vec<FlowQuantity>, Problem> {
+    if written.is_some() && file.air.is_none() {
+        return Err(Problem::new(
+            "output.picture_flow",
+            "output.picture_flow has no effect: there is no air",
+            "remove it, or add [air]",
+        ));
+    }
+    quantities(
+        "picture_flow",
+        written,
+        &FlowQuantity::ALL,
+        FlowQuantity::name,
+    )
+}
+
+/// Most frames of an animation.
+const FRAME_LIMIT: f64 = 2_000.0;
+
+fn animation_interval(written: Option<f64>, end_s: f64) -> Result<Option<f64>, Problem> {
+    let key = "output.animation_interval_s";
+    let interval = written.map(|v| positive(key, v)).transpose()?;
+    match interval.filter(|interval| end_s / interval > FRAME_LIMIT) {
+        None => Ok(interval),
+        Some(interval) => Err(Problem::new(
+            key,
+            format!("{key} = {interval} makes {:.0} frames", end_s / interval),
+            format!("at most {FRAME_LIMIT} are allowed: raise it"),
+        )),
+    }
+}
+
+/// Quantities to draw, each once; the first of `all` if nothing is said.
+fn quantities<Q: Copy + PartialEq>(
+    key: &str,
+    written: Option<Vec<Q>>,
+    all: &[Q],
+    name: fn(Q) -> &'static str,
+) -> Result<Vec<Q>, Problem> {
+    let quantities = written.unwrap_or_else(|| all[..1].to_vec());
     let repeated = (1..quantities.len()).find(|&i| quantities[..i].contains(&quantities[i]));
     if quantities.is_empty() || repeated.is_some() {
         let found = repeated.map_or("nothing".to_owned(), |i| {
-            format!("{:?} twice", quantities[i].name())
+            format!("{:?} twice", name(quantities[i]))
         });
+        let names: Vec<&str> = all.iter().map(|&quantity| name(quantity)).collect();
         return Err(Problem::new(
-            "output.picture_fabric",
-            format!("output.picture_fabric holds {found}"),
-            "name some of tension, stress, von_mises, shear_stress, wrinkles, each once, or leave the key out",
+            format!("output.{key}"),
+            format!("output.{key} holds {found}"),
+            format!(
+                "name some of {}, each once, or leave the key out",
+                names.join(", ")
+            ),
         ));
     }
     Ok(quantities)

@@ -4,17 +4,18 @@ use std::path::Path;
 
 use glam::DVec3;
 
+pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::{self, File};
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
-use super::{Problem, air, bodies, descent, output, structure};
+use super::{Problem, air, bodies, comparison, descent, output, structure};
 use crate::cloth::Structure;
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
 use crate::fabric::permeability::Permeability;
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::mesh::quality::Quality;
 use crate::geometry::plate::Plate;
 use crate::immersed::markers;
@@ -52,6 +53,8 @@ pub struct Scene {
     pub steady_drag_confidence: Option<f64>,
     /// What to write.
     pub output: Output,
+    /// Values of others that results are set beside.
+    pub comparisons: Vec<Comparison>,
 }
 
 /// The air.
@@ -322,6 +325,14 @@ pub struct Output {
     pub picture_times_s: Vec<f64>,
     /// What the fabric's colours show: one picture each.
     pub picture_fabric: Vec<FabricQuantity>,
+    /// What the slice of air shows: one picture each.
+    pub picture_flow: Vec<FlowQuantity>,
+    /// Arrows of the air's velocity on the slice.
+    pub picture_arrows: bool,
+    /// Time between frames of `animation.png`; absent: none.
+    pub animation_interval_s: Option<f64>,
+    /// Charts of the history's main columns at the end.
+    pub history_plots: bool,
 }
 
 /// Most steps of a run.
@@ -481,6 +492,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         equilibrium,
         steady_drag_confidence,
         output,
+        comparisons: comparison::check(file)?,
     })
 }
 

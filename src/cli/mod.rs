@@ -8,6 +8,7 @@ mod new;
 mod profile;
 mod progress;
 mod run;
+mod sweep;
 mod validate;
 
 use std::io::Write;
@@ -20,6 +21,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::case::{self, Case, CaseError, Choices, Problem};
 use crate::gpu::Device;
+use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// What `--help` says about them.
@@ -54,6 +56,8 @@ struct Cli {
 enum Command {
     /// Run a case to its end or to steady state.
     Run(run::RunArguments),
+    /// Run a case once for each value of some of its keys, and set the results side by side.
+    Sweep(sweep::SweepArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
     Check(check::CheckArguments),
     /// Print a shipped case to start from.
@@ -109,17 +113,28 @@ impl From<Box<CaseError>> for Failure {
 impl CaseArguments {
     /// Reads and checks the case, plans it, and refuses what does not fit.
     fn prepare(&self) -> Result<Prepared, Failure> {
+        self.plan(self.load(&[])?)
+    }
+
+    /// Reads and checks the case, with more `key.path=value` behind those of the command line.
+    fn load(&self, more: &[String]) -> Result<Case, Failure> {
+        let choices = Choices {
+            variant: self.variant.clone(),
+            overrides: [&self.overrides[..], more].concat(),
+        };
+        let case = case::load(&self.case, &choices)?;
+        refuse_unknown_comparisons(&case)?;
+        Ok(case)
+    }
+
+    /// Plans a case, and refuses what does not fit.
+    fn plan(&self, case: Case) -> Result<Prepared, Failure> {
         if self.threads > 0 {
-            // Fails only if a pool exists already, which a command-line run never has.
+            // Fails only if a pool exists already, as from the second run of a sweep on.
             let _ = rayon::ThreadPoolBuilder::new()
                 .num_threads(usize::from(self.threads))
                 .build_global();
         }
-        let choices = Choices {
-            variant: self.variant.clone(),
-            overrides: self.overrides.clone(),
-        };
-        let case = case::load(&self.case, &choices)?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
             .fit_into(None)
@@ -170,6 +185,26 @@ impl CaseArguments {
     }
 }
 
+/// Refuses comparisons with results that a run of the case does not have.
+fn refuse_unknown_comparisons(case: &Case) -> Result<(), Failure> {
+    if case.scene.comparisons.is_empty() {
+        return Ok(());
+    }
+    let names = measure::result_names(&case.scene);
+    let unknown = |c: &&case::scene::Comparison| !names.contains(&c.quantity);
+    match case.scene.comparisons.iter().find(unknown) {
+        None => Ok(()),
+        Some(comparison) => Err(Failure::Case(case.error(Problem::new(
+            format!("comparison.{}", comparison.quantity),
+            format!(
+                "in {}: this case has no result `{}` to compare",
+                case.name, comparison.quantity
+            ),
+            format!("its results are: {}", names.join(", ")),
+        )))),
+    }
+}
+
 /// A flag that the first interrupt sets, so that `what` ends with what it has after the present step; the second one ends it at once.
 /// Files are never half written.
 fn interrupt_flag(what: &str) -> Arc<AtomicBool> {
@@ -216,6 +251,7 @@ pub fn main() -> ExitCode {
     };
     let result = match &cli.command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
         Command::Bench(arguments) => bench::bench(arguments),

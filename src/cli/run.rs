@@ -8,6 +8,7 @@ use clap::Args;
 use super::profile;
 use super::progress::Progress;
 use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use crate::output::comparison_text;
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -77,12 +78,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             })
         }
         Err(error) => {
-            let code = match &error {
-                RunError::Diverged(_) => exit::DIVERGED,
-                RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
-                RunError::Device(_) => exit::NO_DEVICE,
-                RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
-            };
+            let code = exit_code(&error);
             let kept = if code == exit::DIVERGED {
                 format!("\nresults up to then are in {}", arguments.out.display())
             } else {
@@ -93,11 +89,24 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     }
 }
 
+pub(super) const fn exit_code(error: &RunError) -> u8 {
+    match error {
+        RunError::Diverged(_) => exit::DIVERGED,
+        RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
+        RunError::Device(_) => exit::NO_DEVICE,
+        RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
+    }
+}
+
 fn report_text(report: &Report, out: &std::path::Path) -> String {
     let mut lines = Vec::new();
     let summary = &report.summary;
     lines.push(summary.case.title.clone());
     lines.push(summary.table().trim_end().to_owned());
+    if !summary.comparison.is_empty() {
+        lines.push("beside the values of others:".to_owned());
+        lines.push(comparison_text(&summary.comparison).trim_end().to_owned());
+    }
     lines.push(format!(
         "stopped: {} (t = {:.4} s)",
         summary.stop.reason, summary.stop.when_s

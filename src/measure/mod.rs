@@ -1,12 +1,18 @@
-//! Read-outs: time series, statistics and named results.
+//! Read-outs: time series, statistics, named results, and their comparison with the values of others.
 
 pub mod bodies;
+mod canopy_shape;
 pub mod catenary;
+mod comparison;
+mod outline;
 mod plate;
 mod record;
 mod results;
+mod skirt;
+mod spectrum;
 pub mod statistics;
 mod wing;
 
+pub use comparison::{comparison, history_columns, result_names};
 pub use record::Record;
-pub use results::results;
+pub use results::{results, skirt_spectrum};

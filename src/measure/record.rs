@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
+use super::canopy_shape::CanopyShape;
 use super::{bodies, plate};
+use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
@@ -14,6 +16,9 @@ use crate::simulation::{BodyImpulse, Simulation};
 #[derive(Debug, Clone, Default)]
 pub struct Record {
     columns: Vec<String>,
+    /// How many of the columns belong to the history; those behind describe single lines and gores.
+    history_columns: usize,
+    canopy: Option<CanopyShape>,
     rows: Vec<Vec<f64>>,
     last: Option<LastImpulses>,
     /// Impulse and angular impulse of every rigid body at the last two samples.
@@ -99,7 +104,11 @@ impl Record {
     /// Record for a scene: its columns follow from what the scene holds.
     #[must_use]
     pub fn new(simulation: &Simulation) -> Self {
-        let scene = simulation.scene();
+        Self::of(simulation.scene())
+    }
+
+    /// The same from the scene alone.
+    pub(super) fn of(scene: &Scene) -> Self {
         let columns: &[&str] = match (&scene.body, &scene.air) {
             (Some(body), Some(_)) if matches!(body.kind, BodyKind::Canopy(_)) => &CANOPY,
             (Some(_), Some(_)) => &FABRIC_IN_WIND,
@@ -113,35 +122,81 @@ impl Record {
         {
             columns.extend(plate::COLUMNS.map(str::to_owned));
         }
-        if simulation.through_velocities_m_s().is_some() {
+        let canopy = match (&scene.body, &scene.air) {
+            (Some(body), Some(_)) => match &body.kind {
+                BodyKind::Canopy(canopy) => Some(CanopyShape::new(&body.structure, canopy)),
+                _ => None,
+            },
+            _ => None,
+        };
+        columns.extend(canopy.iter().flat_map(CanopyShape::columns));
+        let structure = scene.body.as_ref().map(|body| &body.structure);
+        let permeable = structure.is_some_and(|s| s.permeability.is_some())
+            || scene.rigid_bodies.iter().any(|b| b.permeability.is_some());
+        if permeable && scene.air.is_some() {
             columns.extend(THROUGH.map(str::to_owned));
         }
-        if simulation.fall().is_some() {
+        if scene.descent.is_some() {
             columns.extend(FALL.map(str::to_owned));
         }
-        if simulation.line_drag_n().is_some() {
+        if structure.is_some_and(|s| s.line_drag.is_some()) {
             columns.push("line_drag_n".to_owned());
         }
-        if simulation
-            .cloth()
-            .is_some_and(|c| c.contact_state().is_some())
-        {
+        if structure.is_some_and(|s| s.contact.is_some()) {
             columns.extend(CONTACT.map(str::to_owned));
         }
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
         }
+        let history_columns = columns.len();
+        columns.extend(canopy.iter().flat_map(CanopyShape::detail_columns));
         Self {
             columns,
+            history_columns,
+            canopy,
             ..Self::default()
         }
     }
 
-    /// Names of the columns, units included.
+    /// Names of the columns of the history, units included.
     #[must_use]
     pub fn columns(&self) -> Vec<&str> {
-        self.columns.iter().map(String::as_str).collect()
+        let history = &self.columns[..self.history_columns];
+        history.iter().map(String::as_str).collect()
+    }
+
+    /// Time and the columns of single lines and gores, which are not part of the history: names, then rows; `None` without any.
+    #[must_use]
+    pub fn details(&self) -> Option<(Vec<&str>, Vec<Vec<f64>>)> {
+        let own = &self.columns[self.history_columns..];
+        let first = self.columns.iter().position(|name| name == "time_s")?;
+        (!own.is_empty()).then(|| {
+            let names = std::iter::once("time_s").chain(own.iter().map(String::as_str));
+            let rows = self.rows.iter().map(|row| {
+                let own = row[self.history_columns..].iter().copied();
+                std::iter::once(row[first]).chain(own).collect()
+            });
+            (names.collect(), rows.collect())
+        })
+    }
+
+    /// Parts of the canopy, where there is one in air.
+    pub(super) fn canopy(&self) -> Option<&CanopyShape> {
+        self.canopy.as_ref()
+    }
+
+    /// A record of a scene in which nothing happens, to learn what it measures.
+    pub(super) fn at_rest(scene: &Scene) -> Self {
+        let mut record = Self::of(scene);
+        let end_s = scene.time.map_or(1.0, |time| time.end_s);
+        let count = 8;
+        for sample in 0..=count {
+            let mut row = vec![0.0; record.columns.len()];
+            row[0] = end_s * f64::from(sample) / f64::from(count);
+            record.rows.push(row);
+        }
+        record
     }
 
     /// One column.
@@ -171,14 +226,19 @@ impl Record {
         self.grid_changed_s
     }
 
-    /// Adds a sample of the running scene and returns its row.
+    /// Adds a sample of the running scene and returns its row of the history.
     pub fn add(&mut self, simulation: &mut Simulation) -> Result<&[f64], DeviceError> {
         let scene = simulation.scene();
         let in_air = scene.air.is_some();
         let kind = scene.body.as_ref().map(|body| body.kind);
         let has_bodies = !scene.rigid_bodies.is_empty();
+        let mut details = Vec::new();
         let mut row = match kind {
-            Some(BodyKind::Canopy(canopy)) if in_air => self.canopy_row(simulation, &canopy)?,
+            Some(BodyKind::Canopy(canopy)) if in_air => {
+                let (row, of_parts) = self.canopy_row(simulation, &canopy)?;
+                details = of_parts;
+                row
+            }
             Some(_) if in_air => self.fabric_in_wind_row(simulation)?,
             Some(_) => fabric_row(simulation),
             None if has_bodies => self.bodies_row(simulation)?,
@@ -199,8 +259,9 @@ impl Record {
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }
+        row.extend(details);
         self.rows.push(row);
-        Ok(self.rows.last().map_or(&[], Vec::as_slice))
+        Ok(self.history_rows().last().unwrap_or_default())
     }
 
     /// Impulses now, mean forces since the last sample by the three routes [N], and the defect of the mass balance; NaN where a
@@ -327,7 +388,7 @@ impl Record {
         &mut self,
         simulation: &mut Simulation,
         canopy: &Canopy,
-    ) -> Result<Vec<f64>, DeviceError> {
+    ) -> Result<(Vec<f64>, Vec<f64>), DeviceError> {
         let (now, forces, mass_defect) = self.forces(simulation)?;
         let time_s = simulation.time_s();
         let wind = simulation.wind_speed_m_s();
@@ -341,8 +402,16 @@ impl Record {
             .map_or(f64::NAN, |air| air.units.density_kg_m3);
         let dynamic_force = 0.5 * density * reference * reference * canopy.nominal_area_m2;
         let frame = simulation.structure_frame();
-        let (Some(structure), Some(coupled)) = (frame.structure, simulation.coupled()) else {
-            return Ok(vec![f64::NAN; CANOPY.len()]);
+        let (Some(structure), Some(coupled), Some(parts)) =
+            (frame.structure, simulation.coupled(), &self.canopy)
+        else {
+            return Ok((
+                vec![
+                    f64::NAN;
+                    CANOPY.len() + self.canopy.as_ref().map_or(0, |c| c.columns().len())
+                ],
+                vec![f64::NAN; self.columns.len() - self.history_columns],
+            ));
         };
         let [markers, momentum_box, supports] = forces;
         let lines: Vec<f64> = structure
@@ -358,9 +427,9 @@ impl Record {
         );
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
-        let apex = fabric[..canopy.apex_count].iter().sum::<DVec3>() / canopy.apex_count as f64;
-        let apex = apex - confluence;
-        Ok(vec![
+        let apex = parts.outline().apex(&structure.positions_m) - confluence;
+        let (of_shape, details) = parts.row(&structure);
+        let mut row = vec![
             time_s,
             wind,
             markers.x / dynamic_force,
@@ -382,7 +451,9 @@ impl Record {
                 .cloth()
                 .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
             mass_defect,
-        ])
+        ];
+        row.extend(of_shape);
+        Ok((row, details))
     }
 }
 
@@ -495,9 +566,14 @@ impl Record {
         Ok(())
     }
 
-    /// All samples, oldest first.
+    /// All samples with all columns, oldest first.
     #[must_use]
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
+    }
+
+    /// Rows of the history, oldest first.
+    pub fn history_rows(&self) -> impl DoubleEndedIterator<Item = &[f64]> {
+        self.rows.iter().map(|row| &row[..self.history_columns])
     }
 }

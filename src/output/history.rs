@@ -147,7 +147,7 @@ impl Drop for HistoryWriter {
 }
 
 /// One value as text; the shortest that reads back as the same number.
-fn field(value: f64) -> String {
+pub(super) fn field(value: f64) -> String {
     if value.is_nan() {
         String::new()
     } else {

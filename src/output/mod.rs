@@ -6,18 +6,27 @@
 //! [`HistoryWriter`]).
 
 mod atomic;
+mod chart;
+mod comparison;
 mod history;
 mod pvd;
 mod summary;
 mod summary_table;
+mod table;
 mod vtk;
 mod vtk_data;
 
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
+pub use chart::{Chart, Series};
+pub use comparison::{
+    ComparisonRow, UNRESOLVED_CELLS, comparison_markdown, comparison_text, write_comparison,
+};
 pub use history::HistoryWriter;
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
     StopInfo, StructureEvery, Summary, write_summary,
 };
+pub use summary_table::value_and_uncertainty;
+pub use table::write_table;
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

@@ -11,6 +11,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::atomic::{OutputError, write_atomically};
+use super::comparison::ComparisonRow;
 
 /// Version of the layout of `summary.json`; raised when a field changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -73,6 +74,9 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// What came out, in the order it was put in.
     pub results: Results,
+    /// Results beside the values of others that the case names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub comparison: Vec<ComparisonRow>,
 }
 
 /// Who computed something.
@@ -161,6 +165,9 @@ pub struct Quantity {
     /// Half width of the 95 % confidence interval, in `unit`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
+    /// Interval between samples where the number was read from single ones, such as a time, in `unit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling_error: Option<f64>,
     /// Measured or analytic number to compare with, in `unit`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<f64>,
@@ -204,6 +211,13 @@ impl Quantity {
         self.finite()
     }
 
+    /// Adds the interval between the samples that the value was read from, in the unit of the value.
+    #[must_use]
+    pub fn with_sampling_error(mut self, interval: f64) -> Self {
+        self.sampling_error = Some(interval);
+        self.finite()
+    }
+
     /// Adds the reference from `source`, in the unit of the value, and the relative error.
     #[must_use]
     pub fn with_reference(mut self, reference: f64, source: &str) -> Self {
@@ -232,6 +246,7 @@ impl Quantity {
         for (name, number) in [
             ("value", &mut self.value),
             ("confidence", &mut self.confidence),
+            ("sampling_error", &mut self.sampling_error),
             ("reference", &mut self.reference),
             ("error", &mut self.error),
         ] {

@@ -9,11 +9,11 @@ const CONFIDENCE_DIGITS: i32 = 2;
 /// Values below `1e-4` or from `1e6` on are written with an exponent.
 const PLAIN_EXPONENTS: std::ops::Range<i32> = -4..6;
 /// Shown where there is no number.
-const NOTHING: &str = "-";
+pub(super) const NOTHING: &str = "-";
 
 impl Summary {
     /// The results as an aligned plain-text table: name, value with the half width of its 95 %
-    /// confidence interval, unit, reference and relative error, followed by the results' notes.
+    /// confidence interval (or the interval between samples where it was read from single ones), unit, reference and relative error, followed by the results' notes.
     ///
     /// Every line ends with a line feed.
     pub fn table(&self) -> String {
@@ -21,7 +21,7 @@ impl Summary {
         if summary.results.is_empty() {
             return "no results\n".to_owned();
         }
-        let header = ["result", "value", "95 %", "unit", "reference", "error"];
+        let header = ["result", "value", "±", "unit", "reference", "error"];
         let mut rows = vec![header.map(str::to_owned)];
         rows.extend(
             summary
@@ -40,7 +40,7 @@ impl Summary {
 }
 
 fn row(name: &str, quantity: &Quantity) -> [String; 6] {
-    let [value, confidence] = value_and_confidence(quantity);
+    let [value, confidence] = value_and_uncertainty(quantity);
     let reference = quantity
         .reference
         .map(|number| significant(number, VALUE_DIGITS));
@@ -57,12 +57,15 @@ fn row(name: &str, quantity: &Quantity) -> [String; 6] {
     ]
 }
 
-/// A value is shown to the last digit of its half width, but never with less than two digits.
-fn value_and_confidence(quantity: &Quantity) -> [String; 2] {
+/// A value and its uncertainty for a reader; `-` where there is none.
+///
+/// A value is shown to the last digit of its half width, or of the interval between its samples, but never with less than two digits.
+#[must_use]
+pub fn value_and_uncertainty(quantity: &Quantity) -> [String; 2] {
     let Some(value) = quantity.value else {
         return [NOTHING.to_owned(), NOTHING.to_owned()];
     };
-    let Some(half_width) = quantity.confidence else {
+    let Some(half_width) = quantity.confidence.or(quantity.sampling_error) else {
         return [significant(value, VALUE_DIGITS), NOTHING.to_owned()];
     };
     let digits = if half_width > 0.0 && value != 0.0 {
@@ -83,7 +86,7 @@ fn exponent(number: f64) -> i32 {
 }
 
 /// `number` rounded to so many digits.
-fn significant(number: f64, digits: i32) -> String {
+pub(super) fn significant(number: f64, digits: i32) -> String {
     let decimals = |count: i32| usize::try_from(count).unwrap_or(0);
     let rounded = format!("{number:.*e}", decimals(digits - 1));
     // Rounding may have carried into another digit, as in 9.99996.
@@ -130,7 +133,7 @@ mod tests {
         assert_eq!(significant(1.5e6, 3), "1.50e6");
         assert_eq!(significant(999_999.9, 3), "1.00e6");
         let known = |value, half_width| {
-            value_and_confidence(&Quantity::new(value, "N").with_confidence(half_width))
+            value_and_uncertainty(&Quantity::new(value, "N").with_confidence(half_width))
         };
         assert_eq!(known(12.345_67, 0.123), ["12.35", "±0.12"]);
         assert_eq!(known(0.01, 3.0), ["0.010", "±3.0"]);

@@ -47,6 +47,7 @@ fn summary() -> Summary {
         skipped: Vec::new(),
         notes: vec!["a note".to_owned()],
         results,
+        comparison: Vec::new(),
     }
 }
 
@@ -114,10 +115,10 @@ fn numbers_that_are_not_finite_become_null_with_a_note() {
 fn the_table_is_aligned() {
     assert_eq!(
         summary().table(),
-        "result       value 95 %  unit  reference   error\n\
-         zeta_drag     1235 ±12   N        1200.0  +2.9 %\n\
-         alpha_time       - -     s             -       -\n\
-         mid_size    2.5000 -     m²            0       -\n\
+        "result       value ±    unit  reference   error\n\
+         zeta_drag     1235 ±12  N        1200.0  +2.9 %\n\
+         alpha_time       - -    s             -       -\n\
+         mid_size    2.5000 -    m²            0       -\n\
          alpha_time: value was not finite (NaN)\n"
     );
     let mut empty = summary();

@@ -20,6 +20,8 @@ pub enum ColourScale {
     Inferno,
     /// Near white to slate blue, a quiet background; lightness falls.
     Mist,
+    /// Blue over near white to red: values below and above zero in the middle of the range.
+    BlueRed,
     /// Three bands for the states of fabric, told apart also by colour-blind eyes (after Okabe and Ito 2008).
     States,
 }
@@ -68,6 +70,17 @@ const MIST: [Rgb; 7] = [
     [104, 149, 187],
 ];
 
+/// Evenly spaced control points of BlueRed (ends and thirds after Moreland 2009).
+const BLUE_RED: [Rgb; 7] = [
+    [59, 76, 192],
+    [124, 159, 249],
+    [192, 212, 245],
+    [248, 248, 248],
+    [245, 196, 173],
+    [231, 116, 91],
+    [180, 4, 38],
+];
+
 /// Sky blue, orange, reddish purple.
 const STATES: [Rgb; 3] = [[86, 180, 233], [230, 159, 0], [204, 121, 167]];
 
@@ -84,6 +97,7 @@ impl ColourScale {
             Self::Plasma => evaluate(&PLASMA, t),
             Self::Inferno => evaluate(&INFERNO, t),
             Self::Mist => interpolate(&MIST, t),
+            Self::BlueRed => interpolate(&BLUE_RED, t),
             Self::States => STATES[((t * 3.0) as usize).min(2)],
         }
     }

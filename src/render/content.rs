@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::colour::{ColourScale, Rgb};
-use super::picture::{LineStyle, Polyline, Slice, SliceDepth, Surface};
+use super::picture::{LineStyle, Polyline, Surface};
 use crate::frame::{BodiesFrame, CableKind, FluidFrame, StructureFrame};
 
 /// Colours of air speed.
@@ -28,7 +28,7 @@ pub(super) enum Axis {
 
 impl Axis {
     /// The axes that run to the right and upwards in a slice normal to this one.
-    fn in_plane(self) -> [usize; 2] {
+    pub fn in_plane(self) -> [usize; 2] {
         match self {
             Self::X => [1, 2],
             Self::Y => [0, 2],
@@ -130,64 +130,4 @@ pub(super) fn thinnest_axis(fluid: &FluidFrame) -> Axis {
     } else {
         Axis::X
     }
-}
-
-/// Air speed [m/s] on the plane normal to `normal` at the coordinate `place_m` [m], which is moved
-/// into the grid; the range is left at [0, 1]. `None` without cells.
-pub(super) fn speed_slice(
-    fluid: &FluidFrame,
-    normal: Axis,
-    place_m: f64,
-    depth: SliceDepth,
-) -> Option<Slice> {
-    let axis = normal as usize;
-    let [i_axis, j_axis] = normal.in_plane();
-    let layers = fluid.cells[axis];
-    let counts = [fluid.cells[i_axis], fluid.cells[j_axis]];
-    let size = fluid.cell_size_m;
-    if layers == 0 || counts.contains(&0) || !(size > 0.0 && place_m.is_finite()) {
-        return None;
-    }
-    let place = (place_m - fluid.origin_m[axis]) / size;
-    let place = place.clamp(0.0, (layers - 1) as f64);
-    let layer = place as usize;
-    let share = (place - layer as f64) as f32;
-    let next = (layer + 1).min(layers - 1);
-
-    let velocity = |i: usize, j: usize, layer: usize| {
-        let mut cell = [0; 3];
-        cell[axis] = layer;
-        cell[i_axis] = i;
-        cell[j_axis] = j;
-        let index = (cell[2] * fluid.cells[1] + cell[1]) * fluid.cells[0] + cell[0];
-        fluid
-            .velocity_m_s
-            .get(index)
-            .copied()
-            .unwrap_or([f32::NAN; 3])
-    };
-    let speed = |i: usize, j: usize| {
-        let (low, high) = (velocity(i, j, layer), velocity(i, j, next));
-        let squares = low
-            .iter()
-            .zip(&high)
-            .map(|(a, b)| (a * (1.0 - share) + b * share).powi(2));
-        squares.sum::<f32>().sqrt()
-    };
-    let values = (0..counts[1]).flat_map(|j| (0..counts[0]).map(move |i| (i, j)));
-
-    let [low, _] = air_box(fluid);
-    let mut origin_m = low;
-    origin_m[axis] = place_m.clamp(low[axis], low[axis] + size * layers as f64);
-    let edge = |axis: usize, count: usize| DVec3::AXES[axis] * (size * count as f64);
-    Some(Slice {
-        origin_m,
-        edges_m: [edge(i_axis, counts[0]), edge(j_axis, counts[1])],
-        counts,
-        values: values.map(|(i, j)| speed(i, j)).collect(),
-        range: [0.0, 1.0],
-        scale: SPEED_SCALE,
-        opacity: 1.0,
-        depth,
-    })
 }

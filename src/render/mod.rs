@@ -12,6 +12,7 @@ mod camera;
 pub mod colour;
 mod content;
 mod fabric;
+mod flow;
 pub mod picture;
 pub mod raster;
 pub mod scene;

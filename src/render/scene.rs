@@ -8,16 +8,15 @@ use glam::DVec3;
 
 use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
 use super::colour::{ColourScale, Rgb};
-use super::content::{
-    Axis, SPEED_SCALE, air_box, bodies, cables, range_from_zero, speed_slice, thinnest_axis,
-};
+use super::content::{Axis, air_box, bodies, cables, thinnest_axis};
 use super::fabric;
+use super::flow::{self, Plane};
 use super::picture::{
-    Camera, ColourBar, Label, Picture, PixelRect, Slice, SliceDepth, TextAlign, TextSize, Tick,
-    nice_ticks,
+    Camera, ColourBar, Label, Picture, PixelRect, Polyline, Slice, SliceDepth, TextAlign, TextSize,
+    Tick, nice_ticks,
 };
 use super::text::{line_height, text_width};
-use crate::frame::{FabricQuantity, FluidFrame, Frame};
+use crate::frame::{FabricQuantity, FlowQuantity, FluidFrame, Frame, StructureFrame};
 
 /// Colour of the page.
 const PAGE: Rgb = [255, 255, 255];
@@ -49,8 +48,12 @@ pub struct PictureOptions {
     pub fabric: FabricQuantity,
     /// Ends of the fabric's scale [N/m or MPa]; by default 0 and the 98th percentile of this frame.
     pub fabric_range: Option<[f64; 2]>,
-    /// Ends of the speed scale [m/s]; by default 0 and the 98th percentile of this frame.
-    pub speed_range_m_s: Option<[f64; 2]>,
+    /// What the slice of air shows.
+    pub flow: FlowQuantity,
+    /// Ends of its scale, in its unit; by default 0 and the 98th percentile of this frame, or as far on both sides of 0.
+    pub flow_range: Option<[f64; 2]>,
+    /// Speed at which arrows of the air's velocity are as long as their distance [m/s]; `None`: no arrows.
+    pub arrow_speed_m_s: Option<f64>,
     /// How far the eye is turned towards upstream from looking along +y [°].
     pub azimuth_deg: f64,
     /// How far the eye is raised [°].
@@ -75,7 +78,9 @@ impl Default for PictureOptions {
             caption: None,
             fabric: FabricQuantity::Tension,
             fabric_range: None,
-            speed_range_m_s: None,
+            flow: FlowQuantity::Speed,
+            flow_range: None,
+            arrow_speed_m_s: None,
             azimuth_deg: 28.0,
             elevation_deg: 14.0,
             whole_domain: false,
@@ -86,7 +91,7 @@ impl Default for PictureOptions {
     }
 }
 
-/// A picture of a frame: fabric coloured by its larger principal tension, lines, and air speed on
+/// A picture of a frame: fabric coloured by one of its quantities, lines, and one of the air's on
 /// the plane y = const through the structure's centre.
 ///
 /// Without air the structure fills the view; without a structure the air does, seen squarely on the
@@ -105,15 +110,17 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         Some(fluid) if solid.is_empty() => thinnest_axis(fluid),
         _ => Axis::Y,
     };
-    let slice = frame.fluid.as_ref().and_then(|fluid| {
+    let plane = frame.fluid.as_ref().and_then(|fluid| {
         let place = centre_y(&solid).filter(|_| normal == Axis::Y);
         let [low, high] = air_box(fluid);
         let middle = 0.5 * (low + high)[normal as usize];
-        let depth = options.slice_depth;
-        let mut slice = speed_slice(fluid, normal, place.unwrap_or(middle), depth)?;
-        let automatic = || range_from_zero(slice.values.iter().map(|v| f64::from(*v)));
-        slice.range = options.speed_range_m_s.unwrap_or_else(automatic);
-        Some(slice)
+        Plane::new(fluid, normal, place.unwrap_or(middle))
+    });
+    let slice = plane.as_ref().map(|plane| {
+        let mut slice = plane.slice(options.flow, options.slice_depth);
+        let automatic = || flow::range(options.flow, &slice.values);
+        slice.range = options.flow_range.unwrap_or_else(automatic);
+        slice
     });
     let surface = structure.and_then(|structure| {
         let values = fabric::values(options.fabric, structure);
@@ -134,9 +141,9 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     }
     if let Some(slice) = &slice {
         bars.push(Legend {
-            title: "Air speed [m/s]",
+            title: flow::title(options.flow),
             range: slice.range,
-            scale: SPEED_SCALE,
+            scale: slice.scale,
             ticks: nice_ticks(slice.range, 6),
         });
     }
@@ -162,17 +169,31 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
             .into_iter()
             .chain(frame.bodies.as_ref().map(|b| bodies(b, zoom)))
             .collect(),
-        polylines: structure.map_or_else(Vec::new, |structure| {
-            let mut lines = cables(structure, zoom);
-            if options.fabric == FabricQuantity::Wrinkles {
-                lines.extend(fabric::wrinkle_strokes(structure, zoom));
-            }
-            lines
-        }),
+        polylines: lines(structure, plane.as_ref(), options, zoom),
         slices: slice.into_iter().collect(),
         labels: layout.labels(frame.time_s, options),
         colour_bars: layout.colour_bars(bars),
     }
+}
+
+/// Cables, wrinkles and arrows.
+fn lines(
+    structure: Option<&StructureFrame>,
+    plane: Option<&Plane>,
+    options: &PictureOptions,
+    zoom: f64,
+) -> Vec<Polyline> {
+    let mut lines = Vec::new();
+    if let (Some(plane), Some(speed)) = (plane, options.arrow_speed_m_s) {
+        lines.extend(plane.arrows(speed, zoom));
+    }
+    if let Some(structure) = structure {
+        lines.extend(cables(structure, zoom));
+        if options.fabric == FabricQuantity::Wrinkles {
+            lines.extend(fabric::wrinkle_strokes(structure, zoom));
+        }
+    }
+    lines
 }
 
 /// Size of text and lines relative to a picture of 1280×720 px.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::frame::StructureFrame;
 use crate::frame::{CableKind, FabricState};
+use crate::render::content::{SPEED_SCALE, range_from_zero};
 use crate::render::picture::Projection;
 use crate::render::{rasterise, snapshot_png_bytes};
 
@@ -106,15 +107,21 @@ fn everything_is_shown() {
     assert_eq!(image.dimensions(), (1280, 720));
 }
 
+fn speed_slice(normal: Axis, place_m: f64) -> Slice {
+    let fluid = fluid();
+    let plane = Plane::new(&fluid, normal, place_m).unwrap();
+    plane.slice(FlowQuantity::Speed, SliceDepth::Behind)
+}
+
 #[test]
 fn slice_interpolates_across_its_plane() {
     // Between cells at 3 m/s along x and 6 m/s along y: half of both vectors.
-    let slice = speed_slice(&fluid(), Axis::Y, 0.0, SliceDepth::Behind).unwrap();
+    let slice = speed_slice(Axis::Y, 0.0);
     assert!((slice.values[0] - (1.5f32.powi(2) + 3.0f32.powi(2)).sqrt()).abs() < 1e-5);
-    let slice = speed_slice(&fluid(), Axis::Y, -9.0, SliceDepth::Behind).unwrap();
+    let slice = speed_slice(Axis::Y, -9.0);
     assert_eq!(slice.values[0], 3.0);
     assert_eq!(slice.origin_m, DVec3::new(-2.0, -1.0, -1.0));
-    let slice = speed_slice(&fluid(), Axis::X, 0.0, SliceDepth::Behind).unwrap();
+    let slice = speed_slice(Axis::X, 0.0);
     assert_eq!(
         (slice.counts, slice.values[3], slice.values[4]),
         ([8, 8], 3.0, 6.0)
@@ -125,7 +132,7 @@ fn slice_interpolates_across_its_plane() {
 fn given_ranges_and_box_are_kept() {
     let options = PictureOptions {
         fabric_range: Some([0.0, 50.0]),
-        speed_range_m_s: Some([1.0, 9.0]),
+        flow_range: Some([1.0, 9.0]),
         framing_box_m: Some([DVec3::splat(-0.6), DVec3::splat(0.6)]),
         ..PictureOptions::default()
     };

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use image::RgbImage;
 
-use super::RunError;
+use super::{RunError, animation};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::frame::FabricQuantity;
+use crate::frame::{FabricQuantity, FlowQuantity, Frame};
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
@@ -30,6 +30,7 @@ pub(super) struct Written {
     flow_times_s: Vec<f64>,
     bodies_times_s: Vec<f64>,
     timed_pictures: usize,
+    animation_frames: usize,
 }
 
 impl Written {
@@ -39,6 +40,7 @@ impl Written {
             flow_times_s: from.take("flow_times")?,
             bodies_times_s: from.take("bodies_times")?,
             timed_pictures: from.take_exactly::<u64>("timed_pictures", 1)?[0] as usize,
+            animation_frames: from.take_exactly::<u64>("animation_frames", 1)?[0] as usize,
         })
     }
 }
@@ -56,6 +58,8 @@ pub(super) struct Files<'a> {
     /// Pictures drawn at the times that the case asks for.
     pub(super) timed_pictures: usize,
     pub(super) last_picture: Option<PathBuf>,
+    /// Frames of the animation so far, each a file until they become one.
+    pub(super) animation_frames: usize,
 }
 
 fn canopy_name(index: usize) -> String {
@@ -88,6 +92,10 @@ pub(super) fn remove_stale(folder: &Path) {
             || numbered("bodies_", ".vtp")
             || numbered("flow_", ".vti")
             || numbered("snapshot_", ".png")
+            || numbered("animation_", ".png")
+            || FlowQuantity::ALL
+                .iter()
+                .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
             || FabricQuantity::ALL
                 .iter()
                 .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
@@ -97,8 +105,13 @@ pub(super) fn remove_stale(folder: &Path) {
                 "canopy.pvd",
                 "bodies.pvd",
                 "flow.pvd",
+                "animation.png",
             ]
-            .contains(&name.as_str());
+            .contains(&name.as_str())
+            || super::tables::NAMES.contains(&name.as_str())
+            || super::tables::CHARTS.iter().any(|(column, _)| {
+                name == format!("history_{column}.svg") || name == format!("history_{column}.png")
+            });
         if ours {
             // What cannot be removed will be overwritten or reported then.
             let _ = std::fs::remove_file(entry.path());
@@ -162,6 +175,7 @@ impl<'a> Files<'a> {
             },
             timed_pictures: written.timed_pictures,
             last_picture: None,
+            animation_frames: written.animation_frames,
         })
     }
 
@@ -175,7 +189,8 @@ impl<'a> Files<'a> {
         out.put("canopy_times", &times(&self.canopies))?;
         out.put("flow_times", &times(&self.flows))?;
         out.put("bodies_times", &times(&self.bodies))?;
-        out.put("timed_pictures", &[self.timed_pictures as u64])
+        out.put("timed_pictures", &[self.timed_pictures as u64])?;
+        out.put("animation_frames", &[self.animation_frames as u64])
     }
 
     pub(super) fn canopy(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
@@ -257,77 +272,144 @@ impl<'a> Files<'a> {
     ) -> Result<(), RunError> {
         let scene = simulation.scene();
         let frame = simulation.frame(true)?;
-        let mut caption = String::new();
-        for (column, label) in [
-            ("drag_coefficient", "C_D"),
-            ("projected_diameter_ratio", "D_p/D_0"),
-        ] {
-            if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
-                caption.push_str(&format!("{label} {value:.2}  "));
-            }
-        }
-        let mut options = PictureOptions {
-            title: Some(scene.title.clone()),
-            caption: Some(caption).filter(|c| !c.is_empty()),
-            speed_range_m_s: scene.air.map(|air| match air.flow {
-                // Air speeds up beside a canopy.
-                Flow::WindTunnel { .. } => [0.0, 1.4 * air.wind_or_reference_m_s()],
-                Flow::TaylorGreen { speed_m_s, .. } => [0.0, speed_m_s],
-            }),
-            ..PictureOptions::default()
-        };
-        if scene
-            .body
-            .as_ref()
-            .is_some_and(|body| matches!(body.kind, BodyKind::Cable { .. }))
-        {
-            // A plane curve, seen squarely.
-            (options.azimuth_deg, options.elevation_deg) = (0.0, 0.0);
-        }
-        if let Some(structure) = frame.structure.as_ref().filter(|_| frame.fluid.is_none()) {
-            let places = || structure.positions_m.iter();
-            let extent = |axis: usize| {
-                let ends = places().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-                    [low.min(p[axis]), high.max(p[axis])]
-                });
-                ends[1] - ends[0]
-            };
-            if extent(2) < FLAT * extent(0).min(extent(1)) {
-                options.elevation_deg = 55.0;
-            }
-        }
-        if scene.body.is_none() {
-            // A body is small in its tunnel: its wake matters.
-            options.whole_domain = !scene.rigid_bodies.is_empty();
-        }
-        if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)
-            && let BodyKind::Canopy(canopy) = &body.kind
-        {
-            // The same box for all pictures of a run, so that the camera stands still.
-            let confluence = structure.positions_m[canopy.canopy_node_count];
-            let reach = canopy.nominal_diameter_m;
-            options.framing_box_m = Some([
-                confluence - DVec3::new(0.1, 0.6, 0.6) * reach,
-                confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
-            ]);
-        }
-        // The first quantity has the plain name; scenes without fabric have one picture.
+        let mut options = picture_options(simulation, record, &frame);
+        // The first quantities have the plain name; scenes without fabric or without air have one picture.
         let number = self.timed_pictures;
-        let shown = &scene.output.picture_fabric[..];
         let has_fabric = (frame.structure.as_ref()).is_some_and(|s| !s.triangles.is_empty());
-        let shown = if has_fabric { shown } else { &shown[..1] };
-        for (index, &fabric) in shown.iter().enumerate().rev() {
+        let fabrics = &scene.output.picture_fabric[..];
+        let fabrics = if has_fabric { fabrics } else { &fabrics[..1] };
+        let flows = &scene.output.picture_flow[..];
+        let (fabric, flow) = (fabrics[0], flows[0]);
+        let further = (fabrics[1..]
+            .iter()
+            .map(|&other| (other, flow, other.name())))
+        .chain(
+            flows[1..]
+                .iter()
+                .map(|&other| (fabric, other, other.name())),
+        );
+        let mut all: Vec<_> = further
+            .map(|(fabric, flow, name)| (fabric, flow, format!("snapshot_{number:03}_{name}.png")))
+            .collect();
+        all.push((fabric, flow, format!("snapshot_{number:03}.png")));
+        for (fabric, flow, name) in all {
             options.fabric = fabric;
-            let image = self.draw(&render::picture_of(&frame, &options))?;
-            let bytes = render::png_bytes(&image)?;
-            let name = match index {
-                0 => format!("snapshot_{number:03}.png"),
-                _ => format!("snapshot_{number:03}_{}.png", fabric.name()),
-            };
+            show_flow(&mut options, flow, scene);
             let path = self.folder.join(name);
-            write_atomically(&path, |out| out.write_all(&bytes))?;
+            self.draw_into(&path, &frame, &options)?;
             self.last_picture = Some(path);
         }
         Ok(())
     }
+
+    /// Draws the scene as it is now as the next frame of the animation.
+    pub(super) fn animation_frame(
+        &mut self,
+        simulation: &Simulation,
+        record: &Record,
+    ) -> Result<(), RunError> {
+        let frame = simulation.frame(true)?;
+        let mut options = picture_options(simulation, record, &frame);
+        let scene = simulation.scene();
+        options.fabric = scene.output.picture_fabric[0];
+        show_flow(&mut options, scene.output.picture_flow[0], scene);
+        [options.width_px, options.height_px] = animation::SIZE_PX;
+        let path = self
+            .folder
+            .join(animation::frame_name(self.animation_frames));
+        self.draw_into(&path, &frame, &options)?;
+        self.animation_frames += 1;
+        Ok(())
+    }
+
+    fn draw_into(
+        &mut self,
+        path: &Path,
+        frame: &Frame,
+        options: &PictureOptions,
+    ) -> Result<(), RunError> {
+        let image = self.draw(&render::picture_of(frame, options))?;
+        let bytes = render::png_bytes(&image)?;
+        write_atomically(path, |out| out.write_all(&bytes))?;
+        Ok(())
+    }
+}
+
+/// Sets what the slice of air shows, on a scale that is the same for all pictures of a run.
+fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, scene: &Scene) {
+    options.flow = quantity;
+    options.flow_range = scene.air.and_then(|air| {
+        let speed = match air.flow {
+            // Air speeds up beside a canopy.
+            Flow::WindTunnel { .. } => 1.4 * air.wind_or_reference_m_s(),
+            Flow::TaylorGreen { speed_m_s, .. } => speed_m_s,
+        };
+        match quantity {
+            FlowQuantity::Speed => Some([0.0, speed]),
+            FlowQuantity::Pressure => {
+                let pressure = 0.5 * air.units.density_kg_m3 * speed * speed;
+                Some([-pressure, pressure])
+            }
+            FlowQuantity::Vorticity => None,
+        }
+    });
+    options.arrow_speed_m_s = scene
+        .air
+        .filter(|_| scene.output.picture_arrows)
+        .map(|air| air.wind_or_reference_m_s());
+}
+
+/// Caption, view and framing of a scene's pictures.
+fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> PictureOptions {
+    let scene = simulation.scene();
+    let mut caption = String::new();
+    for (column, label) in [
+        ("drag_coefficient", "C_D"),
+        ("projected_diameter_ratio", "D_p/D_0"),
+    ] {
+        if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
+            caption.push_str(&format!("{label} {value:.2}  "));
+        }
+    }
+    let mut options = PictureOptions {
+        title: Some(scene.title.clone()),
+        caption: Some(caption).filter(|c| !c.is_empty()),
+        ..PictureOptions::default()
+    };
+    if scene
+        .body
+        .as_ref()
+        .is_some_and(|body| matches!(body.kind, BodyKind::Cable { .. }))
+    {
+        // A plane curve, seen squarely.
+        (options.azimuth_deg, options.elevation_deg) = (0.0, 0.0);
+    }
+    if let Some(structure) = frame.structure.as_ref().filter(|_| frame.fluid.is_none()) {
+        let places = || structure.positions_m.iter();
+        let extent = |axis: usize| {
+            let ends = places().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+                [low.min(p[axis]), high.max(p[axis])]
+            });
+            ends[1] - ends[0]
+        };
+        if extent(2) < FLAT * extent(0).min(extent(1)) {
+            options.elevation_deg = 55.0;
+        }
+    }
+    if scene.body.is_none() {
+        // A body is small in its tunnel: its wake matters.
+        options.whole_domain = !scene.rigid_bodies.is_empty();
+    }
+    if let (Some(body), Some(structure)) = (&scene.body, &frame.structure)
+        && let BodyKind::Canopy(canopy) = &body.kind
+    {
+        // The same box for all pictures of a run, so that the camera stands still.
+        let confluence = structure.positions_m[canopy.canopy_node_count];
+        let reach = canopy.nominal_diameter_m;
+        options.framing_box_m = Some([
+            confluence - DVec3::new(0.1, 0.6, 0.6) * reach,
+            confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
+        ]);
+    }
+    options
 }

@@ -1,9 +1,11 @@
 //! A complete run: advances a simulation to its end, samples it, and writes everything into one folder.
 
+mod animation;
 mod equilibrium;
 mod files;
 mod lattices;
 mod summary;
+mod tables;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -185,6 +187,9 @@ pub fn run(
             checkpoint::remove(run.folder);
         }
     }
+    if !interrupted {
+        animation::join(run.folder, run.files.animation_frames)?;
+    }
     run.notes.append(&mut run.files.notes);
     let wall_s = began.elapsed().as_secs_f64();
     let summary = summary::summarise(
@@ -197,6 +202,7 @@ pub fn run(
         run.resumed_at_step,
     );
     run.history.finish()?;
+    tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     match diverged {
         Some(diverged) => Err(RunError::Diverged(diverged)),
@@ -250,6 +256,7 @@ struct Cadence {
     canopy: Option<u64>,
     flow: Option<u64>,
     bodies: Option<u64>,
+    animation: Option<u64>,
 }
 
 impl Cadence {
@@ -265,6 +272,7 @@ impl Cadence {
             canopy: scene.output.canopy_interval_s.map(every),
             flow: scene.output.flow_interval_s.map(every),
             bodies: scene.output.bodies_interval_s.map(every),
+            animation: scene.output.animation_interval_s.map(every),
         }
     }
 
@@ -368,7 +376,7 @@ impl<'a> Run<'a> {
             }
         }
         let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
-        for row in record.rows() {
+        for row in record.history_rows() {
             history.push(row)?;
         }
         let files = Files::create(folder, &case.scene, &written, device)?;
@@ -455,6 +463,9 @@ impl<'a> Run<'a> {
                         self.good =
                             std::mem::replace(&mut self.sampled, self.simulation.structure_frame());
                     }
+                }
+                if cadence.animation.is_some_and(|n| since.is_multiple_of(n)) {
+                    self.files.animation_frame(&self.simulation, &self.record)?;
                 }
                 while picture_times
                     .get(self.files.timed_pictures)

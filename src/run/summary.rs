@@ -1,7 +1,7 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
-use crate::measure::{Record, results};
+use crate::measure::{Record, comparison, results};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
     Summary,
@@ -183,6 +183,7 @@ pub(super) fn summarise(
             .map(|s| format!("{}: {}", s.what, s.why))
             .collect(),
         notes,
+        comparison: comparison(scene, &results),
         results,
     }
 }

@@ -1,0 +1,238 @@
+//! `ripstop sweep CASE.toml --vary key.path=a,b,c`
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::progress::Progress;
+use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use crate::case::Case;
+use crate::measure;
+use crate::output::{OutputError, Summary, prepare_directory};
+use crate::run::{self, Observer, Order};
+use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
+
+/// Wall time between checkpoints of a run.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(300);
+
+/// Results that are shown where nothing is chosen, if the case has them, beside those that it compares.
+const USUAL_RESULTS: [&str; 4] = [
+    "drag_coefficient",
+    "projected_diameter_ratio",
+    "fill_time_s",
+    "largest_projected_diameter_time_s",
+];
+
+/// Columns of histories that are drawn where nothing is chosen, if the case has them.
+const USUAL_HISTORIES: [&str; 2] = ["projected_diameter_ratio", "drag_coefficient"];
+
+#[derive(Debug, Args)]
+pub(super) struct SweepArguments {
+    #[command(flatten)]
+    case: CaseArguments,
+    /// Key and its values; may be given several times, and then every combination runs. Keys that belong together vary together:
+    /// "a=1,2; b=3,4" makes two runs. The value `absent` removes a key or table, `as_written` leaves it.
+    #[arg(long, value_name = "KEY.PATH=A,B,C", required = true)]
+    vary: Vec<Vary>,
+    /// Result for the table and a chart; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    result: Vec<String>,
+    /// Column of history.csv for a chart of all runs over time; may be given several times.
+    #[arg(long, value_name = "COLUMN")]
+    history: Vec<String>,
+    /// Folder for the table, the charts, and a folder for each run. Runs found there that are done are kept.
+    #[arg(long, default_value = "sweep")]
+    out: PathBuf,
+}
+
+pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
+    let usage = |why: String| Failure::Other(exit::BAD_CASE, format!("--vary: {why}"));
+    let points = points(&arguments.vary).map_err(usage)?;
+    // All cases first: a wrong value of the last must not show after hours.
+    let mut cases = Vec::new();
+    for point in &points {
+        cases.push(arguments.case.load(&point.overrides())?);
+    }
+    let Some(first) = cases.first() else {
+        return Err(usage("there is no run".to_owned()));
+    };
+    let chosen = choose(arguments, first)?;
+    prepare_directory(&arguments.out).map_err(output_failed)?;
+    let earlier = Sweep::read(&arguments.out);
+    let mut sweep = Sweep {
+        schema_version: 1,
+        title: first.scene.title.clone(),
+        case: first.name.clone(),
+        variant: first.variant.clone(),
+        leading_keys: Sweep::leading(&arguments.vary),
+        runs: (points.iter().zip(&cases))
+            .map(|(point, case)| known(arguments, earlier.as_ref(), point, &case.hash))
+            .collect(),
+    };
+    let interrupt = interrupt_flag("the sweep");
+    let mut code = 0;
+    for (number, (point, case)) in points.iter().zip(cases).enumerate() {
+        let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
+        if sweep.runs[number].status == Status::Done {
+            eprintln!("{heading}: kept, it is done");
+            continue;
+        }
+        eprintln!("{heading}");
+        let ended = one(arguments, case, &mut sweep.runs[number], &interrupt);
+        sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
+        match ended {
+            0 => {}
+            exit::INTERRUPTED => {
+                code = exit::INTERRUPTED;
+                break;
+            }
+            other => {
+                if let Some(message) = &sweep.runs[number].message {
+                    eprintln!("{}: {message}", point.folder);
+                }
+                code = if code == 0 { other } else { code };
+            }
+        }
+    }
+    sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
+    emit(&sweep::markdown(&sweep, &chosen))?;
+    emit(&format!(
+        "tables, charts and runs: {}\n",
+        arguments.out.display()
+    ))?;
+    Ok(code)
+}
+
+fn output_failed(error: OutputError) -> Failure {
+    Failure::Other(exit::OUTPUT_FAILED, error.to_string())
+}
+
+/// The results and histories to show: those asked for, which must exist, or the usual ones.
+fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
+    let names = measure::result_names(&case.scene);
+    let columns = measure::history_columns(&case.scene);
+    for (flag, wanted, known) in [
+        ("--result", &arguments.result, &names),
+        ("--history", &arguments.history, &columns),
+    ] {
+        if let Some(unknown) = wanted.iter().find(|name| !known.contains(name)) {
+            let known = known.join(", ");
+            let text = format!("{flag} {unknown}: the case has only {known}");
+            return Err(Failure::Other(exit::BAD_CASE, text));
+        }
+    }
+    let mut chosen = Chosen {
+        results: arguments.result.clone(),
+        histories: arguments.history.clone(),
+    };
+    if chosen.results.is_empty() {
+        let compared = case.scene.comparisons.iter().map(|c| c.quantity.as_str());
+        for name in USUAL_RESULTS.into_iter().chain(compared) {
+            let known = names.iter().any(|n| n == name);
+            if known && !chosen.results.iter().any(|n| n == name) {
+                chosen.results.push(name.to_owned());
+            }
+        }
+        if chosen.results.is_empty() {
+            chosen.results = names.into_iter().take(6).collect();
+        }
+    }
+    if chosen.histories.is_empty() {
+        let usual = USUAL_HISTORIES.map(str::to_owned).into_iter();
+        chosen.histories = usual.filter(|name| columns.contains(name)).collect();
+    }
+    Ok(chosen)
+}
+
+/// What an earlier sweep left of a run: kept if it is done, or can be resumed, and was made of the very same case.
+fn known(
+    arguments: &SweepArguments,
+    earlier: Option<&Sweep>,
+    point: &Point,
+    hash: &str,
+) -> Outcome {
+    let mut outcome = Outcome::waiting(point, hash);
+    let before = earlier.and_then(|sweep| {
+        let mut runs = sweep.runs.iter();
+        runs.find(|run| run.folder == point.folder && run.hash == hash)
+    });
+    match before.map(|run| run.status) {
+        Some(Status::Done) => {
+            let path = arguments.out.join(&point.folder).join("summary.json");
+            let summary: Option<Summary> = std::fs::read(path)
+                .ok()
+                .and_then(|text| serde_json::from_slice(&text).ok());
+            if let Some(summary) = summary.filter(|summary| summary.case.hash == hash) {
+                outcome.done(&summary);
+            }
+        }
+        Some(Status::Interrupted) => outcome.status = Status::Interrupted,
+        _ => {}
+    }
+    outcome
+}
+
+/// Computes one run; returns its exit code.
+fn one(
+    arguments: &SweepArguments,
+    case: Case,
+    outcome: &mut Outcome,
+    interrupt: &AtomicBool,
+) -> u8 {
+    let resume = outcome.status == Status::Interrupted;
+    let folder = arguments.out.join(&outcome.folder);
+    let mut fail = |code: u8, message: String| {
+        outcome.status = Status::Failed;
+        outcome.message = Some(message);
+        code
+    };
+    let Prepared {
+        case,
+        plan,
+        device,
+        fallback,
+    } = match arguments.case.plan(case) {
+        Ok(prepared) => prepared,
+        Err(Failure::Case(error)) => return fail(exit::BAD_CASE, error.to_string()),
+        Err(Failure::NoDevice(message)) => return fail(exit::NO_DEVICE, message),
+        Err(Failure::Other(code, message)) => return fail(code, message),
+    };
+    let mut progress = Progress::new();
+    let result = run::run(
+        Order {
+            case: &case,
+            plan,
+            device,
+            fallback,
+            folder: &folder,
+            resume,
+            checkpoint_interval: CHECKPOINT_INTERVAL,
+        },
+        interrupt,
+        &mut progress,
+    );
+    progress.finish();
+    match result {
+        Ok(report) if report.interrupted => {
+            outcome.status = Status::Interrupted;
+            exit::INTERRUPTED
+        }
+        Ok(report) if report.unbalanced => {
+            outcome.done(&report.summary);
+            outcome.status = Status::Failed;
+            outcome.message = Some("the static equilibrium was not reached".to_owned());
+            exit::DIVERGED
+        }
+        Ok(report) => {
+            progress.note(&format!(
+                "done: {} (t = {:.4} s, {:.1} s)",
+                report.summary.stop.reason, report.summary.stop.when_s, report.summary.wall_s
+            ));
+            outcome.done(&report.summary);
+            0
+        }
+        Err(error) => fail(super::run::exit_code(&error), error.to_string()),
+    }
+}

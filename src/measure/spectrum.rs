@@ -1,0 +1,164 @@
+//! Spectra of evenly sampled series, and the period of an oscillation.
+
+use std::f64::consts::TAU;
+
+/// One-sided power spectral density.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spectrum {
+    /// Frequencies [1/time of the interval], from one bin above 0 to half the sampling rate.
+    pub frequencies: Vec<f64>,
+    /// Density [square of the series' unit · time]; its sum times the distance of frequencies is the variance.
+    pub densities: Vec<f64>,
+}
+
+/// Periodogram of a series without its mean and linear trend, under a Hann window; `None` with fewer than 16 samples.
+pub(super) fn periodogram(series: &[f64], interval: f64) -> Option<Spectrum> {
+    let count = series.len();
+    if count < 16 || !(interval > 0.0) || series.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let places: Vec<f64> = (0..count).map(|i| i as f64).collect();
+    let slope = super::statistics::slope(&places, series);
+    let mean = series.iter().sum::<f64>() / count as f64;
+    let middle = 0.5 * (count - 1) as f64;
+    let window = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / count as f64).cos();
+    let weight: f64 = (0..count).map(|i| window(i).powi(2)).sum();
+    let prepared: Vec<f64> = (0..count)
+        .map(|i| (series[i] - mean - slope * (i as f64 - middle)) * window(i))
+        .collect();
+    let cosines: Vec<f64> = (0..count)
+        .map(|i| (TAU * i as f64 / count as f64).cos())
+        .collect();
+    let sines: Vec<f64> = (0..count)
+        .map(|i| (TAU * i as f64 / count as f64).sin())
+        .collect();
+    let bins = 1..=count / 2;
+    let densities = bins
+        .clone()
+        .map(|bin| {
+            let (mut real, mut imaginary, mut phase) = (0.0, 0.0, 0);
+            for value in &prepared {
+                real += value * cosines[phase];
+                imaginary += value * sines[phase];
+                phase = (phase + bin) % count;
+            }
+            let sides = if 2 * bin == count { 1.0 } else { 2.0 };
+            sides * (real * real + imaginary * imaginary) * interval / weight
+        })
+        .collect();
+    Some(Spectrum {
+        frequencies: bins
+            .map(|bin| bin as f64 / (count as f64 * interval))
+            .collect(),
+        densities,
+    })
+}
+
+impl Spectrum {
+    /// Frequency of the highest peak, between bins by the parabola through its logarithms.
+    pub fn dominant(&self) -> Option<f64> {
+        let (peak, &top) = self
+            .densities
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1))?;
+        if !(top > 0.0) {
+            return None;
+        }
+        let step = self.frequencies[0];
+        let at = |i: usize| self.densities[i].max(f64::MIN_POSITIVE).ln();
+        let shift = if peak > 0 && peak + 1 < self.densities.len() {
+            let [left, centre, right] = [at(peak - 1), at(peak), at(peak + 1)];
+            let bend = left - 2.0 * centre + right;
+            if bend < 0.0 {
+                0.5 * (left - right) / bend
+            } else {
+                0.0
+            }
+        } else {
+            0.0
+        };
+        Some(self.frequencies[peak] + shift * step)
+    }
+
+    /// Sum of the densities of several series at the same frequencies, over their number.
+    pub fn mean_of(spectra: &[Self]) -> Option<Self> {
+        let (first, rest) = spectra.split_first()?;
+        let mut mean = first.clone();
+        for one in rest {
+            for (sum, density) in mean.densities.iter_mut().zip(&one.densities) {
+                *sum += density;
+            }
+        }
+        for density in &mut mean.densities {
+            *density /= spectra.len() as f64;
+        }
+        Some(mean)
+    }
+}
+
+/// Period and amplitude of an oscillation, with the uncertainty of the period that its length leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Oscillation {
+    /// Period of the strongest frequency.
+    pub period: f64,
+    /// Half the width of a bin of the spectrum, as a period.
+    pub period_error: f64,
+    /// Amplitude of the sine with the same variance, all frequencies together.
+    pub amplitude: f64,
+}
+
+/// The oscillation of a series; an error says why there is none.
+pub(super) fn oscillation(series: &[f64], interval: f64) -> Result<Oscillation, &'static str> {
+    let spectrum = periodogram(series, interval).ok_or("fewer than 16 samples")?;
+    let frequency = spectrum.dominant().ok_or("it does not oscillate")?;
+    let length = interval * series.len() as f64;
+    if frequency * length < 3.0 {
+        return Err("fewer than three periods were seen");
+    }
+    let mean = series.iter().sum::<f64>() / series.len() as f64;
+    let variance = series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len() as f64;
+    Ok(Oscillation {
+        period: 1.0 / frequency,
+        period_error: 0.5 / (length * frequency * frequency),
+        amplitude: (2.0 * variance).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine(count: usize, interval: f64, frequency: f64, amplitude: f64) -> Vec<f64> {
+        (0..count)
+            .map(|i| 0.7 + amplitude * (TAU * frequency * interval * i as f64 + 0.3).sin())
+            .collect()
+    }
+
+    #[test]
+    fn a_sine_has_its_period_and_amplitude() {
+        // 13.7 periods of 41 ms: no bin of the spectrum.
+        let series = sine(562, 1e-3, 1.0 / 0.041, 0.02);
+        let found = oscillation(&series, 1e-3).unwrap();
+        assert!((found.period / 0.041 - 1.0).abs() < 2e-3, "{found:?}");
+        assert!(
+            (found.period - 0.041).abs() < found.period_error,
+            "{found:?}"
+        );
+        assert!((found.amplitude / 0.02 - 1.0).abs() < 0.02, "{found:?}");
+        assert!(oscillation(&series[..100], 1e-3).is_err());
+        assert!(oscillation(&[0.5; 200], 1e-3).is_err());
+    }
+
+    /// Parseval: the densities sum to the variance.
+    #[test]
+    fn the_spectrum_holds_the_variance() {
+        let series = sine(1000, 1e-3, 100.0, 3.0);
+        let spectrum = periodogram(&series, 1e-3).unwrap();
+        let sum: f64 = spectrum.densities.iter().sum::<f64>() * spectrum.frequencies[0];
+        assert!((sum / 4.5 - 1.0).abs() < 1e-2, "{sum}");
+        assert!((spectrum.dominant().unwrap() - 100.0).abs() < 0.05);
+        let twice = Spectrum::mean_of(&[spectrum.clone(), spectrum.clone()]).unwrap();
+        assert_eq!(twice, spectrum);
+    }
+}

@@ -1,0 +1,21 @@
+//! Tables of numbers as CSV files.
+
+use std::path::Path;
+
+use super::atomic::{OutputError, write_atomically};
+
+/// Writes a table with a header, whole or not at all; NaN is an empty field.
+///
+/// # Errors
+///
+/// When the file cannot be written.
+pub fn write_table(path: &Path, columns: &[&str], rows: &[Vec<f64>]) -> Result<(), OutputError> {
+    write_atomically(path, |out| {
+        let mut csv = csv::Writer::from_writer(out);
+        csv.write_record(columns)?;
+        for row in rows {
+            csv.write_record(row.iter().map(|&value| super::history::field(value)))?;
+        }
+        csv.flush()
+    })
+}

@@ -1,0 +1,349 @@
+//! What came out of a sweep: `sweep.json`, `sweep.csv`, `sweep.md`, and charts of chosen results.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::vary::{Point, Vary};
+use crate::output::{
+    Chart, OutputError, Quantity, Results, Series, Summary, value_and_uncertainty, write_atomically,
+};
+
+/// How a run of a sweep ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Not begun.
+    Waiting,
+    /// Interrupted; a checkpoint is in its folder.
+    Interrupted,
+    /// Done.
+    Done,
+    /// Without results, or with those of a run that broke down.
+    Failed,
+}
+
+impl Status {
+    /// Its word in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Waiting => "waiting",
+            Self::Interrupted => "interrupted",
+            Self::Done => "done",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// One run and what came out of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Folder below that of the sweep.
+    pub folder: String,
+    /// Varied keys and their values.
+    pub values: BTreeMap<String, String>,
+    /// Hash of the case as it was run.
+    pub hash: String,
+    /// How it ended.
+    pub status: Status,
+    /// Why it failed.
+    pub message: Option<String>,
+    /// Its results; empty before it is done.
+    pub results: Results,
+}
+
+impl Outcome {
+    /// A run that has not begun.
+    #[must_use]
+    pub fn waiting(point: &Point, hash: &str) -> Self {
+        Self {
+            folder: point.folder.clone(),
+            values: point.values.iter().cloned().collect(),
+            hash: hash.to_owned(),
+            status: Status::Waiting,
+            message: None,
+            results: Results::new(),
+        }
+    }
+
+    /// Takes the results of a run that is done.
+    pub fn done(&mut self, summary: &Summary) {
+        self.status = Status::Done;
+        self.message = None;
+        self.results = summary.results.clone();
+    }
+}
+
+/// The contents of `sweep.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// 1.
+    pub schema_version: u32,
+    /// Title of the case.
+    pub title: String,
+    /// Case file as given.
+    pub case: String,
+    /// Variant of the case.
+    pub variant: Option<String>,
+    /// Keys that lead: one for each `--vary`; those that vary together with them follow from them.
+    pub leading_keys: Vec<String>,
+    /// All runs.
+    pub runs: Vec<Outcome>,
+}
+
+impl Sweep {
+    /// Leading keys of `varies`.
+    #[must_use]
+    pub fn leading(varies: &[Vary]) -> Vec<String> {
+        let first = |vary: &Vary| vary.keys.first().cloned();
+        varies.iter().filter_map(first).collect()
+    }
+
+    /// What an earlier sweep into the same folder left; `None` if there is nothing readable.
+    #[must_use]
+    pub fn read(folder: &Path) -> Option<Self> {
+        let text = std::fs::read(folder.join("sweep.json")).ok()?;
+        serde_json::from_slice(&text).ok()
+    }
+
+    /// Names of all results of all runs, in the order of the first that has each.
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for (name, _) in self.runs.iter().flat_map(|run| run.results.iter()) {
+            if !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
+    }
+
+    fn value<'a>(&self, run: &'a Outcome, key: &str) -> &'a str {
+        run.values.get(key).map_or("", String::as_str)
+    }
+
+    /// Values of the leading keys but the first: runs that agree in them form a series.
+    fn series(&self, run: &Outcome) -> String {
+        let words = self.leading_keys.iter().skip(1);
+        let words = words.map(|key| format!("{} = {}", last(key), self.value(run, key)));
+        words.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// What is shown of a sweep.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Chosen {
+    /// Results of the table and of a chart each.
+    pub results: Vec<String>,
+    /// Columns of `history.csv` for a chart each.
+    pub histories: Vec<String>,
+}
+
+fn last(key: &str) -> &str {
+    key.rsplit('.').next().unwrap_or(key)
+}
+
+/// The table of chosen results in Markdown: one row for each run.
+#[must_use]
+pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
+    let unit = |name: &String| {
+        let known = sweep.runs.iter().find_map(|run| run.results.get(name));
+        match known.map(|q| q.unit.as_str()) {
+            None | Some("1") => name.clone(),
+            Some(unit) => format!("{name} [{unit}]"),
+        }
+    };
+    let mut header: Vec<String> = sweep.leading_keys.clone();
+    header.push("run".to_owned());
+    header.extend(chosen.results.iter().map(unit));
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let mut text = line(&header);
+    text += &format!("|{}\n", "---|".repeat(header.len()));
+    for run in &sweep.runs {
+        let mut cells: Vec<String> = sweep
+            .leading_keys
+            .iter()
+            .map(|key| sweep.value(run, key).replace('|', "\\|"))
+            .collect();
+        cells.push(run.status.name().to_owned());
+        cells.extend(chosen.results.iter().map(|name| {
+            let [value, uncertainty] = value_and_uncertainty(
+                &run.results
+                    .get(name)
+                    .cloned()
+                    .unwrap_or_else(|| Quantity::missing("1", "")),
+            );
+            if uncertainty == "-" {
+                value
+            } else {
+                format!("{value} {uncertainty}")
+            }
+        }));
+        text += &line(&cells);
+    }
+    for run in &sweep.runs {
+        if let Some(message) = &run.message {
+            text += &format!("\n{}: {message}\n", run.folder);
+        }
+    }
+    text
+}
+
+/// Writes all files of a sweep into `folder`; those that cannot be drawn for lack of points are left out.
+///
+/// # Errors
+///
+/// When a file cannot be drawn or written.
+pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), OutputError> {
+    write_atomically(&folder.join("sweep.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, sweep).map_err(std::io::Error::from)?;
+        out.write_all(b"\n")
+    })?;
+    write_csv(folder, sweep)?;
+    let text = markdown(sweep, chosen);
+    write_atomically(&folder.join("sweep.md"), |out| {
+        out.write_all(text.as_bytes())
+    })?;
+    for name in &chosen.results {
+        chart(sweep, name).write(&folder.join(format!("sweep_{name}")))?;
+    }
+    for column in &chosen.histories {
+        histories(folder, sweep, column).write(&folder.join(format!("sweep_history_{column}")))?;
+    }
+    Ok(())
+}
+
+fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {
+    let names = sweep.names();
+    let mut keys: Vec<&String> = sweep
+        .runs
+        .iter()
+        .flat_map(|run| run.values.keys())
+        .collect();
+    keys.sort();
+    keys.dedup();
+    write_atomically(&folder.join("sweep.csv"), |out| {
+        let mut csv = csv::Writer::from_writer(out);
+        let mut header: Vec<String> = keys.iter().map(|key| (*key).clone()).collect();
+        header.extend(["folder", "status"].map(str::to_owned));
+        for name in &names {
+            header.extend([name.clone(), format!("{name}_uncertainty")]);
+        }
+        csv.write_record(&header)?;
+        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
+        for run in &sweep.runs {
+            let mut cells: Vec<String> = keys
+                .iter()
+                .map(|key| sweep.value(run, key).to_owned())
+                .collect();
+            cells.extend([run.folder.clone(), run.status.name().to_owned()]);
+            for name in &names {
+                let quantity = run.results.get(name);
+                cells.push(number(quantity.and_then(|q| q.value)));
+                cells.push(number(
+                    quantity.and_then(|q| q.confidence.or(q.sampling_error)),
+                ));
+            }
+            csv.write_record(&cells)?;
+        }
+        csv.flush()
+    })
+}
+
+/// One result against the first leading key, one series for each combination of the others.
+fn chart(sweep: &Sweep, name: &str) -> Chart {
+    let key = sweep.leading_keys.first().map_or("", String::as_str);
+    let done = || sweep.runs.iter().filter(|run| run.status == Status::Done);
+    let mut categories: Vec<String> = Vec::new();
+    if done().any(|run| sweep.value(run, key).parse::<f64>().is_err()) {
+        for run in &sweep.runs {
+            let value = sweep.value(run, key).to_owned();
+            if !categories.contains(&value) {
+                categories.push(value);
+            }
+        }
+    }
+    let place = |run: &Outcome| {
+        let value = sweep.value(run, key);
+        let category = categories.iter().position(|known| known == value);
+        category.map_or_else(|| value.parse().unwrap_or(f64::NAN), |k| (k + 1) as f64)
+    };
+    let mut series: Vec<Series> = Vec::new();
+    let mut unit = String::new();
+    for run in done() {
+        let Some(quantity) = run.results.get(name) else {
+            continue;
+        };
+        let Some(value) = quantity.value else {
+            continue;
+        };
+        unit.clone_from(&quantity.unit);
+        let own = sweep.series(run);
+        let index = series
+            .iter()
+            .position(|s| s.name == own)
+            .unwrap_or_else(|| {
+                series.push(Series {
+                    name: own,
+                    points: Vec::new(),
+                    bars: Vec::new(),
+                    markers: true,
+                });
+                series.len() - 1
+            });
+        series[index].points.push([place(run), value]);
+        let half = quantity.confidence.or(quantity.sampling_error);
+        series[index].bars.push(half.unwrap_or(0.0));
+    }
+    let label = if unit == "1" || unit.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{name} [{unit}]")
+    };
+    Chart {
+        title: sweep.title.clone(),
+        labels: [key.to_owned(), label],
+        categories,
+        series,
+    }
+}
+
+/// A column of all histories against time since release.
+fn histories(folder: &Path, sweep: &Sweep, column: &str) -> Chart {
+    let name = |run: &Outcome| {
+        let words = sweep.leading_keys.iter();
+        let words = words.map(|key| format!("{} = {}", last(key), sweep.value(run, key)));
+        words.collect::<Vec<_>>().join(", ")
+    };
+    let series = sweep.runs.iter().filter_map(|run| {
+        Some(Series {
+            name: name(run),
+            points: read_column(&folder.join(&run.folder).join("history.csv"), column)?,
+            bars: Vec::new(),
+            markers: false,
+        })
+    });
+    Chart {
+        title: sweep.title.clone(),
+        labels: ["time since release [s]".to_owned(), column.to_owned()],
+        categories: Vec::new(),
+        series: series.collect(),
+    }
+}
+
+/// Time and one column of a history from release on; `None` without the file or the column.
+fn read_column(path: &Path, column: &str) -> Option<Vec<[f64; 2]>> {
+    let mut csv = csv::Reader::from_path(path).ok()?;
+    let header = csv.headers().ok()?.clone();
+    let place = |name: &str| header.iter().position(|known| known == name);
+    let (time, value) = (place("time_s")?, place(column)?);
+    let rows = csv.records().map_while(Result::ok);
+    let pairs =
+        rows.filter_map(|row| Some([row.get(time)?.parse().ok()?, row.get(value)?.parse().ok()?]));
+    Some(pairs.filter(|[time, _]: &[f64; 2]| *time >= 0.0).collect())
+}
+
+#[cfg(test)]
+#[path = "report_tests.rs"]
+mod tests;

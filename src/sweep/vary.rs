@@ -1,0 +1,228 @@
+//! What varies in a sweep, from the words of the command line.
+
+/// Value that leaves a key as the case has it.
+pub const AS_WRITTEN: &str = "as_written";
+
+/// Longest name of a folder.
+const LONGEST_NAME: usize = 80;
+
+/// Most runs of one sweep.
+const RUN_LIMIT: usize = 10_000;
+
+/// Keys that vary together: the first value of each belongs to the first run, and so on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Vary {
+    /// Dotted paths of the keys.
+    pub keys: Vec<String>,
+    /// Values of every run, one for each key.
+    pub values: Vec<Vec<String>>,
+}
+
+/// One run of a sweep.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Point {
+    /// Keys and values, in the order of the command line.
+    pub values: Vec<(String, String)>,
+    /// Folder below that of the sweep.
+    pub folder: String,
+}
+
+/// Splits at `separator` outside brackets and quotes.
+fn split(text: &str, separator: char) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    let (mut depth, mut quote) = (0_i32, None);
+    for c in text.chars() {
+        match (quote, c) {
+            (Some(open), _) if c == open => quote = None,
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            _ => {}
+        }
+        if c == separator && depth == 0 && quote.is_none() {
+            parts.push(String::new());
+        } else if let Some(last) = parts.last_mut() {
+            last.push(c);
+        }
+    }
+    parts.into_iter().map(|p| p.trim().to_owned()).collect()
+}
+
+impl std::str::FromStr for Vary {
+    type Err = String;
+
+    /// Reads `key.path=a,b,c`, or several of them, separated by semicolons, that vary together.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut lists: Vec<(String, Vec<String>)> = Vec::new();
+        for part in split(text, ';') {
+            let (key, values) = part
+                .split_once('=')
+                .ok_or_else(|| format!("there is no `=` in `{part}`: write key.path=a,b,c"))?;
+            let (key, values) = (key.trim().to_owned(), split(values, ','));
+            if key.is_empty() || values.iter().any(String::is_empty) {
+                return Err(format!(
+                    "a key or a value is empty in `{part}`: write key.path=a,b,c"
+                ));
+            }
+            if let Some((first, known)) = lists.first()
+                && known.len() != values.len()
+            {
+                return Err(format!(
+                    "{first} has {} values and {key} has {}: keys that vary together need as many",
+                    known.len(),
+                    values.len()
+                ));
+            }
+            lists.push((key, values));
+        }
+        let count = lists.first().map_or(0, |(_, values)| values.len());
+        Ok(Self {
+            values: (0..count)
+                .map(|run| {
+                    lists
+                        .iter()
+                        .map(|(_, values)| values[run].clone())
+                        .collect()
+                })
+                .collect(),
+            keys: lists.into_iter().map(|(key, _)| key).collect(),
+        })
+    }
+}
+
+impl Point {
+    /// Changes of the case, `key.path=value` each.
+    #[must_use]
+    pub fn overrides(&self) -> Vec<String> {
+        let changed = self.values.iter().filter(|(_, value)| value != AS_WRITTEN);
+        changed
+            .map(|(key, value)| format!("{key}={value}"))
+            .collect()
+    }
+}
+
+/// All runs of a sweep: every value of one `--vary` with every value of the others, the last one fastest. An error tells of keys that
+/// appear twice, or of too many runs.
+pub fn points(varies: &[Vary]) -> Result<Vec<Point>, String> {
+    let mut keys: Vec<&String> = varies.iter().flat_map(|vary| &vary.keys).collect();
+    let count = keys.len();
+    keys.sort();
+    keys.dedup();
+    if keys.len() < count {
+        return Err("a key varies twice: name each key once".to_owned());
+    }
+    let runs = varies
+        .iter()
+        .try_fold(1_usize, |product, vary| {
+            product.checked_mul(vary.values.len())
+        })
+        .filter(|&runs| runs <= RUN_LIMIT);
+    if runs.is_none() {
+        return Err(format!("these are more than {RUN_LIMIT} runs"));
+    }
+    let mut points: Vec<Vec<(String, String, bool)>> = vec![Vec::new()];
+    for vary in varies {
+        points = points
+            .iter()
+            .flat_map(|before| {
+                vary.values.iter().map(move |values| {
+                    let own = vary.keys.iter().zip(values).enumerate();
+                    let own = own.map(|(k, (key, value))| (key.clone(), value.clone(), k == 0));
+                    before.iter().cloned().chain(own).collect()
+                })
+            })
+            .collect();
+    }
+    let mut found: Vec<Point> = Vec::new();
+    for point in points {
+        // The first key of those that vary together tells the run; the others follow from it.
+        let words = point
+            .iter()
+            .filter(|(_, _, leads)| *leads)
+            .map(|(key, value, _)| {
+                let key = key.rsplit('.').next().unwrap_or(key);
+                format!("{key}={value}")
+            });
+        let name = folder_name(&words.collect::<Vec<_>>().join(","));
+        let taken = |name: &str| found.iter().any(|p| p.folder == name);
+        let mut folder = name.clone();
+        let mut number = 2;
+        while taken(&folder) {
+            folder = format!("{name}-{number}");
+            number += 1;
+        }
+        found.push(Point {
+            values: point
+                .into_iter()
+                .map(|(key, value, _)| (key, value))
+                .collect(),
+            folder,
+        });
+    }
+    Ok(found)
+}
+
+fn folder_name(words: &str) -> String {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "._-=,+".contains(c);
+    let mut name: String = (words.chars())
+        .map(|c| if allowed(c) { c } else { '_' })
+        .collect();
+    name.truncate(LONGEST_NAME);
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vary(text: &str) -> Vary {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn keys_vary_alone_together_and_crosswise() {
+        let wind = vary("air.wind_tunnel.speed_m_s=20,30; time.end_s = 1.5, 1");
+        assert_eq!(wind.keys, ["air.wind_tunnel.speed_m_s", "time.end_s"]);
+        assert_eq!(wind.values, [["20", "1.5"], ["30", "1"]]);
+        let belts = vary("belts=as_written,absent");
+        let runs = points(&[wind, belts]).unwrap();
+        let folders: Vec<&str> = runs.iter().map(|run| run.folder.as_str()).collect();
+        assert_eq!(
+            folders,
+            [
+                "speed_m_s=20,belts=as_written",
+                "speed_m_s=20,belts=absent",
+                "speed_m_s=30,belts=as_written",
+                "speed_m_s=30,belts=absent"
+            ]
+        );
+        assert_eq!(
+            runs[0].overrides(),
+            ["air.wind_tunnel.speed_m_s=20", "time.end_s=1.5"]
+        );
+        assert_eq!(runs[1].overrides()[2], "belts=absent");
+    }
+
+    #[test]
+    fn lists_and_tables_are_single_values() {
+        let times = vary("output.picture_times_s=[0, 0.1],[0.2]");
+        assert_eq!(times.values, [["[0, 0.1]"], ["[0.2]"]]);
+        let model = vary("a.b={ x = 1, y = \"p,q;r\" },2");
+        assert_eq!(model.values.len(), 2);
+    }
+
+    #[test]
+    fn folders_differ_and_wrong_lists_are_refused() {
+        let runs = points(&[vary("a.x=1/2,1?2")]).unwrap();
+        assert_eq!(runs[0].folder, "x=1_2");
+        assert_eq!(runs[1].folder, "x=1_2-2");
+        for wrong in ["a.b", "a.b=", "=1", "a.b=1,,2", "a=1,2;b=1", "a=1;"] {
+            assert!(wrong.parse::<Vary>().is_err(), "{wrong}");
+        }
+        assert!(points(&[vary("a=1,2"), vary("a=3,4")]).is_err());
+        let many = vary(&format!("a={}", vec!["1"; 101].join(",")));
+        let mut other = many.clone();
+        other.keys = vec!["b".to_owned()];
+        assert!(points(&[many, other]).is_err());
+    }
+}
