@@ -37,7 +37,7 @@ impl RimInsets {
 }
 
 /// How far every triangle's corners lie inside the line on which markers end [m], `[triangle_count]`; negative outside. Exact along straight rims, up
-/// to 5 % of the distance from the rim short where fronts of two rims meet in long triangles, infinite where it cannot matter, or without
+/// to 10 % of the distance from the rim short where fronts of two rims meet in long triangles, infinite where it cannot matter, or without
 /// rims. A rim is made of the edges that one triangle alone has.
 #[must_use]
 pub fn depths_m(structure: &Structure, insets: &RimInsets) -> Vec<[f64; 3]> {
@@ -237,7 +237,7 @@ mod tests {
         depths.into_iter().map(from_rim).collect()
     }
 
-    /// On a rectangle with cells of any shape the distance is that to the nearest side, within 5 % where the fronts of two sides meet in long cells.
+    /// On a rectangle with cells of any shape the distance is that to the nearest side, within 10 % where the fronts of two sides meet in long cells.
     #[test]
     fn distances_on_a_rectangle_are_those_from_its_sides() {
         for divisions in [[10, 8], [4, 20], [3, 3]] {
@@ -255,7 +255,7 @@ mod tests {
                         .into_iter()
                         .fold(f64::INFINITY, f64::min);
                     assert!(
-                        (distance - exact).abs() <= 0.05 * exact,
+                        (distance - exact).abs() <= 0.1 * exact,
                         "{p}: {distance} {exact}"
                     );
                 }

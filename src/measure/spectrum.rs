@@ -14,7 +14,7 @@ pub(super) struct Spectrum {
 /// Periodogram of a series without its mean and linear trend, under a Hann window; `None` with fewer than 16 samples.
 pub(super) fn periodogram(series: &[f64], interval: f64) -> Option<Spectrum> {
     let count = series.len();
-    if count < 16 || !(interval > 0.0) || series.iter().any(|v| !v.is_finite()) {
+    if count < 16 || interval <= 0.0 || series.iter().any(|v| !v.is_finite()) {
         return None;
     }
     let places: Vec<f64> = (0..count).map(|i| i as f64).collect();
@@ -62,7 +62,7 @@ impl Spectrum {
             .iter()
             .enumerate()
             .max_by(|a, b| a.1.total_cmp(b.1))?;
-        if !(top > 0.0) {
+        if top <= 0.0 || top.is_nan() {
             return None;
         }
         let step = self.frequencies[0];

@@ -142,7 +142,7 @@ impl ComparisonRow {
             format!("{value} {uncertainty}")
         };
         let difference = match (self.difference, self.relative_difference) {
-            (Some(difference), _) if difference == 0.0 => "0".to_owned(),
+            (Some(0.0), _) => "0".to_owned(),
             (_, Some(relative)) => format!("{:+.1} %", 100.0 * relative),
             (Some(difference), None) => number(difference),
             (None, None) => NOTHING.to_owned(),

@@ -42,12 +42,15 @@ pub(super) fn join(folder: &Path, count: usize) -> Result<(), OutputError> {
         }
         writer.finish()?;
         Ok(())
-    })?;
+    })
+}
+
+/// Removes the files of the first `count` frames.
+pub(super) fn remove_frames(folder: &Path, count: usize) {
     for number in 0..count {
         // What stays behind does no harm.
         let _ = std::fs::remove_file(folder.join(frame_name(number)));
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -69,6 +72,7 @@ mod tests {
         assert!(!folder.path().join("animation.png").exists());
         assert!(folder.path().join(frame_name(0)).exists());
         join(folder.path(), 3).unwrap();
+        remove_frames(folder.path(), 3);
         assert!(!folder.path().join(frame_name(0)).exists());
         let file = std::fs::File::open(folder.path().join("animation.png")).unwrap();
         let mut reader = png::Decoder::new(io::BufReader::new(file))

@@ -183,9 +183,6 @@ pub fn run(
         run.files.bodies(&run.simulation)?;
         run.files.flow(&run.simulation)?;
         run.files.picture(&run.simulation, &run.record)?;
-        if !interrupted {
-            checkpoint::remove(run.folder);
-        }
     }
     if !interrupted {
         animation::join(run.folder, run.files.animation_frames)?;
@@ -204,6 +201,11 @@ pub fn run(
     run.history.finish()?;
     tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
+    // Last: a run that is killed before it is complete can still be resumed.
+    if diverged.is_none() && !interrupted {
+        checkpoint::remove(run.folder);
+        animation::remove_frames(run.folder, run.files.animation_frames);
+    }
     match diverged {
         Some(diverged) => Err(RunError::Diverged(diverged)),
         None => Ok(Report {
