@@ -229,7 +229,4 @@ pub const ROUTES_OVER_A_CHANGE: f64 = 0.01;
 pub mod canopies {
     /// Difference of gores after 12 steps under pressure, which move them by some millimetres [m]: where each step's minimiser stops.
     pub const ALIKE_M: f64 = 1e-4;
-
-    /// Riser against the sum of lines at the confluence, whose ends still move a little.
-    pub const RISER: f64 = 0.05;
 }
