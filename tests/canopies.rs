@@ -12,7 +12,9 @@ use ripstop::geometry::parachute::designs::{Design, RadialSlots, Shape};
 use ripstop::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use ripstop::geometry::parachute::{self, Rigged, Rigging};
 use ripstop::lines::Cable;
+use ripstop::plan::{Plan, Precision, place_markers};
 
+use crate::canopy::small_case;
 use crate::engines::plain;
 use crate::tolerances::canopies as tolerance;
 
@@ -24,6 +26,7 @@ pub fn trials() -> Vec<Trial> {
             "canopies::tilted_and_uneven_foldings_begin_free_of_stress",
             tilted,
         ),
+        plain("canopies::markers_end_inside_rims", markers_end),
     ]
     .into_iter()
     .flatten()
@@ -237,5 +240,25 @@ fn tilted() {
             let expected = 2.0 * PI / 12.0 * (1.0 + asymmetry * (PI / 12.0).cos());
             assert!((wide / expected - 1.0).abs() < 1e-6, "{wide} {expected}");
         }
+    }
+}
+
+/// Markers of the flat circular canopy cover a circle with a radius smaller by the inset, whatever the cells; without an inset all of it.
+fn markers_end() {
+    for (cells, inset) in [(12.0, 0.65), (24.0, 0.65), (24.0, 0.3), (24.0, 0.0)] {
+        let case = small_case(&[
+            "structure.flat_circular.rings=12",
+            &format!("resolution.cells_per_diameter={cells:?}"),
+            &format!("coupling.rim_inset_cells={inset:?}"),
+        ]);
+        let markers = place_markers(&case.scene);
+        let plan = Plan::new(&case.scene, Precision::F32);
+        assert_eq!(markers.len() as u64, plan.sizes.markers);
+        let area: f64 = markers.iter().map(|marker| marker.area_m2).sum();
+        let expected = 0.78 * (1.0f64 - 2.0 * inset / cells).powi(2);
+        assert!(
+            (area / expected - 1.0).abs() < tolerance::MARKED_AREA,
+            "{cells} {inset}: {area} {expected}"
+        );
     }
 }

@@ -229,4 +229,7 @@ pub const ROUTES_OVER_A_CHANGE: f64 = 0.01;
 pub mod canopies {
     /// Difference of gores after 12 steps under pressure, which move them by some millimetres [m]: where each step's minimiser stops.
     pub const ALIKE_M: f64 = 1e-4;
+
+    /// Area of markers against that of a smaller circle: the mesh is a polygon, and smallest parts of triangles carry no marker.
+    pub const MARKED_AREA: f64 = 5e-3;
 }

@@ -11,7 +11,7 @@ use crate::engines::{needs_device, plain};
 const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
 
 /// Flow through what air passes, and a fall in a box that follows.
-const PERMEABLE: [&str; 2] = ["permeable-screen", "falling-disk"];
+const PERMEABLE: [&str; 3] = ["permeable-screen", "openings", "falling-disk"];
 
 /// The immersed boundary, and canopies lighter than the air.
 const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-canopies"];
