@@ -217,11 +217,13 @@ fn tilted() {
             );
         }
         // The apex lies where the tilt points.
-        let apex = structure.positions_m[..built.apex_count]
+        let vent_lines = structure
+            .cables
             .iter()
-            .sum::<DVec3>()
-            / built.apex_count as f64
-            - rigging.confluence_m;
+            .filter(|c| c.kind == CableKind::VentLine);
+        let apex: DVec3 = vent_lines
+            .map(|line| structure.positions_m[line.nodes[0] as usize] - rigging.confluence_m)
+            .sum();
         let angle = apex.y.atan2(apex.x);
         let allowed = if asymmetry > 0.0 { 0.05 } else { 1e-9 };
         assert!((angle - tilt_rad).abs() < allowed, "{angle}");

@@ -21,6 +21,7 @@ mod mesh_lines;
 mod output;
 mod permeability;
 mod plate;
+mod rigging;
 mod rims;
 pub mod scene;
 mod specimens;

@@ -182,8 +182,6 @@ pub struct Canopy {
     pub canopy_node_count: usize,
     /// Node that is held or carries the payload: the confluence, or the lower end of the riser.
     pub lower_end: usize,
-    /// Nodes whose mean place is the apex: the first, or the edge of a vent.
-    pub apex_count: usize,
     /// Projected-diameter ratio to which the folded canopy is opened before the wind starts.
     pub opened_diameter_ratio: f64,
     /// Pressure that opens it [Pa].

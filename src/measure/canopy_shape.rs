@@ -134,8 +134,8 @@ impl CanopyShape {
         names
     }
 
-    /// Values of [`Self::columns`], and of [`Self::detail_columns`].
-    pub fn row(&self, frame: &StructureFrame) -> (Vec<f64>, Vec<f64>) {
+    /// Values of [`Self::columns`], and of [`Self::detail_columns`], of a canopy with the given projected area [m²].
+    pub fn row(&self, frame: &StructureFrame, projected_area_m2: f64) -> (Vec<f64>, Vec<f64>) {
         let outline = &self.outline;
         let places = |nodes: &[u32]| -> Vec<DVec3> {
             nodes
@@ -144,16 +144,15 @@ impl CanopyShape {
                 .collect()
         };
         let fabric = &frame.positions_m[..self.canopy.canopy_node_count];
-        let area = shape::projected_area_m2(&frame.positions_m, frame.triangles.iter().copied());
         let height = shape::height_m(fabric);
         let downstream = fabric.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
         let apex = outline.apex(&frame.positions_m);
         let top = outline.top.iter().map(|&t| frame.triangles[t]);
         let top_area = shape::projected_area_m2(&frame.positions_m, top);
         let mut row = vec![
-            area,
+            projected_area_m2,
             fabric_area_m2(frame),
-            height / (4.0 * area / PI).sqrt(),
+            height / (4.0 * projected_area_m2 / PI).sqrt(),
             downstream - apex.x,
             (top_area / outline.top_area_m2).sqrt(),
         ];

@@ -409,7 +409,6 @@ mod tests {
             nominal_diameter_m: 2.0,
             canopy_node_count: fabric,
             lower_end: fabric,
-            apex_count: 1,
             opened_diameter_ratio: 0.5,
             loading_pressure_pa: 10.0,
         };

@@ -421,14 +421,12 @@ impl Record {
             .filter(|(_, kind)| **kind == CableKind::SuspensionLine)
             .map(|(tension, _)| *tension)
             .collect();
-        let diameter = shape::projected_diameter_m(
-            &structure.positions_m,
-            structure.triangles.iter().copied(),
-        );
+        let area =
+            shape::projected_area_m2(&structure.positions_m, structure.triangles.iter().copied());
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
         let confluence = structure.positions_m[canopy.canopy_node_count];
         let apex = parts.outline().apex(&structure.positions_m) - confluence;
-        let (of_shape, details) = parts.row(&structure);
+        let (of_shape, details) = parts.row(&structure, area);
         let mut row = vec![
             time_s,
             wind,
@@ -440,7 +438,7 @@ impl Record {
             now.markers.x,
             now.momentum_box.x,
             now.supports.x,
-            diameter / canopy.nominal_diameter_m,
+            (area / canopy.nominal_area_m2).sqrt(),
             shape::height_m(fabric),
             lines.iter().sum::<f64>() / lines.len() as f64,
             lines.iter().copied().fold(0.0, f64::max),

@@ -23,6 +23,9 @@ use crate::simulation::Simulation;
 /// Fabric alone whose height is less than this share of its width and length is seen from further above.
 const FLAT: f64 = 0.25;
 
+/// Least speed that pictures of a fall are scaled with, per speed of release.
+const SLOWEST_SCALE: f64 = 0.05;
+
 /// What has been written so far, by a run that is resumed.
 #[derive(Debug, Default)]
 pub(super) struct Written {
@@ -294,7 +297,7 @@ impl<'a> Files<'a> {
         all.push((fabric, flow, format!("snapshot_{number:03}.png")));
         for (fabric, flow, name) in all {
             options.fabric = fabric;
-            show_flow(&mut options, flow, scene);
+            show_flow(&mut options, flow, simulation);
             let path = self.folder.join(name);
             self.draw_into(&path, &frame, &options)?;
             self.last_picture = Some(path);
@@ -312,7 +315,7 @@ impl<'a> Files<'a> {
         let mut options = picture_options(simulation, record, &frame);
         let scene = simulation.scene();
         options.fabric = scene.output.picture_fabric[0];
-        show_flow(&mut options, scene.output.picture_flow[0], scene);
+        show_flow(&mut options, scene.output.picture_flow[0], simulation);
         [options.width_px, options.height_px] = animation::SIZE_PX;
         let path = self
             .folder
@@ -335,13 +338,20 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Sets what the slice of air shows, on a scale that is the same for all pictures of a run.
-fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, scene: &Scene) {
+/// Sets what the slice of air shows: on a scale that is the same for all pictures of a run, but in a fall on that of its present speed.
+fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, simulation: &Simulation) {
+    let scene = simulation.scene();
+    let wind_m_s = scene.air.map(|air| match scene.descent {
+        Some(_) => simulation
+            .wind_speed_m_s()
+            .max(SLOWEST_SCALE * air.wind_or_reference_m_s()),
+        None => air.wind_or_reference_m_s(),
+    });
     options.flow = quantity;
-    options.flow_range = scene.air.and_then(|air| {
+    options.flow_range = scene.air.zip(wind_m_s).and_then(|(air, wind_m_s)| {
         let speed = match air.flow {
             // Air speeds up beside a canopy.
-            Flow::WindTunnel { .. } => 1.4 * air.wind_or_reference_m_s(),
+            Flow::WindTunnel { .. } => 1.4 * wind_m_s,
             Flow::TaylorGreen { speed_m_s, .. } => speed_m_s,
         };
         match quantity {
@@ -353,10 +363,7 @@ fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, scene: &Scene
             FlowQuantity::Vorticity => None,
         }
     });
-    options.arrow_speed_m_s = scene
-        .air
-        .filter(|_| scene.output.picture_arrows)
-        .map(|air| air.wind_or_reference_m_s());
+    options.arrow_speed_m_s = wind_m_s.filter(|_| scene.output.picture_arrows);
 }
 
 /// Caption, view and framing of a scene's pictures.

@@ -1,7 +1,7 @@
 //! Openings in an impermeable wall, from wide ones down to a cell, whose markers stand inside their rims.
 //!
-//! A plate with a square hole of a third of the width stands across a duct that repeats along all axes (a grid of openings, a ninth of the
-//! area open). A uniform force per mass drives the air along x: force times length is the pressure difference in the mean, whatever the
+//! A plate with a square hole of a third of the width (a ninth of the area open), or with a slot of a quarter of it, stands across a duct
+//! that repeats along all axes: a grid of openings. A uniform force per mass drives the air along x: force times length is the pressure difference in the mean, whatever the
 //! scheme does. The discharge coefficient C_d = v/√(2Δp/ρ) of the mean velocity v in the hole is compared with that of sharp-edged thin grids
 //! (Idelchik, Handbook of Hydraulic Resistance, diagram 8-1: Δp = ½ρv² (0.707 √(1 − f) + 1 − f)² at high Reynolds numbers, f the open share).
 //!
@@ -16,11 +16,28 @@ use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::simulation::MarkerEngine;
 
-/// Widths of the duct per width of the hole; the duct is four of its own widths long. Twice that changes nothing by more than 1 %.
-const WIDTHS: f64 = 3.0;
+/// A square hole or a slot in a plate.
+#[derive(Clone, Copy)]
+struct Opening {
+    /// [cells]
+    width: f64,
+    is_slot: bool,
+    /// How far inside the rim markers stand [cells].
+    inset: f64,
+    /// Where it begins, in cells of the duct, between two of the lattice.
+    offset: f64,
+}
 
-/// Widths of the hole [cells].
-const WIDTHS_CELLS: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
+/// Widths of the duct per width of a hole and of a slot; the duct is four of its own widths long. Twice that changes nothing by more than 1 %.
+const DUCT_OF_HOLE: f64 = 3.0;
+const DUCT_OF_SLOT: f64 = 4.0;
+
+/// Widths of holes and of slots [cells].
+const HOLES_CELLS: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
+const SLOTS_CELLS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+
+/// Cells along a slot: the jet may sway in three dimensions.
+const ALONG_SLOT: usize = 12;
 
 /// Speed in the hole that the force is chosen for [cells per step].
 const SPEED: f64 = 0.06;
@@ -28,7 +45,7 @@ const SPEED: f64 = 0.06;
 /// Largest distance of markers [cells].
 const SPACING: f64 = 0.6;
 
-/// Where the plate is, in widths of the duct; and where the hole begins, in cells of the duct, between two of the lattice.
+/// Where the plate is, in widths of the duct; and where openings begin.
 const PLATE: f64 = 0.523;
 const OFFSETS: [f64; 2] = [0.13, 0.6];
 
@@ -38,22 +55,64 @@ const BAND: f64 = 0.15;
 /// The hole of a single cell, whose coefficient depends on where between cells it lies.
 const BAND_OF_ONE_CELL: f64 = 0.2;
 
+impl Opening {
+    fn ours(width: f64, is_slot: bool, offset: f64) -> Self {
+        let inset = markers::opening_inset_cells(width);
+        Self {
+            width,
+            is_slot,
+            inset,
+            offset,
+        }
+    }
+
+    fn widths_of_duct(self) -> f64 {
+        if self.is_slot {
+            DUCT_OF_SLOT
+        } else {
+            DUCT_OF_HOLE
+        }
+    }
+
+    /// Open share of the plate.
+    fn open(self) -> f64 {
+        self.widths_of_duct()
+            .powi(if self.is_slot { -1 } else { -2 })
+    }
+
+    fn reference(self) -> f64 {
+        let open = self.open();
+        1.0 / (0.707 * (1.0 - open).sqrt() + 1.0 - open)
+    }
+
+    fn name(self) -> String {
+        format!(
+            "{} of {} cells",
+            if self.is_slot { "slot" } else { "hole" },
+            self.width
+        )
+    }
+}
+
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    let open = WIDTHS.powi(-2);
-    let exact = 1.0 / (0.707 * (1.0 - open).sqrt() + 1.0 - open);
-    let [widths, offsets] = session.size([4, 1], [WIDTHS_CELLS.len(), OFFSETS.len()]);
-    for width in &WIDTHS_CELLS[..widths] {
-        let width = *width;
+    let [holes, slots, offsets] = session.size(
+        [4, 2, 1],
+        [HOLES_CELLS.len(), SLOTS_CELLS.len(), OFFSETS.len()],
+    );
+    let holes = HOLES_CELLS[..holes].iter().map(|&width| (width, false));
+    let slots = SLOTS_CELLS[..slots].iter().map(|&width| (width, true));
+    for (width, is_slot) in holes.chain(slots) {
         for offset in &OFFSETS[..offsets] {
-            let inset = markers::opening_inset_cells(width);
-            let (cells, coefficient) = discharge(session, width, inset, *offset, exact)?;
+            let opening = Opening::ours(width, is_slot, *offset);
+            let (cells, coefficient) = discharge(session, opening)?;
+            let name = opening.name();
             session
                 .row(
                     cells,
-                    format!("hole of {width} cells at {offset}: discharge coefficient"),
+                    format!("{name} at {offset}: discharge coefficient"),
                     coefficient,
                 )
-                .reference(exact, "Idelchik, diagram 8-1")
+                .reference(opening.reference(), "Idelchik, diagram 8-1")
                 .gate(Gate::Within(if width > 1.0 {
                     BAND
                 } else {
@@ -61,19 +120,27 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 }));
         }
     }
-    let mut shown = vec![(4.0, 0.0, "markers up to the rim")];
+    let hole = Opening::ours(4.0, false, OFFSETS[0]);
+    let mut shown = vec![(Opening { inset: 0.0, ..hole }, "markers up to the rim")];
     if session.size(false, true) {
-        shown.push((12.0, markers::RIM_INSET_CELLS, "resolved"));
+        shown.push((
+            Opening {
+                width: 12.0,
+                ..hole
+            },
+            "resolved",
+        ));
     }
-    for (width, inset, what) in shown {
-        let (cells, coefficient) = discharge(session, width, inset, OFFSETS[0], exact)?;
+    for (opening, what) in shown {
+        let (cells, coefficient) = discharge(session, opening)?;
+        let name = opening.name();
         session
             .row(
                 cells,
-                format!("hole of {width} cells, {what}: discharge coefficient"),
+                format!("{name}, {what}: discharge coefficient"),
                 coefficient,
             )
-            .reference(exact, "Idelchik, diagram 8-1");
+            .reference(opening.reference(), "Idelchik, diagram 8-1");
     }
     Ok(())
 }
@@ -86,20 +153,21 @@ fn parts(from: f64, to: f64) -> (Vec<f64>, f64) {
     (middles.collect(), length)
 }
 
-/// Cells, and v/√(2Δp/ρ) in the mean, with markers `inset` inside the plate.
-fn discharge(
-    session: &mut Session,
-    width: f64,
-    inset: f64,
-    offset: f64,
-    wanted: f64,
-) -> Result<([usize; 3], f64), Stop> {
-    let open = WIDTHS.powi(-2);
+/// Cells, and v/√(2Δp/ρ) in the mean.
+fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64), Stop> {
+    let Opening {
+        width,
+        is_slot,
+        inset,
+        offset,
+    } = opening;
+    let (open, wanted) = (opening.open(), opening.reference());
     // A duct is never narrower than a kernel.
-    let holes = if width < 2.0 { 2 } else { 1 };
-    let pitch = WIDTHS * width;
-    let side = (pitch * f64::from(holes)).round() as usize;
-    let cells = [4 * side, side, side];
+    let repeated = if width < 2.0 { 2 } else { 1 };
+    let pitch = opening.widths_of_duct() * width;
+    let side = (pitch * f64::from(repeated)).round() as usize;
+    let depth = if is_slot { ALONG_SLOT } else { side };
+    let cells = [4 * side, side, depth];
     let pressure = 0.5 * (SPEED / wanted).powi(2);
     let mut setup = periodic(cells, 0.5 + 3e-4, Operator::RecursiveRegularised);
     setup.eddy_viscosity = Some(EddyViscosity::smagorinsky(0.15));
@@ -108,16 +176,26 @@ fn discharge(
     let gap = width + 2.0 * inset;
     let (solid, solid_length) = parts(gap, pitch);
     let (hole, hole_length) = parts(0.0, gap);
-    let strips = || {
+    let across = || {
         let solid = solid.iter().map(|&at| (at, solid_length, true));
         solid.chain(hole.iter().map(|&at| (at, hole_length, false)))
     };
-    let place = |at: f64, hole: i32| (at + offset + pitch * f64::from(hole)) % side as f64 - 0.5;
-    for (k, l) in (0..holes).flat_map(|k| (0..holes).map(move |l| (k, l))) {
-        for (z, height, beside) in strips() {
-            for (y, breadth, above) in strips() {
+    let along: Vec<(f64, f64, bool)> = if is_slot {
+        let (middles, length) = parts(0.0, depth as f64);
+        middles.into_iter().map(|at| (at, length, false)).collect()
+    } else {
+        across().collect()
+    };
+    let place = |at: f64, number: i32, cells: usize| {
+        (at + offset + pitch * f64::from(number)) % cells as f64 - 0.5
+    };
+    for (k, l) in
+        (0..repeated).flat_map(|k| (0..if is_slot { 1 } else { repeated }).map(move |l| (k, l)))
+    {
+        for &(z, height, beside) in &along {
+            for (y, breadth, above) in across() {
                 if beside || above {
-                    positions.push([PLATE * side as f64, place(y, k), place(z, l)]);
+                    positions.push([PLATE * side as f64, place(y, k, side), place(z, l, depth)]);
                     areas.push(breadth * height);
                 }
             }

@@ -67,8 +67,6 @@ pub struct Rigged {
     pub canopy_node_count: usize,
     /// Node that is held: the confluence, or the lower end of the riser.
     pub lower_end: usize,
-    /// Nodes whose mean place is the apex.
-    pub apex_count: usize,
     /// Quality of the triangles at rest.
     pub quality: Option<Quality>,
 }
@@ -168,7 +166,6 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
         structure,
         canopy_node_count,
         lower_end,
-        apex_count: sewn.apex.len(),
         quality: sewn.quality,
     })
 }
