@@ -189,20 +189,25 @@ fn relax_linear(shear: f32, strain: vec3<f32>) -> Relaxed {
     return Relaxed(strain + excess * n, WRINKLED, n);
 }
 
-// With nonlinear shear the secant at the relaxed strain is iterated; it changes little with the wrinkles' share.
+// With nonlinear shear the sheet is that of the secant at the relaxed strain, whose logarithm is found by the secant method.
 fn relax(strain: vec3<f32>) -> Relaxed {
     if !NONLINEAR_SHEAR {
         return relax_linear(STIFFNESS_SS, strain);
     }
     var shear = shear_secant(strain.z);
     var relaxed = relax_linear(shear, strain);
+    var change = log(shear_secant(relaxed.strain.z) / shear);
+    var slope = -1.0;
     for (var k = 0u; k < 60u; k++) {
-        let secant = shear_secant(relaxed.strain.z);
-        if relaxed.state == SLACK || abs(secant - shear) <= 3e-7 * secant {
+        if relaxed.state == SLACK || abs(change) <= 3e-7 {
             break;
         }
-        shear = secant;
+        let stride = -change / slope;
+        shear *= exp(stride);
         relaxed = relax_linear(shear, strain);
+        let next = log(shear_secant(relaxed.strain.z) / shear);
+        slope = clamp((next - change) / stride, -1.6666667, -0.33333334);
+        change = next;
     }
     return relaxed;
 }

@@ -10,7 +10,7 @@
 //! A share `residual` of W itself is kept: W_total = (1 − r) W_relaxed + r W.
 //!
 //! With a nonlinear shear law ([`super::shear`]) the relaxed state is that of the linear sheet whose shear stiffness is the secant at
-//! the relaxed strain: both meet the same conditions (no compression, P only where there is no tension). The secant is iterated.
+//! the relaxed strain: both meet the same conditions (no compression, P only where there is no tension). The secant is found iteratively.
 //!
 //! Strains are Green's, in Voigt form (xx, yy, 2·xy); tensions are second Piola–Kirchhoff times thickness [N/m].
 
@@ -33,11 +33,19 @@ pub struct Membrane {
     shear: Option<CubicShear>,
 }
 
-/// Iterations of the secant shear stiffness; about ten reach the tolerance, since it changes little with the wrinkles' share.
+/// Iterations of Newton's method on wrinkles of a sheet with nonlinear shear, and the tension left across them, per tension.
+const NEWTON_LIMIT: usize = 15;
+const NEWTON_TOLERANCE: f64 = 1e-13;
+
+/// Iterations of the secant shear stiffness, where that fails; four to eight reach the tolerance.
 const SECANT_LIMIT: usize = 60;
 
 /// Relative change of the secant at which it counts as found.
 const SECANT_TOLERANCE: f64 = 1e-13;
+
+/// Least and largest slope of the change of the secant's logarithm: −1 where the relaxed shear does not depend on the secant; the secant itself
+/// falls with the shear's power 2/3 at most.
+const SECANT_SLOPES: [f64; 2] = [-5.0 / 3.0, -1.0 / 3.0];
 
 /// A strain without its wrinkles.
 struct Relaxed {
@@ -161,6 +169,13 @@ impl Membrane {
         }
     }
 
+    /// Tension of the sheet as it is, without wrinkles, and its tangent stiffness in shear.
+    fn tension_and_shear_tangent(&self, shear: &CubicShear, strain: &[f64; 3]) -> ([f64; 3], f64) {
+        let mut tension = times(&self.stiffness, strain);
+        tension[2] = shear.tension_n_m(strain[2]);
+        (tension, shear.tangent_at_n_m(tension[2]))
+    }
+
     /// Energy per rest area and tension of the sheet as it is, without wrinkles.
     fn energy_and_tension(&self, strain: &[f64; 3]) -> (f64, [f64; 3]) {
         let mut tension = times(&self.stiffness, strain);
@@ -178,17 +193,85 @@ impl Membrane {
         };
         let mut stiffness = self.stiffness;
         stiffness[2][2] = shear.secant_n_m(strain[2]);
-        let mut relaxed = self.relax_linear(&stiffness, strain);
-        for _ in 0..SECANT_LIMIT {
-            let secant = shear.secant_n_m(relaxed.strain[2]);
-            let change = (secant - stiffness[2][2]).abs();
-            if relaxed.state == FabricState::Slack || change <= SECANT_TOLERANCE * secant {
-                break;
-            }
-            stiffness[2][2] = secant;
-            relaxed = self.relax_linear(&stiffness, strain);
+        // Tension, and with it whether there are wrinkles, is that of this sheet; their place and size are not yet.
+        let start = self.relax_linear(&stiffness, strain);
+        if start.state != FabricState::Wrinkled {
+            return start;
         }
-        relaxed
+        self.refine(shear, strain, &start)
+            .unwrap_or_else(|| self.relax_by_secants(shear, strain))
+    }
+
+    /// Wrinkles β n⊗n of least energy W(E + β n⊗n), by Newton's method in β and the doubled angle of n; nothing if it does not converge.
+    fn refine(&self, shear: &CubicShear, strain: &[f64; 3], start: &Relaxed) -> Option<Relaxed> {
+        let mut angle = start.across[2].atan2(start.across[0] - start.across[1]);
+        let mut size = dot(
+            &start.across,
+            &std::array::from_fn(|k| start.strain[k] - strain[k]),
+        ) / dot(&start.across, &start.across);
+        let mut stiffness = self.stiffness;
+        for _ in 0..NEWTON_LIMIT {
+            let (s, c) = angle.sin_cos();
+            let across = [0.5 * (1.0 + c), 0.5 * (1.0 - c), s];
+            let turning = [-0.5 * s, 0.5 * s, c];
+            let relaxed = std::array::from_fn(|k| strain[k] + size * across[k]);
+            let (tension, tangent) = self.tension_and_shear_tangent(shear, &relaxed);
+            // n·σn and n·σm of the crests m: nothing pulls across crests, nor shears along them.
+            let (pull, shearing) = (dot(&across, &tension), dot(&turning, &tension));
+            let carried = tension[0].abs().max(tension[1].abs()).max(tension[2].abs());
+            if pull.abs().max(shearing.abs()) <= NEWTON_TOLERANCE * carried {
+                let is_wrinkle = size >= 0.0 && tension[0] + tension[1] >= 0.0;
+                return is_wrinkle.then_some(Relaxed {
+                    strain: relaxed,
+                    state: FabricState::Wrinkled,
+                    across,
+                });
+            }
+            stiffness[2][2] = tangent;
+            let along = times(&stiffness, &across);
+            let around = times(&stiffness, &turning);
+            let bend = -0.5 * c * (tension[0] - tension[1]) - s * tension[2];
+            let (a, b) = (
+                dot(&across, &along),
+                shearing + size * dot(&across, &around),
+            );
+            let (d, e) = (dot(&turning, &along), bend + size * dot(&turning, &around));
+            let determinant = a * e - b * d;
+            if determinant <= 0.0 {
+                return None;
+            }
+            size -= (pull * e - shearing * b) / determinant;
+            angle -= (a * shearing - d * pull) / determinant;
+        }
+        None
+    }
+
+    /// The same as the relaxed state of the linear sheet whose shear stiffness is the secant at the relaxed strain: both meet the same
+    /// conditions (no compression, wrinkles only where there is no tension).
+    fn relax_by_secants(&self, shear: &CubicShear, strain: &[f64; 3]) -> Relaxed {
+        let mut stiffness = self.stiffness;
+        // The change h(s) of the logarithm s of the secant by one iteration falls with s; the root of h is found by the secant method.
+        let mut logarithm = shear.secant_n_m(strain[2]).ln();
+        let mut slope = -1.0;
+        let mut before: Option<[f64; 2]> = None;
+        for _ in 1..SECANT_LIMIT {
+            stiffness[2][2] = logarithm.exp();
+            let relaxed = self.relax_linear(&stiffness, strain);
+            let change = shear.secant_n_m(relaxed.strain[2]).ln() - logarithm;
+            if relaxed.state == FabricState::Slack || change.abs() <= SECANT_TOLERANCE {
+                return relaxed;
+            }
+            if let Some([logarithm_before, change_before]) = before {
+                let measured = (change - change_before) / (logarithm - logarithm_before);
+                if measured.is_finite() {
+                    slope = measured.clamp(SECANT_SLOPES[0], SECANT_SLOPES[1]);
+                }
+            }
+            before = Some([logarithm, change]);
+            logarithm -= change / slope;
+        }
+        stiffness[2][2] = logarithm.exp();
+        self.relax_linear(&stiffness, strain)
     }
 
     /// The strain with its wrinkles taken out, for a linear sheet.
@@ -431,6 +514,34 @@ mod tests {
                     "{strain:?} {} {expected}",
                     response.energy
                 );
+            }
+        }
+    }
+
+    /// The relaxed shear is that of its own secant, from shear that hardly matters to shear that is all but free.
+    #[test]
+    fn the_secant_is_that_of_the_relaxed_shear() {
+        let linear = fabric(1.9e8, 0.0);
+        let compliance_m_n = 1.0 / (1e-4 * 1.9e8);
+        for cubic_m3_n3 in [1e-16, 1e-12, 1e-10, 1e-8, 1e-4] {
+            let shear = CubicShear {
+                compliance_m_n,
+                cubic_m3_n3,
+            };
+            let law = linear.with_shear(shear);
+            for k in 0..500 {
+                let wave = |n: f64| 0.02 * (n * f64::from(k)).sin();
+                let strain = [wave(0.37), wave(1.31), 2.0 * wave(2.77)];
+                let relaxed = law.relax(&strain);
+                if relaxed.state == FabricState::Slack {
+                    continue;
+                }
+                let mut stiffness = *law.stiffness();
+                stiffness[2][2] = shear.secant_n_m(relaxed.strain[2]);
+                let again = law.relax_linear(&stiffness, &strain).strain;
+                for (a, b) in relaxed.strain.iter().zip(again) {
+                    assert!((a - b).abs() < 1e-12, "{cubic_m3_n3} {strain:?}: {a} {b}");
+                }
             }
         }
     }

@@ -37,8 +37,12 @@ impl CubicShear {
     /// dT/dγ [N/m].
     #[must_use]
     pub fn tangent_n_m(&self, strain: f64) -> f64 {
-        let tension = self.tension_n_m(strain);
-        1.0 / (self.compliance_m_n + 3.0 * self.cubic_m3_n3 * tension * tension)
+        self.tangent_at_n_m(self.tension_n_m(strain))
+    }
+
+    /// dT/dγ [N/m] at a tension.
+    pub(super) fn tangent_at_n_m(&self, tension_n_m: f64) -> f64 {
+        1.0 / (self.compliance_m_n + 3.0 * self.cubic_m3_n3 * tension_n_m * tension_n_m)
     }
 }
 

@@ -95,12 +95,10 @@ impl Opening {
 }
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    let [holes, slots, offsets] = session.size(
-        [4, 2, 1],
-        [HOLES_CELLS.len(), SLOTS_CELLS.len(), OFFSETS.len()],
-    );
+    let [holes, offsets] = session.size([4, 1], [HOLES_CELLS.len(), OFFSETS.len()]);
+    let slots = session.size(&SLOTS_CELLS[1..2], &SLOTS_CELLS);
     let holes = HOLES_CELLS[..holes].iter().map(|&width| (width, false));
-    let slots = SLOTS_CELLS[..slots].iter().map(|&width| (width, true));
+    let slots = slots.iter().map(|&width| (width, true));
     for (width, is_slot) in holes.chain(slots) {
         for offset in &OFFSETS[..offsets] {
             let opening = Opening::ours(width, is_slot, *offset);
@@ -204,8 +202,9 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
     let mut markers = MarkerEngine::new(&air, areas, 1.6)?;
     let at_rest = vec![[0.0; 3]; positions.len()];
     let acceleration = Some([pressure / cells[0] as f64, 0.0, 0.0]);
-    // The jet goes around so many times; the mean is taken over the second half.
-    let steps = (session.size(12.0, 30.0) * cells[0] as f64 / SPEED) as usize;
+    // The jet goes around so many times; the mean is taken over the second half. That of a slot sways slowly from one side to the other.
+    let passes = session.size(12.0, 30.0) * if is_slot { 4.0 } else { 1.0 };
+    let steps = (passes * cells[0] as f64 / SPEED) as usize;
     let left = |_| Stop::Refused("the plate left the duct".to_owned());
     let (mut sum, mut samples) = (0.0, 0.0);
     for step in 0..steps {
