@@ -106,26 +106,63 @@ fn gain(shear: f32, doubled: vec2<f32>, tension: vec3<f32>) -> f32 {
     return across * across / dot(n, stiff_with(shear, n));
 }
 
-// Refines the direction that gives up most energy: the best of twelve, then Newton's method inside its bracket.
+// Unit vector at twice the angle of the smaller principal direction of a symmetric tensor.
+fn smaller_direction(xx: f32, yy: f32, xy: f32) -> vec2<f32> {
+    let radius = circle(xx, yy, xy).y;
+    if radius == 0.0 {
+        return vec2<f32>(-1.0, 0.0);
+    }
+    return -vec2<f32>(0.5 * (xx - yy), xy) / radius;
+}
+
+// Direction that gives up most energy: that next to the best of the most negative tension's, of twelve from the guess on and of both bias
+// directions; of a sheet that is soft in shear the better of those next to the best on either side of the warp.
 fn wrinkle_direction(shear: f32, tension: vec3<f32>, guess: vec2<f32>) -> vec2<f32> {
     const STEP = vec2<f32>(0.8660254, 0.5);
-    var best = guess;
-    var best_gain = gain(shear, guess, tension);
-    var candidate = guess;
-    for (var k = 1u; k < 12u; k++) {
-        candidate = turned(candidate, STEP);
+    const NARROW = 0.05;
+    var above = vec2<f32>(0.0, 1.0);
+    var below = vec2<f32>(0.0, -1.0);
+    var gain_above = gain(shear, above, tension);
+    var gain_below = gain(shear, below, tension);
+    var turning = guess;
+    for (var k = 0u; k < 13u; k++) {
+        var candidate = turning;
+        if k == 12u {
+            candidate = smaller_direction(tension.x, tension.y, tension.z);
+        }
         let value = gain(shear, candidate, tension);
-        if value > best_gain {
-            best_gain = value;
-            best = candidate;
+        if candidate.y < 0.0 {
+            if value > gain_below {
+                gain_below = value;
+                below = candidate;
+            }
+        } else if value > gain_above {
+            gain_above = value;
+            above = candidate;
+        }
+        turning = turned(turning, STEP);
+    }
+    let is_below = gain_below > gain_above;
+    let found = refined_direction(shear, tension, select(above, below, is_below));
+    if shear < NARROW * min(STIFFNESS_XX, STIFFNESS_YY) && min(gain_above, gain_below) > 0.0 {
+        let second = refined_direction(shear, tension, select(below, above, is_below));
+        if gain(shear, second, tension) > gain(shear, found, tension) {
+            return second;
         }
     }
-    best = normalize(best);
+    return found;
+}
+
+// The maximum next to a direction that gives up energy, by Newton's method inside a bracket.
+fn refined_direction(shear: f32, tension: vec3<f32>, start: vec2<f32>) -> vec2<f32> {
+    let best = normalize(start);
+    // Rounding of tensions in a direction.
+    let rounding = 2.4e-7 * (abs(tension.x) + abs(tension.y) + abs(tension.z));
     var low = -0.26794919; // tan 15°
     var high = 0.26794919;
     var tangent = 0.0;
     var found = best;
-    for (var k = 0u; k < 20u; k++) {
+    for (var k = 0u; k < 30u; k++) {
         let share = 1.0 / (1.0 + tangent * tangent);
         let doubled = turned(best, vec2<f32>((1.0 - tangent * tangent) * share, 2.0 * tangent * share));
         found = doubled;
@@ -139,16 +176,20 @@ fn wrinkle_direction(shear: f32, tension: vec3<f32>, guess: vec2<f32>) -> vec2<f
         let q = dot(n, cn);
         let q1 = 2.0 * dot(n1, cn);
         let q2 = 2.0 * (dot(n1, stiff_with(shear, n1)) + dot(n2, cn));
-        // For t < 0 the gain rises while this is negative.
+        // For t < 0 the gain rises while this is negative; where nothing pushes, the maximum lies towards the centre.
         let slope = 2.0 * t1 * q - t * q1;
         let curvature = 2.0 * t2 * q + t1 * q1 - t * q2;
-        if slope < 0.0 {
+        if abs(slope) <= rounding * (2.0 * q + abs(q1)) {
+            break;
+        }
+        let pushes = t < 0.0;
+        if select(tangent < 0.0, slope < 0.0, pushes) {
             low = tangent;
         } else {
             high = tangent;
         }
         let newton = tangent - slope / (curvature * 2.0 * share);
-        let inside = newton > low && newton < high;
+        let inside = pushes && newton > low && newton < high;
         let next = select(0.5 * (low + high), newton, inside);
         if abs(next - tangent) < 1e-8 {
             break;
@@ -177,10 +218,7 @@ fn relax_linear(shear: f32, strain: vec3<f32>) -> Relaxed {
     if stretch.x + stretch.y <= 0.0 {
         return Relaxed(vec3<f32>(0.0), SLACK, vec3<f32>(0.0));
     }
-    var doubled = vec2<f32>(-1.0, 0.0);
-    if stretch.y != 0.0 {
-        doubled = -vec2<f32>(0.5 * (strain.x - strain.y), 0.5 * strain.z) / stretch.y;
-    }
+    var doubled = smaller_direction(strain.x, strain.y, 0.5 * strain.z);
     if !ISOTROPIC {
         doubled = wrinkle_direction(shear, tension, doubled);
     }

@@ -167,6 +167,8 @@ pub struct StructureFrame {
     pub shear_stress_pa: Vec<f64>,
     /// Shear strain 2ε₁₂ between warp and weft, `[triangle_count]`.
     pub shear_strain: Vec<f64>,
+    /// Principal strains (Green), larger first, `[triangle_count]`.
+    pub principal_strains: Vec<[f64; 2]>,
     /// Von Mises stress from which fabric counts as yielding [Pa]; `None`: never.
     pub yield_stress_pa: Option<f64>,
     /// Rest area [m²], `[triangle_count]`.

@@ -10,7 +10,7 @@ use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
 use ripstop::geometry::parachute::designs::{Design, RadialSlots, Shape};
 use ripstop::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
-use ripstop::geometry::parachute::{self, Rigged, Rigging};
+use ripstop::geometry::parachute::{self, Rigged, Rigging, Risers};
 use ripstop::lines::Cable;
 use ripstop::plan::{Plan, Precision, place_markers};
 
@@ -22,6 +22,7 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("canopies::gores_stay_alike_under_pressure", alike),
         plain("canopies::lines_and_riser_are_rigged", riser),
+        plain("canopies::several_risers_carry_their_lines", risers),
         plain(
             "canopies::tilted_and_uneven_foldings_begin_free_of_stress",
             tilted,
@@ -62,7 +63,7 @@ fn rigging(design: Design, line_places: LinePlaces) -> Rigging {
         line_length_m: 1.0,
         line_slack_m: 0.0,
         line_segments: 3,
-        riser_length_m: None,
+        risers: None,
         confluence_m: DVec3::new(0.3, 1.0, 2.0),
         folding: Folding {
             diameter_ratio: 0.2,
@@ -173,7 +174,10 @@ fn of_kind(structure: &Structure, kind: CableKind) -> usize {
 /// The riser's end is held and the confluence is free; every kind of line is there as often as it should be.
 fn riser() {
     let rigging = Rigging {
-        riser_length_m: Some(0.5),
+        risers: Some(Risers {
+            count: 1,
+            length_m: 0.5,
+        }),
         ..rigging(band(), LinePlaces::SeamsAndCentres)
     };
     let built = parachute::build(&rigging).unwrap();
@@ -190,6 +194,75 @@ fn riser() {
     let confluence = structure.positions_m[built.canopy_node_count];
     assert_eq!(confluence, rigging.confluence_m);
     assert!((confluence.distance(structure.positions_m[built.lower_end]) - 0.5).abs() < 1e-12);
+}
+
+/// Four risers meet at the confluence; no line is stretched, and under pressure each riser pulls with what its six lines do, and all of them with
+/// what the support gives.
+fn risers() {
+    let rigging = Rigging {
+        risers: Some(Risers {
+            count: 4,
+            length_m: 0.3,
+        }),
+        ..rigging(band(), LinePlaces::SeamsAndCentres)
+    };
+    let built = parachute::build(&rigging).unwrap();
+    let structure = built.structure;
+    let confluence = built.canopy_node_count;
+    assert_eq!(built.lower_end, confluence);
+    assert_eq!(of_kind(&structure, CableKind::Riser), 4);
+    assert_eq!(of_kind(&structure, CableKind::SuspensionLine), 24 * 3);
+    let mut longest: f64 = 0.0;
+    for cable in &structure.cables {
+        let [a, b] = cable.nodes.map(|n| structure.positions_m[n as usize]);
+        let stretch = a.distance(b) / cable.rest_length_m;
+        assert!(stretch < 1.0 + 1e-9, "{cable:?}");
+        if cable.kind == CableKind::SuspensionLine {
+            longest = longest.max(stretch);
+        }
+    }
+    assert!((longest - 1.0).abs() < 1e-9, "{longest}");
+
+    let mut cloth = Cloth::new(structure);
+    let input = StepInput {
+        time_step_s: Some(5e-4),
+        pressure: Pressure::Uniform(50.0),
+        damping_1_s: 20.0,
+        ..StepInput::default()
+    };
+    let pull = |cloth: &Cloth, node: u32, kind: CableKind| -> DVec3 {
+        let cables = cloth.structure.cables.iter().enumerate();
+        cables
+            .filter(|(_, cable)| cable.kind == kind && cable.nodes.contains(&node))
+            .map(|(index, cable)| {
+                let other = cable.nodes[usize::from(cable.nodes[0] == node)];
+                let [here, there] = [node, other].map(|n| cloth.positions_m[n as usize]);
+                cloth.cable_tension_n(index) * (there - here).normalize_or_zero()
+            })
+            .sum()
+    };
+    // The canopy bounces on its lines: the moment of the largest load tells.
+    let mut loaded = cloth.clone();
+    let mut largest = DVec3::ZERO;
+    for _ in 0..tolerance::RISER_STEPS {
+        cloth.solve_cloth(&input, &SETTINGS);
+        let load = pull(&cloth, confluence as u32, CableKind::Riser);
+        if load.length() > largest.length() {
+            (loaded, largest) = (cloth.clone(), load);
+        }
+    }
+    assert!(largest.x > 1.0, "{largest}");
+    let allowed = tolerance::RISER_BALANCE * largest.length();
+    let risers = loaded.structure.cables.iter();
+    for riser in risers.filter(|c| c.kind == CableKind::Riser) {
+        let junction = riser.nodes[usize::from(riser.nodes[0] as usize == confluence)];
+        let [lines, riser] =
+            [CableKind::SuspensionLine, CableKind::Riser].map(|k| pull(&loaded, junction, k));
+        assert!((lines + riser).length() < allowed, "{lines} and {riser}");
+    }
+    let reactions = loaded.reactions_n(&input);
+    assert_eq!(reactions.len(), 1);
+    assert!((reactions[0].1 + largest).length() < allowed);
 }
 
 /// Green strain of fabric and tension of lines at the start are nothing, wherever the canopy points.

@@ -139,7 +139,7 @@ fn canopy(rings: usize, ratio: f64, thickness_m: Option<f64>) -> Structure {
         vent_lines: None,
         line_places: LinePlaces::Seams,
         line_segments: 1,
-        riser_length_m: None,
+        risers: None,
         tilt_rad: 0.0,
         lines: Cable::linear(4.42e-6, 462.0, 1e9),
         line_length_m: 0.75,

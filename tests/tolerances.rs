@@ -230,6 +230,13 @@ pub mod canopies {
     /// Difference of gores after 12 steps under pressure, which move them by some millimetres [m]: where each step's minimiser stops.
     pub const ALIKE_M: f64 = 1e-4;
 
+    /// Steps of 0.5 ms under pressure, in which the lines are pulled tight.
+    pub const RISER_STEPS: usize = 60;
+
+    /// Force at a junction of lines and riser, and of all risers less the support's, over that of all risers: what the lines' inertia takes, and the
+    /// solver leaves.
+    pub const RISER_BALANCE: f64 = 0.05;
+
     /// Area of markers against that of a smaller circle: the mesh is a polygon, and smallest parts of triangles carry no marker.
     pub const MARKED_AREA: f64 = 5e-3;
 }

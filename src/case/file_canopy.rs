@@ -146,8 +146,10 @@ pub struct Lines {
     pub slack_m: Option<f64>,
     /// Per line.
     pub segments: Option<usize>,
-    /// Below the confluence.
+    /// Below the confluence, or above it if there are several.
     pub riser_length_m: Option<f64>,
+    /// One if absent.
+    pub riser_count: Option<usize>,
     pub area_m2: f64,
     pub density_kg_m3: f64,
     /// Or a table.

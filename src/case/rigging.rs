@@ -7,7 +7,7 @@ use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
 use super::structure::{check_fabric, check_material};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
-use crate::geometry::parachute::{self, BuildFault, Rigging};
+use crate::geometry::parachute::{self, BuildFault, Rigging, Risers};
 use crate::lines::Cable;
 use crate::lines::drag::LineDrag;
 
@@ -169,10 +169,7 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         line_length_m: positive("lines.length_m", lines.length_m)?,
         line_slack_m: check_line_slack(lines)?,
         line_segments,
-        riser_length_m: lines
-            .riser_length_m
-            .map(|length| positive("lines.riser_length_m", length))
-            .transpose()?,
+        risers: check_risers(lines)?,
         confluence_m: vector(&key("confluence_m"), common.confluence_m)?,
         folding: Folding {
             diameter_ratio: folded_diameter_ratio,
@@ -224,6 +221,31 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         }),
         structure,
     })
+}
+
+fn check_risers(lines: &file::Lines) -> Result<Option<Risers>, Problem> {
+    let count = lines.riser_count.unwrap_or(1);
+    if count == 0 || !lines.count.is_multiple_of(count) || count == lines.count {
+        return Err(Problem::new(
+            "lines.riser_count",
+            format!(
+                "lines.riser_count = {count} cannot share out {} lines",
+                lines.count
+            ),
+            "give a divisor of lines.count, less than it: as many neighbouring lines join into each riser",
+        ));
+    }
+    match lines.riser_length_m {
+        Some(length) => Ok(Some(Risers {
+            count,
+            length_m: positive("lines.riser_length_m", length)?,
+        })),
+        None if count > 1 => Err(absent(
+            "lines.riser_length_m",
+            "lines.riser_count refers to it",
+        )),
+        None => Ok(None),
+    }
 }
 
 /// Length that lines have beyond the one drawn \[m\]; negative for lines that are tight.

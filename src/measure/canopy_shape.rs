@@ -13,7 +13,7 @@ use crate::frame::StructureFrame;
 use crate::geometry::parachute::shape;
 
 /// Of every canopy.
-const ALWAYS: [&str; 10] = [
+const ALWAYS: [&str; 14] = [
     "projected_area_m2",
     "fabric_area_m2",
     "height_to_projected_diameter",
@@ -24,6 +24,10 @@ const ALWAYS: [&str; 10] = [
     "shear_stress_min_pa",
     "shear_strain_max",
     "shear_strain_min",
+    "principal_strain_1_max",
+    "principal_strain_1_min",
+    "principal_strain_2_max",
+    "principal_strain_2_min",
 ];
 
 /// With a vent.
@@ -49,6 +53,14 @@ const WRINKLES: [&str; 5] = [
     "wrinkle_radius_m",
     "wrinkle_angle_deg",
 ];
+
+/// Largest and smallest.
+fn extremes(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    [
+        values.clone().fold(f64::NEG_INFINITY, f64::max),
+        values.fold(f64::INFINITY, f64::min),
+    ]
+}
 
 /// What is measured on a canopy besides its forces.
 #[derive(Debug, Clone)]
@@ -90,7 +102,7 @@ impl CanopyShape {
         let mut names: Vec<&str> = ALWAYS.to_vec();
         let stresses = |name: &str| name.ends_with("_pa");
         if !self.stressed {
-            names.retain(|name| !(stresses(name) || name.contains("shear")));
+            names.retain(|name| !(stresses(name) || name.contains("strain")));
         }
         if !self.outline.vent.is_empty() {
             names.extend(VENT.iter().filter(|n| self.stressed || !stresses(n)));
@@ -158,12 +170,10 @@ impl CanopyShape {
         ];
         if self.stressed {
             row.push(largest(frame.von_mises_pa.iter().copied()));
-            for values in [&frame.shear_stress_pa, &frame.shear_strain] {
-                let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                row.extend([
-                    highest,
-                    values.iter().copied().fold(f64::INFINITY, f64::min),
-                ]);
+            row.extend(extremes(frame.shear_stress_pa.iter().copied()));
+            row.extend(extremes(frame.shear_strain.iter().copied()));
+            for k in 0..2 {
+                row.extend(extremes(frame.principal_strains.iter().map(|e| e[k])));
             }
         }
         if !outline.vent.is_empty() {

@@ -43,6 +43,7 @@ fn at_rest(structure: &Structure) -> StructureFrame {
         von_mises_pa: vec![0.0; triangles],
         shear_stress_pa: vec![0.0; triangles],
         shear_strain: vec![0.0; triangles],
+        principal_strains: vec![[0.0; 2]; triangles],
         yield_stress_pa: structure.yield_stress_pa,
         rest_areas_m2: structure.triangles.iter().map(|t| t.rest_area_m2).collect(),
         states: vec![FabricState::Slack; triangles],

@@ -30,6 +30,7 @@ const NO_CODE: i8 = -1;
 /// | `tension_1_direction` | cells | 3 × f64 | unit vector along `tension_1_n_m`, along which wrinkles run; 0 without tension, NaN on cables |
 /// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |
 /// | `shear_stress_pa`, `shear_strain` | cells | f64 | between warp and weft (Pa, 1); NaN on cables |
+/// | `strain_1`, `strain_2` | cells | f64 | principal strains (Green), larger first; NaN on cables |
 /// | `fabric_state` | cells | i8 | 0 taut, 1 wrinkled, 2 slack; -1 on cables |
 /// | `cable_tension_n` | cells | f64 | tension (N); NaN on fabric |
 /// | `cable_kind` | cells | i8 | 0 suspension line, 1 belt, 2 free cable, 3 vent line, 4 line over a gap, 5 riser; -1 on fabric |
@@ -138,6 +139,10 @@ fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> Stri
     ] {
         xml += &data.array(name, cells, on_fabric(values));
     }
+    for (k, name) in ["strain_1", "strain_2"].into_iter().enumerate() {
+        let strains = structure.principal_strains.iter().map(move |e| [e[k]]);
+        xml += &data.array(name, cells, repeat_n([f64::NAN], lines).chain(strains));
+    }
     let directions = structure.tension_directions.iter().map(|d| d.to_array());
     let directions = repeat_n([f64::NAN; 3], lines).chain(directions);
     xml += &data.array("tension_1_direction", cells, directions);
@@ -198,6 +203,8 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     ] {
         check_length(what, values.len(), triangles)?;
     }
+    let strains = structure.principal_strains.len();
+    check_length("principal strains", strains, triangles)?;
     let directions = structure.tension_directions.len();
     check_length("tension directions", directions, triangles)?;
     check_length("fabric states", structure.states.len(), triangles)?;
@@ -347,6 +354,7 @@ mod tests {
             von_mises_pa: vec![3e5],
             shear_stress_pa: vec![1e5],
             shear_strain: vec![0.01],
+            principal_strains: vec![[0.02, -0.01]],
             yield_stress_pa: None,
             rest_areas_m2: vec![0.5],
             states: vec![FabricState::Wrinkled],

@@ -9,9 +9,9 @@ use crate::immersed::markers;
 /// Cells across an opening from which the jet through it is resolved (`ripstop validate openings`).
 const RESOLVED_CELLS: f64 = 6.0;
 
-/// Cells from which on openings pass what sharp-edged ones do within 15 %, and within 20 %; narrower ones pass too little.
-const USUAL_CELLS: f64 = 2.0;
-const SMALLEST_CELLS: f64 = 1.0;
+/// Cells from which on holes pass what sharp-edged ones do within 20 %, and gaps and slots do; narrower ones pass too little.
+const SMALLEST_HOLE_CELLS: f64 = 1.0;
+const SMALLEST_SLOT_CELLS: f64 = 2.0;
 
 /// Openings of one kind and width: the first of them and how many they are.
 fn kinds(openings: &[Opening]) -> Vec<(&Opening, usize)> {
@@ -50,12 +50,13 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 ": cuts along seams, which open under load; markers stand {inset:.2} cells inside their rims"
             ),
             Some((cells, inset)) => {
+                let smallest = match opening.kind {
+                    OpeningKind::Vent => SMALLEST_HOLE_CELLS,
+                    _ => SMALLEST_SLOT_CELLS,
+                };
                 let judged = match cells {
                     _ if cells >= RESOLVED_CELLS => "its jet is resolved",
-                    _ if cells >= USUAL_CELLS => {
-                        "its jet is not resolved, but passes what it should within 15 %"
-                    }
-                    _ if cells >= SMALLEST_CELLS => {
+                    _ if cells >= smallest => {
                         "its jet is not resolved, but passes what it should within 20 %"
                     }
                     _ => "too narrow: it passes less than it should",

@@ -26,6 +26,7 @@ fn structure() -> StructureFrame {
         von_mises_pa: vec![4e4, 8e4],
         shear_stress_pa: vec![0.0; 2],
         shear_strain: vec![0.0; 2],
+        principal_strains: vec![[0.0; 2]; 2],
         yield_stress_pa: None,
         rest_areas_m2: vec![1.0; 2],
         states: vec![FabricState::Taut; 2],

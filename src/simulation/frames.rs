@@ -114,6 +114,7 @@ fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
             .map(|(l, thickness_m)| l.shear_tension_n_m / thickness_m)
             .collect(),
         shear_strain: loads.iter().map(|l| l.shear_strain).collect(),
+        principal_strains: loads.iter().map(|l| l.principal_strains).collect(),
         // One figure serves fabric of one kind only.
         yield_stress_pa: structure
             .yield_stress_pa

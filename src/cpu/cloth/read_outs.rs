@@ -20,6 +20,8 @@ pub struct TriangleLoad {
     pub shear_tension_n_m: f64,
     /// Shear strain 2ε₁₂ between warp and weft (Green).
     pub shear_strain: f64,
+    /// Principal strains (Green), larger first.
+    pub principal_strains: [f64; 2],
     /// Taut, wrinkled or slack.
     pub state: FabricState,
 }
@@ -32,6 +34,7 @@ impl TriangleLoad {
             direction: DVec3::ZERO,
             shear_tension_n_m: f64::NAN,
             shear_strain: f64::NAN,
+            principal_strains: [f64::NAN; 2],
             state,
         }
     }
@@ -56,6 +59,7 @@ impl TriangleLoad {
             direction: DVec3::ZERO,
             shear_tension_n_m: t[2],
             shear_strain: strain[2],
+            principal_strains: principal(strain[0], strain[1], 0.5 * strain[2]),
             state: response.state,
         }
     }

@@ -10,6 +10,8 @@ pub mod pleats;
 pub mod sewn;
 pub mod shape;
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3};
 
 use crate::cloth::{Guide, Structure, Triangle};
@@ -46,9 +48,9 @@ pub struct Rigging {
     pub line_slack_m: f64,
     /// Segments of a line.
     pub line_segments: usize,
-    /// Length of a riser upstream of the confluence, if any: as strong and heavy as all lines together [m].
-    pub riser_length_m: Option<f64>,
-    /// Where all lines meet; held fixed, or without hold where a riser follows [m].
+    /// Risers, if any.
+    pub risers: Option<Risers>,
+    /// Where all lines, or all of several risers, meet; held fixed, or without hold where a single riser follows [m].
     pub confluence_m: DVec3,
     /// How it is folded.
     pub folding: Folding,
@@ -56,6 +58,16 @@ pub struct Rigging {
     pub tilt_rad: f64,
     /// Lateral stiffness of a guide at the apex (the crossing of the vent lines), if any [N/m].
     pub apex_guide_n_m: Option<f64>,
+}
+
+/// What lines join into: a single riser below the confluence, or several above it, each for as many neighbouring lines. A riser is as strong
+/// and heavy as its lines together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Risers {
+    /// A divisor of the number of lines.
+    pub count: usize,
+    /// Length of each [m].
+    pub length_m: f64,
 }
 
 /// A canopy as built.
@@ -88,11 +100,15 @@ pub enum BuildFault {
 /// Relative difference of lengths below which lines count as equally long.
 const SAME_LENGTH: f64 = 1e-9;
 
+/// Halvings of the range in which a canopy with several risers is placed.
+const BISECTIONS: usize = 60;
+
 /// Builds the canopy folded, with its lines straight.
 pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
     let sewn = sewn::sew(&rigging.cut, rigging.line_places, &rigging.folding)
         .ok_or(BuildFault::Folding)?;
-    let shift = place(rigging, &sewn)?;
+    let groups = groups(rigging, &sewn);
+    let shift = place(rigging, &sewn, &groups)?;
     let mut structure = Structure {
         positions_m: sewn.positions_m.iter().map(|p| *p + shift).collect(),
         membrane: Some(rigging.fabric.membrane()),
@@ -126,9 +142,25 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
         for gap in &radial.gaps {
             structure.add_cable(&gap.nodes, &gap.rest_m, &rigging.lines, CableKind::GapLine);
         }
-        if let Some(skirt) = radial.line {
+    }
+    for group in &groups {
+        let lower = match &rigging.risers {
+            Some(risers) if risers.count > 1 => {
+                let place = rigging.confluence_m
+                    + junction_m(risers, group, |node| {
+                        structure.positions_m[node as usize] - rigging.confluence_m
+                    });
+                let junction = add_node(&mut structure, place);
+                let riser = together(&rigging.lines, group.len() as f64);
+                let kind = CableKind::Riser;
+                structure.add_cable(&[junction, confluence], &[risers.length_m], &riser, kind);
+                junction
+            }
+            _ => confluence,
+        };
+        for &skirt in group {
             let kind = CableKind::SuspensionLine;
-            add_line(&mut structure, [skirt, confluence], length_m, rigging, kind);
+            add_line(&mut structure, [skirt, lower], length_m, rigging, kind);
         }
     }
     for (band, paths) in [
@@ -170,12 +202,40 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
     })
 }
 
+/// Attachments of the lines that join into one riser, all around; in the order of rigging if there are not several risers.
+fn groups(rigging: &Rigging, sewn: &Sewn) -> Vec<Vec<u32>> {
+    let mut lines: Vec<u32> = sewn
+        .radials
+        .iter()
+        .filter_map(|radial| radial.line)
+        .collect();
+    let count = rigging.risers.map_or(1, |risers| risers.count);
+    if count > 1 {
+        // What rounding puts just before the first belongs to it.
+        let azimuth = |node: &u32| {
+            let place = sewn.positions_m[*node as usize];
+            (place.z.atan2(place.y) + SAME_LENGTH).rem_euclid(TAU)
+        };
+        lines.sort_by(|a, b| azimuth(a).total_cmp(&azimuth(b)));
+    }
+    let size = lines.len().div_ceil(count).max(1);
+    lines.chunks(size).map(<[u32]>::to_vec).collect()
+}
+
+/// Upper end of a riser, from the confluence: towards the mean of its attachments [m].
+fn junction_m(risers: &Risers, group: &[u32], attachment_m: impl Fn(u32) -> DVec3) -> DVec3 {
+    let sum: DVec3 = group.iter().map(|&node| attachment_m(node)).sum();
+    sum.normalize_or(DVec3::X) * risers.length_m
+}
+
 /// Where the folded canopy goes so that the line that reaches farthest is just straight [m].
-fn place(rigging: &Rigging, sewn: &Sewn) -> Result<DVec3, BuildFault> {
+fn place(rigging: &Rigging, sewn: &Sewn, groups: &[Vec<u32>]) -> Result<DVec3, BuildFault> {
+    let several = rigging.risers.filter(|risers| risers.count > 1);
+    let reach_m = rigging.line_length_m + several.map_or(0.0, |risers| risers.length_m);
     let mut nearest: Option<f64> = None;
-    for node in sewn.radials.iter().filter_map(|radial| radial.line) {
+    for &node in groups.iter().flatten() {
         let attached = sewn.positions_m[node as usize];
-        let reach = rigging.line_length_m.powi(2) - attached.y.powi(2) - attached.z.powi(2);
+        let reach = reach_m.powi(2) - attached.y.powi(2) - attached.z.powi(2);
         if reach <= 0.0 {
             return Err(BuildFault::ShortLines);
         }
@@ -185,7 +245,32 @@ fn place(rigging: &Rigging, sewn: &Sewn) -> Result<DVec3, BuildFault> {
             nearest = Some(shift);
         }
     }
-    let shift = nearest.ok_or(BuildFault::ShortLines)?;
+    let mut shift = nearest.ok_or(BuildFault::ShortLines)?;
+    if let Some(risers) = several {
+        // Lines of one riser spread from its upper end, so none may be as far away as if it went straight on.
+        let longest = |shift: f64| {
+            let place = |node: u32| sewn.positions_m[node as usize] + DVec3::X * shift;
+            let of_group = |group: &Vec<u32>| {
+                let junction = junction_m(&risers, group, place);
+                let lengths = group.iter().map(|&node| place(node).distance(junction));
+                lengths.fold(0.0, f64::max)
+            };
+            groups.iter().map(of_group).fold(0.0, f64::max)
+        };
+        let (mut low, mut high) = (shift - 0.5 * rigging.line_length_m, shift);
+        if longest(low) > rigging.line_length_m {
+            return Err(BuildFault::ShortLines);
+        }
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if longest(middle) > rigging.line_length_m {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        shift = low;
+    }
     Ok(rigging.confluence_m + DVec3::X * shift)
 }
 
@@ -234,28 +319,35 @@ fn add_vent_lines(structure: &mut Structure, rigging: &Rigging, sewn: &Sewn) -> 
     Some(crossing)
 }
 
-/// The node that is held: the lower end of the riser, or the confluence without one.
+/// A cable as strong and heavy as so many lines.
+fn together(line: &Cable, count: f64) -> Cable {
+    Cable {
+        area_m2: count * line.area_m2,
+        density_kg_m3: line.density_kg_m3,
+        law: match &line.law {
+            CableLaw::Linear { axial_stiffness_n } => CableLaw::Linear {
+                axial_stiffness_n: count * axial_stiffness_n,
+            },
+            CableLaw::Table(table) => CableLaw::Table(table.times(count)),
+        },
+        damping_n_s: count * line.damping_n_s,
+    }
+}
+
+/// The node that is held: the lower end of a single riser, or the confluence without one.
 fn add_riser(structure: &mut Structure, rigging: &Rigging, confluence: u32) -> usize {
-    let Some(length_m) = rigging.riser_length_m else {
+    let Some(riser) = rigging.risers.filter(|risers| risers.count == 1) else {
         return confluence as usize;
     };
-    let lines = structure
-        .cables
-        .iter()
-        .filter(|cable| cable.nodes.contains(&confluence))
-        .count() as f64;
-    let riser = Cable {
-        area_m2: lines * rigging.lines.area_m2,
-        density_kg_m3: rigging.lines.density_kg_m3,
-        law: match &rigging.lines.law {
-            CableLaw::Linear { axial_stiffness_n } => CableLaw::Linear {
-                axial_stiffness_n: lines * axial_stiffness_n,
-            },
-            CableLaw::Table(table) => CableLaw::Table(table.times(lines)),
-        },
-        damping_n_s: lines * rigging.lines.damping_n_s,
-    };
-    let lower = add_node(structure, rigging.confluence_m - DVec3::X * length_m);
-    structure.add_cable(&[confluence, lower], &[length_m], &riser, CableKind::Riser);
+    let cables = structure.cables.iter();
+    let lines = cables.filter(|c| c.nodes.contains(&confluence)).count() as f64;
+    let lower = add_node(structure, rigging.confluence_m - DVec3::X * riser.length_m);
+    let cable = together(&rigging.lines, lines);
+    structure.add_cable(
+        &[confluence, lower],
+        &[riser.length_m],
+        &cable,
+        CableKind::Riser,
+    );
     lower as usize
 }

@@ -33,7 +33,7 @@ const MEANS: [(&str, &str); 19] = [
 ];
 
 /// Columns of extremes over the fabric: the largest of the run under their own name, and their mean over the window as `…_steady`.
-const EXTREMES: [(&str, &str, &str); 8] = [
+const EXTREMES: [(&str, &str, &str); 12] = [
     ("stress_max_pa", "stress_max_steady_pa", "Pa"),
     ("von_mises_max_pa", "von_mises_max_steady_pa", "Pa"),
     ("vent_stress_max_pa", "vent_stress_max_steady_pa", "Pa"),
@@ -41,6 +41,26 @@ const EXTREMES: [(&str, &str, &str); 8] = [
     ("shear_stress_min_pa", "shear_stress_min_steady_pa", "Pa"),
     ("shear_strain_max", "shear_strain_max_steady", "1"),
     ("shear_strain_min", "shear_strain_min_steady", "1"),
+    (
+        "principal_strain_1_max",
+        "principal_strain_1_max_steady",
+        "1",
+    ),
+    (
+        "principal_strain_1_min",
+        "principal_strain_1_min_steady",
+        "1",
+    ),
+    (
+        "principal_strain_2_max",
+        "principal_strain_2_max_steady",
+        "1",
+    ),
+    (
+        "principal_strain_2_min",
+        "principal_strain_2_min_steady",
+        "1",
+    ),
     ("slot_width_max_m", "slot_width_max_steady_m", "m"),
 ];
 
