@@ -83,7 +83,12 @@ const ALLOWED: [(&str, &[&str]); 29] = [
             "rigid", "trim", "units",
         ],
     ),
-    ("plan", &["aero", "case", "fabric", "immersed", "lattice", "solve", "trim"]),
+    (
+        "plan",
+        &[
+            "aero", "case", "fabric", "immersed", "lattice", "solve", "trim",
+        ],
+    ),
     (
         "simulation",
         &[

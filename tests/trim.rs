@@ -68,23 +68,28 @@ fn balance() {
         let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         add((corners[0] + corners[1] + corners[2]) / 3.0, area * jump);
     }
-    for ((at, load), mass) in positions.iter().zip(&loads.nodal_n).zip(&structure.masses_kg) {
+    for ((at, load), mass) in positions
+        .iter()
+        .zip(&loads.nodal_n)
+        .zip(&structure.masses_kg)
+    {
         add(*at, *load - DVec3::Z * (9.81 * mass));
     }
     let pilot = stream(flight.balance.glide_rad) * flight.pilot_drag_n;
     add(hang, pilot - DVec3::Z * (9.81 * settings.pilot_mass_kg));
     let weight = flight.weight_n;
-    assert!(force.length() < tolerance::BALANCE * weight, "{force} of {weight} N");
+    assert!(
+        force.length() < tolerance::BALANCE * weight,
+        "{force} of {weight} N"
+    );
     // Lines are as long as seven metres; the search ends at 1e-7 rad.
     assert!(
         moment.length() < tolerance::MOMENT * weight * hang.z.abs(),
         "{moment} N m"
     );
     // The parts of the drag are all there is along the stream.
-    let parts = flight.induced_drag_n
-        + flight.section_drag_n
-        + flight.line_drag_n
-        + flight.pilot_drag_n;
+    let parts =
+        flight.induced_drag_n + flight.section_drag_n + flight.line_drag_n + flight.pilot_drag_n;
     assert!((parts / (weight * flight.balance.glide_rad.sin()) - 1.0).abs() < 1e-9);
     assert!((0.8..1.2).contains(&flight.inside), "{}", flight.inside);
 }
@@ -134,17 +139,22 @@ fn speed_bar() {
     let of = |name: &str, more: &[&str]| {
         let (output, summary) = run(&folder.path().join(name), more);
         assert_eq!(output.code, 0, "{}", output.errors);
-        ["speed_m_s", "angle_of_attack_deg", "pitch_guide_force_n", "riser_balance_error"]
-            .map(|result| summary["results"][result]["value"].as_f64().unwrap())
+        [
+            "speed_m_s",
+            "angle_of_attack_deg",
+            "pitch_guide_force_n",
+            "riser_balance_error",
+        ]
+        .map(|result| summary["results"][result]["value"].as_f64().unwrap())
     };
     let [speed, angle, guide, error] = of("trim", &[]);
     let [faster, smaller, ..] = of(
         "bar",
         &[
             "--set",
-            "structure.wing.rows.A.trim_m=-0.08",
+            "structure.wing.rows.A.trim_m=-0.03",
             "--set",
-            "structure.wing.rows.B.trim_m=-0.04",
+            "structure.wing.rows.B.trim_m=-0.015",
         ],
     );
     assert!(faster > speed + 0.2, "{faster} {speed} m/s");
@@ -169,7 +179,8 @@ fn unsettled() {
     assert_eq!(output.code, 20, "{}", output.errors);
     let reason = summary["stop"]["reason"].as_str().unwrap();
     assert!(
-        reason.contains("NOT reached within 2 outer iterations") && reason.contains("speed changes"),
+        reason.contains("NOT reached within 2 outer iterations")
+            && reason.contains("speed changes"),
         "{reason}"
     );
 }

@@ -48,4 +48,6 @@ pub struct TrimToleranceTable {
     pub pitch_deg: Option<f64>,
     /// How far outlines move over the mean chord, root mean square; 0.002 if absent.
     pub shape: Option<f64>,
+    /// What the risers carry less what acts, over the weight; 0.01 if absent.
+    pub balance: Option<f64>,
 }

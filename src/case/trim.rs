@@ -29,9 +29,10 @@ pub(super) fn check(
             "give [gravity] with acceleration_m_s2 = [0.0, 0.0, -9.81]",
         ));
     }
-    let closed = table.intakes.as_ref().is_none_or(|intakes| {
-        2 * intakes.closed_tip_cells.unwrap_or(0) >= table.cells
-    });
+    let closed = table
+        .intakes
+        .as_ref()
+        .is_none_or(|intakes| 2 * intakes.closed_tip_cells.unwrap_or(0) >= table.cells);
     if closed && written.internal_pressure_coefficient.is_none() {
         return Err(absent(
             &key("internal_pressure_coefficient"),
@@ -72,7 +73,12 @@ pub(super) fn check(
     };
     let tolerance = &written.tolerance;
     Ok(Settings {
-        density_kg_m3: within(&key("air_density_kg_m3"), written.air_density_kg_m3, 1e-3, 1e2)?,
+        density_kg_m3: within(
+            &key("air_density_kg_m3"),
+            written.air_density_kg_m3,
+            1e-3,
+            1e2,
+        )?,
         pilot_mass_kg: positive(&key("pilot_mass_kg"), written.pilot_mass_kg)?,
         pilot_drag_area_m2: within(
             &key("pilot_drag_area_m2"),
@@ -102,6 +108,7 @@ pub(super) fn check(
             pitch_rad: share("tolerance.pitch_deg", tolerance.pitch_deg, 0.1, 1e-6, 45.0)?
                 .to_radians(),
             shape: share("tolerance.shape", tolerance.shape, 2e-3, 1e-9, 1.0)?,
+            balance: share("tolerance.balance", tolerance.balance, 1e-2, 1e-9, 1.0)?,
         },
         iteration_limit: whole("iteration_limit", written.iteration_limit, 20, 1, 10_000)?,
     })

@@ -49,7 +49,10 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
     let sought = equilibrium.and_then(|e| e.trim.as_ref());
     let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
         let (key, remedy) = match (prescribed, sought) {
-            (Some(_), _) => ("equilibrium.wing_pressure", "remove it, or use equilibrium.pressure_pa"),
+            (Some(_), _) => (
+                "equilibrium.wing_pressure",
+                "remove it, or use equilibrium.pressure_pa",
+            ),
             (None, Some(_)) => ("equilibrium.trim", "remove it"),
             (None, None) => return Ok(None),
         };

@@ -55,7 +55,9 @@ fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
         );
     };
     let drag = |f: &Flight| f.induced_drag_n + f.section_drag_n + f.line_drag_n + f.pilot_drag_n;
-    insert("speed_m_s", "m/s", "along the path", &|f| f.balance.speed_m_s);
+    insert("speed_m_s", "m/s", "along the path", &|f| {
+        f.balance.speed_m_s
+    });
     insert("sink_m_s", "m/s", "", &|f| {
         f.balance.speed_m_s * f.balance.glide_rad.sin()
     });
@@ -86,14 +88,16 @@ fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
             of(f) / drag(f)
         });
     }
-    insert("lift_n", "N", "of wing and lines, across the stream", &|f| f.lift_n);
-    insert("weight_n", "N", "of all", &|f| f.weight_n);
     insert(
-        "internal_pressure_coefficient",
-        "1",
-        "of all cells",
-        &|f| f.inside,
+        "lift_n",
+        "N",
+        "of wing and lines, across the stream",
+        &|f| f.lift_n,
     );
+    insert("weight_n", "N", "of all", &|f| f.weight_n);
+    insert("internal_pressure_coefficient", "1", "of all cells", &|f| {
+        f.inside
+    });
     insert(
         "pressure_lift_over_far_wake_lift",
         "1",
@@ -171,10 +175,7 @@ fn shape(results: &mut Results, wing: &Wing, designed: &Structure, flown: &Struc
         own.iter().sum::<f64>() / own.len() as f64
     };
     let [before, after] = positions.map(|p| bulges(p));
-    for (name, value) in [
-        ("ballooning_flown", after),
-        ("ballooning_designed", before),
-    ] {
+    for (name, value) in [("ballooning_flown", after), ("ballooning_designed", before)] {
         results.insert(
             name,
             Quantity::new(value, "1").with_note(

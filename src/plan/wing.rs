@@ -122,7 +122,10 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
         )?;
     }
     match settings.inside {
-        Some(coefficient) => writeln!(out, "  pressure inside     {coefficient} of the dynamic one"),
+        Some(coefficient) => writeln!(
+            out,
+            "  pressure inside     {coefficient} of the dynamic one"
+        ),
         None => writeln!(out, "  pressure inside     what stands before the intakes"),
     }
 }

@@ -82,7 +82,7 @@ impl Run<'_> {
 /// An outer iteration in a line.
 fn line(i: &TrimIteration) -> String {
     format!(
-        "trim {:>2}: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, {} evaluations",
+        "trim {:>2}: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
         i.number,
         i.speed_m_s,
         i.sink_m_s,
@@ -92,6 +92,7 @@ fn line(i: &TrimIteration) -> String {
         i.turn_rad.to_degrees(),
         i.shape_change,
         i.guide_n,
+        i.balance_error,
         i.outcome.evaluations
     )
 }
@@ -111,6 +112,7 @@ pub(super) fn write(folder: &Path, simulation: &Simulation) -> Result<(), Output
         "turn_deg",
         "outline_change",
         "guide_n",
+        "riser_balance_error",
         "energy_norm",
         "evaluations",
         "air_s",
@@ -130,6 +132,7 @@ pub(super) fn write(folder: &Path, simulation: &Simulation) -> Result<(), Output
                 i.turn_rad.to_degrees(),
                 i.shape_change,
                 i.guide_n,
+                i.balance_error,
                 i.relative_norm,
                 i.outcome.evaluations as f64,
                 i.seconds[0],
@@ -218,11 +221,7 @@ pub(super) fn write(folder: &Path, simulation: &Simulation) -> Result<(), Output
 }
 
 /// Sections of the pressure outside at the middle, half way and near the tip.
-fn pressure(
-    folder: &Path,
-    title: &str,
-    flight: &crate::trim::Flight,
-) -> Result<(), OutputError> {
+fn pressure(folder: &Path, title: &str, flight: &crate::trim::Flight) -> Result<(), OutputError> {
     let outer = &flight.outer;
     let row = outer.around.len();
     let mut rows = Vec::new();
@@ -237,7 +236,13 @@ fn pressure(
             ]);
         }
     }
-    let columns = ["y_m", "place", "chord_place", "side", "pressure_coefficient"];
+    let columns = [
+        "y_m",
+        "place",
+        "chord_place",
+        "side",
+        "pressure_coefficient",
+    ];
     write_table(&folder.join(TABLES[2]), &columns, &rows)?;
     let count = flight.strips.len();
     let series = [0, count / 2, (count * 9) / 10]

@@ -257,11 +257,16 @@ impl Simulation {
     /// of every iteration and may end it.
     pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
         self.pressure_acts = true;
-        self.solve_static(watch)
+        let tolerance = self.scene.equilibrium?.tolerance;
+        self.solve_static(tolerance, watch)
     }
 
     /// Solves the fabric under [`Simulation::static_loads`].
-    pub(super) fn solve_static(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
+    pub(super) fn solve_static(
+        &mut self,
+        tolerance: f64,
+        watch: Watch,
+    ) -> Option<Result<Outcome, Failure>> {
         let equilibrium = self.scene.equilibrium?;
         let mut cloth = self.cloth.take()?;
         let mut device_cloth = self.device_cloth.take();
@@ -274,10 +279,10 @@ impl Simulation {
             ..StepInput::default()
         };
         let settings = SolverSettings {
-            tolerance: equilibrium.tolerance,
+            tolerance,
             displacement_floor_m: if input.gravity_m_s2 == DVec3::ZERO && input.pressure.is_none() {
                 // Nothing to be relative to but the mesh: supports drive the structure.
-                equilibrium.tolerance * cloth.structure.smallest_element_m()
+                tolerance * cloth.structure.smallest_element_m()
             } else {
                 0.0
             },

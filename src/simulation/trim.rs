@@ -2,7 +2,8 @@
 //!
 //! An outer iteration takes the shape, finds its glide ([`crate::trim`]), turns the structure to the attitude that balances, lets the guide at the nose
 //! rest there, and solves the fabric from where it is under the loads of that glide. The loads stand during the solve; pressure turns with
-//! the triangles.
+//! the triangles. The solver's energy norm hardly sees what stiff lines carry, so where the risers do not balance what acts, the fabric is solved to half
+//! the tolerance in the next iteration.
 
 use std::time::Instant;
 
@@ -10,9 +11,15 @@ use glam::DVec3;
 
 use super::{Failure, Simulation};
 use crate::case::wing::Wing;
-use crate::cpu::cloth::Pressure;
+use crate::cpu::cloth::{Pressure, StepInput, loads, pressure as pull};
 use crate::solve::lbfgs::{Outcome, Progress, Stop, Watch};
 use crate::trim::{Flight, Glider, Loads};
+
+/// Least share of the case's tolerance to which the fabric is solved.
+const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
+
+/// Difference of a strip's lift from its polar's beyond which the sections count as not agreeing.
+const SECTION_AGREEMENT: f64 = 1e-3;
 
 /// One outer iteration.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +44,11 @@ pub struct TrimIteration {
     pub shape_change: f64,
     /// Of the fabric's solve.
     pub outcome: Outcome,
-    /// Energy norm of the fabric's forces at its end, over the loads'.
+    /// What the risers carry less what acts on the wing, over the weight.
+    pub balance_error: f64,
+    /// Largest difference of a strip's lift coefficient from its polar's.
+    pub section_residual: f64,
+    /// Energy norm of the fabric's forces at its end, over the loads'; NaN where nothing was left to solve.
     pub relative_norm: f64,
     /// Seconds for the air, and for the fabric.
     pub seconds: [f64; 2],
@@ -124,6 +135,8 @@ impl Simulation {
         let chord_m = wing.wing.measures.flat_area_m2 / wing.wing.measures.flat_span_m;
         let mut seen: Option<Vec<DVec3>> = None;
         let mut stream_rad = None;
+        let usual = self.scene.equilibrium.map_or(1.0, |e| e.tolerance);
+        let mut tolerance = usual;
         loop {
             let began = Instant::now();
             let positions = self.positions_m();
@@ -140,7 +153,8 @@ impl Simulation {
             let turned = glider.turned_m(&positions, balance.turn_rad);
             seen = Some(glider.turned_m(&nodes, balance.turn_rad));
             stream_rad = Some(balance.glide_rad);
-            let attack_rad = flight.attack_rad;
+            let (attack_rad, section_residual) = (flight.attack_rad, flight.section_residual);
+            let weight_n = flight.weight_n;
             let air_s = began.elapsed().as_secs_f64();
             self.place(&turned);
             if let Some(trim) = &mut self.trim {
@@ -152,7 +166,7 @@ impl Simulation {
                 relative_norm = progress.relative_norm;
                 watch(progress)
             };
-            let outcome = match self.solve_static(&mut note) {
+            let outcome = match self.solve_static(tolerance, &mut note) {
                 Some(outcome) => outcome?,
                 None => return Ok(TrimEnd::Settled),
             };
@@ -171,6 +185,8 @@ impl Simulation {
                 guide_n: self.guide_pull_n(),
                 shape_change: change(wing, &turned, &upright) / chord_m,
                 outcome,
+                balance_error: self.left_over_n().length() / weight_n,
+                section_residual,
                 relative_norm,
                 seconds: [air_s, solved.elapsed().as_secs_f64()],
             };
@@ -182,6 +198,9 @@ impl Simulation {
             trim.iterations.push(iteration);
             if outcome.stop == Stop::Interrupted {
                 return Ok(TrimEnd::Interrupted);
+            }
+            if iteration.balance_error > settings.tolerance.balance {
+                tolerance = (0.5 * tolerance).max(LEAST_TOLERANCE * usual);
             }
             let moving = last.map(|last| moving(&last, &iteration, settings));
             match moving {
@@ -215,6 +234,27 @@ impl Simulation {
         }
     }
 
+    /// What is left of loads, guides and the supports' forces together [N].
+    fn left_over_n(&self) -> DVec3 {
+        let Some(cloth) = &self.cloth else {
+            return DVec3::ZERO;
+        };
+        let (pressure, nodal_loads_n) = self.static_loads();
+        let input = StepInput {
+            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+            pressure,
+            nodal_loads_n,
+            ..StepInput::default()
+        };
+        let mut loads = loads::dead_loads(&cloth.structure, &input);
+        pull::add_forces(&cloth.structure, &cloth.positions_m, pressure, &mut loads);
+        let supports: DVec3 = cloth.reactions_n(&input).iter().map(|(_, f)| *f).sum();
+        let guides: DVec3 = (cloth.structure.guides.iter())
+            .map(|g| g.stiffness_n_m * (g.anchor_m - cloth.positions_m[g.node as usize]))
+            .sum();
+        loads.iter().sum::<DVec3>() + supports + guides
+    }
+
     /// Sum of the guides' pulls along x [N].
     #[must_use]
     pub fn guide_pull_n(&self) -> f64 {
@@ -236,7 +276,10 @@ fn pressure(loads: &Loads) -> Pressure<'_> {
 }
 
 fn mixed(old: &[DVec3], new: &[DVec3], share: f64) -> Vec<DVec3> {
-    old.iter().zip(new).map(|(a, b)| a.lerp(*b, share)).collect()
+    old.iter()
+        .zip(new)
+        .map(|(a, b)| a.lerp(*b, share))
+        .collect()
 }
 
 /// Root of the mean square of how far the nodes of the ribs' outlines move [m].
@@ -244,7 +287,10 @@ fn change(wing: &Wing, before: &[DVec3], after: &[DVec3]) -> f64 {
     let nodes = wing.wing.outlines.iter().flatten();
     let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), &node| {
         let node = node as usize;
-        (sum + before[node].distance_squared(after[node]), count + 1.0)
+        (
+            sum + before[node].distance_squared(after[node]),
+            count + 1.0,
+        )
     });
     (sum / f64::max(count, 1.0)).sqrt()
 }
@@ -260,11 +306,18 @@ fn moving(
     let mut relative = |name: &str, old: f64, new: f64, allowed: f64| {
         let change = (new / old - 1.0).abs();
         if change.is_nan() || change > allowed {
-            moving.push(format!("{name} changes by {change:.1e} of itself ({allowed:.0e} allowed)"));
+            moving.push(format!(
+                "{name} changes by {change:.1e} of itself ({allowed:.0e} allowed)"
+            ));
         }
     };
     relative("speed", last.speed_m_s, now.speed_m_s, tolerance.speed);
-    relative("glide ratio", last.glide_ratio, now.glide_ratio, tolerance.glide);
+    relative(
+        "glide ratio",
+        last.glide_ratio,
+        now.glide_ratio,
+        tolerance.glide,
+    );
     if now.turn_rad.abs() > tolerance.pitch_rad {
         moving.push(format!(
             "the balance turns the wing by {:.3} degrees ({:.3} allowed)",
@@ -276,6 +329,18 @@ fn moving(
         moving.push(format!(
             "outlines move by {:.1e} mean chords ({:.0e} allowed)",
             now.shape_change, tolerance.shape
+        ));
+    }
+    if now.balance_error.is_nan() || now.balance_error > tolerance.balance {
+        moving.push(format!(
+            "the risers lack {:.1e} of the weight ({:.0e} allowed)",
+            now.balance_error, tolerance.balance
+        ));
+    }
+    if now.section_residual.is_nan() || now.section_residual > SECTION_AGREEMENT {
+        moving.push(format!(
+            "sections lift {:.1e} more or less than their polars say: they stall, or the wing has collapsed",
+            now.section_residual
         ));
     }
     if now.outcome.stop != Stop::Converged {

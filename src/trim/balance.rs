@@ -213,7 +213,11 @@ mod tests {
         let (mut a, mut b) = (0.01, 0.3);
         for _ in 0..100 {
             let middle = 0.5 * (a + b);
-            if moment(middle) > 0.0 { a = middle } else { b = middle }
+            if moment(middle) > 0.0 {
+                a = middle
+            } else {
+                b = middle
+            }
         }
         assert!((found.stream_rad - a).abs() < 1e-6, "{found:?} {a}");
         let lift = area * slope * a;
@@ -236,6 +240,9 @@ mod tests {
                 moment_m3: -1.0,
             })
         });
-        assert!(matches!(behind, Err(TrimError::NoAngle { .. })), "{behind:?}");
+        assert!(
+            matches!(behind, Err(TrimError::NoAngle { .. })),
+            "{behind:?}"
+        );
     }
 }

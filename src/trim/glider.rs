@@ -305,7 +305,11 @@ impl<'a> Glider<'a> {
         self.each_jump(&outer, inside, |triangle, inside, outside| {
             let triangle = &self.structure.triangles[triangle];
             let pull = triangle.doubled_area_vector(positions_m) * (0.5 * (inside + outside));
-            add(&mut pressure, self.middle_m(triangle.nodes, positions_m), pull);
+            add(
+                &mut pressure,
+                self.middle_m(triangle.nodes, positions_m),
+                pull,
+            );
         });
         let mut sums = pressure;
         let lacking_m2 = induced_m2 - pressure.force_m2.dot(along);
@@ -420,11 +424,15 @@ impl<'a> Glider<'a> {
         });
         let world = turned(along, balance.turn_rad);
         let lacking_m2 = sample.induced_m2 - sample.pressure.force_m2.dot(along);
-        self.each_traction(&sample.strip_drag_m2, lacking_m2, |triangle, traction_m2| {
-            for node in self.structure.triangles[triangle].nodes {
-                loads.nodal_n[node as usize] += world * (q * traction_m2 / 3.0);
-            }
-        });
+        self.each_traction(
+            &sample.strip_drag_m2,
+            lacking_m2,
+            |triangle, traction_m2| {
+                for node in self.structure.triangles[triangle].nodes {
+                    loads.nodal_n[node as usize] += world * (q * traction_m2 / 3.0);
+                }
+            },
+        );
         let segments = self.line_numbers().zip(self.lines(positions_m));
         for (cable, line) in segments {
             let force = drag::forces(&[line], &[], along, 1.0, DVec3::ZERO).force_n * (2.0 * q);

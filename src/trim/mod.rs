@@ -69,6 +69,8 @@ pub struct Tolerance {
     pub pitch_rad: f64,
     /// Root of the mean square of how far the outlines move, over the mean chord.
     pub shape: f64,
+    /// What the risers carry less what acts on the wing, over the weight.
+    pub balance: f64,
 }
 
 /// Why there is no trim.
@@ -92,7 +94,9 @@ pub enum TrimError {
         to_n_m: f64,
     },
     /// The air does not lift.
-    #[error("the wing does not lift at {angle_deg:.1} degrees between stream and wing: turn it, or check its profiles")]
+    #[error(
+        "the wing does not lift at {angle_deg:.1} degrees between stream and wing: turn it, or check its profiles"
+    )]
     NoLift {
         /// Angle [°].
         angle_deg: f64,

@@ -25,7 +25,10 @@ fn between(places: &[f64], at: f64) -> (usize, f64) {
     if places.len() < 2 {
         return (0, 0.0);
     }
-    let i = places.partition_point(|p| *p <= at).clamp(1, places.len() - 1) - 1;
+    let i = places
+        .partition_point(|p| *p <= at)
+        .clamp(1, places.len() - 1)
+        - 1;
     let share = (at - places[i]) / (places[i + 1] - places[i]);
     (i, share.clamp(0.0, 1.0))
 }

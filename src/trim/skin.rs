@@ -39,7 +39,9 @@ impl Skin {
         }
         let last = all.len() - 1;
         let count = strips.clamp(2.min(last), last);
-        let mut sections: Vec<f64> = (0..=count).map(|i| all[(i * last + count / 2) / count]).collect();
+        let mut sections: Vec<f64> = (0..=count)
+            .map(|i| all[(i * last + count / 2) / count])
+            .collect();
         sections.dedup();
         let around = (0..=2 * per_side)
             .map(|i| {
@@ -147,7 +149,8 @@ impl Skin {
                 if across.is_empty() {
                     return None;
                 }
-                let ends = 0.5 * (place(wing.outlines[cell][k]) + place(wing.outlines[cell + 1][k]));
+                let ends =
+                    0.5 * (place(wing.outlines[cell][k]) + place(wing.outlines[cell + 1][k]));
                 let inside: DVec3 = across.iter().map(|n| place(*n)).sum();
                 // Trapezoidal rule.
                 Some((inside + ends) / (across.len() + 1) as f64 - ends)
@@ -165,9 +168,7 @@ impl Skin {
         };
         (0..=count)
             .map(|m| match (nearest(m, -1), nearest(m, 1)) {
-                (Some((a, p)), Some((b, q))) if b > a => {
-                    p.lerp(q, (m - a) as f64 / (b - a) as f64)
-                }
+                (Some((a, p)), Some((b, q))) if b > a => p.lerp(q, (m - a) as f64 / (b - a) as f64),
                 (Some((_, p)), _) | (None, Some((_, p))) => p,
                 (None, None) => DVec3::ZERO,
             })

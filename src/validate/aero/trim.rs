@@ -164,7 +164,11 @@ fn residuals(wing: &Wing, glider: &Glider, flight: &Flight) -> [f64; 2] {
         let pull = triangle.doubled_area_vector(&positions) * (0.5 * (inside + outside));
         add(middle / 3.0, pull);
     }
-    for ((at, load), mass) in positions.iter().zip(&loads.nodal_n).zip(&structure.masses_kg) {
+    for ((at, load), mass) in positions
+        .iter()
+        .zip(&loads.nodal_n)
+        .zip(&structure.masses_kg)
+    {
         add(*at, *load - DVec3::Z * (mass * GRAVITY));
     }
     let drag = 0.5 * DENSITY * flight.balance.speed_m_s.powi(2) * PILOT_AREA_M2;
@@ -207,6 +211,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             glide: 1e-3,
             pitch_rad: 1e-3,
             shape: 1e-3,
+            balance: 1e-3,
         },
         iteration_limit: 1,
     };
