@@ -40,6 +40,7 @@
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
 //! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
+//! | [`trim`] | the glide in which forces of the air, weight and lines of a wing are in balance, for a given shape | aero, cloth, geometry |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
@@ -108,5 +109,6 @@ pub mod simulation;
 pub mod solve;
 pub mod steady;
 pub mod sweep;
+pub mod trim;
 pub mod units;
 pub mod validate;

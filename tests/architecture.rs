@@ -29,13 +29,14 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 28] = [
+const ALLOWED: [(&str, &[&str]); 29] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
     ("immersed", &[]),
     ("frame.rs", &[]),
     ("aero", &["geometry"]),
+    ("trim", &["aero", "cloth", "geometry"]),
     ("units.rs", &[]),
     ("fabric", &["frame"]),
     ("rigid", &["immersed"]),
@@ -78,11 +79,16 @@ const ALLOWED: [(&str, &[&str]); 28] = [
     (
         "case",
         &[
-            "cloth", "fabric", "frame", "geometry", "immersed", "lattice", "lines", "rigid",
-            "units",
+            "aero", "cloth", "fabric", "frame", "geometry", "immersed", "lattice", "lines",
+            "rigid", "trim", "units",
         ],
     ),
-    ("plan", &["case", "fabric", "immersed", "lattice", "solve"]),
+    (
+        "plan",
+        &[
+            "aero", "case", "fabric", "immersed", "lattice", "solve", "trim",
+        ],
+    ),
     (
         "simulation",
         &[
@@ -99,6 +105,7 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "plan",
             "rigid",
             "solve",
+            "trim",
             "units",
         ],
     ),
@@ -116,6 +123,7 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "rigid",
             "simulation",
             "steady",
+            "trim",
         ],
     ),
     ("steady.rs", &["measure"]),
@@ -134,6 +142,7 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "simulation",
             "solve",
             "steady",
+            "trim",
         ],
     ),
     (
@@ -162,6 +171,7 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "run",
             "simulation",
             "solve",
+            "trim",
         ],
     ),
     (

@@ -315,6 +315,7 @@ fn every_kind_of_element(device: &Arc<Device>) {
                 permeable: &[],
                 drags: &[],
                 moved_supports: &[],
+                nodal_loads_n: &[],
             };
             let direction = scattered(count, 0.01, 9);
             for (kind, of_steps) in [

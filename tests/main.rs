@@ -32,6 +32,7 @@ mod permeability;
 mod plates;
 mod sweep;
 mod tolerances;
+mod trim;
 mod validate;
 mod walls;
 mod wing;
@@ -48,6 +49,7 @@ fn main() -> std::process::ExitCode {
         contact::trials(),
         walls::trials(),
         wing::trials(),
+        trim::trials(),
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),

@@ -240,3 +240,21 @@ pub mod canopies {
     /// Area of markers against that of a smaller circle: the mesh is a polygon, and smallest parts of triangles carry no marker.
     pub const MARKED_AREA: f64 = 5e-3;
 }
+
+/// Trim of wings.
+pub mod trim {
+    /// Forces of a shape in balance, over the weight: the same sums in another order.
+    pub const BALANCE: f64 = 1e-9;
+
+    /// Their moment about the hang points, over weight times height: the search ends at 1e-7 rad.
+    pub const MOMENT: f64 = 1e-6;
+
+    /// Volume inside panels against that between the ribs: both are polyhedra through points of the profile, over different places.
+    pub const VOLUME: f64 = 0.02;
+
+    /// What the guide carries once the wing stands still [N]: 500 N/m at 6 m make 0.1 degrees, where the trim ends, of 5 N.
+    pub const GUIDE_N: f64 = 10.0;
+
+    /// What the risers carry against what acts, over it: the tolerance of the fabric's solve, 3e-2.
+    pub const RISERS: f64 = 1e-2;
+}

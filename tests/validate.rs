@@ -20,12 +20,13 @@ const COUPLING: [&str; 3] = ["immersed-boundary", "spherical-couette", "light-ca
 const PLATES: [&str; 4] = ["marker-spacing", "force-routes", "flexible-plate", "flag"];
 
 /// Panels and vortex lattices.
-const AERODYNAMICS: [&str; 5] = [
+const AERODYNAMICS: [&str; 6] = [
     "potential-bodies",
     "plane-section",
     "rectangular-wings",
     "elliptic-wing",
     "belloc-wing",
+    "trim",
 ];
 
 /// Problems of fabric and cables.

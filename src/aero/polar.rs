@@ -109,6 +109,28 @@ impl Polar {
         Self::new(points)
     }
 
+    /// The polar between this one and another, the share `t` of the way, at the angles of both.
+    #[must_use]
+    pub fn between(&self, other: &Self, t: f64) -> Self {
+        let mut angles: Vec<f64> = self
+            .points
+            .iter()
+            .chain(&other.points)
+            .map(|point| point.angle_rad)
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let mix = |a: f64, b: f64| a + t * (b - a);
+        let points = angles.into_iter().map(|angle_rad| PolarPoint {
+            angle_rad,
+            lift: mix(self.lift(angle_rad).0, other.lift(angle_rad).0),
+            drag: mix(self.drag(angle_rad), other.drag(angle_rad)),
+        });
+        Self {
+            points: points.collect(),
+        }
+    }
+
     /// Lift coefficient and its slope per radian.
     #[must_use]
     pub fn lift(&self, angle_rad: f64) -> (f64, f64) {

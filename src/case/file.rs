@@ -11,6 +11,7 @@ pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
 pub use super::file_specimens::*;
+pub use super::file_trim::*;
 pub use super::file_wing::*;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::sheet::FabricModel;
@@ -349,6 +350,8 @@ pub struct Equilibrium {
     pub pressure_pa: Option<f64>,
     /// Per cell and chord place.
     pub wing_pressure: Option<WingPressureTable>,
+    /// Steady glide of a wing.
+    pub trim: Option<TrimTable>,
 }
 
 /// `[steady]`.

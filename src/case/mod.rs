@@ -14,6 +14,7 @@ mod file_descent;
 mod file_permeability;
 mod file_plate;
 mod file_specimens;
+mod file_trim;
 mod file_wing;
 mod grid_sequence;
 pub mod locate;
@@ -26,6 +27,7 @@ mod rims;
 pub mod scene;
 mod specimens;
 mod structure;
+mod trim;
 mod values;
 pub mod wing;
 mod wing_lines;
@@ -332,11 +334,14 @@ fn lookup<'a>(table: &'a toml::Table, path: &str) -> Option<&'a toml::Value> {
     }
 }
 
-/// Overwrites `base` with `changes`, table by table.
+/// Overwrites `base` with `changes`, table by table; what is "absent" in `changes` is removed.
 fn merge(base: &mut toml::Table, changes: toml::Table) {
     for (key, change) in changes {
         match (base.get_mut(&key), change) {
             (Some(toml::Value::Table(inner)), toml::Value::Table(change)) => merge(inner, change),
+            (_, toml::Value::String(text)) if text == ABSENT => {
+                base.remove(&key);
+            }
             (_, change) => {
                 base.insert(key, change);
             }
@@ -344,7 +349,7 @@ fn merge(base: &mut toml::Table, changes: toml::Table) {
     }
 }
 
-/// Value of an override that removes the key or table from the case.
+/// Value of an override or in a variant that removes the key or table from the case.
 pub const ABSENT: &str = "absent";
 
 /// Applies one `key.path=value`.

@@ -1,9 +1,10 @@
-//! Checks of `[structure.wing]` and `[equilibrium.wing_pressure]`, and the building of the wing.
+//! Checks of `[structure.wing]` and `[equilibrium.wing_pressure]`, and the building of the wing; `[equilibrium.trim]` is checked in `trim`.
 
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
+use super::trim;
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
@@ -12,6 +13,7 @@ use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
 use crate::geometry::wing::section::{Profile, Side};
+use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";
 
@@ -27,8 +29,12 @@ pub struct Wing {
     pub fineness: Fineness,
     /// Pressure in the equilibrium; `None`: none is prescribed.
     pub load: Option<Load>,
+    /// Steady glide to be found; `None`: none is sought.
+    pub trim: Option<Settings>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
+    /// Diameter of every cable segment [m], `[cable_count]`.
+    pub line_diameters_m: Vec<f64>,
 }
 
 /// Dotted path of a key of the wing.
@@ -38,25 +44,36 @@ pub(super) fn key(name: &str) -> String {
 
 /// Builds the wing of a case, if it has one.
 pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
-    let prescribed = file
-        .equilibrium
-        .as_ref()
-        .and_then(|equilibrium| equilibrium.wing_pressure.as_ref());
+    let equilibrium = file.equilibrium.as_ref();
+    let prescribed = equilibrium.and_then(|e| e.wing_pressure.as_ref());
+    let sought = equilibrium.and_then(|e| e.trim.as_ref());
     let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
-        return match prescribed {
-            Some(_) => Err(Problem::new(
+        let (key, remedy) = match (prescribed, sought) {
+            (Some(_), _) => (
                 "equilibrium.wing_pressure",
-                "[equilibrium.wing_pressure] has no effect: it needs [structure.wing]",
                 "remove it, or use equilibrium.pressure_pa",
-            )),
-            None => Ok(None),
+            ),
+            (None, Some(_)) => ("equilibrium.trim", "remove it"),
+            (None, None) => return Ok(None),
         };
+        return Err(Problem::new(
+            key,
+            format!("[{key}] has no effect: it needs [structure.wing]"),
+            remedy,
+        ));
     };
+    if prescribed.is_some() && sought.is_some() {
+        return Err(Problem::new(
+            "equilibrium.trim",
+            "pressure is both prescribed by [equilibrium.wing_pressure] and to be found by [equilibrium.trim]",
+            "remove one of them (`--set equilibrium.trim=absent` does so for one run)",
+        ));
+    }
     if file.air.is_some() {
         return Err(Problem::new(
             "air",
-            "a wing in moving air is not computed yet: only its equilibrium under prescribed pressure",
-            "remove [air], and give [equilibrium] with [equilibrium.wing_pressure]",
+            "a wing in moving air is not computed yet: only its steady glide, and its equilibrium under prescribed pressure",
+            "remove [air], and give [equilibrium] with [equilibrium.trim] or [equilibrium.wing_pressure]",
         ));
     }
     if file
@@ -67,11 +84,18 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         return Err(Problem::new(
             "equilibrium.pressure_pa",
             "equilibrium.pressure_pa would push on one side of ribs and diagonals, too",
-            "use [equilibrium.wing_pressure]: the same pressure in all cells is inside = 1.0 with that dynamic_pressure_pa and upper = lower = [[0.0, 0.0]]",
+            "use [equilibrium.trim] or [equilibrium.wing_pressure]: the same pressure in all cells is inside = 1.0 with that dynamic_pressure_pa and upper = lower = [[0.0, 0.0]]",
         ));
     }
     let materials = check_materials(table)?;
-    let plan = check_plan(table, &materials)?;
+    let trim = sought
+        .map(|written| trim::check(file, written, table))
+        .transpose()?;
+    let mut plan = check_plan(table, &materials)?;
+    if trim.is_some() {
+        // Moved along with the wing until it carries nothing.
+        plan.pitch_guide_n_m.get_or_insert(trim::GUIDE_N_M);
+    }
     let fineness = check_fineness(table)?;
     let wing = wing::build(&plan, fineness).map_err(refused)?;
     let load = prescribed
@@ -80,23 +104,26 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             Ok(Load::new(&wing, &distribution))
         })
         .transpose()?;
-    let breaking_loads_n = wing
-        .line_kinds
-        .iter()
-        .map(|kind| {
-            let name = match *kind {
-                LineKind::Line { row, level } => &plan.rows[row].levels[level].material,
-                LineKind::Riser { row } => &table.rows.values().nth(row)?.riser_material,
-                LineKind::Tape(number) => &table.tapes.values().nth(number)?.material,
-            };
-            materials.get(name)?.1
-        })
-        .collect();
+    let material_of = |kind: &LineKind| {
+        let name = match *kind {
+            LineKind::Line { row, level } => &plan.rows[row].levels[level].material,
+            LineKind::Riser { row } => &table.rows.values().nth(row)?.riser_material,
+            LineKind::Tape(number) => &table.tapes.values().nth(number)?.material,
+        };
+        materials.get(name)
+    };
+    let breaking = |kind: &LineKind| material_of(kind)?.1;
+    let diameter = |kind: &LineKind| {
+        let area_m2 = material_of(kind).map_or(0.0, |material| material.0.area_m2);
+        (area_m2 / std::f64::consts::FRAC_PI_4).sqrt()
+    };
     Ok(Some(Wing {
-        wing,
         fineness,
         load,
-        breaking_loads_n,
+        trim,
+        breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
+        line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
+        wing,
     }))
 }
 

@@ -148,6 +148,12 @@ impl EngineArguments {
                 "--cloth device: the structure is sewn of several fabrics, which only the host computes yet; leave it out",
             );
         }
+        let has_trim = scene.wing.as_ref().is_some_and(|wing| wing.trim.is_some());
+        if self.cloth == ClothChoice::Device && has_trim {
+            return misuse(
+                "--cloth device: the case has [equilibrium.trim], whose fabric the host computes; leave it out",
+            );
+        }
         let on_request = named.unwrap_or(AdapterChoice::Any);
         if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
             // Whoever names an adapter must hear that there is none of that name.
@@ -179,7 +185,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            ClothChoice::Auto if has_contact || has_fabrics => false,
+            ClothChoice::Auto if has_contact || has_fabrics || has_trim => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

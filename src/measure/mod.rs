@@ -12,7 +12,10 @@ mod skirt;
 mod spectrum;
 pub mod statistics;
 mod wing;
+mod wing_trim;
 
 pub use comparison::{comparison, history_columns, result_names};
 pub use record::Record;
 pub use results::{results, skirt_spectrum};
+pub use wing::{RowLoad, row_loads};
+pub use wing_trim::cell_widths_m;

@@ -7,6 +7,8 @@ use crate::case::wing::Wing;
 use crate::frame::{FabricState, StructureFrame};
 use crate::geometry::wing::{LineKind, Part, Tag};
 use crate::output::{Quantity, Results};
+use crate::simulation::TrimState;
+use crate::trim::Flight;
 
 /// Adds the results of a wing; `weight_n` is that of fabric and lines.
 pub(super) fn results(
@@ -14,36 +16,55 @@ pub(super) fn results(
     wing: &Wing,
     structure: &StructureFrame,
     weight_n: DVec3,
+    trim: Option<&TrimState>,
 ) {
-    forces(results, wing, structure, weight_n);
+    forces(results, wing, structure, weight_n, trim);
     lines(results, wing, structure);
     stresses(results, wing, structure);
     shape(results, wing, structure);
 }
 
-/// Sum of the pulls of prescribed pressure on the flown shape [N]; zero if there is none.
-fn pressure_force_n(wing: &Wing, structure: &StructureFrame) -> DVec3 {
-    let Some(load) = &wing.load else {
-        return DVec3::ZERO;
+/// Sum of the pulls of pressure, and in a trim of traction and drag of lines, on the flown shape [N]; zero if there is none.
+fn air_force_n(wing: &Wing, structure: &StructureFrame, flight: Option<&Flight>) -> DVec3 {
+    let sum = |jumps: &mut dyn Iterator<Item = f64>| -> DVec3 {
+        let triangles = structure.triangles.iter().zip(jumps);
+        triangles
+            .map(|(nodes, jump)| {
+                let [a, b, c] = nodes.map(|n| structure.positions_m[n as usize]);
+                (b - a).cross(c - a) * (0.5 * jump)
+            })
+            .sum()
     };
-    let triangles = structure.triangles.iter().zip(load.jumps_pa());
-    triangles
-        .map(|(nodes, jump)| {
-            let [a, b, c] = nodes.map(|n| structure.positions_m[n as usize]);
-            (b - a).cross(c - a) * (0.5 * jump)
-        })
-        .sum()
+    match (flight, &wing.load) {
+        (Some(Flight { loads, .. }), _) => {
+            let jumps = loads.inside_pa.iter().zip(&loads.outside_pa);
+            sum(&mut jumps.map(|(a, b)| a + b)) + loads.nodal_n.iter().sum::<DVec3>()
+        }
+        (None, Some(load)) => sum(&mut load.jumps_pa()),
+        (None, None) => DVec3::ZERO,
+    }
 }
 
-fn forces(results: &mut Results, wing: &Wing, structure: &StructureFrame, weight_n: DVec3) {
-    let pressure = pressure_force_n(wing, structure);
+fn forces(
+    results: &mut Results,
+    wing: &Wing,
+    structure: &StructureFrame,
+    weight_n: DVec3,
+    trim: Option<&TrimState>,
+) {
+    let flight = trim.and_then(|trim| trim.flight.as_ref());
+    let pressure = air_force_n(wing, structure, flight);
     for (name, value) in [
         ("pressure_force_x_n", pressure.x),
         ("pressure_force_z_n", pressure.z),
     ] {
         results.insert(
             name,
-            Quantity::new(value, "N").with_note("of the prescribed pressure on the flown shape"),
+            Quantity::new(value, "N").with_note(if wing.trim.is_some() {
+                "of pressure, traction and drag of lines on the flown shape"
+            } else {
+                "of the prescribed pressure on the flown shape"
+            }),
         );
     }
     let [right, left] = wing
@@ -59,11 +80,17 @@ fn forces(results: &mut Results, wing: &Wing, structure: &StructureFrame, weight
     let mut guide = DVec3::ZERO;
     if let Some([stiffness, anchor_m]) = wing.wing.pitch_guide {
         let [nose, _] = wing.wing.middle_chord;
-        guide.x = -stiffness * (structure.positions_m[nose as usize].x - anchor_m);
+        guide.x = match trim {
+            Some(trim) => trim.iterations.last().map_or(0.0, |last| last.guide_n),
+            None => -stiffness * (structure.positions_m[nose as usize].x - anchor_m),
+        };
         results.insert(
             "pitch_guide_force_n",
-            Quantity::new(guide.x, "N")
-                .with_note("along x on the nose in the middle: what prescribed pressure lacks to a balance of moments about the risers"),
+            Quantity::new(guide.x, "N").with_note(if wing.trim.is_some() {
+                "along x on the nose in the middle: what is left of it once the wing stands still"
+            } else {
+                "along x on the nose in the middle: what prescribed pressure lacks to a balance of moments about the risers"
+            }),
         );
     }
     let rest = pressure + weight_n + right + left + guide;
@@ -79,36 +106,58 @@ fn forces(results: &mut Results, wing: &Wing, structure: &StructureFrame, weight
     );
 }
 
-fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
+/// What a row of lines carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowLoad {
+    /// Name of the row.
+    pub name: String,
+    /// Tension of its risers, both halves [N].
+    pub load_n: f64,
+    /// Largest tension of a line at an attachment [N].
+    pub attachment_max_n: f64,
+}
+
+/// Loads of all rows.
+#[must_use]
+pub fn row_loads(wing: &Wing, structure: &StructureFrame) -> Vec<RowLoad> {
     let kinds = || wing.wing.line_kinds.iter().zip(&structure.cable_tensions_n);
-    let sum: f64 = kinds()
-        .filter(|(kind, _)| matches!(kind, LineKind::Riser { .. }))
-        .map(|(_, tension)| tension)
-        .sum();
-    for (number, name) in wing.wing.row_names.iter().enumerate() {
-        let tensions = |is: &dyn Fn(LineKind) -> bool| -> Vec<f64> {
-            let own = kinds().filter(|(kind, _)| is(**kind));
-            own.map(|(_, tension)| *tension).collect()
+    let row = |(number, name): (usize, &String)| {
+        let tensions = |is: LineKind| {
+            let own = kinds().filter(move |(kind, _)| **kind == is);
+            own.map(|(_, tension)| *tension)
         };
-        let risers = tensions(&|kind| kind == LineKind::Riser { row: number });
-        let total: f64 = risers.iter().sum();
+        RowLoad {
+            name: name.clone(),
+            load_n: tensions(LineKind::Riser { row: number }).sum(),
+            attachment_max_n: largest(tensions(LineKind::Line {
+                row: number,
+                level: 0,
+            })),
+        }
+    };
+    wing.wing.row_names.iter().enumerate().map(row).collect()
+}
+
+fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
+    let rows = row_loads(wing, structure);
+    let sum: f64 = rows.iter().map(|row| row.load_n).sum();
+    for RowLoad {
+        name,
+        load_n,
+        attachment_max_n,
+    } in rows
+    {
         results.insert(
             &format!("row_{name}_load_n"),
-            Quantity::new(total, "N").with_note("tension of its risers, both halves"),
+            Quantity::new(load_n, "N").with_note("tension of its risers, both halves"),
         );
         results.insert(
             &format!("row_{name}_load_share"),
-            Quantity::new(if sum > 0.0 { total / sum } else { 0.0 }, "1"),
+            Quantity::new(if sum > 0.0 { load_n / sum } else { 0.0 }, "1"),
         );
-        let upper = tensions(&|kind| {
-            kind == LineKind::Line {
-                row: number,
-                level: 0,
-            }
-        });
         results.insert(
             &format!("row_{name}_attachment_load_max_n"),
-            Quantity::new(largest(upper.into_iter()), "N"),
+            Quantity::new(attachment_max_n, "N"),
         );
     }
     let margins = structure

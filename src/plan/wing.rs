@@ -4,8 +4,11 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
+use crate::aero::potential_flow;
 use crate::case::Scene;
-use crate::case::wing::LineKind;
+use crate::case::wing::{LineKind, Wing};
+use crate::trim::Settings;
+use crate::trim::skin::Skin;
 
 /// Sizes, masses, parts, rows, and where the prescribed pressure pulls.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -65,6 +68,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             0.5 * risers
         )?;
     }
+    if let Some(settings) = &wing.trim {
+        write_trim(out, wing, settings)?;
+    }
     if let Some(load) = &wing.load {
         let structure = &body.structure;
         let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
@@ -87,6 +93,41 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         )?;
     }
     Ok(())
+}
+
+/// Unknowns of the air and what they take.
+fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::Result {
+    let skin = Skin::new(&wing.wing, settings.panels_per_side, settings.strips);
+    let (panels, strips) = (skin.panel_count(), skin.sections.len() - 1);
+    writeln!(
+        out,
+        "  trim                pilot {} kg, drag area {} m2; at most {} outer iterations",
+        settings.pilot_mass_kg, settings.pilot_drag_area_m2, settings.iteration_limit
+    )?;
+    writeln!(
+        out,
+        "  air of the trim     {panels} panels of the half wing, {strips} strips; matrix {:.1} MB",
+        potential_flow::memory_bytes(panels, strips) as f64 / 1e6
+    )?;
+    for (number, polar) in settings.polars.iter().enumerate() {
+        writeln!(
+            out,
+            "  polar of profile {}   {}",
+            number + 1,
+            if polar.is_some() {
+                "from the case"
+            } else {
+                "the rough one of paragliders (docs/low-order-aerodynamics.md)"
+            }
+        )?;
+    }
+    match settings.inside {
+        Some(coefficient) => writeln!(
+            out,
+            "  pressure inside     {coefficient} of the dynamic one"
+        ),
+        None => writeln!(out, "  pressure inside     what stands before the intakes"),
+    }
 }
 
 fn smallest_angle_deg(scene: &Scene) -> Option<f64> {

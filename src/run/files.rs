@@ -112,6 +112,10 @@ pub(super) fn remove_stale(folder: &Path) {
             ]
             .contains(&name.as_str())
             || super::tables::NAMES.contains(&name.as_str())
+            || super::trim::TABLES.contains(&name.as_str())
+            || super::trim::CHARTS
+                .iter()
+                .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
             || super::tables::CHARTS.iter().any(|(column, _)| {
                 name == format!("history_{column}.svg") || name == format!("history_{column}.png")
             });

@@ -6,6 +6,7 @@ mod files;
 mod lattices;
 mod summary;
 mod tables;
+mod trim;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -200,6 +201,7 @@ pub fn run(
     );
     run.history.finish()?;
     tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
+    trim::write(run.folder, &run.simulation)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     // Last: a run that is killed before it is complete can still be resumed.
     if diverged.is_none() && !interrupted {
@@ -510,6 +512,9 @@ impl<'a> Run<'a> {
             && self.record.latest("time_s") != Some(self.simulation.time_s())
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;
+        }
+        if let Some(reason) = self.seek_trim(interrupt, observer)? {
+            return Ok(reason);
         }
         self.equilibrate(interrupt, observer)
     }

@@ -256,20 +256,33 @@ impl Simulation {
     /// Seeks the static equilibrium asked for by the case, from where the structure is; `None` if it asks for none. `watch` is told
     /// of every iteration and may end it.
     pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
-        let equilibrium = self.scene.equilibrium?;
-        let cloth = self.cloth.as_mut()?;
         self.pressure_acts = true;
+        let tolerance = self.scene.equilibrium?.tolerance;
+        self.solve_static(tolerance, watch)
+    }
+
+    /// Solves the fabric under [`Simulation::static_loads`].
+    pub(super) fn solve_static(
+        &mut self,
+        tolerance: f64,
+        watch: Watch,
+    ) -> Option<Result<Outcome, Failure>> {
+        let equilibrium = self.scene.equilibrium?;
+        let mut cloth = self.cloth.take()?;
+        let mut device_cloth = self.device_cloth.take();
         let start = Instant::now();
+        let (pressure, nodal_loads_n) = self.static_loads();
         let input = StepInput {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure: prescribed_pressure(&self.scene),
+            pressure,
+            nodal_loads_n,
             ..StepInput::default()
         };
         let settings = SolverSettings {
-            tolerance: equilibrium.tolerance,
+            tolerance,
             displacement_floor_m: if input.gravity_m_s2 == DVec3::ZERO && input.pressure.is_none() {
                 // Nothing to be relative to but the mesh: supports drive the structure.
-                equilibrium.tolerance * cloth.structure.smallest_element_m()
+                tolerance * cloth.structure.smallest_element_m()
             } else {
                 0.0
             },
@@ -278,19 +291,20 @@ impl Simulation {
             refresh_every: Some(REFRESH_EVERY),
             initial_hessian: InitialHessian::Multigrid,
         };
-        let outcome = match &mut self.device_cloth {
-            Some(device_cloth) => match device_cloth.solve(cloth, &input, &settings, watch) {
-                Ok(outcome) => outcome,
-                Err(error) => return Some(Err(error.into())),
-            },
-            None => cloth.solve_cloth_watched(&input, &settings, watch),
+        let outcome = match &mut device_cloth {
+            Some(device_cloth) => device_cloth.solve(&mut cloth, &input, &settings, watch),
+            None => Ok(cloth.solve_cloth_watched(&input, &settings, watch)),
         };
+        (self.cloth, self.device_cloth) = (Some(cloth), device_cloth);
         self.cost.equilibrium += start.elapsed();
-        if outcome.stop == Stop::NotFinite {
-            let diverged = self.diverged("the fabric's energy is no longer finite".to_owned());
-            return Some(Err(diverged.into()));
-        }
-        Some(Ok(outcome))
+        Some(match outcome {
+            Err(error) => Err(error.into()),
+            Ok(outcome) if outcome.stop == Stop::NotFinite => {
+                let what = "the fabric's energy is no longer finite".to_owned();
+                Err(self.diverged(what).into())
+            }
+            Ok(outcome) => Ok(outcome),
+        })
     }
 }
 
@@ -321,6 +335,7 @@ fn step_input<'a>(
         drags,
         pressure: Pressure::None,
         moved_supports: &[],
+        nodal_loads_n: &[],
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
         permeable: coupled.map(Coupled::permeable).unwrap_or_default(),

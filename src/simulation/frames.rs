@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::Simulation;
-use super::cloth::prescribed_pressure;
 use crate::cpu::cloth::{Cloth, Pressure, StepInput, read_outs};
 use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
@@ -26,13 +25,15 @@ impl Simulation {
             step: self.step,
             fluid: None,
             structure: self.cloth.as_ref().map(|cloth| {
+                let (pressure, nodal_loads_n) = if self.pressure_acts {
+                    self.static_loads()
+                } else {
+                    (Pressure::None, &[][..])
+                };
                 let input = StepInput {
                     gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-                    pressure: if self.pressure_acts {
-                        prescribed_pressure(&self.scene)
-                    } else {
-                        Pressure::None
-                    },
+                    pressure,
+                    nodal_loads_n,
                     ..StepInput::default()
                 };
                 structure_frame(cloth, &input)

@@ -15,6 +15,7 @@ mod impulses;
 mod markers;
 mod opening;
 mod permeable;
+mod trim;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,6 +33,7 @@ use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
+pub use trim::{TrimEnd, TrimIteration, TrimState};
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
@@ -84,6 +86,8 @@ pub struct Simulation {
     largest_marker_motion: f64,
     /// True once the equilibrium is sought: its pressure acts on the fabric.
     pressure_acts: bool,
+    /// Present once a trim is sought.
+    trim: Option<TrimState>,
     cost: Cost,
 }
 
@@ -181,6 +185,7 @@ impl Simulation {
             sound_step: 0,
             largest_marker_motion: 0.0,
             pressure_acts: false,
+            trim: None,
             cost: Cost::default(),
         })
     }

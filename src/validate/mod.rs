@@ -61,7 +61,7 @@ pub struct Problem {
 }
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 35] = [
+pub const PROBLEMS: [Problem; 36] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -191,6 +191,11 @@ pub const PROBLEMS: [Problem; 35] = [
         name: "belloc-wing",
         updates: [60.0, 400.0],
         compute: aero::belloc_wing::compute,
+    },
+    Problem {
+        name: "trim",
+        updates: [60.0, 300.0],
+        compute: aero::trim::compute,
     },
     Problem {
         name: "membrane-patch",

@@ -49,6 +49,8 @@ pub struct StepInput<'a> {
     pub drags: &'a [NodalDrag],
     /// Held nodes that are moved: where each is at the end of the step [m].
     pub moved_supports: &'a [(u32, DVec3)],
+    /// Further loads that do not change with the fabric [N], `[node_count]`; empty: none.
+    pub nodal_loads_n: &'a [DVec3],
 }
 
 impl StepInput<'_> {
@@ -74,11 +76,15 @@ impl StepInput<'_> {
     }
 }
 
-/// Gravity [N], `[node_count]`.
+/// Gravity and further nodal loads [N], `[node_count]`.
 #[must_use]
 pub fn dead_loads(structure: &Structure, input: &StepInput) -> Vec<DVec3> {
     let masses = structure.masses_kg.iter();
-    masses.map(|&mass| input.gravity_m_s2 * mass).collect()
+    let mut loads: Vec<DVec3> = masses.map(|&mass| input.gravity_m_s2 * mass).collect();
+    for (load, further) in loads.iter_mut().zip(input.nodal_loads_n) {
+        *load += *further;
+    }
+    loads
 }
 
 /// Loads that do not change during a step [N], `[node_count]`: gravity, and in a time step pressure on the positions at its start.

@@ -132,6 +132,18 @@ pub struct Wing {
     pub cell_places: Vec<f64>,
     /// Names of the rows.
     pub row_names: Vec<String>,
+    /// Nodes of the outline of every rib, from the left tip: nose, upper side, trailing edge, lower side back to the nose.
+    pub outlines: Vec<Vec<u32>>,
+    /// Nodes across every cell without those of its ribs, by place of the outline; none where the panel is open.
+    pub rows_across: Vec<Vec<Vec<u32>>>,
+    /// Places of those nodes along the chord.
+    pub places: Places,
+    /// The ribs as designed, from the left tip.
+    pub frames: Vec<Frame>,
+    /// Profiles that frames name by number.
+    pub profiles: Vec<section::Profile>,
+    /// Openings of the cells; `None`: the wing is closed.
+    pub intakes: Option<plan::Intakes>,
     /// Sizes and masses.
     pub measures: Measures,
 }
@@ -304,6 +316,10 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
         tags,
         line_kinds,
         fabrics,
+        outlines,
+        rows_across,
+        places,
+        frames,
         ..
     } = builder;
     let (first, further) = (&fabrics[0], &fabrics[1..]);
@@ -328,6 +344,12 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
             .map(|pair| (0.5 * (pair[0] + pair[1])).abs() / half_span_m)
             .collect(),
         row_names: plan.rows.iter().map(|row| row.name.clone()).collect(),
+        outlines,
+        rows_across,
+        places,
+        frames,
+        profiles: plan.profiles.clone(),
+        intakes: plan.intakes,
         measures,
     })
 }

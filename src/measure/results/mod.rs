@@ -9,18 +9,19 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, plate, wing};
+use super::{Record, bodies, plate, wing, wing_trim};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, TrimState};
 use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
     let frame = simulation.structure_frame();
-    of_scene(simulation.scene(), frame.structure.as_ref(), record)
+    let state = simulation.trim_state();
+    of_scene(simulation.scene(), frame.structure.as_ref(), record, state)
 }
 
 /// Rows of frequency [Hz] and power density [m² s] with which the skirt flaps, averaged over the gores; `None` where there is no canopy in
@@ -45,6 +46,7 @@ pub(super) fn of_scene(
     scene: &Scene,
     structure: Option<&StructureFrame>,
     record: &Record,
+    trim: Option<&TrimState>,
 ) -> Results {
     let mut results = Results::new();
     match (&scene.body, &scene.air) {
@@ -66,7 +68,10 @@ pub(super) fn of_scene(
                 if let Some(known) = &scene.wing {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
-                    wing::results(&mut results, known, structure, gravity * mass);
+                    if known.trim.is_some() {
+                        wing_trim::results(&mut results, known, &body.structure, structure, trim);
+                    }
+                    wing::results(&mut results, known, structure, gravity * mass, trim);
                 }
             }
         }

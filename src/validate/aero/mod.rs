@@ -5,6 +5,7 @@ pub(super) mod elliptic_wing;
 pub(super) mod plane_section;
 pub(super) mod potential_bodies;
 pub(super) mod rectangular_wings;
+pub(super) mod trim;
 
 use std::sync::Arc;
 

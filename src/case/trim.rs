@@ -1,0 +1,133 @@
+//! Checks of `[equilibrium.trim]`.
+
+use super::Problem;
+use super::file::{self, File};
+use super::scene::{absent, positive, within};
+use crate::aero::polar::{Polar, PolarPoint};
+use crate::trim::{Settings, Tolerance};
+
+const KEY: &str = "equilibrium.trim";
+
+/// Stiffness of the guide that holds a nose while the fabric is solved, if the case names none [N/m].
+pub(super) const GUIDE_N_M: f64 = 500.0;
+
+fn key(name: &str) -> String {
+    format!("{KEY}.{name}")
+}
+
+/// Checks the table of a wing whose profiles have the given names, in their order.
+pub(super) fn check(
+    file: &File,
+    written: &file::TrimTable,
+    table: &file::WingTable,
+) -> Result<Settings, Problem> {
+    let gravity = file.gravity.as_ref().map(|g| g.acceleration_m_s2);
+    if !gravity.is_some_and(|[x, y, z]| x == 0.0 && y == 0.0 && z < 0.0) {
+        return Err(Problem::new(
+            "gravity.acceleration_m_s2",
+            "a trim needs weight that pulls straight down; it is the air's direction that is sought",
+            "give [gravity] with acceleration_m_s2 = [0.0, 0.0, -9.81]",
+        ));
+    }
+    let closed = table
+        .intakes
+        .as_ref()
+        .is_none_or(|intakes| 2 * intakes.closed_tip_cells.unwrap_or(0) >= table.cells);
+    if closed && written.internal_pressure_coefficient.is_none() {
+        return Err(absent(
+            &key("internal_pressure_coefficient"),
+            "no cell has an intake whose pressure could be taken",
+        ));
+    }
+    for name in written.polars.keys() {
+        if !table.profiles.contains_key(name) {
+            return Err(Problem::new(
+                key(&format!("polars.{name}")),
+                format!("there is no profile `{name}`"),
+                "name one of [structure.wing.profiles]",
+            ));
+        }
+    }
+    let polars = table
+        .profiles
+        .keys()
+        .map(|name| {
+            let rows = written.polars.get(name);
+            rows.map(|rows| check_polar(name, rows)).transpose()
+        })
+        .collect::<Result<_, _>>()?;
+    let whole = |name: &str, value: Option<usize>, usual: usize, low: usize, high: usize| {
+        let value = value.unwrap_or(usual);
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let key = key(name);
+        Err(Problem::new(
+            &key,
+            format!("{key} = {value} is out of range"),
+            format!("allowed are {low} to {high}"),
+        ))
+    };
+    let share = |name: &str, value: Option<f64>, usual: f64, low: f64, high: f64| {
+        within(&key(name), value.unwrap_or(usual), low, high)
+    };
+    let tolerance = &written.tolerance;
+    Ok(Settings {
+        density_kg_m3: within(
+            &key("air_density_kg_m3"),
+            written.air_density_kg_m3,
+            1e-3,
+            1e2,
+        )?,
+        pilot_mass_kg: positive(&key("pilot_mass_kg"), written.pilot_mass_kg)?,
+        pilot_drag_area_m2: within(
+            &key("pilot_drag_area_m2"),
+            written.pilot_drag_area_m2,
+            0.0,
+            100.0,
+        )?,
+        line_drag_coefficient: share(
+            "line_drag_coefficient",
+            written.line_drag_coefficient,
+            1.1,
+            0.0,
+            10.0,
+        )?,
+        inside: written
+            .internal_pressure_coefficient
+            .map(|c| within(&key("internal_pressure_coefficient"), c, -5.0, 5.0))
+            .transpose()?,
+        polars,
+        reynolds: share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?,
+        panels_per_side: whole("panels_per_side", written.panels_per_side, 20, 4, 200)?,
+        strips: whole("strips", written.strips, 40, 2, 400)?,
+        relaxation: share("relaxation", written.relaxation, 1.0, 0.01, 1.0)?,
+        tolerance: Tolerance {
+            speed: share("tolerance.speed", tolerance.speed, 2e-3, 1e-9, 1.0)?,
+            glide: share("tolerance.glide", tolerance.glide, 5e-3, 1e-9, 1.0)?,
+            pitch_rad: share("tolerance.pitch_deg", tolerance.pitch_deg, 0.1, 1e-6, 45.0)?
+                .to_radians(),
+            shape: share("tolerance.shape", tolerance.shape, 2e-3, 1e-9, 1.0)?,
+            balance: share("tolerance.balance", tolerance.balance, 1e-2, 1e-9, 1.0)?,
+        },
+        iteration_limit: whole("iteration_limit", written.iteration_limit, 20, 1, 10_000)?,
+    })
+}
+
+fn check_polar(name: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
+    let points = rows
+        .iter()
+        .map(|&[degrees, lift, drag]| PolarPoint {
+            angle_rad: degrees.to_radians(),
+            lift,
+            drag,
+        })
+        .collect();
+    Polar::new(points).map_err(|why| {
+        Problem::new(
+            key(&format!("polars.{name}")),
+            format!("`{name}`: {why}"),
+            "give rows [angle in degrees, lift coefficient, drag coefficient] with growing angles",
+        )
+    })
+}

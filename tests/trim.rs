@@ -1,0 +1,186 @@
+//! Trim of wings: what the air sees, the balance of all loads, the speed bar, and runs that do not settle.
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::aero::surface::PanelSurface;
+use ripstop::case::{self, Choices};
+use ripstop::trim::Glider;
+use ripstop::trim::balance::stream;
+
+use crate::command_line::{ripstop, root};
+use crate::engines::plain;
+use crate::tolerances::trim as tolerance;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("trim::all_loads_are_in_balance", balance),
+        plain("trim::the_air_sees_the_wing", skin),
+        plain("trim::the_speed_bar_makes_faster", speed_bar),
+        plain("trim::what_moves_is_told", unsettled),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+const CASE: &str = "cases/wing-school.toml";
+
+fn school(overrides: &[&str]) -> case::Case {
+    let text = std::fs::read_to_string(root().join(CASE)).unwrap();
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: overrides.iter().map(|s| (*s).to_owned()).collect(),
+    };
+    case::parse("school", &text, root(), &choices).unwrap()
+}
+
+/// Pressure, traction, drag of lines, weights and the pilot's drag on an arched wing with lines and intakes sum up to nothing, in force and in moment about
+/// the hang points, once the wing is turned to its balance.
+fn balance() {
+    let case = school(&[]);
+    let scene = &case.scene;
+    let (wing, body) = (scene.wing.as_ref().unwrap(), scene.body.as_ref().unwrap());
+    let settings = wing.trim.as_ref().unwrap();
+    let structure = &body.structure;
+    let glider = Glider::new(
+        &wing.wing,
+        structure,
+        &wing.line_diameters_m,
+        settings,
+        9.81,
+    )
+    .unwrap();
+    let designed = &structure.positions_m;
+    let flight = glider
+        .glide(designed, &glider.panel_nodes_m(designed), None)
+        .unwrap();
+    let positions = glider.turned_m(designed, flight.balance.turn_rad);
+    let hang = designed[wing.wing.hang_points[0] as usize].with_y(0.0);
+    let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+    let mut add = |at: DVec3, pull: DVec3| {
+        force += pull;
+        moment += (at - hang).cross(pull);
+    };
+    let loads = &flight.loads;
+    for (index, triangle) in structure.triangles.iter().enumerate() {
+        let corners = triangle.nodes.map(|n| positions[n as usize]);
+        let jump = loads.inside_pa[index] + loads.outside_pa[index];
+        let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        add((corners[0] + corners[1] + corners[2]) / 3.0, area * jump);
+    }
+    for ((at, load), mass) in positions
+        .iter()
+        .zip(&loads.nodal_n)
+        .zip(&structure.masses_kg)
+    {
+        add(*at, *load - DVec3::Z * (9.81 * mass));
+    }
+    let pilot = stream(flight.balance.glide_rad) * flight.pilot_drag_n;
+    add(hang, pilot - DVec3::Z * (9.81 * settings.pilot_mass_kg));
+    let weight = flight.weight_n;
+    assert!(
+        force.length() < tolerance::BALANCE * weight,
+        "{force} of {weight} N"
+    );
+    // Lines are as long as seven metres; the search ends at 1e-7 rad.
+    assert!(
+        moment.length() < tolerance::MOMENT * weight * hang.z.abs(),
+        "{moment} N m"
+    );
+    // The parts of the drag are all there is along the stream.
+    let parts =
+        flight.induced_drag_n + flight.section_drag_n + flight.line_drag_n + flight.pilot_drag_n;
+    assert!((parts / (weight * flight.balance.glide_rad.sin()) - 1.0).abs() < 1e-9);
+    assert!((0.8..1.2).contains(&flight.inside), "{}", flight.inside);
+}
+
+/// Without ballooning the panels enclose what the ribs' sections enclose; mirrored halves are one.
+fn skin() {
+    let case = school(&["structure.wing.ballooning=absent"]);
+    let (wing, body) = (
+        case.scene.wing.as_ref().unwrap(),
+        case.scene.body.as_ref().unwrap(),
+    );
+    let settings = wing.trim.as_ref().unwrap();
+    let glider = Glider::new(
+        &wing.wing,
+        &body.structure,
+        &wing.line_diameters_m,
+        settings,
+        9.81,
+    )
+    .unwrap();
+    let nodes = glider.panel_nodes_m(&body.structure.positions_m);
+    let around = 2 * settings.panels_per_side;
+    let surface = PanelSurface::new(nodes, around, true, true).unwrap();
+    assert_eq!(surface.panels.len(), glider.skin.panel_count());
+    let ratio = surface.volume_m3() / wing.wing.measures.section_volume_m3;
+    assert!((ratio - 1.0).abs() < tolerance::VOLUME, "{ratio}");
+}
+
+fn run(out: &std::path::Path, more: &[&str]) -> (crate::command_line::Finished, serde_json::Value) {
+    let mut arguments = vec![
+        "run",
+        CASE,
+        "--variant",
+        "quick",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    arguments.extend(more);
+    let output = ripstop(&arguments);
+    let text = std::fs::read(out.join("summary.json")).unwrap();
+    (output, serde_json::from_slice(&text).unwrap())
+}
+
+/// Shorter front risers: faster, at a smaller angle of attack. What the risers carry is what the air does, and the guide carries nothing.
+fn speed_bar() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, more: &[&str]| {
+        let (output, summary) = run(&folder.path().join(name), more);
+        assert_eq!(output.code, 0, "{}", output.errors);
+        [
+            "speed_m_s",
+            "angle_of_attack_deg",
+            "pitch_guide_force_n",
+            "riser_balance_error",
+        ]
+        .map(|result| summary["results"][result]["value"].as_f64().unwrap())
+    };
+    let [speed, angle, guide, error] = of("trim", &[]);
+    let [faster, smaller, ..] = of(
+        "bar",
+        &[
+            "--set",
+            "structure.wing.rows.A.trim_m=-0.03",
+            "--set",
+            "structure.wing.rows.B.trim_m=-0.015",
+        ],
+    );
+    assert!(faster > speed + 0.2, "{faster} {speed} m/s");
+    assert!(smaller < angle - 0.5, "{smaller} {angle} degrees");
+    assert!(guide.abs() < tolerance::GUIDE_N, "{guide} N");
+    assert!(error < tolerance::RISERS, "{error}");
+    assert!(folder.path().join("trim/trim_iterations.csv").exists());
+    assert!(folder.path().join("trim/trim_span.png").exists());
+}
+
+fn unsettled() {
+    let folder = tempfile::tempdir().unwrap();
+    let (output, summary) = run(
+        &folder.path().join("out"),
+        &[
+            "--set",
+            "equilibrium.trim.iteration_limit=2",
+            "--set",
+            "equilibrium.trim.tolerance={speed=1e-9}",
+        ],
+    );
+    assert_eq!(output.code, 20, "{}", output.errors);
+    let reason = summary["stop"]["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("NOT reached within 2 outer iterations")
+            && reason.contains("speed changes"),
+        "{reason}"
+    );
+}
