@@ -37,10 +37,10 @@ pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
 pub const SHIPPED: [(&str, &str); 16] = [
-    ("airbag", include_str!("../../cases/airbag.toml")),
+    ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
-        include_str!("../../cases/bias-extension.toml"),
+        include_str!("../../cases/cloth/bias-extension.toml"),
     ),
     (
         "disk-gap-band",
@@ -50,7 +50,7 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "finite-mass-drop",
         include_str!("../../cases/finite-mass-drop.toml"),
     ),
-    ("hencky-disc", include_str!("../../cases/hencky-disc.toml")),
+    ("hencky-disc", include_str!("../../cases/cloth/hencky-disc.toml")),
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
@@ -60,14 +60,14 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "flexible-plate",
         include_str!("../../cases/flexible-plate.toml"),
     ),
-    ("folded-gore", include_str!("../../cases/folded-gore.toml")),
+    ("folded-gore", include_str!("../../cases/cloth/folded-gore.toml")),
     (
         "hanging-sheet",
-        include_str!("../../cases/hanging-sheet.toml"),
+        include_str!("../../cases/cloth/hanging-sheet.toml"),
     ),
     (
         "hanging-chain",
-        include_str!("../../cases/hanging-chain.toml"),
+        include_str!("../../cases/cloth/hanging-chain.toml"),
     ),
     (
         "slotted-drop",
