@@ -233,3 +233,20 @@ pub mod canopies {
     /// Area of markers against that of a smaller circle: the mesh is a polygon, and smallest parts of triangles carry no marker.
     pub const MARKED_AREA: f64 = 5e-3;
 }
+
+/// Supports that are moved.
+pub mod supports {
+    /// Force of a bar that was pulled, in double precision: solved to displacements of 1e-9 elements, a millionth of the stretch.
+    pub const FORCE: f64 = 1e-5;
+    /// The same on a device: round-off of forces in `f32` over strains of a hundredth.
+    pub const DEVICE_FORCE: f64 = 1e-3;
+    /// Place of a shaken mass, over the amplitude of the support: implicit Euler with 5000 steps in a period of the mass damps by ω² dt/2, 1.2 % in the
+    /// 0.3 s.
+    pub const SHAKEN: f64 = 0.03;
+}
+
+/// Steps that choose their own length.
+pub mod adaptive {
+    /// Ratio of a pendulum's errors where the tolerance is a quarter: 2, as steps are halved throughout.
+    pub const HALVED: [f64; 2] = [1.6, 2.5];
+}

@@ -14,10 +14,12 @@ mod file_descent;
 mod file_permeability;
 mod file_plate;
 mod file_specimens;
+mod file_supports;
 mod file_wing;
 mod grid_sequence;
 pub mod locate;
 mod mesh_lines;
+mod motion;
 mod output;
 mod permeability;
 mod plate;
@@ -25,6 +27,8 @@ mod rims;
 pub mod scene;
 mod specimens;
 mod structure;
+mod supports;
+mod time;
 mod values;
 pub mod wing;
 mod wing_lines;
@@ -36,7 +40,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 16] = [
+pub const SHIPPED: [(&str, &str); 17] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -50,7 +54,10 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "finite-mass-drop",
         include_str!("../../cases/finite-mass-drop.toml"),
     ),
-    ("hencky-disc", include_str!("../../cases/cloth/hencky-disc.toml")),
+    (
+        "hencky-disc",
+        include_str!("../../cases/cloth/hencky-disc.toml"),
+    ),
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
@@ -60,7 +67,10 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "flexible-plate",
         include_str!("../../cases/flexible-plate.toml"),
     ),
-    ("folded-gore", include_str!("../../cases/cloth/folded-gore.toml")),
+    (
+        "folded-gore",
+        include_str!("../../cases/cloth/folded-gore.toml"),
+    ),
     (
         "hanging-sheet",
         include_str!("../../cases/cloth/hanging-sheet.toml"),
@@ -68,6 +78,10 @@ pub const SHIPPED: [(&str, &str); 16] = [
     (
         "hanging-chain",
         include_str!("../../cases/cloth/hanging-chain.toml"),
+    ),
+    (
+        "shaken-rope",
+        include_str!("../../cases/cloth/shaken-rope.toml"),
     ),
     (
         "slotted-drop",

@@ -11,6 +11,7 @@ mod results;
 mod skirt;
 mod spectrum;
 pub mod statistics;
+mod supports;
 mod wing;
 
 pub use comparison::{comparison, history_columns, result_names};
