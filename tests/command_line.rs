@@ -105,13 +105,14 @@ pub fn finished(output: std::process::Output) -> Finished {
 pub const CANOPY: &str = "cases/flat-circular-tunnel.toml";
 
 fn new_prints() {
+    let files = crate::cases::files();
     for (name, text) in SHIPPED {
         let output = ripstop(&["new", name]);
         assert_eq!(output.code, 0);
         assert_eq!(output.printed, text);
         assert_eq!(
             text,
-            std::fs::read_to_string(root().join(format!("cases/{name}.toml"))).unwrap()
+            std::fs::read_to_string(root().join(&files[name])).unwrap()
         );
     }
     let output = ripstop(&["new", "zeppelin"]);
@@ -202,7 +203,7 @@ fn check_three_scenes() {
         "{text}"
     );
 
-    let cloth = plan("cases/hanging-sheet.toml");
+    let cloth = plan("cases/cloth/hanging-sheet.toml");
     assert!(
         has(&cloth, Stage::SolveCloth)
             && !has(&cloth, Stage::CollideStream)
@@ -216,7 +217,7 @@ fn check_three_scenes() {
         ),
         (0, 0, 0)
     );
-    let text = ripstop(&["check", "cases/hanging-sheet.toml"]).printed;
+    let text = ripstop(&["check", "cases/cloth/hanging-sheet.toml"]).printed;
     assert!(
         text.contains("the case has no [air]") && !text.contains("Mach"),
         "{text}"
@@ -306,7 +307,12 @@ fn no_gpu() {
     assert!(output.errors.contains("f32"), "{}", output.errors);
 }
 
-const QUICK_SHEET: [&str; 4] = ["run", "cases/hanging-sheet.toml", "--variant", "quick"];
+const QUICK_SHEET: [&str; 4] = [
+    "run",
+    "cases/cloth/hanging-sheet.toml",
+    "--variant",
+    "quick",
+];
 
 fn unwritable() {
     let folder = tempfile::tempdir().unwrap();
@@ -409,7 +415,7 @@ fn equilibrium_not_reached() {
     let out = folder.path().join("out");
     let output = ripstop(&[
         "run",
-        "cases/hanging-chain.toml",
+        "cases/cloth/hanging-chain.toml",
         "--set",
         "equilibrium.evaluation_limit=10",
         "--out",
@@ -495,7 +501,7 @@ fn interrupted_equilibrium() {
     for resume in [false, true] {
         let mut endless = command(&[
             "run",
-            "cases/hanging-chain.toml",
+            "cases/cloth/hanging-chain.toml",
             "--set",
             "structure.cable.segments=5000",
             "--set",

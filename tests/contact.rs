@@ -553,19 +553,19 @@ fn close_start() {
 
 /// `check` says who searches and what is skipped without; a device is refused.
 fn listed() {
-    let with = ripstop(&["check", "cases/folded-gore.toml"]);
+    let with = ripstop(&["check", "cases/cloth/folded-gore.toml"]);
     assert!(
         with.printed.contains("where contact is searched for"),
         "{}",
         with.printed
     );
-    let without = ripstop(&["check", "cases/hanging-sheet.toml"]);
+    let without = ripstop(&["check", "cases/cloth/hanging-sheet.toml"]);
     assert!(
         without.printed.contains("contact of fabric with itself"),
         "{}",
         without.printed
     );
-    let device = ripstop(&["check", "cases/folded-gore.toml", "--cloth", "device"]);
+    let device = ripstop(&["check", "cases/cloth/folded-gore.toml", "--cloth", "device"]);
     assert_eq!(device.code, 2);
     assert!(device.errors.contains("[contact]"), "{}", device.errors);
 }

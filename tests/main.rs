@@ -8,6 +8,7 @@
     reason = "tests fail by panicking"
 )]
 
+mod adaptive;
 mod air;
 mod architecture;
 mod bad_cases;
@@ -30,6 +31,7 @@ mod eddy_viscosity;
 mod engines;
 mod permeability;
 mod plates;
+mod supports;
 mod sweep;
 mod tolerances;
 mod trim;
@@ -58,6 +60,8 @@ fn main() -> std::process::ExitCode {
         canopies::trials(),
         bodies::trials(),
         cadence::trials(),
+        adaptive::trials(),
+        supports::trials(),
         permeability::trials(),
         plates::trials(),
         descent::trials(),

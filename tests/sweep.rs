@@ -15,7 +15,7 @@ pub fn trials() -> Vec<Trial> {
     .collect()
 }
 
-const CHAIN: &str = "cases/hanging-chain.toml";
+const CHAIN: &str = "cases/cloth/hanging-chain.toml";
 
 /// A chain whose equilibrium needs more evaluations than one run is allowed.
 fn one_fails() {

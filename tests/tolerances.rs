@@ -258,3 +258,20 @@ pub mod trim {
     /// What the risers carry against what acts, over it: the tolerance of the fabric's solve, 3e-2.
     pub const RISERS: f64 = 1e-2;
 }
+
+/// Supports that are moved.
+pub mod supports {
+    /// Force of a bar that was pulled, in double precision: solved to displacements of 1e-9 elements, a millionth of the stretch.
+    pub const FORCE: f64 = 1e-5;
+    /// The same on a device: round-off of forces in `f32` over strains of a hundredth.
+    pub const DEVICE_FORCE: f64 = 1e-3;
+    /// Place of a shaken mass, over the amplitude of the support: implicit Euler with 5000 steps in a period of the mass damps by ω² dt/2, 1.2 % in the
+    /// 0.3 s.
+    pub const SHAKEN: f64 = 0.03;
+}
+
+/// Steps that choose their own length.
+pub mod adaptive {
+    /// Ratio of a pendulum's errors where the tolerance is a quarter: 2, as steps are halved throughout.
+    pub const HALVED: [f64; 2] = [1.6, 2.5];
+}

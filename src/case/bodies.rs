@@ -7,14 +7,15 @@ use glam::{DQuat, DVec3};
 
 use super::Problem;
 use super::file::{self, BodyTable, File};
+use super::motion;
 use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
+use super::values::direction;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
-use crate::rigid::motion::Table;
-use crate::rigid::{self, Motion, PrescribedMotion, Surface};
+use crate::rigid::{self, PrescribedMotion, Surface};
 
 /// Edges of the triangles that shapes are divided into [cells]: one marker each, some 0.7 cells apart.
 const EDGE_CELLS: f64 = 1.2;
@@ -80,17 +81,6 @@ impl Written<'_> {
     fn key(&self, name: &str) -> String {
         format!("{}.{name}", self.key)
     }
-
-    fn direction(&self, name: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
-        let key = self.key(name);
-        vector(&key, value)?.try_normalize().ok_or_else(|| {
-            Problem::new(
-                key.as_str(),
-                format!("{key} = {value:?} has no direction"),
-                "give a vector that is not zero; its length does not matter",
-            )
-        })
-    }
 }
 
 fn check_body(
@@ -118,7 +108,7 @@ fn check_body(
     let (shape, mut surface) = check_shape(&written, folder, EDGE_CELLS * cell)?;
     let rotation = match &table.rotation {
         Some(rotation) => DQuat::from_axis_angle(
-            written.direction("rotation.axis", rotation.axis)?,
+            direction(&written.key("rotation.axis"), rotation.axis)?,
             vector(&written.key("rotation.angle_deg"), [rotation.angle_deg; 3])?
                 .x
                 .to_radians(),
@@ -152,7 +142,10 @@ fn check_body(
             "choose smaller cells, or model thin parts as open surfaces",
         )
     })?;
-    let motion = check_motion(&written, position_m, time)?;
+    let motion = match &table.motion {
+        Some(motion) => motion::check(&written.key("motion"), motion, position_m, time)?,
+        None => PrescribedMotion::held(),
+    };
     let closed = surface.is_closed();
     let permeability = check_permeability(&written, closed, file, air.units.density_kg_m3)?;
     let body = RigidBody {
@@ -296,147 +289,6 @@ fn check_shape(written: &Written, folder: &Path, edge_m: f64) -> Result<(Shape, 
         Shape::Mesh => Surface::default(),
     };
     Ok((shape, surface))
-}
-
-fn check_motion(
-    written: &Written,
-    position_m: DVec3,
-    time: &Time,
-) -> Result<PrescribedMotion, Problem> {
-    let Some(table) = &written.table.motion else {
-        return Ok(PrescribedMotion::held());
-    };
-    let number = |name: &str, value: f64| Ok(vector(&written.key(name), [value; 3])?.x);
-    let rise = |name: &str, value: Option<f64>| {
-        value.map_or(Ok(0.0), |time| positive(&written.key(name), time))
-    };
-    let centre = |name: &str, value: Option<[f64; 3]>| {
-        value.map_or(Ok(position_m), |point| vector(&written.key(name), point))
-    };
-    // An axis is needed only where something turns.
-    let axis = |name: &str, value: Option<[f64; 3]>, turns: bool| match value {
-        Some(axis) => written.direction(name, axis),
-        None if turns => Err(Problem::new(
-            written.key(name),
-            format!("{} is missing: the body turns", written.key(name)),
-            "add the axis of rotation, e.g. axis = [0.0, 1.0, 0.0]",
-        )),
-        None => Ok(DVec3::X),
-    };
-    match (
-        &table.constant_velocity,
-        &table.constant_rotation,
-        &table.oscillation,
-        &table.table,
-        &table.free_fall,
-    ) {
-        (Some(given), None, None, None, None) => Ok(PrescribedMotion {
-            motion: Motion::ConstantVelocity {
-                velocity_m_s: vector(
-                    &written.key("motion.constant_velocity.velocity_m_s"),
-                    given.velocity_m_s,
-                )?,
-                rise_s: rise("motion.constant_velocity.start_time_s", given.start_time_s)?,
-            },
-            centre_m: position_m,
-            axis: DVec3::X,
-        }),
-        (None, Some(given), None, None, None) => Ok(PrescribedMotion {
-            motion: Motion::ConstantRotation {
-                rate_rad_s: number("motion.constant_rotation.rate_rad_s", given.rate_rad_s)?,
-                rise_s: rise("motion.constant_rotation.start_time_s", given.start_time_s)?,
-            },
-            centre_m: centre("motion.constant_rotation.centre_m", given.centre_m)?,
-            axis: written.direction("motion.constant_rotation.axis", given.axis)?,
-        }),
-        (None, None, Some(given), None, None) => {
-            let displacement = given.displacement_m.unwrap_or([0.0; 3]);
-            let angle_deg = given.angle_deg.unwrap_or(0.0);
-            Ok(PrescribedMotion {
-                motion: Motion::Oscillation {
-                    frequency_hz: positive(
-                        &written.key("motion.oscillation.frequency_hz"),
-                        given.frequency_hz,
-                    )?,
-                    phase_rad: number(
-                        "motion.oscillation.phase_deg",
-                        given.phase_deg.unwrap_or(0.0),
-                    )?
-                    .to_radians(),
-                    displacement_m: vector(
-                        &written.key("motion.oscillation.displacement_m"),
-                        displacement,
-                    )?,
-                    angle_rad: number("motion.oscillation.angle_deg", angle_deg)?.to_radians(),
-                },
-                centre_m: centre("motion.oscillation.centre_m", given.centre_m)?,
-                axis: axis("motion.oscillation.axis", given.axis, angle_deg != 0.0)?,
-            })
-        }
-        // The box of the air falls with the body, in which it stays in its place.
-        (None, None, None, None, Some(_)) => Ok(PrescribedMotion::held()),
-        (None, None, None, Some(rows), None) => {
-            let spline = check_table(written, rows, time)?;
-            Ok(PrescribedMotion {
-                motion: Motion::Table(spline),
-                centre_m: centre("motion.table.centre_m", rows.centre_m)?,
-                axis: axis("motion.table.axis", rows.axis, rows.angles_deg.is_some())?,
-            })
-        }
-        _ => Err(Problem::new(
-            written.key("motion"),
-            format!("[{}] needs exactly one motion", written.key("motion")),
-            "keep or add just one of constant_velocity, constant_rotation, oscillation, table, free_fall; a held body has no [motion]",
-        )),
-    }
-}
-
-fn check_table(written: &Written, rows: &file::MotionRows, time: &Time) -> Result<Table, Problem> {
-    let count = rows.times_s.len();
-    let lengths = [
-        (
-            "displacements_m",
-            rows.displacements_m.as_ref().map(Vec::len),
-        ),
-        ("angles_deg", rows.angles_deg.as_ref().map(Vec::len)),
-    ];
-    for (name, length) in lengths {
-        if let Some(length) = length.filter(|length| *length != count) {
-            let key = written.key(&format!("motion.table.{name}"));
-            return Err(Problem::new(
-                key.as_str(),
-                format!("{key} has {length} entries for {count} times"),
-                "give one entry for each of times_s",
-            ));
-        }
-    }
-    let values = (0..count)
-        .map(|i| {
-            let [x, y, z] = rows.displacements_m.as_ref().map_or([0.0; 3], |d| d[i]);
-            let angle = rows.angles_deg.as_ref().map_or(0.0, |a| a[i]);
-            [x, y, z, angle.to_radians()]
-        })
-        .collect();
-    let key = written.key("motion.table.times_s");
-    let table = Table::new(rows.times_s.clone(), values).ok_or_else(|| {
-        Problem::new(
-            key.as_str(),
-            format!("{key} does not make a motion: fewer than two times, not ascending, or values that are not finite"),
-            "give two or more times in ascending order",
-        )
-    })?;
-    let [first, last] = table.range_s();
-    if first > 0.0 || last < time.end_s {
-        return Err(Problem::new(
-            key.as_str(),
-            format!(
-                "{key} goes from {first} to {last} s, the run from 0 to {} s",
-                time.end_s
-            ),
-            "let the table cover the whole run: a body has no velocity beyond its table",
-        ));
-    }
-    Ok(table)
 }
 
 /// Refuses bodies that leave the air or outrun the coupling.

@@ -11,6 +11,7 @@ pub use super::file_descent::*;
 pub use super::file_permeability::*;
 pub use super::file_plate::*;
 pub use super::file_specimens::*;
+pub use super::file_supports::*;
 pub use super::file_trim::*;
 pub use super::file_wing::*;
 use crate::frame::{FabricQuantity, FlowQuantity};
@@ -35,6 +36,9 @@ pub struct File {
     /// Rigid bodies, by name.
     #[serde(default)]
     pub bodies: BTreeMap<String, BodyTable>,
+    /// Held nodes that are moved, by name.
+    #[serde(default)]
+    pub supports: BTreeMap<String, SupportTable>,
     /// Fabric of the structure.
     pub fabric: Option<Fabric>,
     /// Suspension lines.
@@ -335,6 +339,20 @@ pub struct Time {
     pub end_s: f64,
     /// Only without air, which has its own step.
     pub step_s: Option<f64>,
+    /// Divides steps as accuracy asks for; only without air; absent: every step is solved at once.
+    pub adaptive: Option<AdaptiveTable>,
+}
+
+/// `[time.adaptive]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct AdaptiveTable {
+    pub tolerance_m: f64,
+    pub smallest_step_s: f64,
 }
 
 /// `[equilibrium]`.

@@ -14,11 +14,13 @@ mod file_descent;
 mod file_permeability;
 mod file_plate;
 mod file_specimens;
+mod file_supports;
 mod file_trim;
 mod file_wing;
 mod grid_sequence;
 pub mod locate;
 mod mesh_lines;
+mod motion;
 mod output;
 mod permeability;
 mod plate;
@@ -27,6 +29,8 @@ mod rims;
 pub mod scene;
 mod specimens;
 mod structure;
+mod supports;
+mod time;
 mod trim;
 mod values;
 pub mod wing;
@@ -39,11 +43,11 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 16] = [
-    ("airbag", include_str!("../../cases/airbag.toml")),
+pub const SHIPPED: [(&str, &str); 17] = [
+    ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
-        include_str!("../../cases/bias-extension.toml"),
+        include_str!("../../cases/cloth/bias-extension.toml"),
     ),
     (
         "disk-gap-band",
@@ -53,7 +57,10 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "finite-mass-drop",
         include_str!("../../cases/finite-mass-drop.toml"),
     ),
-    ("hencky-disc", include_str!("../../cases/hencky-disc.toml")),
+    (
+        "hencky-disc",
+        include_str!("../../cases/cloth/hencky-disc.toml"),
+    ),
     (
         "flat-circular-tunnel",
         include_str!("../../cases/flat-circular-tunnel.toml"),
@@ -63,14 +70,21 @@ pub const SHIPPED: [(&str, &str); 16] = [
         "flexible-plate",
         include_str!("../../cases/flexible-plate.toml"),
     ),
-    ("folded-gore", include_str!("../../cases/folded-gore.toml")),
+    (
+        "folded-gore",
+        include_str!("../../cases/cloth/folded-gore.toml"),
+    ),
     (
         "hanging-sheet",
-        include_str!("../../cases/hanging-sheet.toml"),
+        include_str!("../../cases/cloth/hanging-sheet.toml"),
     ),
     (
         "hanging-chain",
-        include_str!("../../cases/hanging-chain.toml"),
+        include_str!("../../cases/cloth/hanging-chain.toml"),
+    ),
+    (
+        "shaken-rope",
+        include_str!("../../cases/cloth/shaken-rope.toml"),
     ),
     (
         "slotted-drop",

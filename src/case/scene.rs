@@ -7,10 +7,12 @@ use glam::DVec3;
 pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::{self, File};
+pub use super::supports::Support;
+pub use super::time::{AdaptiveStep, Time};
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
-use super::{Problem, air, bodies, comparison, descent, output, structure};
+use super::{Problem, air, bodies, comparison, descent, output, structure, supports, time};
 use crate::cloth::Structure;
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
@@ -37,6 +39,8 @@ pub struct Scene {
     pub wing: Option<Wing>,
     /// Rigid bodies in the air, by name.
     pub rigid_bodies: Vec<RigidBody>,
+    /// Held nodes that are moved.
+    pub supports: Vec<Support>,
     /// Coupling of the air with fabric and bodies; present if there is something to couple.
     pub coupling: Option<Coupling>,
     /// Gravity [m/s²].
@@ -288,15 +292,6 @@ pub struct Solver {
     pub damping_1_s: f64,
 }
 
-/// Simulated time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Time {
-    /// End [s].
-    pub end_s: f64,
-    /// Step of the structure (without air) or of the air [s].
-    pub step_s: f64,
-}
-
 /// Static equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Equilibrium {
@@ -332,9 +327,6 @@ pub struct Output {
     /// Charts of the history's main columns at the end.
     pub history_plots: bool,
 }
-
-/// Most steps of a run.
-const STEP_LIMIT: f64 = 1e9;
 
 /// Refuses tables that nothing in the case would read: a reader would take them for effective.
 fn refuse_unused(file: &File) -> Result<(), Problem> {
@@ -431,7 +423,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         ));
     }
     let solver = check_solver(file)?;
-    let time = check_time(file, air.as_ref())?;
+    let time = time::check(file, air.as_ref())?;
+    let supports = supports::check(file, body.as_ref(), time.as_ref())?;
     let rigid_bodies = bodies::check(file, folder, air.as_ref(), time.as_ref())?;
     let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
     let descent = descent::check(
@@ -482,6 +475,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         body,
         wing,
         rigid_bodies,
+        supports,
         coupling,
         gravity_m_s2,
         descent,
@@ -519,47 +513,4 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
         )?,
         damping_1_s,
     })
-}
-
-fn check_time(file: &File, air: Option<&Air>) -> Result<Option<Time>, Problem> {
-    let Some(time) = &file.time else {
-        return if air.is_some() {
-            Err(absent("time.end_s", "air needs an end time"))
-        } else {
-            Ok(None)
-        };
-    };
-    let end_s = positive("time.end_s", time.end_s)?;
-    let step_s = match (air, time.step_s) {
-        (Some(air), None) => air.units.time_step_s,
-        (None, Some(step)) => positive("time.step_s", step)?,
-        (Some(_), Some(_)) => {
-            return Err(Problem::new(
-                "time.step_s",
-                "with air the time step follows from cell size and lattice speed",
-                "remove time.step_s",
-            ));
-        }
-        (None, None) => {
-            return Err(absent(
-                "time.step_s",
-                "without air the structure needs a time step",
-            ));
-        }
-    };
-    let start_s = match air.map(|a| a.flow) {
-        Some(Flow::WindTunnel { start_time_s, .. }) => start_time_s,
-        _ => 0.0,
-    };
-    if (end_s + start_s) / step_s > STEP_LIMIT {
-        return Err(Problem::new(
-            "time.end_s",
-            format!(
-                "the run would take {:.1e} steps of {step_s:.3e} s",
-                (end_s + start_s) / step_s
-            ),
-            format!("at most {STEP_LIMIT:.0e} are allowed: lower time.end_s or the start time"),
-        ));
-    }
-    Ok(Some(Time { end_s, step_s }))
 }

@@ -79,3 +79,14 @@ pub(super) fn absent(key: &str, why: &str) -> Problem {
         format!("add `{key}`"),
     )
 }
+
+/// A vector made one long; refuses the zero vector.
+pub(super) fn direction(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
+    vector(key, value)?.try_normalize().ok_or_else(|| {
+        Problem::new(
+            key,
+            format!("{key} = {value:?} has no direction"),
+            "give a vector that is not zero; its length does not matter",
+        )
+    })
+}

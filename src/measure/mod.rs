@@ -11,6 +11,7 @@ mod results;
 mod skirt;
 mod spectrum;
 pub mod statistics;
+mod supports;
 mod wing;
 mod wing_trim;
 

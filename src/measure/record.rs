@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-use super::{bodies, plate};
+use super::{bodies, plate, supports};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -142,6 +142,7 @@ impl Record {
         if structure.is_some_and(|s| s.line_drag.is_some()) {
             columns.push("line_drag_n".to_owned());
         }
+        columns.extend(supports::columns(scene));
         if structure.is_some_and(|s| s.contact.is_some()) {
             columns.extend(CONTACT.map(str::to_owned));
         }
@@ -251,6 +252,7 @@ impl Record {
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());
         row.extend(simulation.line_drag_n().map(|force| force.x));
+        row.extend(supports::values(simulation));
         if let Some(contact) = simulation.cloth().and_then(|c| c.contact_state()) {
             let gap_m = contact.smallest_gap_m;
             let gap_m = if gap_m.is_finite() { gap_m } else { f64::NAN };

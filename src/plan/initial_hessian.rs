@@ -28,6 +28,16 @@ pub fn of_steps(scene: &Scene, placement: &Placement) -> InitialHessian {
     }
 }
 
+/// Length of an implicit step from which multigrid is faster [s]; infinite where it is never taken.
+pub fn multigrid_from_s(scene: &Scene, placement: &Placement) -> f64 {
+    match &scene.body {
+        Some(body) if !placement.cloth_on_device() => {
+            ELEMENTS_CROSSED / body.structure.elements_crossed(1.0)
+        }
+        _ => f64::INFINITY,
+    }
+}
+
 /// What the choice leaves out.
 pub fn skipped(scene: &Scene, placement: &Placement) -> Option<Skip> {
     let crossed = elements_crossed(scene)?;

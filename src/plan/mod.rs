@@ -15,6 +15,7 @@ mod wing;
 pub use crate::lattice::Storage;
 pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
+pub use initial_hessian::multigrid_from_s;
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
 
@@ -202,6 +203,17 @@ fn skips(scene: &Scene) -> Vec<Skip> {
                 skip(
                     "steady-state detection",
                     "the case has no [steady]: the run goes to time.end_s".into(),
+                );
+            }
+            if scene.supports.is_empty() && scene.air.is_none() {
+                skip("motion of supports", "the case has no [supports]".into());
+            }
+            if let (Some(time), None) = (scene.time, &scene.air)
+                && time.adaptive.is_none()
+            {
+                skip(
+                    "division of steps by accuracy",
+                    format!("no [time.adaptive]: every step takes {:e} s", time.step_s),
                 );
             }
             if scene.time.is_none() {

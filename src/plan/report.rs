@@ -163,6 +163,14 @@ impl Plan {
                     contact.thickness_m
                 )?;
             }
+            for support in &scene.supports {
+                writeln!(
+                    out,
+                    "  moved support       {}: {} held nodes",
+                    support.name,
+                    support.nodes.len()
+                )?;
+            }
             self.write_canopy(out, scene)?;
         }
         wing::write(out, scene)?;
@@ -174,6 +182,17 @@ impl Plan {
                 out,
                 "\ntime\n  steps               {} before release + {}",
                 self.start_steps, self.steps
+            )?;
+        }
+        if let Some(time) = scene.time
+            && let Some(adaptive) = time.adaptive
+        {
+            writeln!(
+                out,
+                "  adaptive            steps of {:e} s, halved down to {:.3e} s where positions would err by more than {:e} m in one",
+                time.step_s,
+                adaptive.smallest_s(time.step_s),
+                adaptive.tolerance_m
             )?;
         }
         if self.steps > 0 && self.estimated_seconds(threads).is_none() {

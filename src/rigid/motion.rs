@@ -16,6 +16,13 @@ pub enum Motion {
         /// Time in which it rises from zero [s].
         rise_s: f64,
     },
+    /// Displacement at constant velocity, then rest.
+    Ramp {
+        /// Displacement at the end [m].
+        displacement_m: DVec3,
+        /// Time that it takes [s]; 0: displaced from the start.
+        ramp_s: f64,
+    },
     /// Constant rate of rotation about the axis, reached after a linear rise.
     ConstantRotation {
         /// Rate [rad/s].
@@ -117,6 +124,17 @@ impl Motion {
             } => {
                 let (way, rate) = risen(t, *rise_s);
                 (*velocity_m_s * way, *velocity_m_s * rate, 0.0, 0.0)
+            }
+            Self::Ramp {
+                displacement_m,
+                ramp_s,
+            } => {
+                if t < *ramp_s {
+                    let velocity = *displacement_m / *ramp_s;
+                    (velocity * t, velocity, 0.0, 0.0)
+                } else {
+                    (*displacement_m, DVec3::ZERO, 0.0, 0.0)
+                }
             }
             Self::ConstantRotation { rate_rad_s, rise_s } => {
                 let (way, rate) = risen(t, *rise_s);
@@ -252,6 +270,10 @@ mod tests {
             Motion::ConstantVelocity {
                 velocity_m_s: DVec3::new(1.0, -2.0, 0.5),
                 rise_s: 0.4,
+            },
+            Motion::Ramp {
+                displacement_m: DVec3::new(0.3, 0.0, -0.2),
+                ramp_s: 0.5,
             },
             Motion::ConstantRotation {
                 rate_rad_s: 3.0,

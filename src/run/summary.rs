@@ -66,6 +66,23 @@ pub(super) fn summarise(
             cost.evaluations as f64 / cost.solves as f64
         ));
     }
+    if let (Some(adaptive), Some(time)) = (simulation.adaptive(), scene.time) {
+        notes.push(format!(
+            "adaptive steps: {} parts in {steps} steps of {:e} s, the shortest {:.3e} s; {} were done again in halves, {} of them since the solver \
+             did not reach its tolerance",
+            adaptive.parts(),
+            time.step_s,
+            time.step_s / (1_u64 << adaptive.most_halvings()) as f64,
+            adaptive.refused(),
+            adaptive.failed()
+        ));
+        if adaptive.coarse() > 0 {
+            notes.push(format!(
+                "{} parts err more than time.adaptive.tolerance_m allows: lower time.adaptive.smallest_step_s",
+                adaptive.coarse()
+            ));
+        }
+    }
     if simulation.largest_marker_motion() > MARKER_MOTION_LIMIT {
         notes.push(format!(
             "a marker moved {:.2} cells between two solves of the fabric; the coupling is meant for less than {MARKER_MOTION_LIMIT}: \

@@ -37,6 +37,9 @@ impl Simulation {
         if let Some(cadence) = &self.cadence {
             cadence.save(out)?;
         }
+        if let Some(adaptive) = &self.adaptive {
+            adaptive.save(out)?;
+        }
         if let Some(descent) = &self.descent {
             descent.save(out)?;
         }
@@ -82,6 +85,9 @@ impl Simulation {
         }
         if let Some(cadence) = &mut self.cadence {
             cadence.restore(from)?;
+        }
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.restore(from)?;
         }
         if let Some(descent) = &mut self.descent {
             descent.restore(from)?;

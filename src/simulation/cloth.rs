@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::coupled::Coupled;
 use super::{Cost, Failure, Simulation};
 use crate::case::Scene;
-use crate::cpu::cloth::{InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
+use crate::cpu::cloth::{Cloth, InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::plan::Plan;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
@@ -18,10 +18,18 @@ const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
 const REFRESH_EVERY: usize = 10;
 
-/// The fabric before a solve over several steps.
-struct Before {
+/// The fabric before a solve that may be taken back.
+pub(super) struct Before {
     positions_m: Vec<DVec3>,
-    velocities_m_s: Vec<DVec3>,
+    pub(super) velocities_m_s: Vec<DVec3>,
+}
+
+impl Before {
+    /// Puts the fabric back to where it was.
+    pub(super) fn put_back(&self, cloth: &mut Cloth) {
+        cloth.positions_m.copy_from_slice(&self.positions_m);
+        cloth.velocities_m_s.copy_from_slice(&self.velocities_m_s);
+    }
 }
 
 impl Simulation {
@@ -58,8 +66,7 @@ impl Simulation {
         };
         let too_far = cadence.shorten(coupled.fastest_of_fabric(cloth));
         if too_far {
-            cloth.positions_m.copy_from_slice(&before.positions_m);
-            cloth.velocities_m_s.copy_from_slice(&before.velocities_m_s);
+            before.put_back(cloth);
         }
         too_far
     }
@@ -82,18 +89,29 @@ impl Simulation {
 
     /// What a solve over several steps may have to be taken back to; `None` where every step is solved.
     fn before(&self) -> Option<Before> {
-        let cloth = self.cloth.as_ref().filter(|_| self.cadence.is_some())?;
-        Some(Before {
-            positions_m: cloth.positions_m.clone(),
-            velocities_m_s: cloth.velocities_m_s.clone(),
-        })
+        self.cadence.is_some().then(|| self.state())
     }
 
-    /// Stage `send_nodes`.
+    /// Where the fabric is, for solves that may be taken back.
+    pub(super) fn state(&self) -> Before {
+        self.cloth.as_ref().map_or_else(
+            || Before {
+                positions_m: Vec::new(),
+                velocities_m_s: Vec::new(),
+            },
+            |cloth| Before {
+                positions_m: cloth.positions_m.clone(),
+                velocities_m_s: cloth.velocities_m_s.clone(),
+            },
+        )
+    }
+
+    /// Stage `send_nodes`; parts of steps send their own.
     pub(super) fn send_nodes(&mut self) -> Result<(), DeviceError> {
-        if !self.solves_now() {
+        if !self.solves_now() || self.adaptive.is_some() {
             return Ok(());
         }
+        self.place_supports(self.time_at(self.step + 1));
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
@@ -103,7 +121,7 @@ impl Simulation {
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
-            (felt, &self.drags),
+            (felt, &self.drags, &self.moved_supports),
             every,
         );
         let settings = self.step_settings();
@@ -129,6 +147,9 @@ impl Simulation {
             }
             return Ok(());
         }
+        if let Some(adaptive) = self.adaptive {
+            return self.solve_in_parts(adaptive);
+        }
         if self.device_cloth.is_some() {
             let outcome = self.solve_on_device()?;
             return self.finite(outcome.as_ref());
@@ -137,6 +158,7 @@ impl Simulation {
             coupled.gather_reactions();
         }
         self.begin_span();
+        self.place_supports(self.time_at(self.step + 1));
         let before = self.before();
         loop {
             let outcome = self.solve_on_host();
@@ -159,7 +181,7 @@ impl Simulation {
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
-            (felt, &self.drags),
+            (felt, &self.drags, &self.moved_supports),
             every,
         );
         let cloth = self.cloth.as_mut()?;
@@ -170,6 +192,35 @@ impl Simulation {
         Some(outcome)
     }
 
+    /// One part of a step, with its transfers where a device solves.
+    pub(super) fn solve_part(
+        &mut self,
+        part_s: f64,
+        initial_hessian: InitialHessian,
+    ) -> Result<Outcome, Failure> {
+        let settings = SolverSettings {
+            refresh_every: refresh_every(initial_hessian),
+            initial_hessian,
+            ..self.step_settings()
+        };
+        let felt = self.felt_gravity_m_s2();
+        let input = StepInput {
+            time_step_s: Some(part_s),
+            ..step_input(&self.scene, None, (felt, &[], &self.moved_supports), 1)
+        };
+        let Some(cloth) = &mut self.cloth else {
+            return Err(Failure::Start("there is no fabric to solve".to_owned()));
+        };
+        let contact = cloth.contact_time();
+        let outcome = match &mut self.device_cloth {
+            Some(device_cloth) => device_cloth.solve(cloth, &input, &settings, &mut |_| true)?,
+            None => cloth.solve_cloth(&input, &settings),
+        };
+        self.cost.contact += cloth.contact_time().saturating_sub(contact);
+        count(&mut self.cost, &outcome);
+        Ok(outcome)
+    }
+
     /// On what `send_nodes` sent.
     fn solve_on_device(&mut self) -> Result<Option<Outcome>, DeviceError> {
         let settings = self.step_settings();
@@ -178,7 +229,7 @@ impl Simulation {
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
-            (felt, &self.drags),
+            (felt, &self.drags, &self.moved_supports),
             every,
         );
         let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) else {
@@ -191,7 +242,7 @@ impl Simulation {
     }
 
     /// A solve that is not finite ends the run.
-    fn finite(&self, outcome: Option<&Outcome>) -> Result<(), Failure> {
+    pub(super) fn finite(&self, outcome: Option<&Outcome>) -> Result<(), Failure> {
         if outcome.is_none_or(|outcome| outcome.stop != Stop::NotFinite) {
             return Ok(());
         }
@@ -208,7 +259,7 @@ impl Simulation {
 
     /// Stage `fetch_nodes`; solves anew over fewer steps where the fabric moves too far.
     pub(super) fn fetch_nodes(&mut self) -> Result<(), Failure> {
-        if !self.solves_now() {
+        if !self.solves_now() || self.adaptive.is_some() {
             return Ok(());
         }
         let before = self.before();
@@ -223,7 +274,7 @@ impl Simulation {
             let input = step_input(
                 &self.scene,
                 self.coupled.as_ref(),
-                (felt, &self.drags),
+                (felt, &self.drags, &self.moved_supports),
                 every,
             );
             let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth)
@@ -244,7 +295,7 @@ impl Simulation {
         let input = step_input(
             &self.scene,
             self.coupled.as_ref(),
-            (felt, &self.drags),
+            (felt, &self.drags, &self.moved_supports),
             every,
         );
         match (&mut self.cloth, &mut self.device_cloth) {
@@ -256,8 +307,9 @@ impl Simulation {
     /// Seeks the static equilibrium asked for by the case, from where the structure is; `None` if it asks for none. `watch` is told
     /// of every iteration and may end it.
     pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
-        self.pressure_acts = true;
         let tolerance = self.scene.equilibrium?.tolerance;
+        self.place_supports(self.time_s());
+        self.pressure_acts = true;
         self.solve_static(tolerance, watch)
     }
 
@@ -276,6 +328,7 @@ impl Simulation {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
             pressure,
             nodal_loads_n,
+            moved_supports: &self.moved_supports,
             ..StepInput::default()
         };
         let settings = SolverSettings {
@@ -326,7 +379,7 @@ pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
 fn step_input<'a>(
     scene: &Scene,
     coupled: Option<&'a Coupled>,
-    (gravity_m_s2, drags): (Option<DVec3>, &'a [NodalDrag]),
+    (gravity_m_s2, drags, moved_supports): (Option<DVec3>, &'a [NodalDrag], &'a [(u32, DVec3)]),
     every: u32,
 ) -> StepInput<'a> {
     StepInput {
@@ -334,7 +387,7 @@ fn step_input<'a>(
         gravity_m_s2: gravity_m_s2.unwrap_or(DVec3::ZERO),
         drags,
         pressure: Pressure::None,
-        moved_supports: &[],
+        moved_supports,
         nodal_loads_n: &[],
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
@@ -349,11 +402,15 @@ pub(super) fn step_settings(scene: &Scene, plan: &Plan) -> SolverSettings {
         displacement_floor_m: DISPLACEMENT_FLOOR_M,
         evaluation_limit: scene.solver.evaluation_limit,
         history: HISTORY,
-        refresh_every: match plan.step_hessian {
-            InitialHessian::BlockJacobi => None,
-            InitialHessian::Multigrid => Some(REFRESH_EVERY),
-        },
+        refresh_every: refresh_every(plan.step_hessian),
         initial_hessian: plan.step_hessian,
+    }
+}
+
+const fn refresh_every(initial_hessian: InitialHessian) -> Option<usize> {
+    match initial_hessian {
+        InitialHessian::BlockJacobi => None,
+        InitialHessian::Multigrid => Some(REFRESH_EVERY),
     }
 }
 

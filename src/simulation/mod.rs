@@ -1,5 +1,6 @@
 //! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
 
+mod adaptive;
 mod air;
 mod bodies;
 mod cadence;
@@ -15,6 +16,7 @@ mod impulses;
 mod markers;
 mod opening;
 mod permeable;
+mod supports;
 mod trim;
 
 use std::sync::Arc;
@@ -22,6 +24,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+pub use adaptive::Adaptive;
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
 pub use cadence::Cadence;
@@ -73,6 +76,10 @@ pub struct Simulation {
     coupled: Option<Coupled>,
     /// Present where several steps of the air may pass between solves of the fabric.
     cadence: Option<Cadence>,
+    /// Present where steps of the fabric choose their own length.
+    adaptive: Option<Adaptive>,
+    /// Where supports are to be at the end of the solve.
+    moved_supports: Vec<(u32, DVec3)>,
     impulses: Option<Impulses>,
     descent: Option<Descent>,
     /// Drag of payload and lines in the step.
@@ -162,6 +169,7 @@ impl Simulation {
             }
             _ => None,
         };
+        let adaptive = Adaptive::of(&scene, &plan.placement);
         let every = structure_every(&scene);
         let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
         Ok(Self {
@@ -170,6 +178,8 @@ impl Simulation {
                 time_s: 0.0,
             },
             cadence,
+            adaptive,
+            moved_supports: Vec::new(),
             descent,
             drags: Vec::new(),
             scene,
@@ -274,12 +284,6 @@ impl Simulation {
     #[must_use]
     pub const fn coupled(&self) -> Option<&Coupled> {
         self.coupled.as_ref()
-    }
-
-    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
-    #[must_use]
-    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
-        self.coupled.as_ref()?.through_velocities_m_s()
     }
 
     /// Impulses of the three force routes since release.

@@ -196,3 +196,11 @@ impl PermeableMarkers {
 pub(super) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
+
+impl super::Simulation {
+    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
+        self.coupled.as_ref()?.through_velocities_m_s()
+    }
+}

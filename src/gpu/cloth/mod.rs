@@ -16,7 +16,7 @@
 //!
 //! *What single precision limits*: forces are rounded to 2⁻²⁴ of the tension T that they come from. Noise on a sheet of 10 mm mesh, 10 m
 //! from the origin, is 2e-4 of the nodal load of 50 Pa. In a static equilibrium the energy norm cannot fall below that of this
-//! rounding: for a hanging cable of stiffness EA about 2⁻²⁴ √(EA/T) of the loads' (4e-6 reached in `cases/hanging-chain.toml`, where
+//! rounding: for a hanging cable of stiffness EA about 2⁻²⁴ √(EA/T) of the loads' (4e-6 reached in `cases/cloth/hanging-chain.toml`, where
 //! this is 8e-6), because the transverse part of the rounding moves a cable that only T holds, while the loads only stretch it.
 
 mod elements;

@@ -45,12 +45,12 @@ pub(super) fn in_wind(results: &mut Results, record: &Record) {
     results.insert("mass_drift", Quantity::new(defect, "1"));
 }
 
-/// Fabric and cables at rest or in motion, without air.
+/// Fabric and cables without air; where they `rest` as the case builds them, exact values stand beside.
 pub(super) fn alone(
     results: &mut Results,
     kind: &BodyKind,
     structure: &StructureFrame,
-    weight_n: f64,
+    (weight_n, rests): (f64, bool),
 ) {
     let lowest = structure
         .positions_m
@@ -68,7 +68,7 @@ pub(super) fn alone(
         weight_n_m,
     } = *kind
     {
-        let exact = catenary::solve(span_m, length_m, weight_n_m);
+        let exact = catenary::solve(span_m, length_m, weight_n_m).filter(|_| rests);
         let source = "exact catenary of an inextensible cable";
         let tensions = &structure.cable_tensions_n;
         let mut insert = |name: &str, value: f64, unit: &str, exact: Option<f64>| {

@@ -9,7 +9,7 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, plate, wing, wing_trim};
+use super::{Record, bodies, plate, supports, wing, wing_trim};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
@@ -64,7 +64,8 @@ pub(super) fn of_scene(
             if let Some(structure) = structure {
                 let weight: f64 = body.structure.masses_kg.iter().sum::<f64>()
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
-                fabric::alone(&mut results, &body.kind, structure, weight);
+                let rests = scene.equilibrium.is_some() && scene.supports.is_empty();
+                fabric::alone(&mut results, &body.kind, structure, (weight, rests));
                 if let Some(known) = &scene.wing {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
@@ -87,6 +88,7 @@ pub(super) fn of_scene(
     }
     line_drag_results(&mut results, record);
     contact_results(&mut results, record);
+    supports::results(&mut results, record, scene);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);
     }

@@ -1,0 +1,235 @@
+//! Implicit steps of fabric alone that choose their own length.
+//!
+//! A step of the run, `time.step_s`, is the largest; it is halved as often as needed, and every part is a whole solve. Backward Euler moves a node
+//! by dt vⁿ⁺¹ where one with constant acceleration goes dt (vⁿ + vⁿ⁺¹)/2: a part errs by e = ½ dt |vⁿ⁺¹ − vⁿ| (the leading term of
+//! its local error; Hairer, Nørsett & Wanner, "Solving Ordinary Differential Equations I", II.4), taken as root mean square over the mass of the
+//! nodes that can move. A part that errs more than `tolerance_m`, or that the minimiser cannot solve, is done again in halves. Once a part would
+//! still be good enough at twice its length, the next is twice as long, where it begins at a multiple of that. So a run goes through
+//! the same instants as with fixed steps, and what is written at these is written so, too.
+//!
+//! The tolerance is one of a part, not of its share of the run ("error per step", not "per unit step"): where fabric snaps taut, velocities jump, and
+//! |vⁿ⁺¹ − vⁿ| does not fall with dt, but e does. Errors of smooth motion add up to some ½ T √(2 a e) in the time T, a the acceleration: a quarter of
+//! the tolerance halves them.
+
+use std::io;
+
+use glam::DVec3;
+
+use super::{Failure, Simulation};
+use crate::case::Scene;
+use crate::case::scene::AdaptiveStep;
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::cloth::Cloth;
+use crate::plan::{Placement, multigrid_from_s};
+use crate::solve::InitialHessian;
+use crate::solve::lbfgs::Stop;
+
+/// Share of the tolerance below which the next part is twice as long: in smooth motion it will err four times as much.
+const LENGTHEN_BELOW: f64 = 0.2;
+
+/// Parts after one that the minimiser could not solve before a longer one is tried.
+const PARTS_AFTER_FAILURE: u64 = 16;
+
+/// Name of the section in a checkpoint.
+const SECTION: &str = "adaptive";
+
+/// How parts of a step are chosen, and what came of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Adaptive {
+    settings: AdaptiveStep,
+    /// Length of a part from which multigrid is faster than block-Jacobi [s].
+    multigrid_from_s: f64,
+    /// How often a step is halved now.
+    halvings: u32,
+    /// Parts to go until a longer one may be tried.
+    patience: u64,
+    parts: u64,
+    refused: u64,
+    failed: u64,
+    coarse: u64,
+    most_halvings: u32,
+}
+
+/// What becomes of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Accepted,
+    /// Accepted, and the next may be twice as long.
+    Lengthened,
+    /// To be done again, in parts halved so many times more.
+    Refused(u32),
+}
+
+impl Adaptive {
+    /// Of a scene; `None` where every step is one solve.
+    pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Self> {
+        let time = scene.time.filter(|_| scene.body.is_some())?;
+        let settings = time.adaptive?;
+        Some(Self::new(settings, multigrid_from_s(scene, placement)))
+    }
+
+    const fn new(settings: AdaptiveStep, multigrid_from_s: f64) -> Self {
+        Self {
+            settings,
+            multigrid_from_s,
+            halvings: 0,
+            patience: 0,
+            parts: 0,
+            refused: 0,
+            failed: 0,
+            coarse: 0,
+            most_halvings: 0,
+        }
+    }
+
+    /// Parts that steps have been divided into so far.
+    #[must_use]
+    pub const fn parts(&self) -> u64 {
+        self.parts
+    }
+
+    /// Parts that were done again in halves, those that could not be solved included.
+    #[must_use]
+    pub const fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// Parts that were done again since the minimiser could not solve them.
+    #[must_use]
+    pub const fn failed(&self) -> u64 {
+        self.failed
+    }
+
+    /// Parts of the smallest length that err more than they may.
+    #[must_use]
+    pub const fn coarse(&self) -> u64 {
+        self.coarse
+    }
+
+    /// How often a step has been halved at most.
+    #[must_use]
+    pub const fn most_halvings(&self) -> u32 {
+        self.most_halvings
+    }
+
+    /// What a part is solved from.
+    fn initial_hessian(&self, part_s: f64) -> InitialHessian {
+        if part_s < self.multigrid_from_s {
+            InitialHessian::BlockJacobi
+        } else {
+            InitialHessian::Multigrid
+        }
+    }
+
+    /// Judges a part by what the minimiser says of it and by the error of positions [m].
+    fn judge(&mut self, stop: Stop, error_m: f64) -> Verdict {
+        let left = self.settings.halvings - self.halvings;
+        if stop != Stop::Converged && left > 0 {
+            self.refused += 1;
+            self.failed += 1;
+            self.patience = PARTS_AFTER_FAILURE;
+            return Verdict::Refused(1);
+        }
+        let share = error_m / self.settings.tolerance_m;
+        if share > 1.0 && left > 0 {
+            self.refused += 1;
+            // Of smooth motion it goes with the square of the length.
+            let halvings = (0.5 * share.log2()).ceil().clamp(1.0, f64::from(left));
+            return Verdict::Refused(halvings as u32);
+        }
+        self.parts += 1;
+        self.coarse += u64::from(share > 1.0);
+        self.patience = self.patience.saturating_sub(1);
+        if share < LENGTHEN_BELOW && self.patience == 0 {
+            Verdict::Lengthened
+        } else {
+            Verdict::Accepted
+        }
+    }
+
+    pub(super) fn save(&self, out: &mut Writer) -> io::Result<()> {
+        out.put(
+            SECTION,
+            &[
+                u64::from(self.halvings),
+                self.patience,
+                self.parts,
+                self.refused,
+                self.failed,
+                self.coarse,
+                u64::from(self.most_halvings),
+            ],
+        )
+    }
+
+    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let stored: Vec<u64> = from.take_exactly(SECTION, 7)?;
+        let halvings = |number: u64| {
+            u32::try_from(number)
+                .ok()
+                .filter(|halvings| *halvings <= self.settings.halvings)
+                .ok_or_else(|| from.damaged("the parts of steps are out of range".to_owned()))
+        };
+        let (now, most) = (halvings(stored[0])?, halvings(stored[6])?);
+        (self.halvings, self.most_halvings) = (now, most);
+        [self.patience, self.parts, self.refused, self.failed] =
+            [stored[1], stored[2], stored[3], stored[4]];
+        self.coarse = stored[5];
+        Ok(())
+    }
+}
+
+/// Root mean square over the mass of the change of velocity of nodes that can move [m/s].
+fn change_of_velocity_m_s(cloth: &Cloth, before_m_s: &[DVec3]) -> f64 {
+    let structure = &cloth.structure;
+    let (mut sum, mut mass) = (0.0, 0.0);
+    for (node, (now, before)) in cloth.velocities_m_s.iter().zip(before_m_s).enumerate() {
+        if !structure.held[node] {
+            sum += structure.masses_kg[node] * now.distance_squared(*before);
+            mass += structure.masses_kg[node];
+        }
+    }
+    if mass > 0.0 { (sum / mass).sqrt() } else { 0.0 }
+}
+
+impl Simulation {
+    /// Parts of steps; `None` where every step is one solve.
+    #[must_use]
+    pub const fn adaptive(&self) -> Option<&Adaptive> {
+        self.adaptive.as_ref()
+    }
+
+    /// Stage `solve_cloth` with its transfers, part by part.
+    pub(super) fn solve_in_parts(&mut self, mut adaptive: Adaptive) -> Result<(), Failure> {
+        let step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        let start_s = self.time_s();
+        let smallest = 1_u64 << adaptive.settings.halvings;
+        let part_s = |parts: u64| step_s * (parts as f64 / smallest as f64);
+        let mut done = 0;
+        while done < smallest {
+            let length = smallest >> adaptive.halvings;
+            let before = self.state();
+            self.place_supports(start_s + part_s(done + length));
+            let part_s = part_s(length);
+            let outcome = self.solve_part(part_s, adaptive.initial_hessian(part_s))?;
+            let error_m = self.cloth.as_ref().map_or(0.0, |cloth| {
+                0.5 * part_s * change_of_velocity_m_s(cloth, &before.velocities_m_s)
+            });
+            let verdict = adaptive.judge(outcome.stop, error_m);
+            if let (Verdict::Refused(halvings), Some(cloth)) = (verdict, &mut self.cloth) {
+                before.put_back(cloth);
+                adaptive.halvings += halvings;
+                adaptive.most_halvings = adaptive.most_halvings.max(adaptive.halvings);
+                continue;
+            }
+            self.finite(Some(&outcome))?;
+            done += length;
+            let longer_fits = adaptive.halvings > 0 && done.is_multiple_of(2 * length);
+            if verdict == Verdict::Lengthened && longer_fits {
+                adaptive.halvings -= 1;
+            }
+        }
+        self.adaptive = Some(adaptive);
+        Ok(())
+    }
+}

@@ -1,0 +1,255 @@
+//! Steps of fabric alone that choose their own length.
+
+use std::path::Path;
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices, Scene};
+use ripstop::checkpoint;
+use ripstop::cloth::Structure;
+use ripstop::frame::CableKind;
+use ripstop::lines::Cable;
+use ripstop::plan::{ClothPlacement, Placement, Plan, Precision};
+use ripstop::simulation::Simulation;
+
+use crate::engines::{Engine, needs_device, plain};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    let mut trials: Vec<Trial> = [
+        plain("adaptive::errors_follow_the_tolerance", pendulum),
+        plain("adaptive::a_stiff_start_is_solved_in_parts", stiff_start),
+        plain("adaptive::steps_lengthen_at_rest", at_rest),
+        plain("adaptive::resumed_with_the_same_bits", || {
+            resumed(Precision::F64.into(), Engine::CpuF64);
+        }),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let device = || Placement {
+        cloth: ClothPlacement::Device,
+        ..Engine::Gpu.plan_placement()
+    };
+    trials.push(needs_device(
+        "adaptive::resumed_with_the_same_bits::gpu".to_owned(),
+        move || resumed(device(), Engine::Gpu),
+    ));
+    trials
+}
+
+fn parse(source: &str, changes: &[String]) -> Scene {
+    let choices = Choices {
+        variant: None,
+        overrides: changes.to_vec(),
+    };
+    case::parse("adaptive", source, Path::new("."), &choices)
+        .unwrap()
+        .scene
+}
+
+const CHAIN: &str = r#"
+version = 1
+
+[structure.cable]
+ends_m = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+length_m = 1.2
+segments = 12
+material = { area_m2 = 1e-6, density_kg_m3 = 1000.0, youngs_modulus_pa = 1e9 }
+
+[gravity]
+acceleration_m_s2 = [0.0, 0.0, -9.81]
+
+[solver]
+tolerance = 1e-8
+
+[time]
+end_s = 1.0
+step_s = 0.02
+
+[time.adaptive]
+tolerance_m = 1e-5
+smallest_step_s = 1e-6
+"#;
+
+/// A mass on a line of 1 m, let go where the line is horizontal.
+fn pendulum_scene(tolerance_m: f64) -> Scene {
+    let change = format!("time.adaptive.tolerance_m={tolerance_m:e}");
+    let mut scene = parse(CHAIN, &[change]);
+    let mut structure = Structure {
+        positions_m: vec![DVec3::ZERO, DVec3::X],
+        masses_kg: vec![0.0, 1.0],
+        held: vec![true, false],
+        ..Structure::default()
+    };
+    // So stiff that its weight stretches the line by 3e-7.
+    let line = Cable::linear(1e-4, 1e-3, 1e12);
+    structure.add_cable(&[0, 1], &[1.0], &line, CableKind::Cable);
+    if let Some(body) = &mut scene.body {
+        body.structure = structure;
+    }
+    scene
+}
+
+fn run(scene: Scene) -> Simulation {
+    let plan = Plan::new(&scene, Precision::F64);
+    let steps = plan.steps;
+    let mut simulation = Simulation::new(scene, plan, None).unwrap();
+    while simulation.step_count() < steps {
+        simulation.advance().unwrap();
+    }
+    simulation
+}
+
+/// The pendulum's place after a second, by Runge and Kutta's method.
+fn exact_place_m() -> DVec3 {
+    let rate = |[angle, speed]: [f64; 2]| [speed, 9.81 * angle.cos()];
+    let (mut state, steps) = ([0.0_f64, 0.0], 20_000);
+    let h = 1.0 / f64::from(steps);
+    for _ in 0..steps {
+        let at =
+            |k: [f64; 2], share: f64| [state[0] + share * h * k[0], state[1] + share * h * k[1]];
+        let k1 = rate(state);
+        let k2 = rate(at(k1, 0.5));
+        let k3 = rate(at(k2, 0.5));
+        let k4 = rate(at(k3, 1.0));
+        for i in 0..2 {
+            state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+        }
+    }
+    DVec3::new(state[0].cos(), 0.0, -state[0].sin())
+}
+
+/// Place and energy of a pendulum converge: a quarter of the tolerance halves the error, which stays below what local errors add up to.
+fn pendulum() {
+    let exact = exact_place_m();
+    let mut errors = Vec::new();
+    for tolerance_m in [4e-5, 1e-5, 2.5e-6_f64] {
+        let simulation = run(pendulum_scene(tolerance_m));
+        let cloth = simulation.cloth().unwrap();
+        let error_m = cloth.positions_m[1].distance(exact);
+        let energy_j = cloth.kinetic_energy_j() + 9.81 * cloth.positions_m[1].z;
+        let adaptive = simulation.adaptive().unwrap();
+        println!(
+            "tolerance {tolerance_m} m: error {error_m:.3e} m, energy {energy_j:.3e} J, {} parts, {} refused",
+            adaptive.parts(),
+            adaptive.refused()
+        );
+        // T √(a e/2), with the acceleration of the lowest point.
+        let sum_m = (0.5 * 3.0 * 9.81 * tolerance_m).sqrt();
+        assert!(error_m < sum_m, "{error_m} m, not below {sum_m} m");
+        // Backward Euler only loses energy, which was zero.
+        assert!(energy_j < 0.0);
+        assert_eq!((adaptive.coarse(), adaptive.failed()), (0, 0));
+        errors.push([error_m, -energy_j]);
+    }
+    for pair in errors.windows(2) {
+        for (coarse, fine) in pair[0].iter().zip(pair[1]) {
+            let ratio = coarse / fine;
+            let [least, most] = tolerances::adaptive::HALVED;
+            assert!((least..most).contains(&ratio), "{errors:?}");
+        }
+    }
+}
+
+/// A chain that starts from nodes strewn about, of lines so stiff that the whole step is not solved within its evaluations; in parts it is.
+fn stiff_start() {
+    let scene = |changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|&c| c.to_owned()).collect();
+        let mut scene = parse(CHAIN, &changes);
+        let body = scene.body.as_mut().unwrap();
+        for (i, place) in body.structure.positions_m.iter_mut().enumerate() {
+            if !body.structure.held[i] {
+                let i = i as f64;
+                *place += DVec3::new((7.0 * i).sin(), (11.0 * i).cos(), (5.0 * i).sin()) * 0.5;
+            }
+        }
+        scene
+    };
+    let common = [
+        "solver.evaluation_limit=60",
+        "time.end_s=0.1",
+        "solver.tolerance=1e-3",
+    ];
+    let fixed = run(scene(&[&common[..], &["time.adaptive=absent"]].concat()));
+    assert!(fixed.adaptive().is_none());
+    assert!(fixed.cost().unconverged > 0, "{:?}", fixed.cost());
+    let loose = "time.adaptive.tolerance_m=10.0";
+    let parts = run(scene(&[&common[..], &[loose]].concat()));
+    let adaptive = parts.adaptive().unwrap();
+    println!(
+        "fixed: {} of {} solves not converged; adaptive: {adaptive:?}",
+        fixed.cost().unconverged,
+        fixed.cost().solves
+    );
+    assert!(
+        adaptive.failed() > 0 && adaptive.coarse() == 0,
+        "{adaptive:?}"
+    );
+    // Only what was done again was left unsolved.
+    assert_eq!(parts.cost().unconverged, adaptive.failed());
+    assert!(
+        parts
+            .cloth()
+            .unwrap()
+            .positions_m
+            .iter()
+            .all(|x| x.is_finite())
+    );
+}
+
+/// Once the chain has come to rest, a step is one part again.
+fn at_rest() {
+    let changes = ["solver.damping_1_s=20.0", "time.end_s=3.0"].map(str::to_owned);
+    let scene = parse(CHAIN, &changes);
+    let plan = Plan::new(&scene, Precision::F64);
+    let steps = plan.steps;
+    let mut simulation = Simulation::new(scene, plan, None).unwrap();
+    let mut parts = Vec::new();
+    while simulation.step_count() < steps {
+        simulation.advance().unwrap();
+        parts.push(simulation.adaptive().unwrap().parts());
+    }
+    let of_step = |step: usize| parts[step] - parts[step - 1];
+    println!("{} parts in {steps} steps", parts[parts.len() - 1]);
+    assert!((1..10).map(of_step).max() > Some(4), "{parts:?}");
+    assert_eq!(of_step(parts.len() - 1), 1, "{parts:?}");
+}
+
+/// A run that goes on from a checkpoint in the midst of divided steps delivers the bits of one that was never interrupted.
+fn resumed(placement: Placement, engine: Engine) {
+    let source = include_str!("../cases/cloth/shaken-rope.toml");
+    let scene = parse(source, &["time.end_s=0.2".to_owned()]);
+    let start = || {
+        let plan = Plan::new(&scene, placement.clone());
+        Simulation::new(scene.clone(), plan, engine.device()).unwrap()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mut straight = start();
+    let steps = straight.plan().steps;
+    while straight.step_count() < steps / 2 {
+        straight.advance().unwrap();
+    }
+    checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
+    let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
+    let mut resumed = start();
+    resumed.restore(&stored).unwrap();
+    assert!(resumed.adaptive().unwrap().parts() > resumed.step_count());
+    for simulation in [&mut straight, &mut resumed] {
+        while simulation.step_count() < steps {
+            simulation.advance().unwrap();
+        }
+    }
+    let bits = |simulation: &Simulation| {
+        let cloth = simulation.cloth().unwrap();
+        let both = cloth.positions_m.iter().chain(&cloth.velocities_m_s);
+        both.flat_map(|v| v.to_array())
+            .map(f64::to_bits)
+            .collect::<Vec<_>>()
+    };
+    assert!(bits(&straight) == bits(&resumed));
+    assert_eq!(
+        straight.adaptive().unwrap().parts(),
+        resumed.adaptive().unwrap().parts()
+    );
+}
