@@ -17,9 +17,8 @@
 /// How a piece of fabric carries its load.
 pub use crate::frame::FabricState;
 
-use std::f64::consts::PI;
-
 use super::shear::CubicShear;
+use super::wrinkles::wrinkle_direction;
 
 /// Symmetric 3×3 matrix in Voigt space.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -32,15 +31,6 @@ pub struct Membrane {
     isotropic: bool,
     shear: Option<CubicShear>,
 }
-
-/// Iterations for the direction of wrinkles; five are usual, and halving alone takes forty.
-const DIRECTION_LIMIT: usize = 50;
-
-/// Rounding of tensions in a direction, over the tensions.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// Shear stiffness over the smaller of warp and weft below which both sides of the warp are searched.
-const NARROW: f64 = 0.05;
 
 /// Iterations of Newton's method on wrinkles of a sheet with nonlinear shear, and the tension left across them, per tension.
 const NEWTON_LIMIT: usize = 15;
@@ -77,11 +67,11 @@ pub struct Response {
     pub across: [f64; 3],
 }
 
-fn times(matrix: &Matrix3, v: &[f64; 3]) -> [f64; 3] {
+pub(super) fn times(matrix: &Matrix3, v: &[f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+pub(super) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -95,7 +85,7 @@ pub fn principal(xx: f64, yy: f64, xy: f64) -> [f64; 2] {
 }
 
 /// n⊗n, as a strain, of the direction n of the smaller principal value.
-fn smaller_direction(xx: f64, yy: f64, xy: f64) -> [f64; 3] {
+pub(super) fn smaller_direction(xx: f64, yy: f64, xy: f64) -> [f64; 3] {
     let half = 0.5 * (xx - yy);
     let radius = (half * half + xy * xy).sqrt();
     if radius == 0.0 {
@@ -359,342 +349,6 @@ impl Membrane {
     }
 }
 
-/// n⊗n of the direction n that maximises the energy given up by wrinkling, ½ t²/q with t = n·σn < 0 and q = nn:C:nn.
-///
-/// In the doubled angle φ, n⊗n = ½ (1 + cos φ, 1 − cos φ), 2 n_x n_y = sin φ, so both t and q are short trigonometric polynomials.
-/// Newton's method on 2 t′q − t q′ = 0, kept inside a bracket, starts from the best of: directions of 30° in φ from `guess` on; that of the
-/// most negative tension, without which a small compression may lie between all of them; and both bias directions, around which a sheet that is soft
-/// in shear has narrow maxima. Such a sheet is searched from the best on either side of the warp, since a narrow maximum is higher than what is seen
-/// beside it.
-fn wrinkle_direction(stiffness: &Matrix3, tension: &[f64; 3], guess: &[f64; 3]) -> [f64; 3] {
-    // cos and sin of 30° steps.
-    const SQRT_3_2: f64 = 0.866_025_403_784_438_6;
-    const STEPS: [[f64; 2]; 12] = [
-        [1.0, 0.0],
-        [SQRT_3_2, 0.5],
-        [0.5, SQRT_3_2],
-        [0.0, 1.0],
-        [-0.5, SQRT_3_2],
-        [-SQRT_3_2, 0.5],
-        [-1.0, 0.0],
-        [-SQRT_3_2, -0.5],
-        [-0.5, -SQRT_3_2],
-        [0.0, -1.0],
-        [0.5, -SQRT_3_2],
-        [SQRT_3_2, -0.5],
-    ];
-    const BIAS: [[f64; 2]; 2] = [[0.0, 1.0], [0.0, -1.0]];
-    let gain = |c: f64, s: f64| {
-        let n = dyad_of(c, s);
-        let across = dot(&n, tension).min(0.0);
-        across * across / dot(&n, &times(stiffness, &n))
-    };
-    let (start_c, start_s) = (guess[0] - guess[1], guess[2]);
-    // The guess turned by multiples of 30°.
-    let turned = STEPS.map(|[c, s]| [start_c * c - start_s * s, start_s * c + start_c * s]);
-    let pushed = smaller_direction(tension[0], tension[1], tension[2]);
-    let candidates = [[pushed[0] - pushed[1], pushed[2]]];
-    let candidates = candidates.into_iter().chain(turned).chain(BIAS);
-    // The best on either side of the warp.
-    let mut best = [([0.0; 2], 0.0); 2];
-    for candidate in candidates {
-        let value = gain(candidate[0], candidate[1]);
-        let side = &mut best[usize::from(candidate[1] < 0.0)];
-        if value > side.1 {
-            *side = (candidate, value);
-        }
-    }
-    let [better, other] = if best[1].1 > best[0].1 {
-        [best[1], best[0]]
-    } else {
-        best
-    };
-    let found = refined_direction(stiffness, tension, better.0);
-    let is_soft = stiffness[2][2] < NARROW * stiffness[0][0].min(stiffness[1][1]);
-    if is_soft && other.1 > 0.0 {
-        let second = refined_direction(stiffness, tension, other.0);
-        if gain(second[0], second[1]) > gain(found[0], found[1]) {
-            return dyad_of(second[0], second[1]);
-        }
-    }
-    dyad_of(found[0], found[1])
-}
-
-/// n⊗n, as a strain, of a unit vector at twice the angle of n.
-const fn dyad_of(c: f64, s: f64) -> [f64; 3] {
-    [0.5 * (1.0 + c), 0.5 * (1.0 - c), s]
-}
-
-/// The direction, as a unit vector at twice its angle, of the maximum next to one that gives up energy.
-fn refined_direction(stiffness: &Matrix3, tension: &[f64; 3], start: [f64; 2]) -> [f64; 2] {
-    let centre = start[1].atan2(start[0]);
-    let rounding = ROUNDING * (tension[0].abs() + tension[1].abs() + tension[2].abs());
-    let (mut low, mut high) = (centre - PI / 6.0, centre + PI / 6.0);
-    let mut angle = centre;
-    for _ in 0..DIRECTION_LIMIT {
-        let (s, c) = angle.sin_cos();
-        let (n, n1, n2) = (
-            dyad_of(c, s),
-            [-0.5 * s, 0.5 * s, c],
-            [-0.5 * c, 0.5 * c, -s],
-        );
-        let (cn, cn1) = (times(stiffness, &n), times(stiffness, &n1));
-        let (t, t1, t2) = (dot(&n, tension), dot(&n1, tension), dot(&n2, tension));
-        let (q, q1) = (dot(&n, &cn), 2.0 * dot(&n1, &cn));
-        let q2 = 2.0 * (dot(&n1, &cn1) + dot(&n2, &cn));
-        // For t < 0 the gain rises while this is negative; where nothing pushes, the maximum lies towards the centre.
-        let slope = 2.0 * t1 * q - t * q1;
-        let curvature = 2.0 * t2 * q + t1 * q1 - t * q2;
-        let is_before = if t < 0.0 { slope < 0.0 } else { angle < centre };
-        if is_before {
-            low = angle
-        } else {
-            high = angle
-        }
-        let newton = angle - slope / curvature;
-        let next = if t < 0.0 && newton > low && newton < high {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
-        let moved = (next - angle).abs();
-        if slope.abs() <= rounding * (2.0 * q + q1.abs()) {
-            break;
-        }
-        angle = next;
-        if moved < 1e-12 {
-            break;
-        }
-    }
-    [angle.cos(), angle.sin()]
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// n⊗n as a strain (xx, yy, 2·xy), for n at an angle from the warp.
-    fn dyad(angle: f64) -> [f64; 3] {
-        let (sine, cosine) = angle.sin_cos();
-        [cosine * cosine, sine * sine, 2.0 * sine * cosine]
-    }
-    use crate::fabric::Fabric;
-
-    fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Membrane {
-        let fabric = Fabric {
-            thickness_m: 1e-4,
-            density_kg_m3: 533.77,
-            warp_modulus_pa: 4.31e8,
-            weft_modulus_pa: 4.31e8,
-            poisson_ratio: 0.14,
-            shear_modulus_pa,
-            residual_stiffness,
-            cubic_shear_compliance_1_pa3: None,
-            initial_strain: [0.0; 2],
-            yield_stress_pa: None,
-        };
-        Membrane::new(fabric.stiffness_n_m(), residual_stiffness)
-    }
-
-    /// Shear that softens: half as stiff at a few per cent.
-    fn cubic(shear_modulus_pa: f64, residual_stiffness: f64) -> Membrane {
-        let compliance_m_n = 1.0 / (1e-4 * shear_modulus_pa);
-        fabric(shear_modulus_pa, residual_stiffness).with_shear(CubicShear {
-            compliance_m_n,
-            // As much again at 100 N/m.
-            cubic_m3_n3: 1e-4 * compliance_m_n,
-        })
-    }
-
-    fn isotropic_shear() -> f64 {
-        Fabric::isotropic_shear_modulus_pa(4.31e8, 0.14)
-    }
-
-    /// Brute force over all positive semidefinite P = R(θ) diag(a, b) Rᵀ in a wide grid.
-    fn brute_force(law: &Membrane, strain: &[f64; 3]) -> f64 {
-        let mut best = f64::INFINITY;
-        for k in 0..180 {
-            let angle = PI * f64::from(k) / 180.0;
-            let n = dyad(angle);
-            let m = dyad(angle + 0.5 * PI);
-            for i in 0..=60 {
-                for j in 0..=20 {
-                    let (a, b) = (f64::from(i) * 1e-3, f64::from(j) * 1e-3);
-                    let e: [f64; 3] = std::array::from_fn(|q| strain[q] + a * n[q] + b * m[q]);
-                    best = best.min(law.energy_and_tension(&e).0);
-                }
-            }
-        }
-        best
-    }
-
-    #[test]
-    fn relaxed_energy_is_the_minimum_over_wrinkles() {
-        let strains = [
-            [0.01, 0.004, 0.003],
-            [0.01, -0.02, 0.0],
-            [0.01, -0.02, 0.02],
-            [-0.01, -0.02, 0.002],
-            [0.002, -0.001, 0.03],
-        ];
-        let laws = [
-            fabric(isotropic_shear(), 0.0),
-            fabric(3e6, 0.0),
-            fabric(5e7, 0.0),
-            cubic(5e7, 0.0),
-        ];
-        for law in laws {
-            for strain in strains {
-                let response = law.respond(&strain);
-                let expected = brute_force(&law, &strain);
-                // The grid of the search is 1e-3 of strain wide, so it can only be above, by little.
-                assert!(
-                    response.energy <= expected + 1e-9,
-                    "{strain:?} {} {expected}",
-                    response.energy
-                );
-                assert!(
-                    expected - response.energy < 0.02,
-                    "{strain:?} {} {expected}",
-                    response.energy
-                );
-            }
-        }
-    }
-
-    /// Strains in all directions and proportions.
-    fn many_strains() -> impl Iterator<Item = [f64; 3]> {
-        (0..3000).map(|k| {
-            let wave = |n: f64| 0.02 * (n * f64::from(k)).sin();
-            [wave(0.37), wave(1.31), 2.0 * wave(2.77)]
-        })
-    }
-
-    /// What a wrinkled sheet carries is one tension along its crests: nothing across, no shear, from sheets that hardly resist shear to isotropic
-    /// ones, and with shear that softens by any amount.
-    #[test]
-    fn wrinkled_fabric_carries_one_tension_along_its_crests() {
-        let compliance_m_n = 1.0 / (1e-4 * 1.9e8);
-        let softened = [1e-16, 1e-12, 1e-10, 1e-8, 1e-4].map(|cubic_m3_n3| {
-            fabric(1.9e8, 0.0).with_shear(CubicShear {
-                compliance_m_n,
-                cubic_m3_n3,
-            })
-        });
-        let linear = [isotropic_shear(), 1.8e8, 1e8, 5e7, 1e7, 1e6].map(|g| fabric(g, 0.0));
-        for (number, law) in linear.into_iter().chain(softened).enumerate() {
-            for strain in many_strains() {
-                let response = law.respond(&strain);
-                if response.state != FabricState::Wrinkled {
-                    continue;
-                }
-                let t = response.tension;
-                let [larger, smaller] = principal(t[0], t[1], t[2]);
-                assert!(
-                    smaller.abs() < 1e-6 * larger,
-                    "law {number}, {strain:?}: {larger} N/m and {smaller} N/m"
-                );
-                let across = dot(&response.across, &t);
-                assert!(across.abs() < 1e-6 * larger, "law {number}, {strain:?}");
-            }
-        }
-    }
-
-    /// No direction of wrinkles gives up more energy than the one taken.
-    #[test]
-    fn wrinkles_give_up_the_most_energy() {
-        for law in [1.8e8, 1e8, 5e7, 1e7, 1e6].map(|g| fabric(g, 0.0)) {
-            for strain in many_strains() {
-                let response = law.respond(&strain);
-                if response.state != FabricState::Wrinkled {
-                    continue;
-                }
-                let tension = times(&law.stiffness, &strain);
-                let whole = 0.5 * dot(&strain, &tension);
-                for degree in 0..180 {
-                    let n = dyad(PI * f64::from(degree) / 180.0);
-                    let across = dot(&n, &tension).min(0.0);
-                    let left = whole - 0.5 * across * across / dot(&n, &times(&law.stiffness, &n));
-                    assert!(
-                        response.energy <= left + 1e-12 * whole,
-                        "{strain:?}: {} and {left} at {degree} degrees",
-                        response.energy
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn tension_is_the_gradient_of_the_energy_and_never_pushes() {
-        for law in [
-            fabric(isotropic_shear(), 0.1),
-            fabric(1e7, 0.1),
-            cubic(5e7, 0.1),
-        ] {
-            for strain in [
-                [0.01, -0.02, 0.01],
-                [0.01, 0.001, 0.002],
-                [-0.01, -0.002, 0.001],
-                [0.0, -0.003, 0.03],
-            ] {
-                let response = law.respond(&strain);
-                for k in 0..3 {
-                    let step = 1e-7;
-                    let mut up = strain;
-                    let mut down = strain;
-                    up[k] += step;
-                    down[k] -= step;
-                    let slope =
-                        (law.respond(&up).energy - law.respond(&down).energy) / (2.0 * step);
-                    assert!(
-                        (slope - response.tension[k]).abs() < 1e-3 * 4.31e4 * 0.03,
-                        "{strain:?} {k} {slope} {:?}",
-                        response.tension
-                    );
-                }
-                let [_, smaller] = principal(
-                    response.tension[0],
-                    response.tension[1],
-                    response.tension[2],
-                );
-                // Only the residual share of the compression may be left.
-                assert!(smaller > -0.11 * 4.31e4 * 0.03, "{smaller}");
-            }
-        }
-    }
-
-    /// Wagner's shear panel (C6 of the design): pure shear γ leaves σ₁ = E γ/2 at 45°, so τ = σ₁/2.
-    #[test]
-    fn sheared_panel_carries_half_the_diagonal_tension() {
-        let law = fabric(isotropic_shear(), 0.0);
-        let shear = 0.01;
-        let response = law.respond(&[0.0, 0.0, shear]);
-        let diagonal = 4.31e4 * 0.5 * shear;
-        assert!((response.tension[2] - 0.5 * diagonal).abs() < 1e-9 * diagonal);
-    }
-
-    /// Bias test (eq. 1 of paper P1): 1/E45 = 1/4 (1/E1 + 1/E2 − 2 ν/E1 + 1/G).
-    #[test]
-    fn bias_modulus_follows_the_shear_modulus() {
-        let law = fabric(1e7, 0.0);
-        let (e, nu, g) = (4.31e8, 0.14, 1e7);
-        let expected = 4.0 / (2.0 / e - 2.0 * nu / e + 1.0 / g);
-        // Uniaxial tension at 45°: find the strain by inverting the stiffness for tension T (1, 1, 1)/2.
-        let t = 100.0;
-        let k = law.stiffness;
-        let normal = 0.5 * t / (k[0][0] + k[0][1]);
-        let shear = 0.5 * t / k[2][2];
-        let along = 0.5 * (normal + normal) + 0.5 * shear;
-        let modulus = t / along / 1e-4;
-        assert!(
-            (modulus / expected - 1.0).abs() < 1e-3,
-            "{modulus} {expected}"
-        );
-        assert!((modulus - 38.5e6).abs() < 0.1e6);
-        assert_eq!(
-            law.respond(&[normal, normal, shear]).state,
-            FabricState::Taut
-        );
-    }
-}
+#[path = "membrane_tests.rs"]
+mod tests;

@@ -9,6 +9,7 @@ pub mod membrane;
 pub mod network;
 pub mod permeability;
 pub mod shear;
+mod wrinkles;
 
 use membrane::Membrane;
 use shear::CubicShear;
