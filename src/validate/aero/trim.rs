@@ -38,7 +38,7 @@ const DENSITY: f64 = 1.2;
 const GRAVITY: f64 = 9.81;
 
 /// The hang point, from the nose of the middle [m]: ahead of the quarter chord, so that lift keeps the nose down.
-const HANG: DVec3 = DVec3::new(0.3, 0.2, -6.0);
+const HANG: DVec3 = DVec3::new(0.0, 0.2, -6.0);
 
 /// Light, so that the wing's own weight enters without mattering.
 const FABRIC: Fabric = Fabric {
