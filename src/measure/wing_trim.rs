@@ -101,7 +101,7 @@ fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
     insert(
         "pressure_lift_over_far_wake_lift",
         "1",
-        "of the pressures on the fabric; traction makes up the difference",
+        "how well panels, and their pressures on the fabric, agree with the far wake",
         &|f| f.pressure_lift_n / f.far_lift_n,
     );
     insert(

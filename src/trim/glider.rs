@@ -1,19 +1,25 @@
-//! Loads of the air on a flown wing: pressure on its triangles, traction for profile drag and for what pressures lack to the far wake, drag of lines; and
-//! the glide that they make.
+//! Loads of the air on a flown wing: pressure on its triangles, traction for the drag that pressures lack, drag of lines; and the glide that they make.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
 use super::outer::OuterPressure;
 use super::skin::Skin;
-use super::{Settings, TrimError, sections};
+use super::{Settings, TrimError};
 use crate::aero::decambering::{Decambering, Section, ViscousFlow};
 use crate::aero::drag::{self, DragArea, LineSegment};
 use crate::aero::polar::{Polar, SectionFlow};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::PanelSurface;
 use crate::cloth::Structure;
+use crate::geometry::profile;
+use crate::geometry::wing::section::{Profile, Side};
 use crate::geometry::wing::{LineKind, Part, Wing};
+
+/// Points per side that stand for a profile.
+const PROFILE_POINTS: usize = 100;
 
 /// Places along an intake at which the pressure before it is taken.
 const INTAKE_POINTS: usize = 5;
@@ -125,28 +131,11 @@ struct Sample {
     outer: OuterPressure,
     inside: f64,
     far_lift_m2: f64,
-    /// What pressures on the fabric lack to the far wake.
-    lacking_m2: DVec3,
     induced_m2: f64,
     strip_drag_m2: Vec<f64>,
     pressure: Sums,
     lines_m2: DVec3,
     sums: Sums,
-}
-
-/// What is spread over the fabric beside pressure, over the dynamic pressure.
-struct Traction<'a> {
-    /// Direction of the stream.
-    along: DVec3,
-    /// Profile drag of each strip, both halves [m²].
-    strip_drag_m2: &'a [f64],
-    /// What pressures lack to the far wake [m²].
-    lacking_m2: DVec3,
-}
-
-/// Upwards across a direction in the plane of symmetry.
-const fn across(along: DVec3) -> DVec3 {
-    DVec3::new(-along.z, 0.0, along.x)
 }
 
 impl<'a> Glider<'a> {
@@ -159,7 +148,37 @@ impl<'a> Glider<'a> {
         gravity_m_s2: f64,
     ) -> Result<Self, TrimError> {
         let skin = Skin::new(wing, settings.panels_per_side, settings.strips);
-        let sections = sections::of_strips(wing, &skin, settings)?;
+        let flows = wing
+            .profiles
+            .iter()
+            .map(section_flow)
+            .collect::<Result<Vec<_>, _>>()?;
+        let polars = wing
+            .profiles
+            .iter()
+            .enumerate()
+            .map(|(number, profile)| match settings.polars.get(number) {
+                Some(Some(polar)) => Ok(polar.clone()),
+                _ => Polar::paraglider(&flows[number], thickness(profile), settings.reynolds),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let sections = skin
+            .strip_middles()
+            .iter()
+            .map(|&u| {
+                let rib = (u + 0.5 * wing.cells as f64).round() as usize;
+                let ([a, b], share) = wing.frames[rib.min(wing.cells)].profiles;
+                if a == b {
+                    return (polars[a].clone(), flows[a]);
+                }
+                let mix = |x: f64, y: f64| x + share * (y - x);
+                let flow = SectionFlow {
+                    slope_per_rad: mix(flows[a].slope_per_rad, flows[b].slope_per_rad),
+                    zero_lift_rad: mix(flows[a].zero_lift_rad, flows[b].zero_lift_rad),
+                };
+                (polars[a].between(&polars[b], share), flow)
+            })
+            .collect();
         let mut strip_fabric_m2 = vec![0.0; skin.sections.len() - 1];
         for (triangle, tag) in structure.triangles.iter().zip(&wing.tags) {
             if matches!(tag.part, Part::Upper | Part::Lower) {
@@ -293,18 +312,14 @@ impl<'a> Glider<'a> {
             );
         });
         let mut sums = pressure;
-        let far_lift_m2 = far.lift_n / DYNAMIC_PA;
-        // Across the span pressures cancel; in the plane of symmetry the far wake decides.
-        let far_m2 = along * induced_m2 + across(along) * far_lift_m2;
-        let lacking_m2 = far_m2 - pressure.force_m2.with_y(0.0);
-        let traction = Traction {
-            along,
-            strip_drag_m2: &strip_drag_m2,
-            lacking_m2,
-        };
-        self.each_traction(&traction, |triangle, force_m2| {
+        let lacking_m2 = induced_m2 - pressure.force_m2.dot(along);
+        self.each_traction(&strip_drag_m2, lacking_m2, |triangle, traction_m2| {
             let nodes = self.structure.triangles[triangle].nodes;
-            add(&mut sums, self.middle_m(nodes, positions_m), force_m2);
+            add(
+                &mut sums,
+                self.middle_m(nodes, positions_m),
+                along * traction_m2,
+            );
         });
         let mut lines_m2 = DVec3::ZERO;
         for line in self.lines(positions_m) {
@@ -314,8 +329,7 @@ impl<'a> Glider<'a> {
             add(&mut sums, middle, force);
         }
         Ok(Sample {
-            far_lift_m2,
-            lacking_m2,
+            far_lift_m2: far.lift_n / DYNAMIC_PA,
             viscous,
             outer,
             inside,
@@ -336,7 +350,7 @@ impl<'a> Glider<'a> {
     ) -> Flight {
         let q = balance.dynamic_pa;
         let along = stream(balance.stream_rad);
-        let up = across(along);
+        let up = DVec3::new(-along.z, 0.0, along.x);
         let speed = balance.speed_m_s;
         let lifts = sample.viscous.flow.section_lift_coefficients(surface);
         let half = 0.5 * self.wing.cells as f64;
@@ -408,17 +422,17 @@ impl<'a> Glider<'a> {
             loads.inside_pa[triangle] = q * inside;
             loads.outside_pa[triangle] = q * outside;
         });
-        let traction = Traction {
-            along,
-            strip_drag_m2: &sample.strip_drag_m2,
-            lacking_m2: sample.lacking_m2,
-        };
-        self.each_traction(&traction, |triangle, force_m2| {
-            let share = turned(force_m2, balance.turn_rad) * (q / 3.0);
-            for node in self.structure.triangles[triangle].nodes {
-                loads.nodal_n[node as usize] += share;
-            }
-        });
+        let world = turned(along, balance.turn_rad);
+        let lacking_m2 = sample.induced_m2 - sample.pressure.force_m2.dot(along);
+        self.each_traction(
+            &sample.strip_drag_m2,
+            lacking_m2,
+            |triangle, traction_m2| {
+                for node in self.structure.triangles[triangle].nodes {
+                    loads.nodal_n[node as usize] += world * (q * traction_m2 / 3.0);
+                }
+            },
+        );
         let segments = self.line_numbers().zip(self.lines(positions_m));
         for (cable, line) in segments {
             let force = drag::forces(&[line], &[], along, 1.0, DVec3::ZERO).force_n * (2.0 * q);
@@ -473,22 +487,25 @@ impl<'a> Glider<'a> {
         }
     }
 
-    /// Calls with every triangle of the panels and its share of traction over the dynamic pressure [m²]: the drag that its strip has, and what
-    /// pressures lack, both spread evenly.
-    fn each_traction(&self, traction: &Traction, mut each: impl FnMut(usize, DVec3)) {
+    /// Calls with every triangle of the panels and its share of drag over the dynamic pressure [m²]: what its strip has, and what pressures
+    /// lack, both spread evenly.
+    fn each_traction(
+        &self,
+        strip_drag_m2: &[f64],
+        lacking_m2: f64,
+        mut each: impl FnMut(usize, f64),
+    ) {
         let whole: f64 = self.strip_fabric_m2.iter().sum();
-        let of_strips: Vec<DVec3> = traction
-            .strip_drag_m2
-            .iter()
-            .zip(&self.strip_fabric_m2)
-            .map(|(drag, fabric)| traction.along * (drag / fabric) + traction.lacking_m2 / whole)
-            .collect();
         for (triangle, tag) in self.wing.tags.iter().enumerate() {
-            if matches!(tag.part, Part::Upper | Part::Lower) {
-                let strip = self.skin.strip_of(tag.number as usize);
-                let area_m2 = self.structure.triangles[triangle].rest_area_m2;
-                each(triangle, of_strips[strip] * area_m2);
+            if !matches!(tag.part, Part::Upper | Part::Lower) {
+                continue;
             }
+            let strip = self.skin.strip_of(tag.number as usize);
+            let per_area = strip_drag_m2[strip] / self.strip_fabric_m2[strip] + lacking_m2 / whole;
+            each(
+                triangle,
+                per_area * self.structure.triangles[triangle].rest_area_m2,
+            );
         }
     }
 
@@ -520,4 +537,30 @@ impl<'a> Glider<'a> {
 fn add(sums: &mut Sums, arm_m: DVec3, force_m2: DVec3) {
     sums.force_m2 += force_m2;
     sums.moment_m3 += arm_m.cross(force_m2).y;
+}
+
+fn thickness(profile: &Profile) -> f64 {
+    (0..=PROFILE_POINTS)
+        .map(|i| {
+            let x = i as f64 / PROFILE_POINTS as f64;
+            profile.height(Side::Upper, x) - profile.height(Side::Lower, x)
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Lift of a rib's profile in potential flow.
+fn section_flow(profile: &Profile) -> Result<SectionFlow, TrimError> {
+    let place = |i: usize| {
+        let angle = std::f64::consts::PI * i as f64 / PROFILE_POINTS as f64;
+        0.5 * (1.0 - angle.cos())
+    };
+    let point = |side: Side, i: usize| {
+        let x = place(i);
+        DVec2::new(x, profile.height(side, x))
+    };
+    let lower = (1..=PROFILE_POINTS).rev().map(|i| point(Side::Lower, i));
+    let upper = (0..=PROFILE_POINTS).map(|i| point(Side::Upper, i));
+    let profile = profile::Profile::new(lower.chain(upper).collect())
+        .map_err(crate::aero::AeroError::from)?;
+    Ok(SectionFlow::of(&Arc::new(profile))?)
 }

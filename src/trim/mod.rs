@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Forces of a shape ([`glider`]) are those that its fabric feels: pressures of the panel method ([`skin`], [`outer`]) on triangles, drag of
-//! sections, and drag of lines. Pressures over few panels miss a part of the induced drag and some percent of the lift; a traction makes up the
-//! difference to the far wake's. So what balances here are the very loads that the fabric is then solved under, in force and in moment.
+//! sections, and drag of lines. Since pressures over few panels miss a part of the induced drag, a traction along the stream makes up the difference
+//! to the far wake's. So what balances here are the very loads that the fabric is then solved under, in force and in moment.
 //!
 //! Paper P0, section 3: external pressure from a steady method of low fidelity, internal pressure prescribed, loosely coupled. Departures: the paper does
 //! not say how the attitude follows; here it is Newton's task of the balance, and a soft guide at the nose holds the fabric while it is solved, moved to
@@ -21,7 +21,6 @@
 pub mod balance;
 pub mod glider;
 pub mod outer;
-mod sections;
 pub mod skin;
 
 use crate::aero::AeroError;
