@@ -170,6 +170,10 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "aero",
             "bluff_body",
             "case",
+            "cloth",
+            "cpu",
+            "fabric",
+            "geometry",
             "gpu",
             "lattice",
             "measure",
@@ -177,6 +181,7 @@ const ALLOWED: [(&str, &[&str]); 28] = [
             "plan",
             "run",
             "simulation",
+            "solve",
         ],
     ),
     (
