@@ -180,6 +180,10 @@ const ALLOWED: [(&str, &[&str]); 29] = [
             "aero",
             "bluff_body",
             "case",
+            "cloth",
+            "cpu",
+            "fabric",
+            "geometry",
             "gpu",
             "lattice",
             "measure",
@@ -187,6 +191,7 @@ const ALLOWED: [(&str, &[&str]); 29] = [
             "plan",
             "run",
             "simulation",
+            "solve",
         ],
     ),
     (

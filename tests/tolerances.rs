@@ -275,3 +275,9 @@ pub mod adaptive {
     /// Ratio of a pendulum's errors where the tolerance is a quarter: 2, as steps are halved throughout.
     pub const HALVED: [f64; 2] = [1.6, 2.5];
 }
+
+/// Deflection of Hencky's disc of 20 rings and height of the airbag of 16 cells, membranes: second order in the size of the triangles.
+pub const BENCH_MEMBRANE: f64 = 0.01;
+
+/// The same of springs: those along the edges of a disc's triangles stand for equilateral ones, those of the airbag for C₁₂ = G.
+pub const BENCH_NETWORK: f64 = 0.05;

@@ -6,6 +6,7 @@ use libtest_mimic::Trial;
 
 use crate::command_line::{ripstop, root};
 use crate::engines::{needs_device, plain};
+use crate::tolerances;
 
 /// Problems that take some seconds on any engine.
 const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
@@ -72,6 +73,7 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("validate::aerodynamics::cpu", || {
         problems(&AERODYNAMICS, "cpu");
     }));
+    trials.extend(plain("validate::bench_of_fabric::cpu", bench_of_fabric));
     trials.extend(plain("validate::usage_errors", usage));
     trials.extend(plain("validate::sphere", sphere));
     if cfg!(unix) {
@@ -108,6 +110,40 @@ fn problems(names: &[&str], engine: &str) {
             assert_ne!(row["holds"], false, "{row}");
         }
     }
+}
+
+/// The quick sizes of `ripstop bench fabric`: all converge, membranes better the finer they are, and springs as far as they can.
+fn bench_of_fabric() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = ripstop(&["bench", "fabric", "--engine", "cpu", "--out", out]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(
+        !output.printed.contains("not converged"),
+        "{}",
+        output.printed
+    );
+    let mut reader = csv::Reader::from_path(folder.path().join("fabric.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let errors = |problem: &str, model: &str| -> Vec<f64> {
+        let of = rows
+            .iter()
+            .filter(|row| &row[0] == problem && &row[1] == model);
+        of.map(|row| row[6].parse().unwrap()).collect()
+    };
+    for problem in ["disc", "airbag"] {
+        let errors = errors(problem, "membrane");
+        let falls = errors.windows(2).all(|pair| pair[1] < 0.5 * pair[0]);
+        assert!(errors.len() > 1 && falls, "{problem}: {errors:?}");
+        let best = errors[errors.len() - 1];
+        assert!(best < tolerances::BENCH_MEMBRANE, "{problem}: {best}");
+    }
+    for problem in ["disc", "airbag"] {
+        let errors = errors(problem, "network");
+        let best = errors[errors.len() - 1];
+        assert!(best < tolerances::BENCH_NETWORK, "{problem}: {best}");
+    }
+    assert!(folder.path().join("fabric-airbag.png").exists());
 }
 
 fn usage() {

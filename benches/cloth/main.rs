@@ -1,6 +1,6 @@
 //! What an equilibrium of fabric costs, over mesh size and initial Hessian, and beside other minimisers.
 //!
-//! `cargo bench --bench cloth -- [table|scale|step|peers] [FILE.json] [SIDE...] [WORD...]` prints a table and, with FILE.json, puts the
+//! `cargo bench --bench cloth -- [table|scale|step|cycle|peers] [FILE.json] [SIDE...] [WORD...]` prints a table and, with FILE.json, puts the
 //! same there as JSON under the name of the part, with machine, commit and date from the environment (`RIPSTOP_MACHINE`,
 //! `RIPSTOP_COMMIT`, `RIPSTOP_DATE`). Words choose problems by their names; `history=5`, `refresh=20`, `tolerance=1e-3` replace settings.
 //!
@@ -9,6 +9,8 @@
 //!   tension-only membrane. To a relative energy norm of 1e-4.
 //! * `scale`: the static equilibrium to 1e-2; 1000 cells along a side unless told otherwise.
 //! * `step`: five implicit steps from flat, to 1e-3, over the elements that a stretching wave crosses in a step: where multigrid pays.
+//! * `cycle`: conjugate gradients with one cycle a step on the projected Hessian, flat and at the equilibrium, to 1e-6: how well the cycle
+//!   inverts its matrix, apart from what that lacks of the true Hessian.
 //! * `peers`: ours, Newton's method, the crate liblbfgs and dynamic relaxation on the same energy, from the same start, to the same norm;
 //!   here numbers choose problems. `benches/peers/cloth_compare.py` adds scipy.
 //!
@@ -20,6 +22,7 @@
     reason = "a benchmark that cannot run should stop"
 )]
 
+mod cycle;
 mod meter;
 mod newton;
 mod ours;
@@ -54,8 +57,10 @@ impl Request {
                 request.sides.push(side);
             } else if argument.ends_with(".json") {
                 request.file = Some(argument);
-            } else if ["table", "scale", "peers", "problems", "step", "serve"]
-                .contains(&argument.as_str())
+            } else if [
+                "table", "scale", "peers", "problems", "step", "serve", "cycle",
+            ]
+            .contains(&argument.as_str())
             {
                 request.part = argument;
             } else if let Some((name, value)) = argument.split_once('=') {
@@ -137,6 +142,25 @@ fn scale(request: &Request) -> Vec<Value> {
     rows
 }
 
+/// What of the work is the cycle's, and what that of the minimiser.
+fn cycles(request: &Request) -> Vec<Value> {
+    println!(
+        "{:>24} {:>5} {:>12} {:>15} {:>11} {:>8}",
+        "problem", "side", "cycles, flat", "cycles, solved", "push", "eval."
+    );
+    let mut rows = Vec::new();
+    for fabric in ["network", "membrane", "tension"] {
+        for side in request.sides(&[50, 100, 200]) {
+            let problem = Problem::new(fabric, side);
+            if request.wants(&problem.name()) {
+                let setting = request.overridden(Setting::new(InitialHessian::Multigrid, 1e-4));
+                rows.push(cycle::measure(&problem, &setting.solver()));
+            }
+        }
+    }
+    rows
+}
+
 /// Where multigrid begins to pay in implicit steps.
 fn steps(request: &Request) -> Vec<Value> {
     println!(
@@ -210,6 +234,7 @@ fn main() {
             return;
         }
         "scale" => scale(&request),
+        "cycle" => cycles(&request),
         _ => table(&request),
     };
     if let Some(file) = &request.file {

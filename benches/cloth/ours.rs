@@ -42,7 +42,7 @@ impl Setting {
         }
     }
 
-    fn solver(&self) -> SolverSettings {
+    pub fn solver(&self) -> SolverSettings {
         SolverSettings {
             tolerance: self.tolerance,
             displacement_floor_m: 0.0,

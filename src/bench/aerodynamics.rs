@@ -177,7 +177,7 @@ fn polar() -> Result<Vec<Angle>, Stop> {
         .collect())
 }
 
-fn write_rows<T: serde::Serialize>(path: &Path, rows: &[T]) -> Result<(), Stop> {
+pub(super) fn write_rows<T: serde::Serialize>(path: &Path, rows: &[T]) -> Result<(), Stop> {
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(out);
         for row in rows {

@@ -8,7 +8,7 @@ use clap::builder::NonEmptyStringValueParser;
 use super::engine::Engine;
 use super::progress::Progress;
 use super::{Failure, emit, exit, interrupt_flag};
-use crate::bench::{self, Stop, Watch, aerodynamics, coupling, stability, work_precision};
+use crate::bench::{self, Stop, Watch, aerodynamics, coupling, fabric, stability, work_precision};
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
@@ -16,7 +16,7 @@ use crate::plan::{AirPlacement, Precision, Storage};
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
     /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `aerodynamics` measures
-    /// panels, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
+    /// panels, `fabric` solves Hencky's disc and an airbag, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -34,6 +34,7 @@ pub(super) struct BenchArguments {
 
 const STABILITY: &str = "stability";
 const AERODYNAMICS: &str = "aerodynamics";
+const FABRIC: &str = "fabric";
 
 type Comparison =
     fn(bool, &bench::Engine, &Path, &mut Watch) -> Result<(Vec<coupling::Point>, String), Stop>;
@@ -64,9 +65,10 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let comparisons: Vec<_> = COUPLING.iter().filter(|(name, _)| named(name)).collect();
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
     let flies_wings = named(AERODYNAMICS);
-    if !maps_stability && !flies_wings && !measures && comparisons.is_empty() {
+    let loads_fabric = named(FABRIC);
+    if !maps_stability && !flies_wings && !loads_fabric && !measures && comparisons.is_empty() {
         let names: Vec<&str> = work_precision::names()
-            .chain([STABILITY, AERODYNAMICS])
+            .chain([STABILITY, AERODYNAMICS, FABRIC])
             .chain(COUPLING.map(|(name, _)| name))
             .collect();
         return Err(Failure::Other(
@@ -99,6 +101,10 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if flies_wings {
         let points = aerodynamics::measure(arguments.full, &arguments.out, &mut watch)?;
         text.push_str(&aerodynamics::table(&points));
+    }
+    if loads_fabric {
+        let points = fabric::measure(arguments.full, &engines, &arguments.out, &mut watch)?;
+        text.push_str(&fabric::table(&points));
     }
     // Schemes are compared in single precision, on CPU threads if they take part.
     let engine = engines.iter().find(|engine| {
