@@ -4,7 +4,7 @@
 //!   corrected by Fichter 1997) integrated by Runge and Kutta's method; published to four digits, 0.6448. Springs lie along the edges of the
 //!   same triangles, k = E h ΣA/l² (Van Gelder 1998), which stands for ν = 1/3 alone.
 //! * The *airbag* of Contri & Schrefler (1988): half its height. The error is taken against our own membrane refined without end
-//!   ([`HALF_HEIGHT_M`]); literature has 0.2167 m. Springs are those of paper P0 on its square cells, which have C₁₂ = G in place of
+//!   (0.21608 m); literature has 0.2167 m. Springs are those of paper P0 on its square cells, which have C₁₂ = G in place of
 //!   the fabric's Poisson ratio, and keep the residual stiffness of the membrane when they push.
 //!
 //! Membranes on the host are solved by Newton's method, all else by L-BFGS, both with multigrid cycles; to 1e-4 of the loads in the energy
