@@ -91,7 +91,8 @@ fn balance() {
     let parts =
         flight.induced_drag_n + flight.section_drag_n + flight.line_drag_n + flight.pilot_drag_n;
     assert!((parts / (weight * flight.balance.glide_rad.sin()) - 1.0).abs() < 1e-9);
-    assert!((0.8..1.2).contains(&flight.inside), "{}", flight.inside);
+    // No more than stagnation pressure gets in; panels this coarse average it over the nose.
+    assert!((0.6..=1.0).contains(&flight.inside), "{}", flight.inside);
 }
 
 /// Without ballooning the panels enclose what the ribs' sections enclose; mirrored halves are one.
