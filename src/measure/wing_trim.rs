@@ -10,6 +10,9 @@ use crate::output::{Quantity, Results};
 use crate::simulation::TrimState;
 use crate::trim::Flight;
 
+/// A part of the drag: its name, and its force [N].
+type DragPart = (&'static str, fn(&Flight) -> f64);
+
 /// Adds the results of a trim; without a flight their names alone.
 pub(super) fn results(
     results: &mut Results,
@@ -76,7 +79,7 @@ fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
     insert("drag_coefficient", "1", "of all, on the flat area", &|f| {
         drag(f) / (f.balance.dynamic_pa * area_m2)
     });
-    let parts: [(&str, fn(&Flight) -> f64); 4] = [
+    let parts: [DragPart; 4] = [
         ("induced", |f| f.induced_drag_n),
         ("section", |f| f.section_drag_n),
         ("line", |f| f.line_drag_n),

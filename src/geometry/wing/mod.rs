@@ -31,6 +31,8 @@ pub mod pressure;
 mod ribs;
 pub mod section;
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use crate::cloth::{SewnFabric, Structure, Triangle};
@@ -162,6 +164,8 @@ pub(super) struct Builder<'a> {
     outlines: Vec<Vec<u32>>,
     /// Nodes across every cell, the ribs' left out, by place of the outline; none where the panel is open.
     rows_across: Vec<Vec<Vec<u32>>>,
+    /// Nodes along the edges of diagonals, by their ends on the seams: on a coarse mesh diagonals of neighbouring rows meet there.
+    diagonal_edges: HashMap<[u32; 2], Vec<u32>>,
 }
 
 impl Builder<'_> {
@@ -300,6 +304,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
         fabrics: Vec::new(),
         outlines: Vec::new(),
         rows_across: Vec::new(),
+        diagonal_edges: HashMap::new(),
     };
     builder.add_panels()?;
     builder.add_ribs()?;

@@ -5,11 +5,8 @@ use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation,
 };
 
-/// Smallest angles that refinement strives for away from the outline's own corners [°], each where the one before crowds points.
-const SMALLEST_ANGLES_DEG: [f64; 4] = [25.0, 20.0, 15.0, 0.0];
-
-/// Distance of two points over the outline's shortest edge below which they crowd: beside edges that must stay whole, refinement may go on and on.
-const CROWDED: f64 = 0.05;
+/// Smallest angle that refinement strives for away from the outline's own corners [°].
+const SMALLEST_ANGLE_DEG: f64 = 25.0;
 
 /// Largest area of a triangle over the square of the outline's mean edge.
 const LARGEST_AREA: f64 = 4.0;
@@ -27,35 +24,6 @@ pub struct Filled {
 /// leaves the given edges whole, so that neighbours fit. `None` if edges cross or points coincide.
 #[must_use]
 pub fn fill(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Option<Filled> {
-    let mut found = None;
-    for angle_deg in SMALLEST_ANGLES_DEG {
-        let filled = fill_with(outline, holes, angle_deg)?;
-        let is_crowded = crowded(&filled, outline);
-        found = Some(filled);
-        if !is_crowded {
-            break;
-        }
-    }
-    found
-}
-
-/// Whether refinement has put points much closer together than those of the outline are.
-fn crowded(filled: &Filled, outline: &[DVec2]) -> bool {
-    let shortest = (0..outline.len())
-        .map(|i| outline[i].distance(outline[(i + 1) % outline.len()]))
-        .fold(f64::INFINITY, f64::min);
-    let edges = filled
-        .triangles
-        .iter()
-        .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
-    let lengths = edges.map(|e| {
-        let [a, b] = e.map(|i| filled.points[i as usize]);
-        a.distance(b)
-    });
-    lengths.fold(f64::INFINITY, f64::min) < CROWDED * shortest
-}
-
-fn fill_with(outline: &[DVec2], holes: &[Vec<DVec2>], angle_deg: f64) -> Option<Filled> {
     let mut points = Vec::new();
     let mut edges = Vec::new();
     for ring in std::iter::once(outline).chain(holes.iter().map(Vec::as_slice)) {
@@ -81,7 +49,7 @@ fn fill_with(outline: &[DVec2], holes: &[Vec<DVec2>], angle_deg: f64) -> Option<
         RefinementParameters::<f64>::new()
             .exclude_outer_faces(true)
             .keep_constraint_edges()
-            .with_angle_limit(AngleLimit::from_deg(angle_deg))
+            .with_angle_limit(AngleLimit::from_deg(SMALLEST_ANGLE_DEG))
             .with_max_allowed_area(LARGEST_AREA * mean_edge * mean_edge),
     );
     let outside: std::collections::HashSet<_> = refined.excluded_faces.into_iter().collect();

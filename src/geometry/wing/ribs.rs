@@ -219,6 +219,15 @@ impl Builder<'_> {
         let mean = (edges(&foot_line) + edges(&top_line)) / (foot.len() + top.len() - 2) as f64;
         let height = warp.length();
         let rows = ((height / mean).round() as usize).max(1);
+        let ends = [0, 1].map(|side| {
+            let end = |nodes: &[u32]| nodes[side * (nodes.len() - 1)];
+            [end(&foot), end(&top)]
+        });
+        let known = ends.map(|key| {
+            let edge = self.diagonal_edges.get(&key).cloned();
+            edge.filter(|nodes| nodes.len() + 1 == rows)
+        });
+        let mut made = [Vec::new(), Vec::new()];
         let mut last = foot.clone();
         for r in 1..=rows {
             let share = r as f64 / rows as f64;
@@ -227,13 +236,22 @@ impl Builder<'_> {
             } else {
                 let count = (foot.len() as f64 + (top.len() as f64 - foot.len() as f64) * share)
                     .round() as usize;
-                (0..count)
-                    .map(|i| {
-                        let t = i as f64 / (count - 1) as f64;
-                        let place = along(&foot_line, t).lerp(along(&top_line, t), share);
-                        self.add_node(place)
-                    })
-                    .collect()
+                let mut nodes = Vec::with_capacity(count);
+                for i in 0..count {
+                    let side = [0, count - 1].iter().position(|&end| end == i);
+                    let shared = side.and_then(|side| known[side].as_ref());
+                    nodes.push(match shared {
+                        Some(edge) => edge[r - 1],
+                        None => {
+                            let t = i as f64 / (count - 1) as f64;
+                            self.add_node(along(&foot_line, t).lerp(along(&top_line, t), share))
+                        }
+                    });
+                }
+                for (side, edge) in made.iter_mut().enumerate() {
+                    edge.push(nodes[side * (count - 1)]);
+                }
+                nodes
             };
             let tag = Tag {
                 part: Part::Diagonal,
@@ -246,6 +264,7 @@ impl Builder<'_> {
             }
             last = next;
         }
+        self.diagonal_edges.extend(ends.into_iter().zip(made));
         Ok(())
     }
 
