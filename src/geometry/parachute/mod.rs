@@ -133,6 +133,7 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
         structure.triangles.push(triangle);
     }
     let length_m = rigging.line_length_m + rigging.line_slack_m;
+    let several = rigging.risers.filter(|risers| risers.count > 1);
     for radial in &sewn.radials {
         if let Some(belt) = &rigging.belts {
             for path in &radial.belts {
@@ -142,25 +143,24 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
         for gap in &radial.gaps {
             structure.add_cable(&gap.nodes, &gap.rest_m, &rigging.lines, CableKind::GapLine);
         }
+        if let (None, Some(skirt)) = (several, radial.line) {
+            let kind = CableKind::SuspensionLine;
+            add_line(&mut structure, [skirt, confluence], length_m, rigging, kind);
+        }
     }
-    for group in &groups {
-        let lower = match &rigging.risers {
-            Some(risers) if risers.count > 1 => {
-                let place = rigging.confluence_m
-                    + junction_m(risers, group, |node| {
-                        structure.positions_m[node as usize] - rigging.confluence_m
-                    });
-                let junction = add_node(&mut structure, place);
-                let riser = together(&rigging.lines, group.len() as f64);
-                let kind = CableKind::Riser;
-                structure.add_cable(&[junction, confluence], &[risers.length_m], &riser, kind);
-                junction
-            }
-            _ => confluence,
-        };
+    for (risers, group) in several
+        .iter()
+        .flat_map(|risers| groups.iter().map(move |g| (risers, g)))
+    {
+        let attachment_m = |node: u32| structure.positions_m[node as usize] - rigging.confluence_m;
+        let place = rigging.confluence_m + junction_m(risers, group, attachment_m);
+        let junction = add_node(&mut structure, place);
+        let riser = together(&rigging.lines, group.len() as f64);
+        let kind = CableKind::Riser;
+        structure.add_cable(&[junction, confluence], &[risers.length_m], &riser, kind);
         for &skirt in group {
             let kind = CableKind::SuspensionLine;
-            add_line(&mut structure, [skirt, lower], length_m, rigging, kind);
+            add_line(&mut structure, [skirt, junction], length_m, rigging, kind);
         }
     }
     for (band, paths) in [
