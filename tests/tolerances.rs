@@ -255,7 +255,7 @@ pub mod trim {
     /// What the guide carries once the wing stands still [N]: 500 N/m at 6 m make 0.1 degrees, where the trim ends, of 5 N.
     pub const GUIDE_N: f64 = 10.0;
 
-    /// What the risers carry against what acts, over it: the tolerance of the fabric's solve, 3e-2.
+    /// What the risers carry against what acts, over it: `equilibrium.trim.tolerance.balance` of the case.
     pub const RISERS: f64 = 1e-2;
 }
 

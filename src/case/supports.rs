@@ -61,6 +61,14 @@ pub(super) fn check(
             "remove [supports] or [air]",
         ));
     }
+    let seeks_trim = file.equilibrium.as_ref().is_some_and(|e| e.trim.is_some());
+    if seeks_trim {
+        return Err(Problem::new(
+            format!("supports.{first}"),
+            "supports are not moved in a trim, which turns the wing about its hang points",
+            "remove [supports] or [equilibrium.trim]; structure.wing.hang_point_m moves the hang points, rows.NAME.trim_m the risers",
+        ));
+    }
     let mut mover: Vec<Option<&str>> = vec![None; body.structure.node_count()];
     let mut supports = Vec::new();
     for (name, table) in &file.supports {
@@ -256,6 +264,15 @@ fn check_motion(
             key("motion"),
             format!("[{}] needs [time]", key("motion")),
             "add [time], or give the displacement in the equilibrium as displacement_m",
+        )),
+        (None, Some(_), Some(_)) if table.ramp_time_s.is_some() => Err(Problem::new(
+            key("ramp_time_s"),
+            format!(
+                "{} has no effect beside [{}]",
+                key("ramp_time_s"),
+                key("motion")
+            ),
+            "remove it: the motion has times of its own",
         )),
         (None, Some(written), Some(time)) => {
             if written.free_fall.is_some() {

@@ -15,7 +15,8 @@ pub const SURFACE_INSET_CELLS: f64 = 0.5;
 pub const RIM_INSET_CELLS: f64 = 0.65;
 
 /// The same along rims of openings narrower than three cells: widths [cells] and insets, straight between them. Calibrated so that square
-/// holes and slots pass what sharp-edged ones do (`ripstop validate openings`); a closed cut stays closed.
+/// holes pass what sharp-edged ones do (`ripstop validate openings`, which shows slots, too: those of one cell pass a third too little); a closed cut
+/// stays closed.
 const OPENING_INSETS: [[f64; 2]; 5] = [
     [0.0, 0.65],
     [0.5, 0.84],

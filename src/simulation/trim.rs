@@ -21,6 +21,9 @@ const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
 /// Difference of a strip's lift from its polar's beyond which the sections count as not agreeing.
 const SECTION_AGREEMENT: f64 = 1e-3;
 
+/// What a trim lacks where the scene has none to be sought.
+const NO_WING: &str = "there is no wing whose fabric could be solved";
+
 /// One outer iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct TrimIteration {
@@ -119,7 +122,7 @@ impl Simulation {
             &wing.trim,
             self.cloth.as_ref().map(|cloth| cloth.structure.clone()),
         ) else {
-            return Ok(TrimEnd::Settled);
+            return Ok(TrimEnd::Refused(NO_WING.to_owned()));
         };
         let gravity = self.scene.gravity_m_s2.map_or(0.0, |g| -g.z);
         let glider = match Glider::new(
@@ -168,7 +171,7 @@ impl Simulation {
             };
             let outcome = match self.solve_static(tolerance, &mut note) {
                 Some(outcome) => outcome?,
-                None => return Ok(TrimEnd::Settled),
+                None => return Ok(TrimEnd::Refused(NO_WING.to_owned())),
             };
             let now = self.positions_m();
             let pitch_rad = glider.pitch_rad(&now);
@@ -192,7 +195,7 @@ impl Simulation {
             };
             report(&iteration);
             let Some(trim) = &mut self.trim else {
-                return Ok(TrimEnd::Settled);
+                return Ok(TrimEnd::Refused(NO_WING.to_owned()));
             };
             let last = trim.iterations.last().copied();
             trim.iterations.push(iteration);
@@ -206,7 +209,10 @@ impl Simulation {
             match moving {
                 Some(moving) if moving.is_empty() => return Ok(TrimEnd::Settled),
                 _ if iteration.number >= settings.iteration_limit => {
-                    let what = moving.unwrap_or_default().join(", ");
+                    let what = moving.map_or_else(
+                        || "one iteration does not tell whether anything moves".to_owned(),
+                        |moving| moving.join(", "),
+                    );
                     return Ok(TrimEnd::Moving(what));
                 }
                 _ => {}

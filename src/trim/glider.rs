@@ -443,7 +443,7 @@ impl<'a> Glider<'a> {
         loads
     }
 
-    /// Mean coefficient before the openings of the cells; over all of the nose where there are none.
+    /// Mean coefficient before the openings of the cells; that of stagnation where there are none (cases must say what a closed wing has).
     fn before_intakes(&self, outer: &OuterPressure) -> f64 {
         let Some(intakes) = self.wing.intakes else {
             return 1.0;

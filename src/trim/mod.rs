@@ -15,7 +15,7 @@
 //! to the far wake's. So what balances here are the very loads that the fabric is then solved under, in force and in moment.
 //!
 //! Paper P0, section 3: external pressure from a steady method of low fidelity, internal pressure prescribed, loosely coupled. Departures: the paper does
-//! not say how the attitude follows; here it is Newton's task of the balance, and a soft guide at the nose holds the fabric while it is solved, moved to
+//! not say how the attitude follows; here it is that of the balance of moments, and a soft guide at the nose holds the fabric while it is solved, moved to
 //! where the balance wants the wing, until it carries nothing.
 
 pub mod balance;

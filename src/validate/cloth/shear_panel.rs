@@ -77,6 +77,21 @@ fn wagner(session: &mut Session) -> Result<(), Stop> {
         )
         .reference(0.5, "Wagner 1929")
         .gate(Gate::Within(1e-3));
+    // Green's strain of simple shear is (0, γ²/2, γ) in Voigt form.
+    let (mean, radius) = (
+        0.25 * SHEAR * SHEAR,
+        0.5 * SHEAR * (0.25 * SHEAR * SHEAR + 1.0).sqrt(),
+    );
+    for (k, (name, exact)) in [("larger", mean + radius), ("smaller", mean - radius)]
+        .into_iter()
+        .enumerate()
+    {
+        let strain = loads.iter().map(|l| l.principal_strains[k]).sum::<f64>() / count;
+        session
+            .sheet_row(&sheet, format!("Wagner: {name} principal strain"), strain)
+            .reference(exact, "simple shear")
+            .gate(Gate::Within(1e-3));
+    }
     Ok(())
 }
 
