@@ -29,6 +29,8 @@ struct Response {
     tension: vec3<f32>,
     // n⊗n as a strain, n across the crests; zero unless wrinkled.
     across: vec3<f32>,
+    // How much strain the wrinkles take up across their crests; zero unless wrinkled.
+    wrinkle_strain: f32,
 }
 
 // Tension of a linear sheet of the given shear stiffness.
@@ -256,54 +258,81 @@ fn respond(strain: vec3<f32>) -> Response {
     let tension = stiff(strain);
     let energy = energy_of(strain, tension);
     if relaxed.state == TAUT {
-        return Response(energy, TAUT, tension, relaxed.across);
+        return Response(energy, TAUT, tension, relaxed.across, 0.0);
     }
     let kept = stiff(relaxed.strain);
+    var wrinkle_strain = 0.0;
+    if relaxed.state == WRINKLED {
+        wrinkle_strain = dot(relaxed.across, relaxed.strain - strain) / dot(relaxed.across, relaxed.across);
+    }
     return Response(
         (1.0 - RESIDUAL) * energy_of(relaxed.strain, kept) + RESIDUAL * energy,
         relaxed.state,
         (1.0 - RESIDUAL) * kept + RESIDUAL * tension,
         relaxed.across,
+        wrinkle_strain,
     );
 }
 
-// Positive semidefinite tangent stiffness [N/m], applied to a strain: the full stiffness where taut, the stiffness along the
-// crests and against turning them where wrinkled, plus the residual (a thousandth at least).
+// Tangent stiffness [N/m], the second derivative of the energy (see the host's law for the derivation): C where taut; where wrinkled
+// C - [C n, C n'] M^-1 [C n, C n']^T, n the wrinkles' n⊗n and n' its change as they turn; plus the residual (a thousandth at least).
 struct Tangent {
-    share: f32,
+    // Of the sheet as it is.
+    kept: f32,
     shear: f32,
-    stiffness_along: f32,
-    turning: f32,
-    along: vec3<f32>,
-    turn: vec3<f32>,
+    // Of the sheet without its wrinkles.
+    relaxed: f32,
+    relaxed_shear: f32,
+    // M, scaled such that its second diagonal entry is 1: the first, the mixed one, and the determinant.
+    first: f32,
+    mixed: f32,
+    determinant: f32,
+    pull: vec3<f32>,
+    turning: vec3<f32>,
 }
 
 fn tangent_of(strain: vec3<f32>, response: Response) -> Tangent {
-    var t = Tangent(1.0, STIFFNESS_SS, 0.0, 0.0, vec3<f32>(0.0), vec3<f32>(0.0));
+    var t = Tangent(1.0, STIFFNESS_SS, 0.0, STIFFNESS_SS, 1.0, 0.0, 1.0, vec3<f32>(0.0), vec3<f32>(0.0));
     if NONLINEAR_SHEAR {
         t.shear = shear_tangent(strain.z);
     }
     if response.state != TAUT {
-        t.share = max(RESIDUAL, 1e-3);
+        t.kept = max(RESIDUAL, 1e-3);
     }
     if response.state == WRINKLED {
         let n = response.across;
-        t.along = vec3<f32>(n.y, n.x, -0.5 * n.z);
-        t.turn = vec3<f32>(-n.z, n.z, n.x - n.y);
-        let across = vec3<f32>(n.x, n.y, 0.5 * n.z);
-        let s = response.tension;
-        let tension_along = max(s.x * n.y + s.y * n.x - s.z * n.z, 0.0);
-        let strain_along = dot(t.along, strain);
-        if strain_along > 0.0 {
-            t.stiffness_along = tension_along / strain_along;
+        let size = response.wrinkle_strain;
+        let relaxed = strain + size * n;
+        if NONLINEAR_SHEAR {
+            t.relaxed_shear = shear_tangent(relaxed.z);
         }
-        t.turning = 0.5 * tension_along / max(strain_along - dot(across, strain), 1e-12);
+        let tension = stiff(relaxed);
+        let turned = vec3<f32>(-n.z, n.z, 2.0 * (n.x - n.y));
+        let along = max(tension.x * n.y + tension.y * n.x - tension.z * n.z, 0.0);
+        t.pull = stiff_with(t.relaxed_shear, n);
+        let turning = stiff_with(t.relaxed_shear, turned);
+        let resists = size * dot(turned, turning) + 2.0 * along;
+        if resists > 0.0 {
+            t.turning = sqrt(max(size / resists, 0.0)) * turning;
+        }
+        t.first = dot(n, t.pull);
+        t.mixed = dot(n, t.turning);
+        t.determinant = t.first - t.mixed * t.mixed;
+        if t.determinant > 0.0 {
+            t.relaxed = 1.0 - t.kept;
+        }
     }
     return t;
 }
 
 fn apply_tangent(t: Tangent, e: vec3<f32>) -> vec3<f32> {
-    return t.share * stiff_with(t.shear, e)
-        + (t.stiffness_along * dot(t.along, e)) * t.along
-        + (t.turning * dot(t.turn, e)) * t.turn;
+    let kept = t.kept * stiff_with(t.shear, e);
+    if t.relaxed == 0.0 {
+        return kept;
+    }
+    let along_pull = dot(t.pull, e);
+    let along_turning = dot(t.turning, e);
+    let lost = (along_pull - t.mixed * along_turning) * t.pull
+        + (t.first * along_turning - t.mixed * along_pull) * t.turning;
+    return kept + t.relaxed * (stiff_with(t.relaxed_shear, e) - lost / t.determinant);
 }

@@ -29,6 +29,8 @@ pub struct TrimTable {
     pub strips: Option<usize>,
     /// Share of the new shape that the air sees; 1 if absent.
     pub relaxation: Option<f64>,
+    /// Whether the trim is sought on coarser meshes first; true if absent.
+    pub from_coarser_meshes: Option<bool>,
     /// When the wing stands still.
     #[serde(default)]
     pub tolerance: TrimToleranceTable,

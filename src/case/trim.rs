@@ -101,6 +101,7 @@ pub(super) fn check(
         reynolds: share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?,
         panels_per_side: whole("panels_per_side", written.panels_per_side, 20, 4, 200)?,
         strips: whole("strips", written.strips, 40, 2, 400)?,
+        from_coarser_meshes: written.from_coarser_meshes.unwrap_or(true),
         relaxation: share("relaxation", written.relaxation, 1.0, 0.01, 1.0)?,
         tolerance: Tolerance {
             speed: share("tolerance.speed", tolerance.speed, 2e-3, 1e-9, 1.0)?,

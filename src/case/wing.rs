@@ -6,6 +6,7 @@ use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
 use super::wing_lines::{Materials, check_materials, check_row, material};
+use crate::cloth::Structure;
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
 pub use crate::geometry::wing::LineKind;
@@ -35,6 +36,17 @@ pub struct Wing {
     pub breaking_loads_n: Vec<Option<f64>>,
     /// Diameter of every cable segment [m], `[cable_count]`.
     pub line_diameters_m: Vec<f64>,
+    /// The same wing on a coarser mesh, whose trim is sought first; `None`: none is.
+    pub coarser: Option<Box<CoarserWing>>,
+}
+
+/// A wing on a coarser mesh.
+#[derive(Debug, Clone)]
+pub struct CoarserWing {
+    /// The wing.
+    pub wing: Wing,
+    /// Its structure at its start.
+    pub structure: Structure,
 }
 
 /// Dotted path of a key of the wing.
@@ -96,13 +108,8 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         // Moved along with the wing until it carries nothing.
         plan.pitch_guide_n_m.get_or_insert(trim::GUIDE_N_M);
     }
-    let fineness = check_fineness(table)?;
-    let wing = wing::build(&plan, fineness).map_err(refused)?;
-    let load = prescribed
-        .map(|pressure| {
-            let distribution = check_pressure(pressure, table.cells)?;
-            Ok(Load::new(&wing, &distribution))
-        })
+    let distribution = prescribed
+        .map(|pressure| check_pressure(pressure, table.cells))
         .transpose()?;
     let material_of = |kind: &LineKind| {
         let name = match *kind {
@@ -117,14 +124,34 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         let area_m2 = material_of(kind).map_or(0.0, |material| material.0.area_m2);
         (area_m2 / std::f64::consts::FRAC_PI_4).sqrt()
     };
-    Ok(Some(Wing {
-        fineness,
-        load,
-        trim,
-        breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
-        line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
-        wing,
-    }))
+    let meshed = |fineness: Fineness| {
+        let wing = wing::build(&plan, fineness)?;
+        Ok(Wing {
+            fineness,
+            load: distribution.as_ref().map(|d| Load::new(&wing, d)),
+            trim: trim.clone(),
+            breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
+            line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
+            wing,
+            coarser: None,
+        })
+    };
+    let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
+    if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {
+        let mut finest = &mut whole;
+        while let Some(fineness) = finest.fineness.halved() {
+            // A mesh that coarse may have no room for what the plan asks for.
+            let Ok(mut wing) = meshed(fineness) else {
+                break;
+            };
+            let structure = std::mem::take(&mut wing.wing.structure);
+            let coarser = finest
+                .coarser
+                .insert(Box::new(CoarserWing { wing, structure }));
+            finest = &mut coarser.wing;
+        }
+    }
+    Ok(Some(whole))
 }
 
 /// The wing's structure as the body of the scene.

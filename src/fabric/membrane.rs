@@ -65,6 +65,8 @@ pub struct Response {
     pub state: FabricState,
     /// n⊗n as a strain (xx, yy, 2·xy), n the unit vector across the wrinkles' crests; zero unless wrinkled.
     pub across: [f64; 3],
+    /// How much strain the wrinkles take up across their crests; zero unless wrinkled.
+    pub wrinkle_strain: f64,
 }
 
 pub(super) fn times(matrix: &Matrix3, v: &[f64; 3]) -> [f64; 3] {
@@ -154,8 +156,11 @@ impl Membrane {
                 tension,
                 state: relaxed.state,
                 across: relaxed.across,
+                wrinkle_strain: 0.0,
             };
         }
+        let taken: [f64; 3] = std::array::from_fn(|k| relaxed.strain[k] - strain[k]);
+        let square = dot(&relaxed.across, &relaxed.across);
         let (relaxed_energy, relaxed_tension) = self.energy_and_tension(&relaxed.strain);
         let residual = self.residual;
         Response {
@@ -165,6 +170,11 @@ impl Membrane {
             }),
             state: relaxed.state,
             across: relaxed.across,
+            wrinkle_strain: if square > 0.0 {
+                dot(&relaxed.across, &taken) / square
+            } else {
+                0.0
+            },
         }
     }
 
@@ -307,45 +317,58 @@ impl Membrane {
         }
     }
 
-    /// Positive semidefinite tangent stiffness [N/m] for preconditioning: the full stiffness where taut, the stiffness
-    /// along the crests and against turning them where wrinkled, plus the residual.
+    /// Tangent stiffness [N/m], the second derivative of the energy, which is convex: the full stiffness C where taut; where wrinkled,
+    ///
+    /// C − [Cη Cη′] M⁻¹ [Cη Cη′]ᵀ,  M = [η·Cη, η·Cη′; η·Cη′, η′·Cη′ + 2 t/β],
+    ///
+    /// which lets the wrinkles β η, η = n⊗n, grow and turn (η′ = dη/dθ) as the strain changes, t being the tension along their crests; plus the residual.
+    /// At least a thousandth of C is kept, so that what is built on it stays regular.
     #[must_use]
     pub fn tangent(&self, strain: &[f64; 3], response: &Response) -> Matrix3 {
-        // At least a thousandth, so that the preconditioner stays regular for fabric without residual stiffness.
         let residual = self.residual.max(1e-3);
-        let mut tangent = self.stiffness;
+        let mut full = self.stiffness;
         if let Some(shear) = &self.shear {
-            tangent[2][2] = shear.tangent_n_m(strain[2]);
+            full[2][2] = shear.tangent_n_m(strain[2]);
         }
+        let kept = full.map(|row| row.map(|k| residual * k));
         match response.state {
-            FabricState::Taut => {}
-            FabricState::Slack => tangent.iter_mut().flatten().for_each(|k| *k *= residual),
+            FabricState::Taut => full,
+            FabricState::Slack => kept,
             FabricState::Wrinkled => {
-                tangent.iter_mut().flatten().for_each(|k| *k *= residual);
-                // (n_x², n_y², 2 n_x n_y) of the direction across the crests; the crests m are perpendicular.
-                let [nn_x, nn_y, two_n] = response.across;
-                // Functionals on Voigt strains: m·E·m, n·E·n, and twice the shear strain between m and n.
-                let along = [nn_y, nn_x, -0.5 * two_n];
-                let across = [nn_x, nn_y, 0.5 * two_n];
-                let turn = [-two_n, two_n, nn_x - nn_y];
-                let t = response.tension;
-                let tension_along = (t[0] * nn_y + t[1] * nn_x - t[2] * two_n).max(0.0);
-                let (strain_along, strain_across) = (dot(&along, strain), dot(&across, strain));
-                let stiffness_along = if strain_along > 0.0 {
-                    tension_along / strain_along
-                } else {
-                    0.0
-                };
-                let turning = 0.5 * tension_along / (strain_along - strain_across).max(1e-12);
-                for i in 0..3 {
-                    for j in 0..3 {
-                        tangent[i][j] +=
-                            stiffness_along * along[i] * along[j] + turning * turn[i] * turn[j];
-                    }
+                let across = response.across;
+                let size = response.wrinkle_strain;
+                let relaxed: [f64; 3] = std::array::from_fn(|k| strain[k] + size * across[k]);
+                if let Some(shear) = &self.shear {
+                    full[2][2] = shear.tangent_n_m(relaxed[2]);
                 }
+                let (_, tension) = self.energy_and_tension(&relaxed);
+                let [nn_x, nn_y, two_n] = across;
+                let turned = [-two_n, two_n, 2.0 * (nn_x - nn_y)];
+                let along = tension[0] * nn_y + tension[1] * nn_x - tension[2] * two_n;
+                // Scaled such that M's second diagonal entry is 1.
+                let pull = times(&full, &across);
+                let turning = times(&full, &turned);
+                let scale = (size
+                    / (size * dot(&turned, &turning) + 2.0 * along.max(0.0))
+                        .max(f64::MIN_POSITIVE))
+                .max(0.0)
+                .sqrt();
+                let turning = turning.map(|k| scale * k);
+                let (first, mixed) = (dot(&across, &pull), dot(&across, &turning));
+                let determinant = first - mixed * mixed;
+                if determinant <= 0.0 {
+                    return kept;
+                }
+                std::array::from_fn(|i| {
+                    std::array::from_fn(|j| {
+                        let lost = pull[i] * pull[j]
+                            - mixed * (pull[i] * turning[j] + turning[i] * pull[j])
+                            + first * turning[i] * turning[j];
+                        (1.0 - residual) * (full[i][j] - lost / determinant) + kept[i][j]
+                    })
+                })
             }
         }
-        tangent
     }
 }
 

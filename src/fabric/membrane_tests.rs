@@ -193,6 +193,46 @@ fn tension_is_the_gradient_of_the_energy_and_never_pushes() {
     }
 }
 
+/// The tangent is what differences of the tension say, where the state does not change between them; wrinkles that turn and grow are in it.
+#[test]
+fn tangent_is_the_slope_of_the_tension() {
+    let laws = [
+        fabric(isotropic_shear(), 0.01),
+        fabric(8e7, 0.01),
+        fabric(1e7, 0.01),
+        cubic(1e8, 0.01),
+    ];
+    for (number, law) in laws.iter().enumerate() {
+        let (mut seen, mut off) = (0, 0);
+        for strain in many_strains() {
+            let response = law.respond(&strain);
+            let tangent = law.tangent(&strain, &response);
+            let step = 1e-7;
+            let size = tangent[0][0].max(tangent[1][1]).max(tangent[2][2]);
+            for k in 0..3 {
+                let moved = |by: f64| {
+                    let mut moved = strain;
+                    moved[k] += by;
+                    law.respond(&moved)
+                };
+                let (up, down) = (moved(step), moved(-step));
+                if up.state != response.state || down.state != response.state {
+                    continue;
+                }
+                for i in 0..3 {
+                    assert!((tangent[i][k] - tangent[k][i]).abs() <= 1e-9 * size);
+                    let slope = (up.tension[i] - down.tension[i]) / (2.0 * step);
+                    seen += 1;
+                    // Where wrinkles begin or their direction jumps, a difference is not a slope.
+                    off += usize::from((slope - tangent[i][k]).abs() > 1e-3 * size);
+                }
+            }
+        }
+        assert!(seen > 20_000, "law {number}: {seen}");
+        assert!(off < seen / 200, "law {number}: {off} of {seen} are off");
+    }
+}
+
 /// Wagner's shear panel (C6 of the design): pure shear γ leaves σ₁ = E γ/2 at 45°, so τ = σ₁/2.
 #[test]
 fn sheared_panel_carries_half_the_diagonal_tension() {

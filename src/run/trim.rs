@@ -82,8 +82,9 @@ impl Run<'_> {
 /// An outer iteration in a line.
 fn line(i: &TrimIteration) -> String {
     format!(
-        "trim {:>2}: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
+        "trim {:>2}, {} nodes: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
         i.number,
+        i.nodes,
         i.speed_m_s,
         i.sink_m_s,
         i.glide_ratio,

@@ -2,7 +2,7 @@
 //!
 //! An outer iteration takes the shape, finds its glide ([`crate::trim`]), turns the structure to the attitude that balances, lets the guide at the nose
 //! rest there, and solves the fabric from where it is under the loads of that glide. The loads stand during the solve; pressure turns with
-//! the triangles. The solver's energy norm hardly sees what stiff lines carry, so where the risers do not balance what acts, the fabric is solved to half
+//! the triangles. Coarser meshes of the same plan come first, each starting from the one before. The solver's energy norm hardly sees what stiff lines carry, so where the risers do not balance what acts, the fabric is solved to half
 //! the tolerance in the next iteration.
 
 use std::time::Instant;
@@ -11,7 +11,8 @@ use glam::DVec3;
 
 use super::{Failure, Simulation};
 use crate::case::wing::Wing;
-use crate::cpu::cloth::{Pressure, StepInput, loads, pressure as pull};
+use crate::cpu::cloth::{Cloth, Pressure, StepInput, loads, pressure as pull};
+use crate::geometry::wing::carried_over::{Meshed, carried_over};
 use crate::solve::lbfgs::{Outcome, Progress, Stop, Watch};
 use crate::trim::{Flight, Glider, Loads};
 
@@ -27,6 +28,8 @@ const NO_WING: &str = "there is no wing whose fabric could be solved";
 /// One outer iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct TrimIteration {
+    /// Nodes of the mesh: coarser ones come first.
+    pub nodes: usize,
     /// From 1.
     pub number: usize,
     /// Speed along the path [m/s].
@@ -105,16 +108,55 @@ impl Simulation {
         let wing = self.scene.wing.take()?;
         let end = wing.trim.is_some().then(|| {
             self.pressure_acts = true;
-            self.trim = Some(TrimState::default());
-            self.iterate_trim(&wing, watch, report)
+            self.trim_from_coarser(&wing, watch, report)
         });
         self.scene.wing = Some(wing);
         end
     }
 
+    /// Seeks the trim on the coarser mesh first, if there is one, and goes on from there: what takes most evaluations from the drawn shape, the way of whole
+    /// panels and of the wing, is found where an evaluation is cheap.
+    fn trim_from_coarser(
+        &mut self,
+        wing: &Wing,
+        watch: Watch,
+        report: &mut dyn FnMut(&TrimIteration),
+    ) -> Result<TrimEnd, Failure> {
+        let mut stream_rad = None;
+        if let Some(coarser) = &wing.coarser {
+            let fine = self.cloth.replace(Cloth::new(coarser.structure.clone()));
+            let end = self.trim_from_coarser(&coarser.wing, watch, report);
+            let coarse = std::mem::replace(&mut self.cloth, fine);
+            if matches!(end, Err(_) | Ok(TrimEnd::Interrupted)) {
+                self.trim = None;
+                return end;
+            }
+            // From a wing that found no rest, or none that makes sense, the drawn shape is the better start.
+            if let (Ok(TrimEnd::Settled), Some(coarse), Some(cloth)) =
+                (end, coarse, &mut self.cloth)
+            {
+                let flight = self.trim.as_ref().and_then(|trim| trim.flight.as_ref());
+                stream_rad = flight.map(|flight| flight.balance.glide_rad);
+                let [from, to] =
+                    [(&coarser.wing.wing, &coarse), (&wing.wing, &*cloth)].map(|(wing, cloth)| {
+                        Meshed {
+                            wing,
+                            structure: &cloth.structure,
+                        }
+                    });
+                if let Some(places) = carried_over(from, &coarse.positions_m, to) {
+                    cloth.positions_m = places;
+                }
+            }
+        }
+        self.trim = Some(TrimState::default());
+        self.iterate_trim(wing, stream_rad, watch, report)
+    }
+
     fn iterate_trim(
         &mut self,
         wing: &Wing,
+        mut stream_rad: Option<f64>,
         watch: Watch,
         report: &mut dyn FnMut(&TrimIteration),
     ) -> Result<TrimEnd, Failure> {
@@ -137,7 +179,6 @@ impl Simulation {
         };
         let chord_m = wing.wing.measures.flat_area_m2 / wing.wing.measures.flat_span_m;
         let mut seen: Option<Vec<DVec3>> = None;
-        let mut stream_rad = None;
         let usual = self.scene.equilibrium.map_or(1.0, |e| e.tolerance);
         let mut tolerance = usual;
         loop {
@@ -173,11 +214,13 @@ impl Simulation {
                 Some(outcome) => outcome?,
                 None => return Ok(TrimEnd::Refused(NO_WING.to_owned())),
             };
+            self.balance_as_a_whole();
             let now = self.positions_m();
             let pitch_rad = glider.pitch_rad(&now);
             // A turn about the hang points is the guide's matter, not the shape's.
             let upright = glider.turned_m(&now, glider.pitch_rad(&turned) - pitch_rad);
             let iteration = TrimIteration {
+                nodes: now.len(),
                 number: self.trim.as_ref().map_or(0, |t| t.iterations.len()) + 1,
                 speed_m_s: balance.speed_m_s,
                 sink_m_s: balance.speed_m_s * balance.glide_rad.sin(),
@@ -238,6 +281,22 @@ impl Simulation {
                 guide.anchor_m = DVec3::new(place.x, guide.anchor_m.y, place.z);
             }
         }
+    }
+
+    /// Shifts and turns the wing until the sum of what acts on it is nothing.
+    fn balance_as_a_whole(&mut self) {
+        let Some(mut cloth) = self.cloth.take() else {
+            return;
+        };
+        let (pressure, nodal_loads_n) = self.static_loads();
+        let input = StepInput {
+            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
+            pressure,
+            nodal_loads_n,
+            ..StepInput::default()
+        };
+        cloth.balance_as_a_whole(&input);
+        self.cloth = Some(cloth);
     }
 
     /// What is left of loads, guides and the supports' forces together [N].

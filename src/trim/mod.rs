@@ -52,6 +52,8 @@ pub struct Settings {
     pub strips: usize,
     /// Share of the new shape that the air sees in every outer iteration.
     pub relaxation: f64,
+    /// Whether the trim is sought on coarser meshes first.
+    pub from_coarser_meshes: bool,
     /// When the wing stands still.
     pub tolerance: Tolerance,
     /// Outer iterations allowed.

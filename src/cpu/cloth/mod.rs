@@ -12,6 +12,7 @@
 //! * `driver`: which minimiser drives a solve;
 //! * [`probe`]: one trial, for comparing engines;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
+//! * `whole_balance`: what a static solve of fabric on lines leaves over, as a whole;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
 pub mod contact;
@@ -30,6 +31,7 @@ pub mod read_outs;
 pub mod solve_cloth;
 pub mod stiffness;
 mod vectors;
+mod whole_balance;
 
 use std::time::Duration;
 

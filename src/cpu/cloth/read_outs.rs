@@ -153,27 +153,59 @@ impl Cloth {
     /// of `input`. Inertia and damping of supports that move are not in it.
     #[must_use]
     pub fn reactions_n(&self, input: &StepInput) -> Vec<(u32, DVec3)> {
+        let unbalanced = self.loads_less_pulls_n(input);
+        let held = self.structure.held.iter().enumerate();
+        held.filter(|(_, held)| **held)
+            .map(|(node, _)| (node as u32, -unbalanced[node]))
+            .collect()
+    }
+
+    /// What is left of loads and pulls at every node that is free \[N\], `[node_count]`; nothing in equilibrium, and at held nodes.
+    #[must_use]
+    pub fn unbalanced_forces_n(&self, input: &StepInput) -> Vec<DVec3> {
+        let mut forces = self.loads_less_pulls_n(input);
+        for (force, held) in forces.iter_mut().zip(&self.structure.held) {
+            if *held {
+                *force = DVec3::ZERO;
+            }
+        }
+        forces
+    }
+
+    /// Sum of the sizes of the nodes' loads \[N\].
+    #[must_use]
+    pub fn load_sizes_n(&self, input: &StepInput) -> f64 {
+        self.loads_n(input).iter().map(|load| load.length()).sum()
+    }
+
+    fn loads_n(&self, input: &StepInput) -> Vec<DVec3> {
+        let mut loads = dead_loads(&self.structure, input);
+        let pressure = input.pressure;
+        pressure::add_forces(&self.structure, &self.positions_m, pressure, &mut loads);
+        loads
+    }
+
+    fn loads_less_pulls_n(&self, input: &StepInput) -> Vec<DVec3> {
         let structure = &self.structure;
-        let mut forces = vec![DVec3::ZERO; structure.node_count()];
-        let mut pulls = super::Pulls::default();
+        let mut pulls = vec![DVec3::ZERO; structure.node_count()];
+        let mut elements = super::Pulls::default();
         elastic_gradient(
             structure,
             &self.prepared.gather,
             &self.positions_m,
+            &mut elements,
             &mut pulls,
-            &mut forces,
         );
         if let Some(contact) = self.contact_state() {
-            for (force, push) in forces.iter_mut().zip(&contact.forces_n) {
-                *force -= *push;
+            for (pull, push) in pulls.iter_mut().zip(&contact.forces_n) {
+                *pull -= *push;
             }
         }
-        let mut loads = dead_loads(structure, input);
-        pressure::add_forces(structure, &self.positions_m, input.pressure, &mut loads);
-        let held = structure.held.iter().enumerate();
-        held.filter(|(_, held)| **held)
-            .map(|(node, _)| (node as u32, forces[node] - loads[node]))
-            .collect()
+        let mut forces = self.loads_n(input);
+        for (force, pull) in forces.iter_mut().zip(&pulls) {
+            *force -= *pull;
+        }
+        forces
     }
 }
 

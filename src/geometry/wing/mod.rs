@@ -5,6 +5,7 @@
 //! * [`frames`] – where the ribs stand;
 //! * [`chord`] – where nodes stand along the chord;
 //! * `panels`, `ribs`, `lines` – the mesh, part by part;
+//! * [`carried_over`] – displacements from one mesh of a plan to another;
 //! * [`planar`] – triangles inside an outline with holes;
 //! * [`pressure`] – pressure jumps of a prescribed distribution;
 //! * [`measures`] – areas, lengths and masses.
@@ -20,6 +21,7 @@
 //! The mesh of panels is structured, with nodes at the same chord places on every rib; ribs are filled by a constrained Delaunay
 //! triangulation that keeps the outline's edges. All parts share nodes along their seams. Both halves are mirror images, node by node.
 
+pub mod carried_over;
 pub mod chord;
 pub mod frames;
 mod lines;

@@ -140,6 +140,18 @@ pub struct Fineness {
     pub across_cell: usize,
 }
 
+impl Fineness {
+    /// About half as many edges each way; `None` if those would be too few to tell the shape.
+    #[must_use]
+    pub fn halved(self) -> Option<Self> {
+        let halved = Self {
+            along_chord: self.along_chord / 2,
+            across_cell: self.across_cell / 4 * 2,
+        };
+        (halved.along_chord >= 10 && halved.across_cell >= 2).then_some(halved)
+    }
+}
+
 /// Why a plan makes no mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WingFault {

@@ -206,6 +206,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         panels_per_side,
         strips: cells,
         relaxation: 1.0,
+        from_coarser_meshes: false,
         tolerance: Tolerance {
             speed: 1e-3,
             glide: 1e-3,
