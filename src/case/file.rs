@@ -14,6 +14,7 @@ pub use super::file_specimens::*;
 pub use super::file_supports::*;
 pub use super::file_trim::*;
 pub use super::file_wing::*;
+pub use super::file_wing_design::*;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
@@ -370,6 +371,8 @@ pub struct Equilibrium {
     pub wing_pressure: Option<WingPressureTable>,
     /// Steady glide of a wing.
     pub trim: Option<TrimTable>,
+    /// Its loads, or the prescribed ones, several times over.
+    pub load_test: Option<LoadTestTable>,
 }
 
 /// `[steady]`.

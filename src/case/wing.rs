@@ -5,6 +5,7 @@ use super::file::{self, File};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
+use super::wing_design::{self, LoadTest};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
@@ -27,10 +28,14 @@ pub struct Wing {
     pub wing: wing::Wing,
     /// How fine its mesh is.
     pub fineness: Fineness,
+    /// What it was built from.
+    pub plan: Plan,
     /// Pressure in the equilibrium; `None`: none is prescribed.
     pub load: Option<Load>,
     /// Steady glide to be found; `None`: none is sought.
     pub trim: Option<Settings>,
+    /// Its loads several times over; `None`: not asked for.
+    pub load_test: Option<LoadTest>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
     /// Diameter of every cable segment [m], `[cable_count]`.
@@ -47,6 +52,7 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
     let equilibrium = file.equilibrium.as_ref();
     let prescribed = equilibrium.and_then(|e| e.wing_pressure.as_ref());
     let sought = equilibrium.and_then(|e| e.trim.as_ref());
+    let load_test = wing_design::check_load_test(file)?;
     let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
         let (key, remedy) = match (prescribed, sought) {
             (Some(_), _) => (
@@ -121,9 +127,11 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         fineness,
         load,
         trim,
+        load_test,
         breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
         line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
         wing,
+        plan,
     }))
 }
 

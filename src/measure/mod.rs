@@ -4,6 +4,7 @@ pub mod bodies;
 mod canopy_shape;
 pub mod catenary;
 mod comparison;
+mod load_test;
 mod outline;
 mod plate;
 mod record;
@@ -13,10 +14,16 @@ mod spectrum;
 pub mod statistics;
 mod supports;
 mod wing;
+mod wing_lines;
 mod wing_trim;
 
 pub use comparison::{comparison, history_columns, result_names};
+pub use load_test::{
+    LoadReading, Nearest, first_failure, key as part_key, line_names, parts as wing_parts,
+    read as read_load_step,
+};
 pub use record::Record;
 pub use results::{results, skirt_spectrum};
 pub use wing::{RowLoad, row_loads};
+pub use wing_lines::LineName;
 pub use wing_trim::cell_widths_m;

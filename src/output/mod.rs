@@ -28,5 +28,5 @@ pub use summary::{
     StopInfo, StructureEvery, Summary, write_summary,
 };
 pub use summary_table::value_and_uncertainty;
-pub use table::write_table;
+pub use table::{write_table, write_text_table};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

@@ -4,6 +4,7 @@ mod animation;
 mod equilibrium;
 mod files;
 mod lattices;
+mod load_test;
 mod summary;
 mod tables;
 mod trim;
@@ -202,6 +203,7 @@ pub fn run(
     run.history.finish()?;
     tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
     trim::write(run.folder, &run.simulation)?;
+    load_test::write(run.folder, &case.scene, &run.simulation)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     // Last: a run that is killed before it is complete can still be resumed.
     if diverged.is_none() && !interrupted {
@@ -513,10 +515,15 @@ impl<'a> Run<'a> {
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;
         }
-        if let Some(reason) = self.seek_trim(interrupt, observer)? {
+        let reason = match self.seek_trim(interrupt, observer)? {
+            Some(reason) => reason,
+            None => self.equilibrate(interrupt, observer)?,
+        };
+        if reason == INTERRUPTED {
             return Ok(reason);
         }
-        self.equilibrate(interrupt, observer)
+        let ended = self.test_loads(interrupt, observer)?;
+        Ok(ended.unwrap_or(reason))
     }
 
     fn detector(&self) -> Option<Detector> {

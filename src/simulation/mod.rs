@@ -13,6 +13,7 @@ mod descent;
 mod failure;
 mod frames;
 mod impulses;
+mod load_test;
 mod markers;
 mod opening;
 mod permeable;
@@ -35,6 +36,7 @@ pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
 use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
+pub use load_test::{LoadStep, LoadTestState};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
 pub use trim::{TrimEnd, TrimIteration, TrimState};
@@ -96,6 +98,8 @@ pub struct Simulation {
     pressure_acts: bool,
     /// Present once a trim is sought.
     trim: Option<TrimState>,
+    /// Present once loads are tested.
+    load_test: Option<LoadTestState>,
     cost: Cost,
 }
 
@@ -197,6 +201,7 @@ impl Simulation {
             largest_marker_motion: 0.0,
             pressure_acts: false,
             trim: None,
+            load_test: None,
             cost: Cost::default(),
         })
     }

@@ -9,19 +9,19 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, plate, supports, wing, wing_trim};
+use super::{Record, bodies, load_test, plate, supports, wing, wing_trim};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
-use crate::simulation::{Simulation, TrimState};
+use crate::simulation::{LoadTestState, Simulation, TrimState};
 use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
     let frame = simulation.structure_frame();
-    let state = simulation.trim_state();
-    of_scene(simulation.scene(), frame.structure.as_ref(), record, state)
+    let states = (simulation.trim_state(), simulation.load_test_state());
+    of_scene(simulation.scene(), frame.structure.as_ref(), record, states)
 }
 
 /// Rows of frequency [Hz] and power density [m² s] with which the skirt flaps, averaged over the gores; `None` where there is no canopy in
@@ -46,7 +46,7 @@ pub(super) fn of_scene(
     scene: &Scene,
     structure: Option<&StructureFrame>,
     record: &Record,
-    trim: Option<&TrimState>,
+    (trim, tested): (Option<&TrimState>, Option<&LoadTestState>),
 ) -> Results {
     let mut results = Results::new();
     match (&scene.body, &scene.air) {
@@ -73,6 +73,16 @@ pub(super) fn of_scene(
                         wing_trim::results(&mut results, known, &body.structure, structure, trim);
                     }
                     wing::results(&mut results, known, structure, gravity * mass, trim);
+                    if known.load_test.is_some() {
+                        let designed = &body.structure;
+                        load_test::results(
+                            &mut results,
+                            known,
+                            designed,
+                            gravity.length(),
+                            tested,
+                        );
+                    }
                 }
             }
         }
