@@ -373,6 +373,8 @@ pub struct Equilibrium {
     pub trim: Option<TrimTable>,
     /// Its loads, or the prescribed ones, several times over.
     pub load_test: Option<LoadTestTable>,
+    /// Widths of panels that fly as they were designed.
+    pub panel_shaping: Option<PanelShapingTable>,
 }
 
 /// `[steady]`.
@@ -405,5 +407,7 @@ pub struct Output {
     /// Of the air's velocity.
     pub picture_arrows: Option<bool>,
     pub animation_interval_s: Option<f64>,
+    /// Panels of a wing laid flat.
+    pub wing_panels: Option<bool>,
     pub history_plots: Option<bool>,
 }

@@ -2,10 +2,26 @@
 
 use serde::Deserialize;
 
+use super::file_wing::BallooningTable;
+
 /// `[equilibrium.load_test]`: the loads of the equilibrium, several times over.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadTestTable {
     /// Multiples of the loads, growing, above 1.
     pub load_factors: Vec<f64>,
+}
+
+/// `[equilibrium.panel_shaping]`: widths of panels with which the flown shape is the designed one.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PanelShapingTable {
+    /// Ballooning to be flown; that of the plan if absent.
+    pub target: Option<BallooningTable>,
+    /// Largest difference of the flown ballooning from it; 0.002 if absent.
+    pub tolerance: Option<f64>,
+    /// Share of the difference by which panels are changed; 0.7 if absent.
+    pub relaxation: Option<f64>,
+    /// Changes allowed; 10 if absent.
+    pub iteration_limit: Option<usize>,
 }

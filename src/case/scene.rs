@@ -306,6 +306,8 @@ pub struct Equilibrium {
 /// What to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
+    /// Panels of a wing laid flat.
+    pub wing_panels: bool,
     /// Time between rows of `history.csv` [s].
     pub sample_interval_s: f64,
     /// Time between `canopy_*.vtp` files; absent: only the last.
@@ -408,7 +410,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
         .transpose()?;
     refuse_unused(file)?;
-    let mut wing = wing::check(file)?;
+    let mut wing = wing::check(file, folder)?;
     let mut body = structure::check(file, folder, gravity_m_s2, wing.as_mut())?;
     let air = file
         .air

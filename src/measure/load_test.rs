@@ -79,7 +79,11 @@ fn projected_area_m2(wing: &Wing, positions_m: &[DVec3]) -> f64 {
         let ([a, b], [d, c]) = (chord(&pair[0]), chord(&pair[1]));
         let corners = [a, b, c, d];
         let twice: f64 = (0..4)
-            .map(|i| corners[i].truncate().perp_dot(corners[(i + 1) % 4].truncate()))
+            .map(|i| {
+                corners[i]
+                    .truncate()
+                    .perp_dot(corners[(i + 1) % 4].truncate())
+            })
             .sum();
         0.5 * twice.abs()
     };
@@ -106,13 +110,18 @@ pub fn read(wing: &Wing, step: &LoadStep) -> LoadReading {
         let own = wing.wing.tags.iter().enumerate();
         let own = own.filter(|(_, tag)| tag.part == part);
         let stresses = own.map(|(triangle, _)| (triangle, step.stress_pa[triangle]));
-        stresses.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
+        stresses.fold(
+            (0, 0.0),
+            |best, next| if next.1 > best.1 { next } else { best },
+        )
     };
     LoadReading {
         load_factor: step.load_factor,
         riser_forces_n: step.riser_forces_n.map(DVec3::length),
         row_loads_n: rows.clone().map(riser_load).collect(),
-        rows: rows.map(|row| nearest_of(wing, tensions, of_row(row))).collect(),
+        rows: rows
+            .map(|row| nearest_of(wing, tensions, of_row(row)))
+            .collect(),
         nearest: nearest_of(wing, tensions, |_| true),
         stresses: parts(wing).into_iter().map(largest).collect(),
         projected_area_m2: projected_area_m2(wing, &step.positions_m),
@@ -173,10 +182,14 @@ fn strength_of_level_n(wing: &Wing, level: usize) -> Option<f64> {
     let wing_rows = &wing.wing.row_names;
     let depths: Vec<usize> = (0..wing_rows.len())
         .map(|row| {
-            let of_row = wing.wing.line_kinds.iter().filter_map(move |kind| match kind {
-                LineKind::Line { row: own, level } if *own == row => Some(level + 1),
-                _ => None,
-            });
+            let of_row = wing
+                .wing
+                .line_kinds
+                .iter()
+                .filter_map(move |kind| match kind {
+                    LineKind::Line { row: own, level } if *own == row => Some(level + 1),
+                    _ => None,
+                });
             of_row.max().unwrap_or(0)
         })
         .collect();
@@ -251,8 +264,15 @@ pub(super) fn results(
         Some((nearest.share, names[nearest.cable].text()))
     };
     let why = if last.is_some() { told } else { untested };
-    let nearest = last.as_ref().and_then(|reading| as_quantity(&reading.nearest));
-    insert("line_load_over_breaking_load_max".to_owned(), "1", nearest, why);
+    let nearest = last
+        .as_ref()
+        .and_then(|reading| as_quantity(&reading.nearest));
+    insert(
+        "line_load_over_breaking_load_max".to_owned(),
+        "1",
+        nearest,
+        why,
+    );
     for (row, name) in wing.wing.row_names.iter().enumerate() {
         let nearest = last.as_ref().and_then(|r| as_quantity(&r.rows[row]));
         let key = format!("row_{name}_load_over_breaking_load_max");
@@ -270,12 +290,20 @@ pub(super) fn results(
             let (triangle, stress) = reading.stresses[number];
             (stress, place(wing, &wing.wing.tags[triangle]))
         });
-        insert(format!("{}_stress_max_pa", key(part)), "Pa", stress, untested);
+        insert(
+            format!("{}_stress_max_pa", key(part)),
+            "Pa",
+            stress,
+            untested,
+        );
     }
     let first = steps.first().map(|step| read(wing, step));
     let ratio = first.zip(last).map(|(first, last)| {
         let ratio = last.projected_area_m2 / first.projected_area_m2;
-        (ratio, "last step over flight, chords seen from above".to_owned())
+        (
+            ratio,
+            "last step over flight, chords seen from above".to_owned(),
+        )
     });
     insert("projected_area_ratio".to_owned(), "1", ratio, untested);
     strengths(results, wing, designed, gravity_m_s2);
@@ -289,9 +317,11 @@ fn strengths(results: &mut Results, wing: &Wing, designed: &Structure, gravity_m
     let mass: f64 = designed.masses_kg.iter().sum::<f64>() + settings.pilot_mass_kg;
     let weight_n = mass * gravity_m_s2;
     for level in 0.. {
-        let has_lines = wing.wing.line_kinds.iter().any(
-            |kind| matches!(kind, LineKind::Line { level: own, .. } if *own == level),
-        );
+        let has_lines = wing
+            .wing
+            .line_kinds
+            .iter()
+            .any(|kind| matches!(kind, LineKind::Line { level: own, .. } if *own == level));
         if !has_lines {
             break;
         }

@@ -4,11 +4,13 @@ pub mod bodies;
 mod canopy_shape;
 pub mod catenary;
 mod comparison;
+mod flown_ballooning;
 mod load_test;
 mod outline;
 mod plate;
 mod record;
 mod results;
+mod sail_support;
 mod skirt;
 mod spectrum;
 pub mod statistics;
@@ -18,12 +20,17 @@ mod wing_lines;
 mod wing_trim;
 
 pub use comparison::{comparison, history_columns, result_names};
+pub use flown_ballooning::{differences as ballooning_differences, flown_ballooning};
 pub use load_test::{
     LoadReading, Nearest, first_failure, key as part_key, line_names, parts as wing_parts,
     read as read_load_step,
 };
 pub use record::Record;
 pub use results::{results, skirt_spectrum};
+pub use sail_support::{
+    SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,
+    warnings as sail_warnings,
+};
 pub use wing::{RowLoad, row_loads};
 pub use wing_lines::LineName;
 pub use wing_trim::cell_widths_m;

@@ -9,6 +9,7 @@ mod atomic;
 mod chart;
 mod comparison;
 mod history;
+mod patterns;
 mod pvd;
 mod summary;
 mod summary_table;
@@ -22,6 +23,7 @@ pub use comparison::{
     ComparisonRow, UNRESOLVED_CELLS, comparison_markdown, comparison_text, write_comparison,
 };
 pub use history::HistoryWriter;
+pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,

@@ -114,10 +114,17 @@ pub(super) fn remove_stale(folder: &Path) {
             || super::tables::NAMES.contains(&name.as_str())
             || super::trim::TABLES.contains(&name.as_str())
             || super::load_test::TABLES.contains(&name.as_str())
-            || [super::load_test::PICTURE, super::load_test::SHAPE].contains(&name.as_str())
+            || super::panel_shaping::TABLES.contains(&name.as_str())
+            || [
+                super::load_test::PICTURE,
+                super::load_test::SHAPE,
+                super::panel_shaping::PATTERNS,
+            ]
+            .contains(&name.as_str())
             || super::trim::CHARTS
                 .iter()
                 .chain(&super::load_test::CHARTS)
+                .chain(&super::panel_shaping::CHARTS)
                 .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
             || super::tables::CHARTS.iter().any(|(column, _)| {
                 name == format!("history_{column}.svg") || name == format!("history_{column}.png")

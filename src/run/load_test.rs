@@ -75,9 +75,8 @@ impl Run<'_> {
         }
         match ended.transpose()? {
             None => {
-                self.notes.push(
-                    "no load test was done: there are no loads of an equilibrium".to_owned(),
-                );
+                self.notes
+                    .push("no load test was done: there are no loads of an equilibrium".to_owned());
             }
             Some(false) if interrupt.load(Ordering::Relaxed) => {
                 self.save()?;
@@ -100,7 +99,13 @@ fn line(wing: &Wing, names: &[LineName], step: &LoadStep) -> String {
     let reading = measure::read_load_step(wing, step);
     let nearest = reading.nearest.as_ref().map_or_else(
         || "breaking loads are not told".to_owned(),
-        |n| format!("nearest to breaking {} at {:.2}", names[n.cable].text(), n.share),
+        |n| {
+            format!(
+                "nearest to breaking {} at {:.2}",
+                names[n.cable].text(),
+                n.share
+            )
+        },
     );
     let rows: Vec<String> = wing
         .wing
@@ -124,7 +129,11 @@ fn line(wing: &Wing, names: &[LineName], step: &LoadStep) -> String {
 }
 
 /// Writes tables and charts of a load test; nothing where there is none.
-pub(super) fn write(folder: &Path, scene: &Scene, simulation: &Simulation) -> Result<(), OutputError> {
+pub(super) fn write(
+    folder: &Path,
+    scene: &Scene,
+    simulation: &Simulation,
+) -> Result<(), OutputError> {
     let (Some(wing), Some(body), Some(state)) =
         (&scene.wing, &scene.body, simulation.load_test_state())
     else {
@@ -166,8 +175,15 @@ fn steps_table(
     .map(str::to_owned)
     .into();
     columns.extend(rows.iter().map(|name| format!("row_{name}_load_n")));
-    columns.extend(rows.iter().map(|name| format!("row_{name}_load_over_breaking_load_max")));
-    columns.extend(parts.iter().map(|part| format!("{}_stress_max_pa", measure::part_key(*part))));
+    columns.extend(
+        rows.iter()
+            .map(|name| format!("row_{name}_load_over_breaking_load_max")),
+    );
+    columns.extend(
+        parts
+            .iter()
+            .map(|part| format!("{}_stress_max_pa", measure::part_key(*part))),
+    );
     let share = |nearest: &Option<measure::Nearest>| nearest.as_ref().map_or(f64::NAN, |n| n.share);
     let table: Vec<Vec<f64>> = state
         .steps
@@ -202,15 +218,26 @@ fn lines_table(
     state: &LoadTestState,
     names: &[LineName],
 ) -> Result<(), OutputError> {
-    let mut columns: Vec<String> = ["line", "half", "breaking_load_n"].map(str::to_owned).into();
-    columns.extend(state.steps.iter().map(|step| format!("load_n_at_{}", step.load_factor)));
+    let mut columns: Vec<String> = ["line", "half", "breaking_load_n"]
+        .map(str::to_owned)
+        .into();
+    columns.extend(
+        state
+            .steps
+            .iter()
+            .map(|step| format!("load_n_at_{}", step.load_factor)),
+    );
     columns.push("load_over_breaking_load_at_last".to_owned());
     let rows: Vec<Vec<String>> = names
         .iter()
         .zip(&wing.breaking_loads_n)
         .enumerate()
         .map(|(cable, (name, breaking))| {
-            let loads: Vec<f64> = state.steps.iter().map(|s| s.cable_tensions_n[cable]).collect();
+            let loads: Vec<f64> = state
+                .steps
+                .iter()
+                .map(|s| s.cable_tensions_n[cable])
+                .collect();
             let mut row = vec![
                 name.text(),
                 name.half.to_owned(),
@@ -241,7 +268,9 @@ fn charts(
     let rows = || wing.wing.row_names.iter().enumerate();
     let shares: Vec<Series> = rows()
         .map(|(row, name)| {
-            series(name.clone(), &|r| r.rows[row].as_ref().map_or(f64::NAN, |n| n.share))
+            series(name.clone(), &|r| {
+                r.rows[row].as_ref().map_or(f64::NAN, |n| n.share)
+            })
         })
         .collect();
     let loads = rows()
@@ -253,7 +282,11 @@ fn charts(
         .map(|(number, part)| series(part.name().to_owned(), &|r| 1e-6 * r.stresses[number].1))
         .collect();
     for (file, label, series) in [
-        (CHARTS[0], "largest line load of the row over its breaking load", shares),
+        (
+            CHARTS[0],
+            "largest line load of the row over its breaking load",
+            shares,
+        ),
         (CHARTS[1], "tension of the row's risers [N]", loads),
         (CHARTS[2], "largest stress [MPa]", stresses),
     ] {

@@ -16,6 +16,7 @@ mod impulses;
 mod load_test;
 mod markers;
 mod opening;
+mod panel_shaping;
 mod permeable;
 mod state;
 mod supports;
@@ -39,6 +40,7 @@ pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use load_test::{LoadStep, LoadTestState};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
+pub use panel_shaping::ShapingStep;
 pub use trim::{TrimEnd, TrimIteration, TrimState};
 
 use crate::case::Scene;
@@ -100,6 +102,8 @@ pub struct Simulation {
     trim: Option<TrimState>,
     /// Present once loads are tested.
     load_test: Option<LoadTestState>,
+    /// Cuts of a wing's panels; empty where they are as the plan says.
+    shaping: Vec<ShapingStep>,
     cost: Cost,
 }
 
@@ -202,6 +206,7 @@ impl Simulation {
             pressure_acts: false,
             trim: None,
             load_test: None,
+            shaping: Vec::new(),
             cost: Cost::default(),
         })
     }

@@ -7,6 +7,7 @@
 //! * `panels`, `ribs`, `lines` – the mesh, part by part;
 //! * [`planar`] – triangles inside an outline with holes;
 //! * [`pressure`] – pressure jumps of a prescribed distribution;
+//! * [`patterns`] – panels laid flat;
 //! * [`measures`] – areas, lengths and masses.
 //!
 //! # Rest shape
@@ -25,6 +26,7 @@ pub mod frames;
 mod lines;
 pub mod measures;
 mod panels;
+pub mod patterns;
 pub mod plan;
 pub mod planar;
 pub mod pressure;

@@ -9,18 +9,24 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, load_test, plate, supports, wing, wing_trim};
+use super::{
+    Record, bodies, flown_ballooning, load_test, plate, sail_support, supports, wing, wing_trim,
+};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
-use crate::simulation::{LoadTestState, Simulation, TrimState};
+use crate::simulation::{LoadTestState, ShapingStep, Simulation, TrimState};
 use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
     let frame = simulation.structure_frame();
-    let states = (simulation.trim_state(), simulation.load_test_state());
+    let states = (
+        simulation.trim_state(),
+        simulation.load_test_state(),
+        simulation.shaping_steps(),
+    );
     of_scene(simulation.scene(), frame.structure.as_ref(), record, states)
 }
 
@@ -46,7 +52,7 @@ pub(super) fn of_scene(
     scene: &Scene,
     structure: Option<&StructureFrame>,
     record: &Record,
-    (trim, tested): (Option<&TrimState>, Option<&LoadTestState>),
+    (trim, tested, shaped): (Option<&TrimState>, Option<&LoadTestState>, &[ShapingStep]),
 ) -> Results {
     let mut results = Results::new();
     match (&scene.body, &scene.air) {
@@ -73,15 +79,13 @@ pub(super) fn of_scene(
                         wing_trim::results(&mut results, known, &body.structure, structure, trim);
                     }
                     wing::results(&mut results, known, structure, gravity * mass, trim);
+                    sail_support::results(&mut results, known, &body.structure, structure);
+                    if known.panel_shaping.is_some() {
+                        flown_ballooning::results(&mut results, shaped);
+                    }
                     if known.load_test.is_some() {
                         let designed = &body.structure;
-                        load_test::results(
-                            &mut results,
-                            known,
-                            designed,
-                            gravity.length(),
-                            tested,
-                        );
+                        load_test::results(&mut results, known, designed, gravity.length(), tested);
                     }
                 }
             }

@@ -1,0 +1,321 @@
+//! What a designer asks of a wing beyond its equilibrium: load test, sail support, profiles from files, panel shaping.
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices};
+use ripstop::geometry::wing::patterns::patterns;
+use ripstop::geometry::wing::section::Side;
+
+use crate::command_line::{Finished, ripstop, root};
+use crate::engines::plain;
+use crate::tolerances::wing_design as tolerance;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("wing_design::loads_are_raised", load_test),
+        plain("wing_design::where_no_line_holds_is_told", sail_support),
+        plain("wing_design::profiles_come_from_files", profiles),
+        plain("wing_design::panels_fly_as_designed", panel_shaping),
+        plain("wing_design::seams_of_panels_fit_their_ribs", seams),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+const CASE: &str = "cases/wing-school.toml";
+
+struct Ran {
+    output: Finished,
+    summary: serde_json::Value,
+    folder: tempfile::TempDir,
+}
+
+impl Ran {
+    fn value(&self, name: &str) -> f64 {
+        self.summary["results"][name]["value"]
+            .as_f64()
+            .unwrap_or_else(|| panic!("{name}: {}", self.summary["results"][name]))
+    }
+
+    fn note(&self, name: &str) -> &str {
+        self.summary["results"][name]["note"].as_str().unwrap()
+    }
+
+    /// Lines of a table by the names of its columns.
+    fn table(&self, name: &str) -> Vec<std::collections::HashMap<String, String>> {
+        let mut reader = csv::Reader::from_path(self.folder.path().join(name)).unwrap();
+        let names = reader.headers().unwrap().clone();
+        reader
+            .records()
+            .map(|record| {
+                let record = record.unwrap();
+                names
+                    .iter()
+                    .zip(&record)
+                    .map(|(a, b)| (a.to_owned(), b.to_owned()))
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+fn run(more: &[&str]) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    let mut arguments = vec![
+        "run",
+        CASE,
+        "--variant",
+        "quick",
+        "--out",
+        folder.path().to_str().unwrap(),
+    ];
+    for change in more {
+        arguments.extend(["--set", change]);
+    }
+    let output = ripstop(&arguments);
+    let text = std::fs::read(folder.path().join("summary.json")).unwrap();
+    Ran {
+        output,
+        summary: serde_json::from_slice(&text).unwrap(),
+        folder,
+    }
+}
+
+/// The risers carry n times what the air does, less the weight of the wing, which stays; the line that breaks first is told with the load factor between the
+/// steps; and the wing flies as before.
+fn load_test() {
+    let ran = run(&[
+        "equilibrium.load_test.load_factors=[2.0, 4.0, 6.0]",
+        "structure.wing.line_materials.gallery.breaking_load_n=300.0",
+    ]);
+    assert_eq!(ran.output.code, 0, "{}", ran.output.errors);
+    let steps = ran.table("load_test.csv");
+    assert_eq!(steps.len(), 4);
+    let of = |step: usize, name: &str| -> f64 { steps[step][name].parse().unwrap() };
+    let risers = |step: usize| of(step, "riser_force_right_n") + of(step, "riser_force_left_n");
+    let weight = ran.value("weight_n") - 85.0 * 9.81;
+    let air = risers(0) + weight;
+    for (step, factor) in [2.0, 4.0, 6.0].into_iter().enumerate() {
+        assert_eq!(of(step + 1, "load_factor"), factor);
+        let ratio = (risers(step + 1) + weight) / (factor * air);
+        assert!((ratio - 1.0).abs() < tolerance::RAISED, "{factor}: {ratio}");
+        assert!(of(step + 1, "riser_balance_error") < 1e-2);
+    }
+    // Between the steps at whose ends the largest share is below and above 1.
+    let shares: Vec<f64> = (0..4)
+        .map(|step| of(step, "line_load_over_breaking_load_max"))
+        .collect();
+    let after = shares.iter().position(|share| *share > 1.0).unwrap();
+    let failure = ran.value("load_test_first_failure_load_factor");
+    assert!(
+        failure > of(after - 1, "load_factor") && failure <= of(after, "load_factor"),
+        "{failure}: {shares:?}"
+    );
+    let linear = of(after, "load_factor") / shares[after];
+    assert!((failure / linear - 1.0).abs() < 0.1, "{failure} {linear}");
+    let name = ran.note("load_test_first_failure_load_factor");
+    assert!(name.contains("A level 1 of rib "), "{name}");
+    // That very line is the first of the table of lines.
+    let lines = ran.table("load_test_lines.csv");
+    let first = lines.iter().max_by(|a, b| {
+        let share = |line: &std::collections::HashMap<String, String>| -> f64 {
+            line["load_over_breaking_load_at_last"]
+                .parse()
+                .unwrap_or(0.0)
+        };
+        share(a).total_cmp(&share(b))
+    });
+    assert!(name.starts_with("A level 1") && first.unwrap()["line"].starts_with("A level 1"));
+    // Back in flight.
+    let rows = ["A", "B", "C"];
+    for row in rows {
+        let (flown, first) = (
+            ran.value(&format!("row_{row}_load_n")),
+            of(0, &format!("row_{row}_load_n")),
+        );
+        assert!((flown / first - 1.0).abs() < 1e-9, "{row}: {flown} {first}");
+    }
+    for name in ["load_test.png", "load_test.vtp", "load_test_lines.png"] {
+        assert!(ran.folder.path().join(name).exists(), "{name}");
+    }
+}
+
+/// A row that lacks an attachment: the ribs there stand out more than anywhere on the whole wing, and the warning names them.
+fn sail_support() {
+    let whole = run(&[]);
+    let lacking = run(&[
+        "structure.wing.rows.A.ribs=[2, 5, 11, 14]",
+        "structure.wing.rows.A.levels=[{ material = \"gallery\", joins = [2, 2], height = 0.75 }, { material = \"main\" }]",
+    ]);
+    assert_eq!(lacking.output.code, 0, "{}", lacking.output.errors);
+    let out = |ran: &Ran| ran.value("rib_standing_out_max");
+    assert!(
+        out(&lacking) > 2.0 * out(&whole),
+        "{} {}",
+        out(&lacking),
+        out(&whole)
+    );
+    let place = lacking.note("rib_standing_out_max");
+    assert!(
+        place.contains("at row A")
+            && (place.contains("(8 from")
+                || place.contains("(7 from")
+                || place.contains("(9 from")),
+        "{place}"
+    );
+    let warned = |ran: &Ran, words: &str| {
+        let notes = ran.summary["notes"].as_array().unwrap();
+        notes
+            .iter()
+            .any(|note| note.as_str().unwrap().contains(words))
+    };
+    assert!(warned(
+        &lacking,
+        "a rib stands out between the attachments of its row"
+    ));
+    assert!(warned(&lacking, "(8 from the middle)"));
+    assert!(
+        !warned(&whole, "a rib stands out"),
+        "{:?}",
+        whole.summary["notes"]
+    );
+}
+
+/// A file with the coordinates of a NACA profile makes the same wing.
+fn profiles() {
+    let folder = tempfile::tempdir().unwrap();
+    // NACA 0017 with a closed trailing edge, in Selig's order.
+    let half = |x: f64| {
+        5.0 * 0.17
+            * (0.2969 * x.sqrt() - 0.1260 * x - 0.3516 * x * x + 0.2843 * x.powi(3)
+                - 0.1036 * x.powi(4))
+    };
+    let mut text = "NACA 0017\n".to_owned();
+    for i in -60..=60_i32 {
+        let x = (f64::from(i) / 60.0).powi(2);
+        let sign = if i <= 0 { 1.0 } else { -1.0 };
+        text.push_str(&format!(" {x:.6}  {:.6}\n", sign * half(x)));
+    }
+    std::fs::write(folder.path().join("p.dat"), text).unwrap();
+    let source = std::fs::read_to_string(root().join(CASE)).unwrap();
+    let wing = |profile: &str| {
+        let choices = Choices {
+            variant: Some("quick".to_owned()),
+            overrides: vec![format!("structure.wing.profiles.middle={profile}")],
+        };
+        let case = case::parse("school", &source, folder.path(), &choices).unwrap();
+        case.scene.wing.unwrap().wing
+    };
+    let (read, known) = (wing("{ file = \"p.dat\" }"), wing("{ naca = \"0017\" }"));
+    for i in 0..=200 {
+        let x = f64::from(i) / 200.0;
+        for side in [Side::Upper, Side::Lower] {
+            let [a, b] = [&read, &known].map(|wing| wing.profiles[0].height(side, x));
+            assert!((a - b).abs() < tolerance::PROFILE, "{x} {side:?}: {a} {b}");
+        }
+    }
+    let volumes = [read, known].map(|wing| wing.measures.section_volume_m3);
+    assert!((volumes[0] / volumes[1] - 1.0).abs() < 1e-3, "{volumes:?}");
+}
+
+/// Panels cut anew fly nearer to what was designed, with cells nearer to their width.
+fn panel_shaping() {
+    let ran = run(&["equilibrium.panel_shaping={ tolerance = 0.006, iteration_limit = 6 }"]);
+    assert_eq!(ran.output.code, 0, "{}", ran.output.errors);
+    let pair = |name: &str| {
+        ["before", "after"].map(|which| ran.value(&format!("panel_shaping_{name}_{which}")))
+    };
+    let [before, after] = pair("ballooning_error_max");
+    assert!(after <= 0.006 && before > 3.0 * after, "{before} {after}");
+    let [narrow, wide] = pair("cell_width_over_designed");
+    assert!((wide - 1.0).abs() < (narrow - 1.0).abs(), "{narrow} {wide}");
+    // What is to be put into a case is what was cut.
+    let text = std::fs::read_to_string(ran.folder.path().join("panel_shaping.toml")).unwrap();
+    let plan: toml::Table = toml::from_str(&text).unwrap();
+    let upper = plan["structure"]["wing"]["ballooning"]["upper"]
+        .as_array()
+        .unwrap();
+    let rows = ran.table("panel_shaping.csv");
+    let cut: Vec<f64> = rows
+        .iter()
+        .filter(|row| row["side"] == "1")
+        .map(|row| row["cut_after"].parse().unwrap())
+        .collect();
+    assert_eq!(upper.len(), cut.len());
+    for (point, cut) in upper.iter().zip(&cut) {
+        assert!((point[1].as_float().unwrap() - cut).abs() < 1e-9);
+    }
+    let svg = std::fs::read_to_string(ran.folder.path().join("panels.svg")).unwrap();
+    assert_eq!(svg.matches("<path").count(), 64);
+    assert!(ran.folder.path().join("panel_shaping_upper.png").exists());
+}
+
+/// Seams of panels laid flat are as long as the edges of the ribs that they are sewn to, and as those of the panel on the other side.
+fn seams() {
+    let source = std::fs::read_to_string(root().join(CASE)).unwrap();
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: Vec::new(),
+    };
+    let scene = case::parse("school", &source, root(), &choices)
+        .unwrap()
+        .scene;
+    let (wing, body) = (scene.wing.unwrap().wing, scene.body.unwrap());
+    let places = &body.structure.positions_m;
+    let panels = patterns(&wing, places);
+    assert_eq!(panels.len(), 2 * wing.cells);
+    for panel in &panels {
+        let rows = panel.chord_places.len();
+        assert_eq!(
+            [panel.flat.left.len(), panel.flat.right.len()],
+            [rows, rows]
+        );
+        for (ends, sewn) in [
+            (&panel.flat.left, panel.seams_m[0]),
+            (&panel.flat.right, panel.seams_m[1]),
+        ] {
+            let flat: f64 = ends.windows(2).map(|p| p[0].distance(p[1])).sum();
+            assert!((flat / sewn - 1.0).abs() < 1e-9, "{flat} {sewn}");
+        }
+        assert!(
+            panel.flat.strain < tolerance::LAID_FLAT,
+            "{:?} {}: {}",
+            panel.part,
+            panel.cell,
+            panel.flat.strain
+        );
+    }
+    // Both panels of a closed cell at the tip go around their rib once.
+    let outline = |rib: usize| -> f64 {
+        let nodes = &wing.outlines[rib];
+        (0..nodes.len())
+            .map(|k| {
+                let next = nodes[(k + 1) % nodes.len()];
+                places[nodes[k] as usize].distance(places[next as usize])
+            })
+            .sum()
+    };
+    let seams: f64 = panels
+        .iter()
+        .filter(|p| p.cell == 0)
+        .map(|p| p.seams_m[0])
+        .sum();
+    assert!(
+        (seams / outline(0) - 1.0).abs() < 1e-12,
+        "{seams} {}",
+        outline(0)
+    );
+    // Neighbours are sewn to the same rib, and both halves are mirror images.
+    for panel in panels.iter().filter(|p| (5..20).contains(&p.cell)) {
+        let beside = panels
+            .iter()
+            .find(|p| p.part == panel.part && p.cell == panel.cell + 1);
+        assert!((beside.unwrap().seams_m[0] - panel.seams_m[1]).abs() < 1e-12);
+        let mirrored = wing.cells - 1 - panel.cell;
+        let image = panels
+            .iter()
+            .find(|p| p.part == panel.part && p.cell == mirrored)
+            .unwrap();
+        assert!((image.seams_m[0] - panel.seams_m[1]).abs() < 1e-9);
+    }
+}
