@@ -269,6 +269,9 @@ pub mod wing_design {
 
     /// Strain of ballooned panels laid flat: of the order of the ballooning, 6 %.
     pub const LAID_FLAT: f64 = 0.06;
+
+    /// Force that holds a hanging wing over its weight: the energy norm of 1e-2 to which it is solved, and what that leaves in stiff lines.
+    pub const HANGS: f64 = 0.05;
 }
 
 /// Supports that are moved.

@@ -16,6 +16,7 @@ pub fn trials() -> Vec<Trial> {
         plain("wing_design::profiles_come_from_files", profiles),
         plain("wing_design::panels_fly_as_designed", panel_shaping),
         plain("wing_design::seams_of_panels_fit_their_ribs", seams),
+        plain("wing_design::wings_of_leparagliding_are_read", imported),
     ]
     .into_iter()
     .flatten()
@@ -140,45 +141,50 @@ fn load_test() {
     }
 }
 
-/// A row that lacks an attachment: the ribs there stand out more than anywhere on the whole wing, and the warning names them.
+/// A row that lacks an attachment: ribs stand out there more than anywhere, at that row, and the warning names the place.
 fn sail_support() {
+    let lacking = |row: &str| {
+        run(&[
+            &format!("structure.wing.rows.{row}.ribs=[2, 5, 11, 14]"),
+            &format!(
+                "structure.wing.rows.{row}.levels=[{{ material = \"gallery\", joins = [2, 2], height = 0.75 }}, {{ material = \"main\" }}]"
+            ),
+        ])
+    };
     let whole = run(&[]);
-    let lacking = run(&[
-        "structure.wing.rows.A.ribs=[2, 5, 11, 14]",
-        "structure.wing.rows.A.levels=[{ material = \"gallery\", joins = [2, 2], height = 0.75 }, { material = \"main\" }]",
-    ]);
-    assert_eq!(lacking.output.code, 0, "{}", lacking.output.errors);
     let out = |ran: &Ran| ran.value("rib_standing_out_max");
-    assert!(
-        out(&lacking) > 2.0 * out(&whole),
-        "{} {}",
-        out(&lacking),
-        out(&whole)
-    );
-    let place = lacking.note("rib_standing_out_max");
-    assert!(
-        place.contains("at row A")
-            && (place.contains("(8 from")
-                || place.contains("(7 from")
-                || place.contains("(9 from")),
-        "{place}"
-    );
     let warned = |ran: &Ran, words: &str| {
         let notes = ran.summary["notes"].as_array().unwrap();
         notes
             .iter()
             .any(|note| note.as_str().unwrap().contains(words))
     };
-    assert!(warned(
-        &lacking,
-        "a rib stands out between the attachments of its row"
-    ));
-    assert!(warned(&lacking, "(8 from the middle)"));
-    assert!(
-        !warned(&whole, "a rib stands out"),
-        "{:?}",
-        whole.summary["notes"]
-    );
+    for row in ["A", "B"] {
+        let ran = lacking(row);
+        assert_eq!(ran.output.code, 0, "{}", ran.output.errors);
+        assert!(
+            out(&ran) > 1.15 * out(&whole),
+            "{row}: {} {}",
+            out(&ran),
+            out(&whole)
+        );
+        // Ribs 8 on both sides of the middle are 9 and 25 from the left tip.
+        let place = ran.note("rib_standing_out_max");
+        assert!(
+            ["6 and 12", "22 and 28"].iter().any(|ribs| {
+                place.contains(&format!(
+                    "at row {row}, between the attachments of ribs {ribs}"
+                ))
+            }),
+            "{place}"
+        );
+        assert!(warned(
+            &ran,
+            "a rib stands out between the attachments of its row"
+        ));
+        assert!(warned(&ran, "(8 from the middle) by"));
+    }
+    assert!(!warned(&whole, "ribs 6 and 12") && !warned(&whole, "(8 from the middle) by"));
 }
 
 /// A file with the coordinates of a NACA profile makes the same wing.
@@ -220,15 +226,18 @@ fn profiles() {
 
 /// Panels cut anew fly nearer to what was designed, with cells nearer to their width.
 fn panel_shaping() {
-    let ran = run(&["equilibrium.panel_shaping={ tolerance = 0.006, iteration_limit = 6 }"]);
+    let ran = run(&["equilibrium.panel_shaping={ tolerance = 0.01, iteration_limit = 6 }"]);
     assert_eq!(ran.output.code, 0, "{}", ran.output.errors);
     let pair = |name: &str| {
         ["before", "after"].map(|which| ran.value(&format!("panel_shaping_{name}_{which}")))
     };
-    let [before, after] = pair("ballooning_error_max");
-    assert!(after <= 0.006 && before > 3.0 * after, "{before} {after}");
+    let [before, after] = pair("error_max");
+    assert!(after <= 0.01 && before > 2.0 * after, "{before} {after}");
     let [narrow, wide] = pair("cell_width_over_designed");
-    assert!((wide - 1.0).abs() < (narrow - 1.0).abs(), "{narrow} {wide}");
+    assert!(
+        (wide - 1.0).abs() < 0.2 * (narrow - 1.0).abs(),
+        "{narrow} {wide}"
+    );
     // What is to be put into a case is what was cut.
     let text = std::fs::read_to_string(ran.folder.path().join("panel_shaping.toml")).unwrap();
     let plan: toml::Table = toml::from_str(&text).unwrap();
@@ -318,4 +327,233 @@ fn seams() {
             .unwrap();
         assert!((image.seams_m[0] - panel.seams_m[1]).abs() < 1e-9);
     }
+}
+
+/// A wing as LEparagliding Studio writes it, in mm with x along the span: five ribs 1 m apart, the outermost of no thickness, an intake in the two cells in the
+/// middle if asked for, a strap, and two rows with brakes on each half.
+fn lep_sim(with_intakes: bool) -> String {
+    const STATIONS: i32 = 12;
+    let half = |x: f64| {
+        5.0 * 0.15
+            * (0.2969 * x.sqrt() - 0.1260 * x - 0.3516 * x * x + 0.2843 * x.powi(3)
+                - 0.1036 * x.powi(4))
+    };
+    let mut nodes: Vec<[f64; 3]> = Vec::new();
+    let mut node = |place: [f64; 3]| {
+        let rounded = place.map(|c| (c * 1e3).round() / 1e3);
+        let known = nodes.iter().position(|n| *n == rounded);
+        known.unwrap_or_else(|| {
+            nodes.push(rounded);
+            nodes.len() - 1
+        })
+    };
+    let ribs: Vec<Vec<usize>> = (-2..=2_i32)
+        .map(|rib| {
+            (-STATIONS..=STATIONS)
+                .map(|i| {
+                    // From the trailing edge above around the nose.
+                    let x = (f64::from(i) / f64::from(STATIONS)).powi(2);
+                    let thick = if rib.abs() == 2 {
+                        0.0
+                    } else {
+                        half(x).max(0.0)
+                    };
+                    let z = if i <= 0 { thick } else { -thick };
+                    node([1000.0 * f64::from(rib), 1000.0 * x, 1000.0 * z])
+                })
+                .collect()
+        })
+        .collect();
+    let (mut quads, mut surfaces) = (Vec::new(), Vec::new());
+    for cell in 0..4 {
+        for k in 0..2 * STATIONS as usize {
+            let (a, b) = (&ribs[cell], &ribs[cell + 1]);
+            quads.push([a[k], a[k + 1], b[k + 1], b[k]]);
+            let below = k >= STATIONS as usize;
+            let open = with_intakes && k == STATIONS as usize + 1 && (1..3).contains(&cell);
+            surfaces.push(if open { 1 } else { 2 * i32::from(below) });
+        }
+    }
+    let loops: Vec<Vec<usize>> = ribs
+        .iter()
+        .map(|rib| {
+            let mut seen = Vec::new();
+            rib.iter().for_each(|n| {
+                if !seen.contains(n) {
+                    seen.push(*n);
+                }
+            });
+            seen
+        })
+        .collect();
+    let hole: Vec<[f64; 3]> = (0..12)
+        .map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 12.0).sin_cos();
+            [0.0, 350.0 + 60.0 * cos, 30.0 * sin]
+        })
+        .collect();
+    let holes: Vec<Vec<Vec<[f64; 3]>>> = (0..5)
+        .map(|rib| {
+            if rib == 2 {
+                vec![hole.clone()]
+            } else {
+                Vec::new()
+            }
+        })
+        .collect();
+    let mut lines = Vec::new();
+    for side in [-1.0, 1.0] {
+        let hang = [200.0 * side, 300.0, -3000.0];
+        for (plan, brake, y) in [(1, 0, 62.5), (3, 0, 562.5), (0, 1, 1000.0)] {
+            let knot = [500.0 * side, 0.5 * (300.0 + y), -1000.0];
+            lines.push(serde_json::json!({ "a": hang, "b": knot, "label": "x", "plan": plan, "brake": brake }));
+            let z = -1000.0 * half(y / 1000.0).max(0.0);
+            for x in [0.0, 1000.0] {
+                let top = [x * side, y, z];
+                lines.push(serde_json::json!({ "a": knot, "b": top, "label": "x", "plan": plan, "brake": brake }));
+            }
+        }
+    }
+    let strap = |side: f64| {
+        let row = |x: f64, up: f64| -> Vec<[f64; 3]> {
+            (0..6)
+                .map(|i| {
+                    let y = f64::from(i + 3).powi(2) / 144.0;
+                    [x * side, 1000.0 * y, up * 1000.0 * half(y)]
+                })
+                .collect()
+        };
+        serde_json::json!({ "a": row(0.0, -1.0), "b": row(1000.0, 1.0) })
+    };
+    serde_json::json!({
+        "version": 1, "unit": "mm", "nodes": nodes, "quads": quads,
+        "surfaceNames": ["extrados", "vent", "intrados"], "quadSurfaces": surfaces,
+        "ribLoops": loops, "ribHoles": holes, "straps": [strap(-1.0), strap(1.0)], "lines": lines,
+    })
+    .to_string()
+}
+
+/// Volume, areas, rows and held ends are those that were written, aft and up are where they should be, and the wing hangs in its lines with its weight.
+fn imported() {
+    use ripstop::fabric::Fabric;
+    use ripstop::geometry::mesh::lep_sim::read;
+    use ripstop::lines::{Cable, CableLaw};
+    let fabric = Fabric {
+        thickness_m: 5e-5,
+        density_kg_m3: 800.0,
+        warp_modulus_pa: 6e8,
+        weft_modulus_pa: 6e8,
+        poisson_ratio: 0.15,
+        shear_modulus_pa: 8e7,
+        cubic_shear_compliance_1_pa3: None,
+        residual_stiffness: 0.03,
+        initial_strain: [0.0; 2],
+        yield_stress_pa: None,
+    };
+    let cable = Cable {
+        area_m2: 1e-6,
+        density_kg_m3: 1000.0,
+        law: CableLaw::Linear {
+            axial_stiffness_n: 2e4,
+        },
+        damping_n_s: 0.0,
+    };
+    let [closed, open] =
+        [false, true].map(|intakes| read(&lep_sim(intakes), &fabric, &cable).unwrap());
+    // Full sections between the inner ribs, half of them in the mean beyond; 0.6810 t c² with a closed trailing edge, of which the polygon lacks some.
+    let exact = 0.6810 * 0.15 * 3.0;
+    assert!(
+        (closed.volume_m3 / exact - 1.0).abs() < 0.03,
+        "{} {exact}",
+        closed.volume_m3
+    );
+    assert!((open.volume_m3 / closed.volume_m3 - 1.0).abs() < 1e-12);
+    let skin = |wing: &ripstop::geometry::mesh::lep_sim::Imported| -> f64 {
+        let triangles = wing.structure.triangles.iter().zip(&wing.is_skin);
+        triangles
+            .filter(|(_, skin)| **skin)
+            .map(|(t, _)| t.rest_area_m2)
+            .sum()
+    };
+    // Two intakes of 1 m over the second edge of the lower side.
+    let edge = {
+        let at = |i: f64| {
+            let x = i * i / 144.0;
+            let half = 0.2969 * x.sqrt() - 0.1260 * x - 0.3516 * x * x + 0.2843 * x.powi(3);
+            [x, 0.75 * (half - 0.1036 * x.powi(4))]
+        };
+        let [a, b] = [at(1.0), at(2.0)];
+        f64::hypot(a[0] - b[0], a[1] - b[1])
+    };
+    let lacking = skin(&closed) - skin(&open);
+    assert!((lacking / (2.0 * edge) - 1.0).abs() < 0.02, "{lacking}");
+    assert_eq!(closed.held.len(), 2);
+    let rows: std::collections::BTreeSet<&str> = closed.rows.iter().map(String::as_str).collect();
+    assert_eq!(rows.into_iter().collect::<Vec<_>>(), ["A", "C", "brake"]);
+    assert_eq!(closed.rows.len(), 18);
+    assert!(closed.moved_max_m < 1e-3, "{}", closed.moved_max_m);
+    // Noses lie ahead of trailing edges, normals point outwards.
+    let places = &closed.structure.positions_m;
+    for (triangle, _) in closed
+        .structure
+        .triangles
+        .iter()
+        .zip(&closed.is_skin)
+        .filter(|(_, s)| **s)
+    {
+        let middle = triangle
+            .nodes
+            .iter()
+            .map(|n| places[*n as usize])
+            .sum::<glam::DVec3>()
+            / 3.0;
+        let up = triangle.doubled_area_vector(places).z;
+        assert!(up * middle.z >= -1e-9, "{middle}");
+    }
+    let low = places.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+    let thickest = places.iter().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+    assert!((0.2..0.4).contains(&(thickest.x - low)), "{thickest}");
+    for (text, words) in [
+        ("{", "EOF"),
+        (
+            r#"{"version": 2, "unit": "mm", "nodes": [], "quads": []}"#,
+            "version 2",
+        ),
+        (
+            r#"{"version": 1, "unit": "mm", "nodes": [[0,0,0]], "quads": [[0,0,0,7]], "ribLoops": [[0]]}"#,
+            "node 7",
+        ),
+    ] {
+        let why = read(text, &fabric, &cable).unwrap_err();
+        assert!(why.contains(words), "{why}");
+    }
+    // Upside down: its weight pulls at its lines.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lep-sim.json"), lep_sim(false)).unwrap();
+    let case = "version = 1\n[structure.lep_sim]\nfile = \"lep-sim.json\"\n[structure.lep_sim.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\nyoungs_modulus_pa = 2e10\n\
+                [fabric]\nthickness_m = 5e-5\ndensity_kg_m3 = 800.0\nyoungs_modulus_pa = 6e8\npoisson_ratio = 0.15\nresidual_stiffness = 0.03\n\
+                [gravity]\nacceleration_m_s2 = [0.0, 0.0, 9.81]\n[equilibrium]\ntolerance = 1e-2\nevaluation_limit = 4000\npressure_pa = 50.0\n";
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, case).unwrap();
+    let out = folder.path().join("out");
+    let output = ripstop(&[
+        "run",
+        path.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}{}", output.printed, output.errors);
+    let text = std::fs::read(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let value = |name: &str| summary["results"][name]["value"].as_f64().unwrap();
+    let (held, weight) = (value("held_force_n"), value("weight_n"));
+    assert!(
+        (held / weight - 1.0).abs() < tolerance::HANGS,
+        "{held} {weight}"
+    );
+    let rows: f64 = ["A", "C", "brake"]
+        .iter()
+        .map(|row| value(&format!("row_{row}_load_n")))
+        .sum();
+    assert!(rows > 0.9 * held, "{rows} {held}");
 }

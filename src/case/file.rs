@@ -169,6 +169,7 @@ pub struct StructureTable {
     pub plate: Option<Plate>,
     pub cable: Option<HangingCable>,
     pub mesh: Option<MeshFile>,
+    pub lep_sim: Option<LepSimTable>,
     pub airbag: Option<Airbag>,
     pub disc: Option<Disc>,
     pub coupon: Option<Coupon>,

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::file::CableMaterial;
 use super::file_wing::BallooningTable;
 
 /// `[equilibrium.load_test]`: the loads of the equilibrium, several times over.
@@ -16,6 +17,8 @@ pub struct LoadTestTable {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelShapingTable {
+    /// What is to come out; the width of cells if absent.
+    pub aim: Option<ShapingAim>,
     /// Ballooning to be flown; that of the plan if absent.
     pub target: Option<BallooningTable>,
     /// Largest difference of the flown ballooning from it; 0.002 if absent.
@@ -24,4 +27,24 @@ pub struct PanelShapingTable {
     pub relaxation: Option<f64>,
     /// Changes allowed; 10 if absent.
     pub iteration_limit: Option<usize>,
+}
+
+/// What panels are shaped for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapingAim {
+    /// Ribs fly as far apart as they were designed.
+    CellWidth,
+    /// Panels stand out as far as is wanted.
+    Ballooning,
+}
+
+/// `[structure.lep_sim]`: a wing that LEparagliding Studio has drawn.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LepSimTable {
+    /// Its `lep-sim.json`, relative to the case file.
+    pub file: String,
+    /// What all its lines are made of.
+    pub line_material: CableMaterial,
 }

@@ -19,6 +19,7 @@ mod file_trim;
 mod file_wing;
 mod file_wing_design;
 mod grid_sequence;
+pub mod lep_sim;
 pub mod locate;
 mod mesh_lines;
 mod motion;

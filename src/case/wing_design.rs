@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Problem;
-use super::file::{self, File};
+use super::file::{self, File, ShapingAim};
 use super::scene::{absent, within};
 use super::wing::{key, points};
 use crate::geometry::profile::{self, ProfileError};
@@ -25,9 +25,9 @@ pub struct LoadTest {
 /// Panels that fly as they were designed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelShaping {
-    /// Ballooning to be flown, of the upper and the lower side.
-    pub target: Ballooning,
-    /// Largest difference of the flown ballooning from it.
+    /// Ballooning to be flown, of the upper and the lower side; `None`: ribs are to fly as far apart as they were designed.
+    pub target: Option<Ballooning>,
+    /// Largest difference of the flown ballooning from it, or of the distance of ribs from the designed one over it.
     pub tolerance: f64,
     /// Share of the difference by which panels are changed.
     pub relaxation: f64,
@@ -68,10 +68,26 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
     )?;
     let wing = file.structure.as_ref().and_then(|s| s.wing.as_ref());
     let planned = wing.and_then(|wing| wing.ballooning.as_ref());
-    let target = match (&written.target, planned) {
-        (Some(target), _) => check_ballooning(&key("target"), target)?,
-        (None, Some(planned)) => check_ballooning("structure.wing.ballooning", planned)?,
-        (None, None) => {
+    let aim = written.aim.unwrap_or(ShapingAim::CellWidth);
+    let target = match (aim, &written.target, planned) {
+        (ShapingAim::CellWidth, None, _) => None,
+        (ShapingAim::CellWidth, Some(_), _) => {
+            return Err(Problem::new(
+                key("target"),
+                format!(
+                    "{} has no effect: cells are to have their designed width",
+                    key("target")
+                ),
+                "remove it, or give aim = \"ballooning\"",
+            ));
+        }
+        (ShapingAim::Ballooning, Some(target), _) => {
+            Some(check_ballooning(&key("target"), target)?)
+        }
+        (ShapingAim::Ballooning, None, Some(planned)) => {
+            Some(check_ballooning("structure.wing.ballooning", planned)?)
+        }
+        (ShapingAim::Ballooning, None, None) => {
             return Err(absent(
                 &key("target"),
                 "the plan has flat panels, and panels under pressure are not flat",

@@ -65,13 +65,43 @@ pub fn flown_ballooning(wing: &Wing, positions_m: &[DVec3]) -> Ballooning {
     })
 }
 
-/// Largest difference, and root of the mean square, of a flown ballooning from another.
+/// Distances of neighbouring ribs over the designed ones, means over the cells by area, where there are panels between nose and trailing edge: points
+/// [x/c, ratio] of both sides.
 #[must_use]
-pub fn differences(flown: &Ballooning, target: &Ballooning) -> [f64; 2] {
+pub fn width_ratios(wing: &Wing, designed_m: &[DVec3], flown_m: &[DVec3]) -> Ballooning {
+    let count = wing.wing.outlines[0].len();
+    let distance = |positions_m: &[DVec3], cell: usize, k: usize| {
+        let [a, b] = [cell, cell + 1].map(|rib| positions_m[wing.wing.outlines[rib][k] as usize]);
+        a.distance(b)
+    };
+    [Side::Upper, Side::Lower].map(|side| {
+        let places = wing.wing.places.of(side);
+        (1..count / 2)
+            .filter_map(|j| {
+                let k = if side == Side::Upper { j } else { count - j };
+                let (mut sum, mut weight) = (0.0, 0.0);
+                for (cell, pair) in wing.wing.frames.windows(2).enumerate() {
+                    if wing.wing.rows_across[cell][k].is_empty() {
+                        continue;
+                    }
+                    let area =
+                        (pair[1].span_m - pair[0].span_m) * (pair[0].chord_m + pair[1].chord_m);
+                    sum += area * distance(flown_m, cell, k) / distance(designed_m, cell, k);
+                    weight += area;
+                }
+                (weight > 0.0).then(|| [places[j], sum / weight])
+            })
+            .collect()
+    })
+}
+
+/// Largest difference, and root of the mean square, of tables over the chord from others; `None`: from 1.
+#[must_use]
+pub fn differences(flown: &Ballooning, target: Option<&Ballooning>) -> [f64; 2] {
     let (mut largest, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
-    for (side, target) in flown.iter().zip(target) {
-        for [x, b] in side {
-            let error = b - lookup(target, *x);
+    for (side, points) in flown.iter().enumerate() {
+        for [x, b] in points {
+            let error = b - target.map_or(1.0, |target| lookup(&target[side], *x));
             largest = largest.max(error.abs());
             sum += error * error;
             count += 1.0;
@@ -93,15 +123,13 @@ pub(super) fn results(results: &mut Results, steps: &[ShapingStep]) {
         }
     };
     insert(
-        "ballooning_error_max",
-        "largest difference of the flown ballooning from what is to be flown",
+        "error_max",
+        "largest difference of what is aimed at: flown ballooning, or distance of ribs over the designed one",
         &|step| step.error_max,
     );
-    insert(
-        "ballooning_error_rms",
-        "root of the mean square of it",
-        &|step| step.error_rms,
-    );
+    insert("error_rms", "root of the mean square of it", &|step| {
+        step.error_rms
+    });
     insert(
         "cell_width_over_designed",
         "distance of neighbouring ribs, mean",

@@ -5,6 +5,7 @@ mod canopy_shape;
 pub mod catenary;
 mod comparison;
 mod flown_ballooning;
+mod imported_wing;
 mod load_test;
 mod outline;
 mod plate;
@@ -20,7 +21,9 @@ mod wing_lines;
 mod wing_trim;
 
 pub use comparison::{comparison, history_columns, result_names};
-pub use flown_ballooning::{differences as ballooning_differences, flown_ballooning};
+pub use flown_ballooning::{
+    differences as ballooning_differences, flown_ballooning, width_ratios as cell_width_ratios,
+};
 pub use load_test::{
     LoadReading, Nearest, first_failure, key as part_key, line_names, parts as wing_parts,
     read as read_load_step,

@@ -1,8 +1,9 @@
 //! Panel shaping: the equilibrium sought again and again with other panels, until they fly as they were designed; and the panels laid flat.
 //!
 //! Paper P0, section 3, has the panels shaped such that the flown wing is the designed one, without saying how. Here the ballooning b with which they are
-//! cut goes by r (target − flown) at every place of the chord and on both sides, all cells alike, as a plan has one distribution for all. Places where the
-//! flown ballooning cannot be read (over intakes, at mini-ribs, at the trailing edge) keep the plan's.
+//! cut goes by r (target − flown) at every place of the chord and on both sides, all cells alike, as a plan has one distribution for all; or, where the ribs are
+//! to fly as far apart as they were designed, by r (1 + b) (designed/flown − 1) of their distances. Places where what is aimed at cannot be read (over intakes, at
+//! the trailing edge, ballooning at mini-ribs) keep the plan's.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -53,13 +54,21 @@ impl Run<'_> {
         let notes = self.notes.len();
         let mut cut = at_nodes(wing, &wing.plan.ballooning);
         loop {
-            let step = read(wing, &self.simulation, &cut, &shaping.target);
+            let target = shaping.target.as_ref();
+            let step = read(wing, &self.simulation, &cut, target);
             let changes = self.simulation.shaping_steps().len();
             observer.note(&format!(
-                "panels {changes}: ballooning differs from what is to be flown by {:.4} at most, {:.4} in the mean square; cells at {:.4} of their width",
-                step.error_max, step.error_rms, step.cell_width_ratio
+                "panels {changes}: {} by {:.4} at most, {:.4} in the mean square; cells at {:.4} of their width",
+                match target {
+                    Some(_) => "ballooning differs from what is to be flown",
+                    None => "distances of ribs differ from the designed ones",
+                },
+                step.error_max,
+                step.error_rms,
+                step.cell_width_ratio
             ));
-            let (error, flown) = (step.error_max, step.flown.clone());
+            let error = step.error_max;
+            let (flown, widths) = (step.flown.clone(), step.widths.clone());
             self.simulation.note_shaping(step);
             if error <= shaping.tolerance {
                 let text = format!("panels fly as designed after {changes} changes");
@@ -68,18 +77,34 @@ impl Run<'_> {
             }
             if changes >= shaping.iteration_limit {
                 self.unbalanced = true;
+                let flat = cut
+                    .iter()
+                    .flatten()
+                    .filter(|p| p[1] == 0.0 && p[0] < 1.0)
+                    .count();
                 self.notes.push(format!(
-                    "panels do NOT fly as designed within {changes} changes: ballooning differs by {error:.4} ({:.4} allowed); raise equilibrium.panel_shaping.iteration_limit or its tolerance, lower its relaxation, or ask for what this wing can fly",
-                    shaping.tolerance
+                    "panels do NOT fly as designed within {changes} changes: the largest difference is {error:.4} ({:.4} allowed){}; raise equilibrium.panel_shaping.iteration_limit or its tolerance, lower its relaxation, or ask for what this wing can fly",
+                    shaping.tolerance,
+                    if flat > 0 {
+                        format!("; at {flat} places of the chord panels are cut flat already")
+                    } else {
+                        String::new()
+                    }
                 ));
                 return Ok(reason);
             }
-            for ((cut, flown), target) in cut.iter_mut().zip(&flown).zip(&shaping.target) {
-                for [place, b] in flown {
-                    let change = shaping.relaxation * (lookup(target, *place) - b);
-                    if let Some(point) = cut.iter_mut().find(|point| point[0] == *place) {
-                        point[1] = (point[1] + change).clamp(0.0, WIDEST);
-                    }
+            let r = shaping.relaxation;
+            for (side, cut) in cut.iter_mut().enumerate() {
+                let read = if target.is_some() { &flown } else { &widths };
+                for [place, value] in &read[side] {
+                    let Some(point) = cut.iter_mut().find(|point| point[0] == *place) else {
+                        continue;
+                    };
+                    let change = match target {
+                        Some(target) => lookup(&target[side], *place) - value,
+                        None => (1.0 + point[1]) * (1.0 / value - 1.0),
+                    };
+                    point[1] = (point[1] + r * change).clamp(0.0, WIDEST);
                 }
             }
             self.simulation.reshape_panels(cut.clone())?;
@@ -110,28 +135,33 @@ fn read(
     wing: &Wing,
     simulation: &Simulation,
     cut: &Ballooning,
-    target: &Ballooning,
+    target: Option<&Ballooning>,
 ) -> ShapingStep {
     let designed = simulation.scene().body.as_ref();
     let places = simulation.cloth().map(|cloth| &cloth.positions_m);
-    let (flown, cell_width_ratio) = match (designed, places) {
-        (Some(body), Some(places)) => {
-            let widths = measure::cell_widths_m(wing, places);
-            let as_drawn = measure::cell_widths_m(wing, &body.structure.positions_m);
-            let ratios = widths.iter().zip(&as_drawn).map(|(a, b)| a / b);
-            let ratio = ratios.sum::<f64>() / widths.len() as f64;
-            (measure::flown_ballooning(wing, places), ratio)
-        }
-        _ => (Ballooning::default(), f64::NAN),
-    };
-    let [error_max, error_rms] = measure::ballooning_differences(&flown, target);
-    ShapingStep {
+    let mut step = ShapingStep {
         cut: cut.clone(),
-        flown,
-        error_max,
-        error_rms,
-        cell_width_ratio,
+        flown: Ballooning::default(),
+        widths: Ballooning::default(),
+        error_max: f64::NAN,
+        error_rms: f64::NAN,
+        cell_width_ratio: f64::NAN,
+    };
+    if let (Some(body), Some(flown_m)) = (designed, places) {
+        let designed_m = &body.structure.positions_m;
+        let widths = measure::cell_widths_m(wing, flown_m);
+        let as_drawn = measure::cell_widths_m(wing, designed_m);
+        let ratios = widths.iter().zip(&as_drawn).map(|(a, b)| a / b);
+        step.cell_width_ratio = ratios.sum::<f64>() / widths.len() as f64;
+        step.flown = measure::flown_ballooning(wing, flown_m);
+        step.widths = measure::cell_width_ratios(wing, designed_m, flown_m);
+        let differences = match target {
+            Some(_) => measure::ballooning_differences(&step.flown, target),
+            None => measure::ballooning_differences(&step.widths, None),
+        };
+        [step.error_max, step.error_rms] = differences;
     }
+    step
 }
 
 /// Writes tables and charts of a panel shaping, and the panels where they are asked for; nothing where there is none.
@@ -148,7 +178,7 @@ pub(super) fn write(
         (&wing.panel_shaping, steps.first(), steps.last())
     {
         iterations(folder, steps)?;
-        distribution(folder, &scene.title, &shaping.target, [first, last])?;
+        distribution(folder, &scene.title, shaping.target.as_ref(), [first, last])?;
         write_plan(folder, last)?;
     }
     if wing.panel_shaping.is_some() || scene.output.wing_panels {
@@ -166,8 +196,8 @@ pub(super) fn write(
 fn iterations(folder: &Path, steps: &[ShapingStep]) -> Result<(), OutputError> {
     let columns = [
         "changes",
-        "ballooning_error_max",
-        "ballooning_error_rms",
+        "error_max",
+        "error_rms",
         "cell_width_over_designed",
     ];
     let rows: Vec<Vec<f64>> = steps
@@ -181,7 +211,7 @@ fn iterations(folder: &Path, steps: &[ShapingStep]) -> Result<(), OutputError> {
 fn distribution(
     folder: &Path,
     title: &str,
-    target: &Ballooning,
+    target: Option<&Ballooning>,
     [first, last]: [&ShapingStep; 2],
 ) -> Result<(), OutputError> {
     let mut rows = Vec::new();
@@ -190,6 +220,11 @@ fn distribution(
             let point = step.flown[side].iter().find(|p| p[0] == x);
             point.map_or(f64::NAN, |p| p[1])
         };
+        let width = |step: &ShapingStep, x: f64| {
+            let point = step.widths[side].iter().find(|p| p[0] == x);
+            point.map_or(f64::NAN, |p| p[1])
+        };
+        let wanted = |x: f64| target.map_or(f64::NAN, |target| lookup(&target[side], x));
         let points = |of: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
             first.cut[side].iter().map(|p| [p[0], of(p[0])]).collect()
         };
@@ -197,11 +232,13 @@ fn distribution(
             rows.push(vec![
                 if side == 0 { 1.0 } else { -1.0 },
                 *x,
-                lookup(&target[side], *x),
+                wanted(*x),
                 lookup(&first.cut[side], *x),
                 flown(first, *x),
                 lookup(&last.cut[side], *x),
                 flown(last, *x),
+                width(first, *x),
+                width(last, *x),
             ]);
         }
         let series = |name: &str, points: Vec<[f64; 2]>, markers: bool| Series {
@@ -218,7 +255,7 @@ fn distribution(
             ],
             categories: Vec::new(),
             series: vec![
-                series("to be flown", points(&|x| lookup(&target[side], x)), false),
+                series("to be flown", points(&wanted), false),
                 series(
                     "cut before",
                     points(&|x| lookup(&first.cut[side], x)),
@@ -239,6 +276,8 @@ fn distribution(
         "flown_before",
         "cut_after",
         "flown_after",
+        "rib_distance_over_designed_before",
+        "rib_distance_over_designed_after",
     ];
     write_table(&folder.join(TABLES[0]), &columns, &rows)
 }

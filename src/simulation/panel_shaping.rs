@@ -13,7 +13,9 @@ pub struct ShapingStep {
     pub cut: Ballooning,
     /// Ballooning flown: points as in `cut`, where it can be read.
     pub flown: Ballooning,
-    /// Largest difference of the flown ballooning from what is to be flown.
+    /// Distance of neighbouring ribs over the designed one: points as in `cut`, where there are panels.
+    pub widths: Ballooning,
+    /// Largest difference of what is aimed at.
     pub error_max: f64,
     /// Root of the mean square of it.
     pub error_rms: f64,

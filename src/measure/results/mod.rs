@@ -10,7 +10,8 @@ use glam::DVec3;
 
 use super::statistics::Mean;
 use super::{
-    Record, bodies, flown_ballooning, load_test, plate, sail_support, supports, wing, wing_trim,
+    Record, bodies, flown_ballooning, imported_wing, load_test, plate, sail_support, supports,
+    wing, wing_trim,
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
@@ -72,6 +73,9 @@ pub(super) fn of_scene(
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
                 let rests = scene.equilibrium.is_some() && scene.supports.is_empty();
                 fabric::alone(&mut results, &body.kind, structure, (weight, rests));
+                if let Some(known) = &scene.imported {
+                    imported_wing::results(&mut results, known, structure);
+                }
                 if let Some(known) = &scene.wing {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
