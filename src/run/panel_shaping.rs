@@ -2,8 +2,8 @@
 //!
 //! Paper P0, section 3, has the panels shaped such that the flown wing is the designed one, without saying how. Here the ballooning b with which they are
 //! cut goes by r (target − flown) at every place of the chord and on both sides, all cells alike, as a plan has one distribution for all; or, where the ribs are
-//! to fly as far apart as they were designed, by r (1 + b) (designed/flown − 1) of their distances. Places where what is aimed at cannot be read (over intakes, at
-//! the trailing edge, ballooning at mini-ribs) keep the plan's.
+//! to fly as far apart as they were designed, by r (1 + b) (designed/flown − 1) of their distances. Places where what is aimed at cannot be read (the nose,
+//! over intakes, ballooning at mini-ribs) follow the nearest one where it can.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -93,19 +93,13 @@ impl Run<'_> {
                 ));
                 return Ok(reason);
             }
-            let r = shaping.relaxation;
+            let read = if target.is_some() { &flown } else { &widths };
             for (side, cut) in cut.iter_mut().enumerate() {
-                let read = if target.is_some() { &flown } else { &widths };
-                for [place, value] in &read[side] {
-                    let Some(point) = cut.iter_mut().find(|point| point[0] == *place) else {
-                        continue;
-                    };
-                    let change = match target {
-                        Some(target) => lookup(&target[side], *place) - value,
-                        None => (1.0 + point[1]) * (1.0 / value - 1.0),
-                    };
-                    point[1] = (point[1] + r * change).clamp(0.0, WIDEST);
-                }
+                let lacking = |place: f64, value: f64, b: f64| match target {
+                    Some(target) => lookup(&target[side], place) - value,
+                    None => (1.0 + b) * (1.0 / value - 1.0),
+                };
+                widen(cut, &read[side], shaping.relaxation, lacking);
             }
             self.simulation.reshape_panels(cut.clone())?;
             // What was out of balance before is solved anew.
@@ -116,6 +110,26 @@ impl Run<'_> {
                 return Ok(reason);
             }
         }
+    }
+}
+
+/// Changes a side's cut by a share of what it lacks where that was read, and by that of the nearest such place elsewhere, so that no step is cut into a panel; the
+/// trailing edge stays.
+fn widen(
+    cut: &mut [[f64; 2]],
+    read: &[[f64; 2]],
+    share: f64,
+    lacking: impl Fn(f64, f64, f64) -> f64,
+) {
+    let before = cut.to_vec();
+    for point in cut.iter_mut().filter(|point| point[0] < 1.0) {
+        let apart = |other: &&[f64; 2]| (other[0] - point[0]).abs();
+        let nearest = read.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let Some([place, value]) = nearest else {
+            continue;
+        };
+        let change = lacking(*place, *value, lookup(&before, *place));
+        point[1] = (point[1] + share * change).clamp(0.0, WIDEST);
     }
 }
 
