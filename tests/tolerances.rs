@@ -261,7 +261,8 @@ pub mod trim {
 
 /// Load tests and panels of wings.
 pub mod wing_design {
-    /// Forces of the risers over those of the air times the load factor: what the guide carries, and how pressure turns with a wing whose lines stretch.
+    /// Forces of the risers over those of the air times the load factor and the projected area: what the guide carries, and how pressure turns with a wing whose
+    /// lines stretch; 0.2 % was measured at 6.
     pub const RAISED: f64 = 0.02;
 
     /// Heights of a profile read from 121 points against the formula: the spline between them, and six digits.

@@ -1,8 +1,10 @@
 //! What a designer asks of a wing beyond its equilibrium: load test, sail support, profiles from files, panel shaping.
 
+use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::case::{self, Choices};
-use ripstop::geometry::wing::patterns::patterns;
+use ripstop::geometry::wing::Part;
+use ripstop::geometry::wing::patterns::{Flat, patterns, unroll};
 use ripstop::geometry::wing::section::Side;
 
 use crate::command_line::{Finished, ripstop, root};
@@ -17,6 +19,16 @@ pub fn trials() -> Vec<Trial> {
         plain("wing_design::panels_fly_as_designed", panel_shaping),
         plain("wing_design::seams_of_panels_fit_their_ribs", seams),
         plain("wing_design::wings_of_leparagliding_are_read", imported),
+        plain(
+            "wing_design::a_cylinder_unrolls_exactly",
+            a_cylinder_unrolls_exactly,
+        ),
+        plain("wing_design::a_sphere_is_strained", a_sphere_is_strained),
+        plain(
+            "wing_design::flown_ballooning_is_read_as_it_is_drawn",
+            drawn_ballooning,
+        ),
+        plain("wing_design::pieces_are_drawn_at_true_scale", true_scale),
     ]
     .into_iter()
     .flatten()
@@ -70,7 +82,7 @@ fn run(more: &[&str]) -> Ran {
         "--out",
         folder.path().to_str().unwrap(),
     ];
-    for change in more {
+    for &change in more {
         arguments.extend(["--set", change]);
     }
     let output = ripstop(&arguments);
@@ -98,7 +110,10 @@ fn load_test() {
     let air = risers(0) + weight;
     for (step, factor) in [2.0, 4.0, 6.0].into_iter().enumerate() {
         assert_eq!(of(step + 1, "load_factor"), factor);
-        let ratio = (risers(step + 1) + weight) / (factor * air);
+        // The arc tightens under load: pressure finds less area to lift.
+        let area = of(step + 1, "projected_area_m2") / of(0, "projected_area_m2");
+        assert!((0.9..1.0).contains(&area), "{factor}: {area}");
+        let ratio = (risers(step + 1) + weight) / (factor * air * area);
         assert!((ratio - 1.0).abs() < tolerance::RAISED, "{factor}: {ratio}");
         assert!(of(step + 1, "riser_balance_error") < 1e-2);
     }
@@ -224,20 +239,18 @@ fn profiles() {
     assert!((volumes[0] / volumes[1] - 1.0).abs() < 1e-3, "{volumes:?}");
 }
 
-/// Panels cut anew fly nearer to what was designed, with cells nearer to their width.
+/// Panels cut anew fly as far out as was asked for.
 fn panel_shaping() {
-    let ran = run(&["equilibrium.panel_shaping={ tolerance = 0.01, iteration_limit = 6 }"]);
+    let ran = run(&[
+        "equilibrium.panel_shaping={ aim = \"ballooning\", tolerance = 0.008, target = { upper = [[0.0, 0.06], [0.1, 0.09], [0.5, 0.08], [0.85, 0.06], [1.0, 0.0]], lower = [[0.0, 0.06], [0.3, 0.07], [0.85, 0.06], [1.0, 0.0]] } }",
+    ]);
     assert_eq!(ran.output.code, 0, "{}", ran.output.errors);
     let pair = |name: &str| {
         ["before", "after"].map(|which| ran.value(&format!("panel_shaping_{name}_{which}")))
     };
     let [before, after] = pair("error_max");
-    assert!(after <= 0.01 && before > 2.0 * after, "{before} {after}");
-    let [narrow, wide] = pair("cell_width_over_designed");
-    assert!(
-        (wide - 1.0).abs() < 0.2 * (narrow - 1.0).abs(),
-        "{narrow} {wide}"
-    );
+    assert!(after <= 0.008 && before > 3.0 * after, "{before} {after}");
+    assert!((1.0..6.0).contains(&ran.value("panel_shaping_changes")));
     // What is to be put into a case is what was cut.
     let text = std::fs::read_to_string(ran.folder.path().join("panel_shaping.toml")).unwrap();
     let plan: toml::Table = toml::from_str(&text).unwrap();
@@ -247,7 +260,7 @@ fn panel_shaping() {
     let rows = ran.table("panel_shaping.csv");
     let cut: Vec<f64> = rows
         .iter()
-        .filter(|row| row["side"] == "1")
+        .filter(|row| row["side"].parse::<f64>() == Ok(1.0))
         .map(|row| row["cut_after"].parse().unwrap())
         .collect();
     assert_eq!(upper.len(), cut.len());
@@ -286,13 +299,15 @@ fn seams() {
             let flat: f64 = ends.windows(2).map(|p| p[0].distance(p[1])).sum();
             assert!((flat / sewn - 1.0).abs() < 1e-9, "{flat} {sewn}");
         }
-        assert!(
-            panel.flat.strain < tolerance::LAID_FLAT,
-            "{:?} {}: {}",
-            panel.part,
-            panel.cell,
-            panel.flat.strain
-        );
+        // Around the nose a bulge cannot be laid flat; lower panels of open cells begin behind it.
+        if panel.part == Part::Lower && (5..27).contains(&panel.cell) {
+            assert!(
+                panel.flat.strain < tolerance::LAID_FLAT,
+                "cell {}: {}",
+                panel.cell,
+                panel.flat.strain
+            );
+        }
     }
     // Both panels of a closed cell at the tip go around their rib once.
     let outline = |rib: usize| -> f64 {
@@ -329,10 +344,11 @@ fn seams() {
     }
 }
 
-/// A wing as LEparagliding Studio writes it, in mm with x along the span: five ribs 1 m apart, the outermost of no thickness, an intake in the two cells in the
-/// middle if asked for, a strap, and two rows with brakes on each half.
+/// A wing as LEparagliding Studio writes it, in mm with x along the span: seven ribs 250 mm apart, the outermost of no thickness, four columns of quads in
+/// each cell, an intake in the two cells in the middle if asked for, straps, and two rows with brakes on each half.
 fn lep_sim(with_intakes: bool) -> String {
     const STATIONS: i32 = 12;
+    const COLUMNS: i32 = 4;
     let half = |x: f64| {
         5.0 * 0.15
             * (0.2969 * x.sqrt() - 0.1260 * x - 0.3516 * x * x + 0.2843 * x.powi(3)
@@ -347,31 +363,52 @@ fn lep_sim(with_intakes: bool) -> String {
             nodes.len() - 1
         })
     };
-    let ribs: Vec<Vec<usize>> = (-2..=2_i32)
+    let places: Vec<Vec<[f64; 3]>> = (-3..=3_i32)
         .map(|rib| {
             (-STATIONS..=STATIONS)
                 .map(|i| {
                     // From the trailing edge above around the nose.
                     let x = (f64::from(i) / f64::from(STATIONS)).powi(2);
-                    let thick = if rib.abs() == 2 {
+                    let thick = if rib.abs() == 3 {
                         0.0
                     } else {
                         half(x).max(0.0)
                     };
                     let z = if i <= 0 { thick } else { -thick };
-                    node([1000.0 * f64::from(rib), 1000.0 * x, 1000.0 * z])
+                    [250.0 * f64::from(rib), 1000.0 * x, 1000.0 * z]
                 })
                 .collect()
         })
         .collect();
+    let ribs: Vec<Vec<usize>> = places
+        .iter()
+        .map(|rib| rib.iter().map(|place| node(*place)).collect())
+        .collect();
     let (mut quads, mut surfaces) = (Vec::new(), Vec::new());
-    for cell in 0..4 {
+    for cell in 0..6 {
+        let columns: Vec<Vec<usize>> = (0..=COLUMNS)
+            .map(|column| {
+                let share = f64::from(column) / f64::from(COLUMNS);
+                (0..ribs[cell].len())
+                    .map(|k| match column {
+                        0 => ribs[cell][k],
+                        COLUMNS => ribs[cell + 1][k],
+                        _ => {
+                            let [a, b] = [places[cell][k], places[cell + 1][k]];
+                            node([0, 1, 2].map(|i| a[i] + share * (b[i] - a[i])))
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
         for k in 0..2 * STATIONS as usize {
-            let (a, b) = (&ribs[cell], &ribs[cell + 1]);
-            quads.push([a[k], a[k + 1], b[k + 1], b[k]]);
-            let below = k >= STATIONS as usize;
-            let open = with_intakes && k == STATIONS as usize + 1 && (1..3).contains(&cell);
-            surfaces.push(if open { 1 } else { 2 * i32::from(below) });
+            for pair in columns.windows(2) {
+                let (a, b) = (&pair[0], &pair[1]);
+                quads.push([a[k], a[k + 1], b[k + 1], b[k]]);
+                let below = k >= STATIONS as usize;
+                let open = with_intakes && k == STATIONS as usize + 1 && (2..4).contains(&cell);
+                surfaces.push(if open { 1 } else { 2 * i32::from(below) });
+            }
         }
     }
     let loops: Vec<Vec<usize>> = ribs
@@ -392,9 +429,9 @@ fn lep_sim(with_intakes: bool) -> String {
             [0.0, 350.0 + 60.0 * cos, 30.0 * sin]
         })
         .collect();
-    let holes: Vec<Vec<Vec<[f64; 3]>>> = (0..5)
+    let holes: Vec<Vec<Vec<[f64; 3]>>> = (0..7)
         .map(|rib| {
-            if rib == 2 {
+            if rib == 3 {
                 vec![hole.clone()]
             } else {
                 Vec::new()
@@ -405,10 +442,10 @@ fn lep_sim(with_intakes: bool) -> String {
     for side in [-1.0, 1.0] {
         let hang = [200.0 * side, 300.0, -3000.0];
         for (plan, brake, y) in [(1, 0, 62.5), (3, 0, 562.5), (0, 1, 1000.0)] {
-            let knot = [500.0 * side, 0.5 * (300.0 + y), -1000.0];
+            let knot = [250.0 * side, 0.5 * (300.0 + y), -1000.0];
             lines.push(serde_json::json!({ "a": hang, "b": knot, "label": "x", "plan": plan, "brake": brake }));
             let z = -1000.0 * half(y / 1000.0).max(0.0);
-            for x in [0.0, 1000.0] {
+            for x in [0.0, 500.0] {
                 let top = [x * side, y, z];
                 lines.push(serde_json::json!({ "a": knot, "b": top, "label": "x", "plan": plan, "brake": brake }));
             }
@@ -423,7 +460,7 @@ fn lep_sim(with_intakes: bool) -> String {
                 })
                 .collect()
         };
-        serde_json::json!({ "a": row(0.0, -1.0), "b": row(1000.0, 1.0) })
+        serde_json::json!({ "a": row(0.0, -1.0), "b": row(250.0, 1.0) })
     };
     serde_json::json!({
         "version": 1, "unit": "mm", "nodes": nodes, "quads": quads,
@@ -461,7 +498,7 @@ fn imported() {
     let [closed, open] =
         [false, true].map(|intakes| read(&lep_sim(intakes), &fabric, &cable).unwrap());
     // Full sections between the inner ribs, half of them in the mean beyond; 0.6810 t c² with a closed trailing edge, of which the polygon lacks some.
-    let exact = 0.6810 * 0.15 * 3.0;
+    let exact = 0.6810 * 0.15 * 1.25;
     assert!(
         (closed.volume_m3 / exact - 1.0).abs() < 0.03,
         "{} {exact}",
@@ -475,7 +512,7 @@ fn imported() {
             .map(|(t, _)| t.rest_area_m2)
             .sum()
     };
-    // Two intakes of 1 m over the second edge of the lower side.
+    // Two intakes of 250 mm over the second edge of the lower side.
     let edge = {
         let at = |i: f64| {
             let x = i * i / 144.0;
@@ -486,7 +523,7 @@ fn imported() {
         f64::hypot(a[0] - b[0], a[1] - b[1])
     };
     let lacking = skin(&closed) - skin(&open);
-    assert!((lacking / (2.0 * edge) - 1.0).abs() < 0.02, "{lacking}");
+    assert!((lacking / (0.5 * edge) - 1.0).abs() < 0.02, "{lacking}");
     assert_eq!(closed.held.len(), 2);
     let rows: std::collections::BTreeSet<&str> = closed.rows.iter().map(String::as_str).collect();
     assert_eq!(rows.into_iter().collect::<Vec<_>>(), ["A", "C", "brake"]);
@@ -527,12 +564,12 @@ fn imported() {
         let why = read(text, &fabric, &cable).unwrap_err();
         assert!(why.contains(words), "{why}");
     }
-    // Upside down: its weight pulls at its lines.
+    // Upside down, in ten times the gravity: its weight pulls at its lines.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("lep-sim.json"), lep_sim(false)).unwrap();
     let case = "version = 1\n[structure.lep_sim]\nfile = \"lep-sim.json\"\n[structure.lep_sim.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\nyoungs_modulus_pa = 2e10\n\
                 [fabric]\nthickness_m = 5e-5\ndensity_kg_m3 = 800.0\nyoungs_modulus_pa = 6e8\npoisson_ratio = 0.15\nresidual_stiffness = 0.03\n\
-                [gravity]\nacceleration_m_s2 = [0.0, 0.0, 9.81]\n[equilibrium]\ntolerance = 1e-2\nevaluation_limit = 4000\npressure_pa = 50.0\n";
+                [gravity]\nacceleration_m_s2 = [0.0, 0.0, 100.0]\n[equilibrium]\ntolerance = 1e-2\nevaluation_limit = 4000\npressure_pa = 50.0\n";
     let path = folder.path().join("case.toml");
     std::fs::write(&path, case).unwrap();
     let out = folder.path().join("out");
@@ -556,4 +593,157 @@ fn imported() {
         .map(|row| value(&format!("row_{row}_load_n")))
         .sum();
     assert!(rows > 0.9 * held, "{rows} {held}");
+}
+
+fn widths_and_seams_hold(rows: &[Vec<DVec3>], flat: &Flat) {
+    for (k, row) in rows.iter().enumerate() {
+        let width: f64 = row.windows(2).map(|p| p[0].distance(p[1])).sum();
+        assert!((flat.left[k].distance(flat.right[k]) - width).abs() < 1e-12);
+    }
+    for k in 1..rows.len() {
+        let last = rows[k].len() - 1;
+        for (ends, node) in [(&flat.left, 0), (&flat.right, last)] {
+            let sewn = rows[k][node].distance(rows[k - 1][node]);
+            assert!(
+                (ends[k].distance(ends[k - 1]) - sewn).abs() < 1e-9,
+                "row {k}"
+            );
+        }
+    }
+}
+
+/// A piece of a cylinder along x with arcs across is a rectangle; a cone whose rows are generators is flat, too.
+fn a_cylinder_unrolls_exactly() {
+    let (radius, edges) = (0.4, 6);
+    let point = |x: f64, s: f64| {
+        let angle: f64 = s / radius;
+        DVec3::new(x, radius * angle.sin(), radius * angle.cos())
+    };
+    let rows: Vec<Vec<DVec3>> = (0..12)
+        .map(|k| {
+            let x = 0.1 * f64::from(k);
+            (0..=edges)
+                .map(|a| point(x, 0.25 * f64::from(a) / f64::from(edges)))
+                .collect()
+        })
+        .collect();
+    let flat = unroll(&rows);
+    assert!(flat.strain < 1e-9, "{}", flat.strain);
+    widths_and_seams_hold(&rows, &flat);
+    // A rectangle.
+    let last = rows.len() - 1;
+    let diagonal = flat.left[0].distance(flat.right[last]);
+    let width = flat.left[0].distance(flat.right[0]);
+    assert!((diagonal - width.hypot(1.1)).abs() < 1e-9);
+    let generators: Vec<Vec<DVec3>> = (0..10)
+        .map(|k| {
+            let angle = 0.08 * f64::from(k);
+            (0..=edges)
+                .map(|a| {
+                    let r = 0.2 + 0.1 * f64::from(a);
+                    DVec3::new(r * angle.cos(), r * angle.sin(), 0.7 * r)
+                })
+                .collect()
+        })
+        .collect();
+    let cone = unroll(&generators);
+    assert!(cone.strain < 1e-9, "{}", cone.strain);
+    widths_and_seams_hold(&generators, &cone);
+}
+
+/// A piece of a sphere cannot be laid flat: seams and widths hold, and the strain is that of the circles that shrink.
+fn a_sphere_is_strained() {
+    let rows: Vec<Vec<DVec3>> = (0..=20)
+        .map(|k| {
+            let latitude = 0.02 * f64::from(k - 10);
+            (0..=8)
+                .map(|a| {
+                    let longitude = 0.05 * f64::from(a - 4);
+                    DVec3::new(
+                        latitude.cos() * longitude.cos(),
+                        latitude.cos() * longitude.sin(),
+                        latitude.sin(),
+                    )
+                })
+                .collect()
+        })
+        .collect();
+    let flat = unroll(&rows);
+    widths_and_seams_hold(&rows, &flat);
+    assert!((1e-4..0.05).contains(&flat.strain), "{}", flat.strain);
+}
+
+/// The shape as it is drawn gives back the ballooning of the plan, from the heights of the panels' middles.
+fn drawn_ballooning() {
+    use ripstop::geometry::wing::section::lookup;
+    use ripstop::measure::{ballooning_differences, cell_width_ratios, flown_ballooning};
+    let source = std::fs::read_to_string(root().join(CASE)).unwrap();
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: Vec::new(),
+    };
+    let scene = case::parse("school", &source, root(), &choices)
+        .unwrap()
+        .scene;
+    let (wing, body) = (scene.wing.unwrap(), scene.body.unwrap());
+    let places = &body.structure.positions_m;
+    let drawn = flown_ballooning(&wing, places);
+    for (side, planned) in drawn.iter().zip(&wing.plan.ballooning) {
+        assert!(side.len() >= 6);
+        for [x, b] in side {
+            let error = b - lookup(planned, *x);
+            assert!(error.abs() < 1e-9, "{x}: {b}, {error}");
+        }
+    }
+    let ratios = cell_width_ratios(&wing, places, places);
+    assert!(ballooning_differences(&ratios, None)[0] < 1e-12);
+    // Stretched along y by a tenth, ribs that stand upright are as much farther apart; leaning ones by less.
+    let wider: Vec<DVec3> = places
+        .iter()
+        .map(|p| DVec3::new(p.x, 1.1 * p.y, p.z))
+        .collect();
+    let [largest, _] = ballooning_differences(&cell_width_ratios(&wing, places, &wider), None);
+    assert!((0.05..0.1).contains(&largest), "{largest}");
+}
+
+/// One unit of the drawing is a millimetre of the sheet, and of the cloth.
+fn true_scale() {
+    use ripstop::output::{PatternPiece, write_patterns};
+    let square = PatternPiece {
+        outline_m: vec![[0.0, 0.0], [0.25, 0.0], [0.25, 0.5], [0.0, 0.5]],
+        words: vec!["cell <1>".to_owned()],
+        marks: Vec::new(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("panels.svg");
+    write_patterns(&path, "test", &[square.clone(), square]).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let between = |from: &str, to: &str| -> String {
+        text.split(from)
+            .nth(1)
+            .unwrap()
+            .split(to)
+            .next()
+            .unwrap()
+            .to_owned()
+    };
+    let view: Vec<f64> = between("viewBox=\"", "\"")
+        .split(' ')
+        .map(|n| n.parse().unwrap())
+        .collect();
+    let sheet = [between("width=\"", "mm"), between("height=\"", "mm")];
+    assert_eq!(sheet.map(|n| n.parse::<f64>().unwrap()), [view[2], view[3]]);
+    assert_eq!(text.matches("<path").count(), 2);
+    let points: Vec<[f64; 2]> = between("<path d=\"", "Z")
+        .split(['M', 'L'])
+        .filter(|p| !p.trim().is_empty())
+        .map(|p| {
+            let mut numbers = p.split_whitespace().map(|n| n.parse().unwrap());
+            [numbers.next().unwrap(), numbers.next().unwrap()]
+        })
+        .collect();
+    assert_eq!(points[1][0] - points[0][0], 250.0);
+    // Up the page.
+    assert_eq!(points[2][1] - points[1][1], -500.0);
+    assert!(text.contains("cell &lt;1&gt;"));
 }

@@ -17,7 +17,7 @@ pub struct LoadTestTable {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelShapingTable {
-    /// What is to come out; the width of cells if absent.
+    /// What is to come out; the ballooning if absent.
     pub aim: Option<ShapingAim>,
     /// Ballooning to be flown; that of the plan if absent.
     pub target: Option<BallooningTable>,

@@ -68,7 +68,7 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
     )?;
     let wing = file.structure.as_ref().and_then(|s| s.wing.as_ref());
     let planned = wing.and_then(|wing| wing.ballooning.as_ref());
-    let aim = written.aim.unwrap_or(ShapingAim::CellWidth);
+    let aim = written.aim.unwrap_or(ShapingAim::Ballooning);
     let target = match (aim, &written.target, planned) {
         (ShapingAim::CellWidth, None, _) => None,
         (ShapingAim::CellWidth, Some(_), _) => {

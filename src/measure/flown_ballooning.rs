@@ -140,19 +140,3 @@ pub(super) fn results(results: &mut Results, steps: &[ShapingStep]) {
         Quantity::new(steps.len().saturating_sub(1) as f64, "1"),
     );
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn heights_give_the_ballooning_they_were_drawn_with() {
-        for angle in [0.01, 0.3, 0.9] {
-            // An arc of half angle θ over the width 1.
-            let height = 0.5 * (1.0 - f64::cos(angle)) / f64::sin(angle);
-            let expected = angle / f64::sin(angle) - 1.0;
-            assert!((of_height(height) / expected - 1.0).abs() < 1e-9);
-            assert_eq!(of_height(-height), -of_height(height));
-        }
-    }
-}
