@@ -134,6 +134,7 @@ const ALLOWED: [(&str, &[&str]); 29] = [
             "case",
             "checkpoint",
             "frame",
+            "geometry",
             "gpu",
             "measure",
             "output",

@@ -38,6 +38,7 @@ mod trim;
 mod validate;
 mod walls;
 mod wing;
+mod wing_design;
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -51,6 +52,7 @@ fn main() -> std::process::ExitCode {
         contact::trials(),
         walls::trials(),
         wing::trials(),
+        wing_design::trials(),
         trim::trials(),
         coupling::trials(),
         device::trials(),

@@ -14,6 +14,7 @@ pub use super::file_specimens::*;
 pub use super::file_supports::*;
 pub use super::file_trim::*;
 pub use super::file_wing::*;
+pub use super::file_wing_design::*;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
@@ -168,6 +169,7 @@ pub struct StructureTable {
     pub plate: Option<Plate>,
     pub cable: Option<HangingCable>,
     pub mesh: Option<MeshFile>,
+    pub lep_sim: Option<LepSimTable>,
     pub airbag: Option<Airbag>,
     pub disc: Option<Disc>,
     pub coupon: Option<Coupon>,
@@ -370,6 +372,10 @@ pub struct Equilibrium {
     pub wing_pressure: Option<WingPressureTable>,
     /// Steady glide of a wing.
     pub trim: Option<TrimTable>,
+    /// Its loads, or the prescribed ones, several times over.
+    pub load_test: Option<LoadTestTable>,
+    /// Widths of panels that fly as they were designed.
+    pub panel_shaping: Option<PanelShapingTable>,
 }
 
 /// `[steady]`.
@@ -402,5 +408,7 @@ pub struct Output {
     /// Of the air's velocity.
     pub picture_arrows: Option<bool>,
     pub animation_interval_s: Option<f64>,
+    /// Panels of a wing laid flat.
+    pub wing_panels: Option<bool>,
     pub history_plots: Option<bool>,
 }

@@ -62,12 +62,14 @@ pub struct StationTable {
     pub profile: String,
 }
 
-/// `[structure.wing.profiles.NAME]`.
+/// `[structure.wing.profiles.NAME]`: exactly one key.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileTable {
     /// Four digits.
-    pub naca: String,
+    pub naca: Option<String>,
+    /// Coordinates in Selig's format, relative to the case file.
+    pub file: Option<String>,
 }
 
 /// `[structure.wing.ballooning]`: points (x/c, width over the distance of the ribs less 1).

@@ -17,7 +17,9 @@ mod file_specimens;
 mod file_supports;
 mod file_trim;
 mod file_wing;
+mod file_wing_design;
 mod grid_sequence;
+pub mod lep_sim;
 pub mod locate;
 mod mesh_lines;
 mod motion;
@@ -34,6 +36,7 @@ mod time;
 mod trim;
 mod values;
 pub mod wing;
+pub mod wing_design;
 mod wing_lines;
 
 use std::path::Path;

@@ -25,8 +25,22 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
         picture_flow: picture_flow(file, written.picture_flow)?,
         picture_arrows: written.picture_arrows.unwrap_or(false),
         animation_interval_s: animation_interval(written.animation_interval_s, end_s)?,
+        wing_panels: wing_panels(file, written.wing_panels)?,
         history_plots: written.history_plots.unwrap_or(false),
     })
+}
+
+/// Panels laid flat; refused without a wing.
+fn wing_panels(file: &File, written: Option<bool>) -> Result<bool, Problem> {
+    let has_wing = file.structure.as_ref().is_some_and(|s| s.wing.is_some());
+    if written.is_some() && !has_wing {
+        return Err(Problem::new(
+            "output.wing_panels",
+            "output.wing_panels has no effect: there is no wing",
+            "remove it, or describe a wing in [structure.wing]",
+        ));
+    }
+    Ok(written.unwrap_or(false))
 }
 
 /// What the slice of air shows; refused without air.

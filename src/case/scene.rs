@@ -7,6 +7,7 @@ use glam::DVec3;
 pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::{self, File};
+use super::lep_sim::ImportedWing;
 pub use super::supports::Support;
 pub use super::time::{AdaptiveStep, Time};
 use super::values::{PLAUSIBLE, at_least_one};
@@ -37,6 +38,8 @@ pub struct Scene {
     pub body: Option<Body>,
     /// What is known of the structure if it is a wing.
     pub wing: Option<Wing>,
+    /// What is known of the structure if it is a wing of another program.
+    pub imported: Option<ImportedWing>,
     /// Rigid bodies in the air, by name.
     pub rigid_bodies: Vec<RigidBody>,
     /// Held nodes that are moved.
@@ -162,6 +165,8 @@ pub enum BodyKind {
     Coupon(Coupon),
     /// A ram-air wing; [`Scene::wing`] holds more.
     Wing,
+    /// A wing from a file of another program; [`Scene::imported`] holds more.
+    ImportedWing,
 }
 
 /// What is measured on a strip that is pulled along x.
@@ -306,6 +311,8 @@ pub struct Equilibrium {
 /// What to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
+    /// Panels of a wing laid flat.
+    pub wing_panels: bool,
     /// Time between rows of `history.csv` [s].
     pub sample_interval_s: f64,
     /// Time between `canopy_*.vtp` files; absent: only the last.
@@ -408,8 +415,10 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
         .transpose()?;
     refuse_unused(file)?;
-    let mut wing = wing::check(file)?;
-    let mut body = structure::check(file, folder, gravity_m_s2, wing.as_mut())?;
+    let mut wing = wing::check(file, folder)?;
+    let mut imported = None;
+    let from_file = (folder, &mut imported);
+    let mut body = structure::check(file, from_file, gravity_m_s2, wing.as_mut())?;
     let air = file
         .air
         .as_ref()
@@ -474,6 +483,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         air,
         body,
         wing,
+        imported,
         rigid_bodies,
         supports,
         coupling,

@@ -6,9 +6,10 @@ use glam::DVec3;
 
 use super::Problem;
 use super::file::{self, File};
+use super::lep_sim::ImportedWing;
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
-use super::{canopy, contact, descent, mesh_lines, permeability, plate, specimens};
+use super::{canopy, contact, descent, lep_sim, mesh_lines, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::{obj, quality, surface};
@@ -19,10 +20,10 @@ use crate::rigid::Surface;
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
 
-/// Builds the structure of a case, if it has one.
+/// Builds the structure of a case, if it has one; files are looked up relative to a folder, and what is known of a wing of another program is handed out.
 pub(super) fn check(
     file: &File,
-    folder: &Path,
+    (folder, imported): (&Path, &mut Option<ImportedWing>),
     gravity: Option<DVec3>,
     wing: Option<&mut Wing>,
 ) -> Result<Option<Body>, Problem> {
@@ -41,6 +42,7 @@ pub(super) fn check(
         table.plate.is_some(),
         table.cable.is_some(),
         table.mesh.is_some(),
+        table.lep_sim.is_some(),
         table.airbag.is_some(),
         table.disc.is_some(),
         table.coupon.is_some(),
@@ -58,6 +60,10 @@ pub(super) fn check(
         Some(check_cable(cable, gravity)?)
     } else if let Some(mesh) = &table.mesh {
         Some(check_mesh(file, mesh, folder)?)
+    } else if let Some(written) = &table.lep_sim {
+        let (body, known) = lep_sim::check(file, written, folder)?;
+        *imported = Some(known);
+        Some(body)
     } else if let Some(airbag) = &table.airbag {
         Some(specimens::check_airbag(airbag, &check_fabric(file)?)?)
     } else if let Some(disc) = &table.disc {
@@ -71,7 +77,7 @@ pub(super) fn check(
         Problem::new(
             "structure",
             "[structure] needs exactly one shape",
-            "keep or add just one canopy ([structure.flat_circular], docs/canopies.md) or one of [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], \
+            "keep or add just one canopy ([structure.flat_circular], docs/canopies.md) or one of [structure.sheet], [structure.plate], [structure.cable], [structure.mesh], [structure.lep_sim], \
              [structure.airbag], [structure.disc], [structure.coupon], [structure.wing]",
         )
     })?;

@@ -1,10 +1,13 @@
 //! Checks of `[structure.wing]` and `[equilibrium.wing_pressure]`, and the building of the wing; `[equilibrium.trim]` is checked in `trim`.
 
+use std::path::Path;
+
 use super::Problem;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
+use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use crate::cloth::Structure;
 use crate::geometry::mesh::quality;
@@ -13,7 +16,7 @@ pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
-use crate::geometry::wing::section::{Profile, Side};
+use crate::geometry::wing::section::Side;
 use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";
@@ -28,10 +31,16 @@ pub struct Wing {
     pub wing: wing::Wing,
     /// How fine its mesh is.
     pub fineness: Fineness,
+    /// What it was built from.
+    pub plan: Plan,
     /// Pressure in the equilibrium; `None`: none is prescribed.
     pub load: Option<Load>,
     /// Steady glide to be found; `None`: none is sought.
     pub trim: Option<Settings>,
+    /// Its loads several times over; `None`: not asked for.
+    pub load_test: Option<LoadTest>,
+    /// Panels are to fly as they were designed; `None`: they are as the plan says.
+    pub panel_shaping: Option<PanelShaping>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
     /// Diameter of every cable segment [m], `[cable_count]`.
@@ -54,11 +63,13 @@ pub(super) fn key(name: &str) -> String {
     format!("{KEY}.{name}")
 }
 
-/// Builds the wing of a case, if it has one.
-pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
+/// Builds the wing of a case, if it has one; files are looked up relative to `folder`.
+pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem> {
     let equilibrium = file.equilibrium.as_ref();
     let prescribed = equilibrium.and_then(|e| e.wing_pressure.as_ref());
     let sought = equilibrium.and_then(|e| e.trim.as_ref());
+    let load_test = wing_design::check_load_test(file)?;
+    let panel_shaping = wing_design::check_panel_shaping(file)?;
     let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
         let (key, remedy) = match (prescribed, sought) {
             (Some(_), _) => (
@@ -103,7 +114,7 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
     let trim = sought
         .map(|written| trim::check(file, written, table))
         .transpose()?;
-    let mut plan = check_plan(table, &materials)?;
+    let mut plan = check_plan(table, &materials, folder)?;
     if trim.is_some() {
         // Moved along with the wing until it carries nothing.
         plan.pitch_guide_n_m.get_or_insert(trim::GUIDE_N_M);
@@ -132,7 +143,10 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             trim: trim.clone(),
             breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
             line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
+            load_test: None,
+            panel_shaping: None,
             wing,
+            plan: plan.clone(),
             coarser: None,
         })
     };
@@ -151,6 +165,8 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             finest = &mut coarser.wing;
         }
     }
+    // Only the mesh asked for is tested and shaped.
+    (whole.load_test, whole.panel_shaping) = (load_test, panel_shaping);
     Ok(Some(whole))
 }
 
@@ -224,7 +240,11 @@ fn check_fineness(table: &file::WingTable) -> Result<Fineness, Problem> {
 }
 
 /// Refuses tables of points whose places do not grow, or lie outside 0 to 1, or whose values are out of range.
-fn points(key: &str, table: &[[f64; 2]], [low, high]: [f64; 2]) -> Result<Vec<[f64; 2]>, Problem> {
+pub(super) fn points(
+    key: &str,
+    table: &[[f64; 2]],
+    [low, high]: [f64; 2],
+) -> Result<Vec<[f64; 2]>, Problem> {
     let grows = table.windows(2).all(|p| p[1][0] > p[0][0]);
     let inside = table.iter().all(|p| (0.0..=1.0).contains(&p[0]));
     if table.is_empty() || !grows || !inside {
@@ -370,7 +390,11 @@ fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
     Ok(holes)
 }
 
-fn check_plan(table: &file::WingTable, materials: &Materials) -> Result<Plan, Problem> {
+fn check_plan(
+    table: &file::WingTable,
+    materials: &Materials,
+    folder: &Path,
+) -> Result<Plan, Problem> {
     if !(2..=400).contains(&table.cells) {
         return Err(Problem::new(
             key("cells"),
@@ -379,27 +403,12 @@ fn check_plan(table: &file::WingTable, materials: &Materials) -> Result<Plan, Pr
         ));
     }
     let names: Vec<&String> = table.profiles.keys().collect();
-    let profiles = table
-        .profiles
-        .iter()
-        .map(|(name, written)| {
-            Profile::naca(&written.naca).ok_or_else(|| {
-                Problem::new(
-                    key(&format!("profiles.{name}")),
-                    format!("`{}` is not a NACA four-digit profile", written.naca),
-                    "give four digits, such as \"2415\": camber, its place, and thickness in hundredths",
-                )
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let profiles = wing_design::check_profiles(table, folder)?;
     let stations = check_stations(table, &names)?;
     let intakes = table.intakes.as_ref().map(check_intakes).transpose()?;
     let fabrics = check_fabrics(&table.fabrics)?;
     let ballooning = match &table.ballooning {
-        Some(written) => [
-            points(&key("ballooning.upper"), &written.upper, [0.0, 0.5])?,
-            points(&key("ballooning.lower"), &written.lower, [0.0, 0.5])?,
-        ],
+        Some(written) => wing_design::check_ballooning(&key("ballooning"), written)?,
         None => [Vec::new(), Vec::new()],
     };
     let rows = table

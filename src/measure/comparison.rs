@@ -13,7 +13,7 @@ use crate::output::{ComparisonRow, Quantity, Results};
 pub fn result_names(scene: &Scene) -> Vec<String> {
     let record = Record::at_rest(scene);
     let structure = scene.body.as_ref().map(|body| at_rest(&body.structure));
-    let results = of_scene(scene, structure.as_ref(), &record, None);
+    let results = of_scene(scene, structure.as_ref(), &record, (None, None, &[]));
     results.iter().map(|(name, _)| name.to_owned()).collect()
 }
 

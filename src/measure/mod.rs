@@ -4,19 +4,36 @@ pub mod bodies;
 mod canopy_shape;
 pub mod catenary;
 mod comparison;
+mod flown_ballooning;
+mod imported_wing;
+mod load_test;
 mod outline;
 mod plate;
 mod record;
 mod results;
+mod sail_support;
 mod skirt;
 mod spectrum;
 pub mod statistics;
 mod supports;
 mod wing;
+mod wing_lines;
 mod wing_trim;
 
 pub use comparison::{comparison, history_columns, result_names};
+pub use flown_ballooning::{
+    differences as ballooning_differences, flown_ballooning, width_ratios as cell_width_ratios,
+};
+pub use load_test::{
+    LoadReading, Nearest, first_failure, key as part_key, line_names, parts as wing_parts,
+    read as read_load_step,
+};
 pub use record::Record;
 pub use results::{results, skirt_spectrum};
+pub use sail_support::{
+    SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,
+    warnings as sail_warnings,
+};
 pub use wing::{RowLoad, row_loads};
+pub use wing_lines::LineName;
 pub use wing_trim::cell_widths_m;

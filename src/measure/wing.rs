@@ -177,7 +177,7 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
 }
 
 /// Where a triangle is, in words.
-fn place(wing: &Wing, tag: &Tag) -> String {
+pub(super) fn place(wing: &Wing, tag: &Tag) -> String {
     let number = tag.number as usize;
     let kind = match tag.part {
         Part::Upper | Part::Lower | Part::MiniRib => "cell",

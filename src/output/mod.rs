@@ -9,6 +9,7 @@ mod atomic;
 mod chart;
 mod comparison;
 mod history;
+mod patterns;
 mod pvd;
 mod summary;
 mod summary_table;
@@ -22,11 +23,12 @@ pub use comparison::{
     ComparisonRow, UNRESOLVED_CELLS, comparison_markdown, comparison_text, write_comparison,
 };
 pub use history::HistoryWriter;
+pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};
 pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
     StopInfo, StructureEvery, Summary, write_summary,
 };
 pub use summary_table::value_and_uncertainty;
-pub use table::write_table;
+pub use table::{write_table, write_text_table};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

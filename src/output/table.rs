@@ -4,6 +4,26 @@ use std::path::Path;
 
 use super::atomic::{OutputError, write_atomically};
 
+/// Writes a table of words with a header, whole or not at all.
+///
+/// # Errors
+///
+/// When the file cannot be written.
+pub fn write_text_table(
+    path: &Path,
+    columns: &[&str],
+    rows: &[Vec<String>],
+) -> Result<(), OutputError> {
+    write_atomically(path, |out| {
+        let mut csv = csv::Writer::from_writer(out);
+        csv.write_record(columns)?;
+        for row in rows {
+            csv.write_record(row)?;
+        }
+        csv.flush()
+    })
+}
+
 /// Writes a table with a header, whole or not at all; NaN is an empty field.
 ///
 /// # Errors

@@ -71,6 +71,25 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if let Some(settings) = &wing.trim {
         write_trim(out, wing, settings)?;
     }
+    if let Some(shaping) = &wing.panel_shaping {
+        writeln!(
+            out,
+            "  panel shaping       {} to {}, at most {} changes, each with an equilibrium of its own",
+            match shaping.target {
+                Some(_) => "flown ballooning",
+                None => "designed width of cells",
+            },
+            shaping.tolerance,
+            shaping.iteration_limit
+        )?;
+    }
+    if let Some(test) = &wing.load_test {
+        writeln!(
+            out,
+            "  load test           {:?} times the loads of the equilibrium",
+            test.load_factors
+        )?;
+    }
     if let Some(load) = &wing.load {
         let structure = &body.structure;
         let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);

@@ -113,8 +113,18 @@ pub(super) fn remove_stale(folder: &Path) {
             .contains(&name.as_str())
             || super::tables::NAMES.contains(&name.as_str())
             || super::trim::TABLES.contains(&name.as_str())
+            || super::load_test::TABLES.contains(&name.as_str())
+            || super::panel_shaping::TABLES.contains(&name.as_str())
+            || [
+                super::load_test::PICTURE,
+                super::load_test::SHAPE,
+                super::panel_shaping::PATTERNS,
+            ]
+            .contains(&name.as_str())
             || super::trim::CHARTS
                 .iter()
+                .chain(&super::load_test::CHARTS)
+                .chain(&super::panel_shaping::CHARTS)
                 .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
             || super::tables::CHARTS.iter().any(|(column, _)| {
                 name == format!("history_{column}.svg") || name == format!("history_{column}.png")
@@ -307,6 +317,28 @@ impl<'a> Files<'a> {
             self.last_picture = Some(path);
         }
         Ok(())
+    }
+
+    /// Draws and writes the wing as it stands under a multiple of its loads.
+    pub(super) fn loaded_wing(
+        &mut self,
+        simulation: &Simulation,
+        load_factor: f64,
+    ) -> Result<(), RunError> {
+        let frame = simulation.structure_frame();
+        let scene = simulation.scene();
+        let options = PictureOptions {
+            title: Some(scene.title.clone()),
+            caption: Some(format!("load factor {load_factor}")),
+            fabric: scene.output.picture_fabric[0],
+            ..PictureOptions::default()
+        };
+        if let Some(structure) = &frame.structure {
+            let path = self.folder.join(super::load_test::SHAPE);
+            write_canopy_vtp(&path, structure, frame.time_s)?;
+        }
+        let path = self.folder.join(super::load_test::PICTURE);
+        self.draw_into(&path, &frame, &options)
     }
 
     /// Draws the scene as it is now as the next frame of the animation.

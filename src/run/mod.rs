@@ -4,6 +4,8 @@ mod animation;
 mod equilibrium;
 mod files;
 mod lattices;
+mod load_test;
+mod panel_shaping;
 mod summary;
 mod tables;
 mod trim;
@@ -202,6 +204,8 @@ pub fn run(
     run.history.finish()?;
     tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
     trim::write(run.folder, &run.simulation)?;
+    load_test::write(run.folder, &case.scene, &run.simulation)?;
+    panel_shaping::write(run.folder, &case.scene, &run.simulation)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     // Last: a run that is killed before it is complete can still be resumed.
     if diverged.is_none() && !interrupted {
@@ -513,10 +517,28 @@ impl<'a> Run<'a> {
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;
         }
-        if let Some(reason) = self.seek_trim(interrupt, observer)? {
-            return Ok(reason);
+        let mut reason = self.balance(interrupt, observer)?;
+        if reason != INTERRUPTED {
+            reason = self.shape_panels(reason, interrupt, observer)?;
         }
-        self.equilibrate(interrupt, observer)
+        if reason != INTERRUPTED
+            && let Some(ended) = self.test_loads(interrupt, observer)?
+        {
+            reason = ended;
+        }
+        Ok(reason)
+    }
+
+    /// Seeks the trim, or the equilibrium, that the case asks for; returns why the run ended.
+    fn balance(
+        &mut self,
+        interrupt: &AtomicBool,
+        observer: &mut dyn Observer,
+    ) -> Result<String, RunError> {
+        match self.seek_trim(interrupt, observer)? {
+            Some(reason) => Ok(reason),
+            None => self.equilibrate(interrupt, observer),
+        }
     }
 
     fn detector(&self) -> Option<Detector> {

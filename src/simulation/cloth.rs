@@ -369,6 +369,12 @@ pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
             lagged: &load.rest_pa,
         };
     }
+    if let Some(wing) = &scene.imported {
+        return Pressure::Parted {
+            following: &wing.inside_pa,
+            lagged: &wing.outside_pa,
+        };
+    }
     scene
         .equilibrium
         .and_then(|equilibrium| equilibrium.pressure_pa)

@@ -13,8 +13,10 @@ mod descent;
 mod failure;
 mod frames;
 mod impulses;
+mod load_test;
 mod markers;
 mod opening;
+mod panel_shaping;
 mod permeable;
 mod state;
 mod supports;
@@ -35,8 +37,10 @@ pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
 use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
+pub use load_test::{LoadStep, LoadTestState};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
+pub use panel_shaping::ShapingStep;
 pub use trim::{TrimEnd, TrimIteration, TrimState};
 
 use crate::case::Scene;
@@ -96,6 +100,10 @@ pub struct Simulation {
     pressure_acts: bool,
     /// Present once a trim is sought.
     trim: Option<TrimState>,
+    /// Present once loads are tested.
+    load_test: Option<LoadTestState>,
+    /// Cuts of a wing's panels; empty where they are as the plan says.
+    shaping: Vec<ShapingStep>,
     cost: Cost,
 }
 
@@ -197,6 +205,8 @@ impl Simulation {
             largest_marker_motion: 0.0,
             pressure_acts: false,
             trim: None,
+            load_test: None,
+            shaping: Vec::new(),
             cost: Cost::default(),
         })
     }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use super::{Failure, Simulation};
+use super::{Failure, LoadTestState, Simulation};
 use crate::case::wing::Wing;
 use crate::cpu::cloth::{Cloth, Pressure, StepInput, loads, pressure as pull};
 use crate::geometry::wing::carried_over::{Meshed, carried_over};
@@ -91,8 +91,9 @@ impl Simulation {
 
     /// What acts in the static equilibrium: pressure, and further loads of nodes.
     pub(super) fn static_loads(&self) -> (Pressure<'_>, &[DVec3]) {
+        let raised = self.load_test.as_ref().and_then(LoadTestState::loads);
         let flight = self.trim.as_ref().and_then(|trim| trim.flight.as_ref());
-        if let Some(Flight { loads, .. }) = flight {
+        if let Some(loads) = raised.or(flight.map(|flight| &flight.loads)) {
             return (pressure(loads), &loads.nodal_n);
         }
         (super::cloth::prescribed_pressure(&self.scene), &[])
@@ -105,11 +106,13 @@ impl Simulation {
         watch: Watch,
         report: &mut dyn FnMut(&TrimIteration),
     ) -> Option<Result<TrimEnd, Failure>> {
-        let wing = self.scene.wing.take()?;
+        let mut wing = self.scene.wing.take()?;
         let end = wing.trim.is_some().then(|| {
             self.pressure_acts = true;
             self.trim_from_coarser(&wing, watch, report)
         });
+        // A trim that is sought again, of other panels, starts from this one.
+        wing.coarser = None;
         self.scene.wing = Some(wing);
         end
     }
@@ -288,36 +291,46 @@ impl Simulation {
         let Some(mut cloth) = self.cloth.take() else {
             return;
         };
-        let (pressure, nodal_loads_n) = self.static_loads();
-        let input = StepInput {
-            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure,
-            nodal_loads_n,
-            ..StepInput::default()
-        };
-        cloth.balance_as_a_whole(&input);
+        cloth.balance_as_a_whole(&self.static_input());
         self.cloth = Some(cloth);
     }
 
     /// What is left of loads, guides and the supports' forces together [N].
-    fn left_over_n(&self) -> DVec3 {
+    pub(super) fn left_over_n(&self) -> DVec3 {
         let Some(cloth) = &self.cloth else {
             return DVec3::ZERO;
         };
+        let supports: DVec3 = cloth
+            .reactions_n(&self.static_input())
+            .iter()
+            .map(|(_, f)| *f)
+            .sum();
+        let guides: DVec3 = (cloth.structure.guides.iter())
+            .map(|g| g.stiffness_n_m * (g.anchor_m - cloth.positions_m[g.node as usize]))
+            .sum();
+        self.acting_n() + supports + guides
+    }
+
+    /// Sum of all loads where the structure is [N].
+    pub(super) fn acting_n(&self) -> DVec3 {
+        let Some(cloth) = &self.cloth else {
+            return DVec3::ZERO;
+        };
+        let input = self.static_input();
+        let mut loads = loads::dead_loads(&cloth.structure, &input);
+        let (structure, positions_m) = (&cloth.structure, &cloth.positions_m);
+        pull::add_forces(structure, positions_m, input.pressure, &mut loads);
+        loads.iter().sum()
+    }
+
+    fn static_input(&self) -> StepInput<'_> {
         let (pressure, nodal_loads_n) = self.static_loads();
-        let input = StepInput {
+        StepInput {
             gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
             pressure,
             nodal_loads_n,
             ..StepInput::default()
-        };
-        let mut loads = loads::dead_loads(&cloth.structure, &input);
-        pull::add_forces(&cloth.structure, &cloth.positions_m, pressure, &mut loads);
-        let supports: DVec3 = cloth.reactions_n(&input).iter().map(|(_, f)| *f).sum();
-        let guides: DVec3 = (cloth.structure.guides.iter())
-            .map(|g| g.stiffness_n_m * (g.anchor_m - cloth.positions_m[g.node as usize]))
-            .sum();
-        loads.iter().sum::<DVec3>() + supports + guides
+        }
     }
 
     /// Sum of the guides' pulls along x [N].

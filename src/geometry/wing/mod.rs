@@ -8,6 +8,7 @@
 //! * [`carried_over`] – displacements from one mesh of a plan to another;
 //! * [`planar`] – triangles inside an outline with holes;
 //! * [`pressure`] – pressure jumps of a prescribed distribution;
+//! * [`patterns`] – panels laid flat;
 //! * [`measures`] – areas, lengths and masses.
 //!
 //! # Rest shape
@@ -27,6 +28,7 @@ pub mod frames;
 mod lines;
 pub mod measures;
 mod panels;
+pub mod patterns;
 pub mod plan;
 pub mod planar;
 pub mod pressure;

@@ -3,6 +3,14 @@
 //! A NACA four-digit profile has its thickness added across the chord, not across the camber line (x then is the place along the chord
 //! on both sides, and every rib has the same stations), with the coefficient of a closed trailing edge.
 
+use glam::DVec2;
+
+/// Points along each side of a profile of coordinates.
+const SAMPLES: usize = 200;
+
+/// How far a nose may reach ahead of the origin, and a side turn back behind it, per chord.
+const BLUNT_NOSE: f64 = 0.01;
+
 /// Side of a wing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -53,6 +61,31 @@ impl Profile {
             camber: 0.01 * camber,
             camber_position: 0.1 * position,
             thickness,
+        })
+    }
+
+    /// A profile of coordinates, over places of both sides that grow from the nose at the origin to the trailing edge; `None` where a side turns back
+    /// along the chord. What lies ahead of the origin, as the nose of some cambered profiles does a little, is left out.
+    #[must_use]
+    pub fn sampled(profile: &crate::geometry::profile::Profile) -> Option<Self> {
+        let points = profile.resampled(SAMPLES);
+        let side = |points: &mut dyn Iterator<Item = &DVec2>| {
+            let mut side = vec![[0.0, 0.0]];
+            for point in points {
+                let last = side[side.len() - 1][0];
+                if point.x > last {
+                    side.push([point.x, point.y]);
+                } else if last > BLUNT_NOSE || point.x < -BLUNT_NOSE {
+                    return None;
+                }
+            }
+            // Closed and sharp.
+            (side[side.len() - 1] == [1.0, 0.0]).then_some(side)
+        };
+        let (lower, upper) = points.split_at(SAMPLES);
+        Some(Self::Points {
+            upper: side(&mut upper.iter())?,
+            lower: side(&mut lower.iter().rev())?,
         })
     }
 

@@ -199,6 +199,7 @@ fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &Structur
         | BodyKind::Sheet
         | BodyKind::Cable { .. }
         | BodyKind::Mesh
-        | BodyKind::Wing => {}
+        | BodyKind::Wing
+        | BodyKind::ImportedWing => {}
     }
 }

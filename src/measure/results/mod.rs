@@ -9,19 +9,26 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, plate, supports, wing, wing_trim};
+use super::{
+    Record, bodies, flown_ballooning, imported_wing, load_test, plate, sail_support, supports,
+    wing, wing_trim,
+};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
-use crate::simulation::{Simulation, TrimState};
+use crate::simulation::{LoadTestState, ShapingStep, Simulation, TrimState};
 use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]
 pub fn results(simulation: &Simulation, record: &Record) -> Results {
     let frame = simulation.structure_frame();
-    let state = simulation.trim_state();
-    of_scene(simulation.scene(), frame.structure.as_ref(), record, state)
+    let states = (
+        simulation.trim_state(),
+        simulation.load_test_state(),
+        simulation.shaping_steps(),
+    );
+    of_scene(simulation.scene(), frame.structure.as_ref(), record, states)
 }
 
 /// Rows of frequency [Hz] and power density [m² s] with which the skirt flaps, averaged over the gores; `None` where there is no canopy in
@@ -46,7 +53,7 @@ pub(super) fn of_scene(
     scene: &Scene,
     structure: Option<&StructureFrame>,
     record: &Record,
-    trim: Option<&TrimState>,
+    (trim, tested, shaped): (Option<&TrimState>, Option<&LoadTestState>, &[ShapingStep]),
 ) -> Results {
     let mut results = Results::new();
     match (&scene.body, &scene.air) {
@@ -66,6 +73,9 @@ pub(super) fn of_scene(
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
                 let rests = scene.equilibrium.is_some() && scene.supports.is_empty();
                 fabric::alone(&mut results, &body.kind, structure, (weight, rests));
+                if let Some(known) = &scene.imported {
+                    imported_wing::results(&mut results, known, structure);
+                }
                 if let Some(known) = &scene.wing {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
@@ -73,6 +83,14 @@ pub(super) fn of_scene(
                         wing_trim::results(&mut results, known, &body.structure, structure, trim);
                     }
                     wing::results(&mut results, known, structure, gravity * mass, trim);
+                    sail_support::results(&mut results, known, &body.structure, structure);
+                    if known.panel_shaping.is_some() {
+                        flown_ballooning::results(&mut results, shaped);
+                    }
+                    if known.load_test.is_some() {
+                        let designed = &body.structure;
+                        load_test::results(&mut results, known, designed, gravity.length(), tested);
+                    }
                 }
             }
         }
