@@ -31,6 +31,7 @@ mod eddy_viscosity;
 mod engines;
 mod permeability;
 mod plates;
+mod ram_air;
 mod supports;
 mod sweep;
 mod tolerances;
@@ -51,6 +52,7 @@ fn main() -> std::process::ExitCode {
         contact::trials(),
         walls::trials(),
         wing::trials(),
+        ram_air::trials(),
         trim::trials(),
         coupling::trials(),
         device::trials(),

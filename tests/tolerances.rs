@@ -281,3 +281,26 @@ pub const BENCH_MEMBRANE: f64 = 0.01;
 
 /// The same of springs: those along the edges of a disc's triangles stand for equilateral ones, those of the airbag for C₁₂ = G.
 pub const BENCH_NETWORK: f64 = 0.05;
+
+/// Wings in the wind.
+pub mod ram_air {
+    /// Volume of cells with flat panels over section times width: round-off.
+    pub const VOLUME: f64 = 1e-9;
+    /// Points in the middle of a cell against the middle of its section [m]: the section between nodes is straight.
+    pub const MIDDLE: f64 = 5e-3;
+    /// How much farther down brakes on one side pull their trailing edge than the other side's [m].
+    pub const BRAKED_M: f64 = 0.02;
+    /// Markers against momentum box, in f32 over some hundred steps.
+    pub const IMBALANCE: f64 = 2e-3;
+    /// Forces that symmetry forbids over those it allows: round-off, which a free wake lets grow.
+    pub const SYMMETRY: f64 = 0.02;
+    /// Lift coefficient of a wing of aspect ratio 1.2 at 10°, between walls: lifting-line theory for small aspect ratios gives 0.32 in free air, and
+    /// twelve cells per chord are coarse.
+    pub const LIFT_AT_10_DEG: f64 = 0.8;
+    /// Volume over the design's of a wing that has filled.
+    pub const FILLED: f64 = 0.8;
+    /// Pressure coefficient inside it: a stagnation point has 1.
+    pub const INSIDE: f64 = 0.3;
+    /// The same volume where no air can enter.
+    pub const CLOSED: f64 = 0.5;
+}

@@ -6,13 +6,17 @@ use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
 use super::wing_lines::{Materials, check_materials, check_row, material};
+use super::wing_tunnel;
+pub use super::wing_tunnel::{Pull, Tunnel};
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
+pub use super::file::HeldName;
 pub use crate::geometry::wing::LineKind;
+pub use crate::geometry::wing::section::Side;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
-use crate::geometry::wing::section::{Profile, Side};
+use crate::geometry::wing::section::Profile;
 use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";
@@ -31,6 +35,10 @@ pub struct Wing {
     pub load: Option<Load>,
     /// Steady glide to be found; `None`: none is sought.
     pub trim: Option<Settings>,
+    /// How it stands in the wind; `None` without air.
+    pub tunnel: Option<Tunnel>,
+    /// Risers that are hauled in.
+    pub pulls: Vec<Pull>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
     /// Diameter of every cable segment [m], `[cable_count]`.
@@ -69,13 +77,7 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
             "remove one of them (`--set equilibrium.trim=absent` does so for one run)",
         ));
     }
-    if file.air.is_some() {
-        return Err(Problem::new(
-            "air",
-            "a wing in moving air is not computed yet: only its steady glide, and its equilibrium under prescribed pressure",
-            "remove [air], and give [equilibrium] with [equilibrium.trim] or [equilibrium.wing_pressure]",
-        ));
-    }
+    wing_tunnel::check_air(file, table)?;
     if file
         .equilibrium
         .as_ref()
@@ -97,7 +99,11 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         plan.pitch_guide_n_m.get_or_insert(trim::GUIDE_N_M);
     }
     let fineness = check_fineness(table)?;
-    let wing = wing::build(&plan, fineness).map_err(refused)?;
+    let mut wing = wing::build(&plan, fineness).map_err(refused)?;
+    let tunnel = (table.tunnel.as_ref())
+        .map(|written| wing_tunnel::place(&mut wing, table, written))
+        .transpose()?;
+    let pulls = wing_tunnel::pulls(file, table, &wing)?;
     let load = prescribed
         .map(|pressure| {
             let distribution = check_pressure(pressure, table.cells)?;
@@ -121,6 +127,8 @@ pub(super) fn check(file: &File) -> Result<Option<Wing>, Problem> {
         fineness,
         load,
         trim,
+        tunnel,
+        pulls,
         breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
         line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
         wing,
@@ -344,11 +352,11 @@ fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
 }
 
 fn check_plan(table: &file::WingTable, materials: &Materials) -> Result<Plan, Problem> {
-    if !(2..=400).contains(&table.cells) {
+    if !(1..=400).contains(&table.cells) {
         return Err(Problem::new(
             key("cells"),
             format!("{} = {} is out of range", key("cells"), table.cells),
-            "a wing has 2 to 400 cells",
+            "a wing has 1 to 400 cells",
         ));
     }
     let names: Vec<&String> = table.profiles.keys().collect();

@@ -200,7 +200,13 @@ pub fn run(
         run.resumed_at_step,
     );
     run.history.finish()?;
-    tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
+    let frame = run.simulation.structure_frame();
+    tables::write(
+        run.folder,
+        run.simulation.scene(),
+        (&run.record, frame.structure.as_ref()),
+        &summary,
+    )?;
     trim::write(run.folder, &run.simulation)?;
     write_summary(&run.folder.join("summary.json"), &summary)?;
     // Last: a run that is killed before it is complete can still be resumed.

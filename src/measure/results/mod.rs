@@ -9,7 +9,7 @@ mod fall;
 use glam::DVec3;
 
 use super::statistics::Mean;
-use super::{Record, bodies, plate, supports, wing, wing_trim};
+use super::{Record, bodies, plate, supports, wing, wing_trim, wing_wind};
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
@@ -59,6 +59,7 @@ pub(super) fn of_scene(
             if let BodyKind::Plate(shape) = &body.kind {
                 plate::results(&mut results, record, shape, air);
             }
+            wing_wind::results(&mut results, record, scene, structure);
         }
         (Some(body), None) => {
             if let Some(structure) = structure {
