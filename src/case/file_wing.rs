@@ -58,6 +58,8 @@ pub struct WingTunnelTable {
     pub start_thickness_ratio: Option<f64>,
     /// What is held; the hang points if absent.
     pub held: Option<HeldName>,
+    /// Ribs inside hold the air back along them, too; false if absent.
+    pub inner_friction: Option<bool>,
 }
 
 /// What of a wing in the wind is held.

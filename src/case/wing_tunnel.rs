@@ -18,6 +18,8 @@ pub struct Tunnel {
     pub pitch_rad: f64,
     /// What is held.
     pub held: HeldName,
+    /// Ribs inside hold the air back along them, too, not only across.
+    pub inner_friction: bool,
     /// The shape as designed, in its place and attitude [m], `[node_count]`; the wing may start laid together.
     pub designed_m: Vec<DVec3>,
 }
@@ -158,6 +160,7 @@ pub(super) fn place(
     Ok(Tunnel {
         pitch_rad,
         held,
+        inner_friction: written.inner_friction.unwrap_or(false),
         designed_m,
     })
 }

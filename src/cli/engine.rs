@@ -148,10 +148,11 @@ impl EngineArguments {
                 "--cloth device: the structure is sewn of several fabrics, which only the host computes yet; leave it out",
             );
         }
-        let is_hauled = (scene.wing.as_ref()).is_some_and(|wing| !wing.pulls.is_empty());
+        let is_hauled = (scene.wing.as_ref())
+            .is_some_and(|wing| wing.tunnel.is_some() || !wing.pulls.is_empty());
         if self.cloth == ClothChoice::Device && is_hauled {
             return misuse(
-                "--cloth device: the case hauls in risers (structure.wing.rows.NAME.pull), which only the host does; leave it out",
+                "--cloth device: the case has a wing in the wind, or hauls in risers, which only the host computes; leave it out",
             );
         }
         let has_trim = scene.wing.as_ref().is_some_and(|wing| wing.trim.is_some());

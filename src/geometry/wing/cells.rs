@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::section::Side;
-use super::{LineKind, Wing};
+use super::{LineKind, Part, Tag, Wing};
 
 /// Part of the chord over which the air inside a cell is looked at: behind the intake, before the section gets thin.
 const PROBED: [f64; 2] = [0.15, 0.6];
@@ -181,6 +181,17 @@ impl Wing {
         nodes.sort_unstable();
         nodes.dedup();
         nodes
+    }
+
+    /// True for triangles that air may meet on both sides inside the wing: ribs but for the tips', mini-ribs and diagonals.
+    #[must_use]
+    pub fn inner_triangles(&self) -> Vec<bool> {
+        let inner = |tag: &Tag| match tag.part {
+            Part::Upper | Part::Lower => false,
+            Part::Rib => (1..self.cells).contains(&(tag.number as usize)),
+            Part::MiniRib | Part::Diagonal => true,
+        };
+        self.tags.iter().map(inner).collect()
     }
 
     /// Nodes that only lines have.
