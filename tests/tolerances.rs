@@ -292,15 +292,17 @@ pub mod ram_air {
     pub const BRAKED_M: f64 = 0.02;
     /// Markers against momentum box, in f32 over some hundred steps.
     pub const IMBALANCE: f64 = 2e-3;
-    /// Forces that symmetry forbids over those it allows: round-off, which a free wake lets grow.
-    pub const SYMMETRY: f64 = 0.02;
-    /// Lift coefficient of a wing of aspect ratio 1.2 at 10°, between walls: lifting-line theory for small aspect ratios gives 0.32 in free air, and
-    /// twelve cells per chord are coarse.
-    pub const LIFT_AT_10_DEG: f64 = 0.8;
-    /// Volume over the design's of a wing that has filled.
-    pub const FILLED: f64 = 0.8;
-    /// Pressure coefficient inside it: a stagnation point has 1.
-    pub const INSIDE: f64 = 0.3;
-    /// The same volume where no air can enter.
-    pub const CLOSED: f64 = 0.5;
+    /// Forces that symmetry forbids over those it allows: both sides of a section are divided at other places, since lines are sewn on below.
+    pub const SYMMETRY: f64 = 0.1;
+    /// Lift coefficient of a thick wing of aspect ratio 1.2 at 10°: Helmbold's formula gives 0.30 in free air; walls raise it, twelve cells per chord are
+    /// coarse.
+    pub const LIFT_AT_10_DEG: [f64; 2] = [0.15, 0.8];
+    /// Volume of panels laid together over its share of the design: sections between nodes are straight.
+    pub const LAID_TOGETHER: f64 = 0.02;
+    /// Volume over the design's of a wing that fills, at twelve cells per chord.
+    pub const FILLED: f64 = 0.6;
+    /// By how much less a closed one has.
+    pub const CLOSED: f64 = 0.1;
+    /// A step solved to 1e-9 of its loads [m/s].
+    pub const ACROSS_M_S: f64 = 1e-6;
 }

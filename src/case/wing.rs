@@ -1,6 +1,7 @@
 //! Checks of `[structure.wing]` and `[equilibrium.wing_pressure]`, and the building of the wing; `[equilibrium.trim]` is checked in `trim`.
 
 use super::Problem;
+pub use super::file::HeldName;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
@@ -10,13 +11,12 @@ use super::wing_tunnel;
 pub use super::wing_tunnel::{Pull, Tunnel};
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
-pub use super::file::HeldName;
 pub use crate::geometry::wing::LineKind;
-pub use crate::geometry::wing::section::Side;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
 use crate::geometry::wing::section::Profile;
+pub use crate::geometry::wing::section::Side;
 use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";

@@ -44,9 +44,9 @@ impl Pull {
             return self.points[0][1];
         }
         let [from, a] = self.points[next - 1];
-        self.points.get(next).map_or(a, |[to, b]| {
-            a + (b - a) * ((time_s - from) / (to - from))
-        })
+        self.points
+            .get(next)
+            .map_or(a, |[to, b]| a + (b - a) * ((time_s - from) / (to - from)))
     }
 
     /// Time after which nothing is hauled any more [s].
@@ -79,7 +79,9 @@ pub(super) fn check_air(file: &File, table: &file::WingTable) -> Result<(), Prob
     if table.tunnel.is_none() {
         return Err(Problem::new(
             "air",
-            format!("a wing in moving air needs [{own}]: where its hang points are, and how it stands"),
+            format!(
+                "a wing in moving air needs [{own}]: where its hang points are, and how it stands"
+            ),
             format!("add [{own}] with place_m, or remove [air] and give [equilibrium]"),
         ));
     }
@@ -125,7 +127,10 @@ pub(super) fn place(
     if held == HeldName::Everything && ratio < 1.0 {
         return Err(Problem::new(
             key("start_thickness_ratio"),
-            format!("{} has no effect on a wing that is held everywhere: it would never fill", key("start_thickness_ratio")),
+            format!(
+                "{} has no effect on a wing that is held everywhere: it would never fill",
+                key("start_thickness_ratio")
+            ),
             "remove it, or hold less",
         ));
     }
@@ -190,7 +195,10 @@ pub(super) fn pulls(
         if !(grows && shares && begins) {
             return Err(Problem::new(
                 own("pull.table"),
-                format!("{} is no list of [time in s, share of length_m] that begins with a share of 0, with times growing from t = 0 on and shares from 0 to 1", own("pull.table")),
+                format!(
+                    "{} is no list of [time in s, share of length_m] that begins with a share of 0, with times growing from t = 0 on and shares from 0 to 1",
+                    own("pull.table")
+                ),
                 "e.g. [[0.0, 0.0], [1.2, 1.0]]",
             ));
         }
@@ -214,14 +222,20 @@ pub(super) fn pulls(
         if length_m > (1.0 - SHORTEST_RISER) * shortest_m {
             return Err(Problem::new(
                 own("pull.length_m"),
-                format!("{} = {length_m} is too much for a riser of {shortest_m:.3} m", own("pull.length_m")),
+                format!(
+                    "{} = {length_m} is too much for a riser of {shortest_m:.3} m",
+                    own("pull.length_m")
+                ),
                 format!("haul in less, or make {} longer", own("riser_length_m")),
             ));
         }
         pulls.push(Pull {
             row,
             cables,
-            points: table.iter().map(|[t, share]| [*t, share * length_m]).collect(),
+            points: table
+                .iter()
+                .map(|[t, share]| [*t, share * length_m])
+                .collect(),
         });
     }
     Ok(pulls)

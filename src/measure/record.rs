@@ -253,7 +253,11 @@ impl Record {
         if let (Some(BodyKind::Wing), true) = (kind, in_air) {
             let last = self.last.map(|l| [l.markers.z, l.momentum_box.z]);
             let force_n = DVec3::from_slice(&row[2..5]);
-            row.extend(wing_wind::values(simulation, force_n, last.unwrap_or([f64::NAN; 2]))?);
+            row.extend(wing_wind::values(
+                simulation,
+                force_n,
+                last.unwrap_or([f64::NAN; 2]),
+            )?);
         }
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());

@@ -395,10 +395,7 @@ fn rows(
     for ((name, load), row) in names.iter().zip(loads).zip(&known.wing.wing.row_names) {
         let share = if sum > 0.0 { load.value / sum } else { 0.0 };
         results.insert(name, quantity(load, "N"));
-        results.insert(
-            &format!("row_{row}_load_share"),
-            Quantity::new(share, "1"),
-        );
+        results.insert(&format!("row_{row}_load_share"), Quantity::new(share, "1"));
     }
 }
 
@@ -450,7 +447,10 @@ fn filling(results: &mut Results, record: &Record, known: &InWind) {
     };
     results.insert("fill_time_s", time(0.0));
     let filled = reached(0.0).unwrap_or(0);
-    let least = ratios[filled..].iter().copied().fold(f64::INFINITY, f64::min);
+    let least = ratios[filled..]
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     results.insert(
         "volume_ratio_min",
         Quantity::new(least, "1").with_note("once filled, or of the whole run"),
@@ -462,7 +462,8 @@ fn filling(results: &mut Results, record: &Record, known: &InWind) {
         let most = largest(asymmetry.iter().map(|a| a.abs()));
         results.insert(
             "volume_asymmetry_max",
-            Quantity::new(most, "1").with_note("right less left half over the design, of all samples"),
+            Quantity::new(most, "1")
+                .with_note("right less left half over the design, of all samples"),
         );
     }
 }
@@ -487,10 +488,14 @@ fn imbalance(results: &mut Results, record: &Record, first: usize) {
     results.insert(
         "force_imbalance",
         if ratio.is_finite() {
-            Quantity::new(ratio, "1")
-                .with_note("markers against momentum box, along and across the wind, over the force")
+            Quantity::new(ratio, "1").with_note(
+                "markers against momentum box, along and across the wind, over the force",
+            )
         } else {
-            Quantity::missing("1", "the fabric left the momentum box, or there is no force")
+            Quantity::missing(
+                "1",
+                "the fabric left the momentum box, or there is no force",
+            )
         },
     );
 }

@@ -114,7 +114,10 @@ fn write_tunnel(
         HeldName::Everything => "all of it is held: rigid",
     };
     let pitch = tunnel.pitch_rad.to_degrees();
-    writeln!(out, "  in the wind         nose up {pitch:.1} degrees at the start; {held}")?;
+    writeln!(
+        out,
+        "  in the wind         nose up {pitch:.1} degrees at the start; {held}"
+    )?;
     for pull in &wing.pulls {
         let most = pull.points.iter().map(|p| p[1]).fold(0.0, f64::max);
         writeln!(

@@ -12,8 +12,8 @@ use super::content::{Axis, INK, air_box, bodies, cables, thinnest_axis};
 use super::fabric;
 use super::flow::{self, Plane};
 use super::picture::{
-    Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth, TextAlign, TextSize,
-    Tick, nice_ticks,
+    Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth,
+    TextAlign, TextSize, Tick, nice_ticks,
 };
 use super::text::{line_height, text_width};
 use crate::frame::{FabricQuantity, FlowQuantity, FluidFrame, Frame, StructureFrame};
@@ -188,7 +188,11 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
             .collect(),
         polylines: lines(structure, plane.as_ref(), options, zoom)
             .into_iter()
-            .chain(section.into_iter().flat_map(|section| outlines(section, zoom)))
+            .chain(
+                section
+                    .into_iter()
+                    .flat_map(|section| outlines(section, zoom)),
+            )
             .collect(),
         slices: slice.into_iter().collect(),
         labels: layout.labels(frame.time_s, options),

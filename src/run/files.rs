@@ -96,12 +96,10 @@ pub(super) fn remove_stale(folder: &Path) {
             || numbered("flow_", ".vti")
             || numbered("snapshot_", ".png")
             || numbered("animation_", ".png")
-            || FlowQuantity::ALL
-                .iter()
-                .any(|quantity| {
-                    numbered("snapshot_", &format!("_{}.png", quantity.name()))
-                        || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
-                })
+            || FlowQuantity::ALL.iter().any(|quantity| {
+                numbered("snapshot_", &format!("_{}.png", quantity.name()))
+                    || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
+            })
             || FabricQuantity::ALL
                 .iter()
                 .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
@@ -459,7 +457,11 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
 
 /// The middle of the middle cell of a wing in the wind, or of that right of the middle.
 fn section_through_the_middle(scene: &Scene, frame: &Frame) -> Option<Section> {
-    let wing = &scene.wing.as_ref().filter(|wing| wing.tunnel.is_some())?.wing;
+    let wing = &scene
+        .wing
+        .as_ref()
+        .filter(|wing| wing.tunnel.is_some())?
+        .wing;
     let structure = frame.structure.as_ref()?;
     let skin = wing.middle_skin_m(wing.cells / 2, &structure.positions_m);
     Some(Section {

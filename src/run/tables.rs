@@ -90,20 +90,21 @@ fn wing_tables(
             "internal_pressure_coefficient",
             "pressure coefficient inside the cells",
         ),
-        (volume, "volume_ratio", "volume of the cells over their design"),
+        (
+            volume,
+            "volume_ratio",
+            "volume of the cells over their design",
+        ),
     ] {
         let names = measure::cell_columns(scene, column);
-        let series = names
-            .iter()
-            .enumerate()
-            .map(|(cell, name)| Series {
-                name: format!("cell {}", cell + 1),
-                points: (times.iter().zip(record.column(name)))
-                    .map(|(time, value)| [*time, value])
-                    .collect(),
-                bars: Vec::new(),
-                markers: false,
-            });
+        let series = names.iter().enumerate().map(|(cell, name)| Series {
+            name: format!("cell {}", cell + 1),
+            points: (times.iter().zip(record.column(name)))
+                .map(|(time, value)| [*time, value])
+                .collect(),
+            bars: Vec::new(),
+            markers: false,
+        });
         Chart {
             title: scene.title.clone(),
             labels: ["time since release [s]".to_owned(), label.to_owned()],
@@ -119,7 +120,10 @@ fn wing_tables(
 pub(super) const CHARTS: [(&str, &str); 11] = [
     ("lift_coefficient", "lift coefficient"),
     ("volume_ratio", "volume over that of the design"),
-    ("reverse_flow_area_m2", "area of reverse flow in the middle section [m2]"),
+    (
+        "reverse_flow_area_m2",
+        "area of reverse flow in the middle section [m2]",
+    ),
     ("drag_coefficient", "drag coefficient"),
     ("force_x_n", "force along the wind [N]"),
     ("drag_n", "drag [N]"),

@@ -53,7 +53,10 @@ impl Across {
 
     /// Numbers and normals of the markers.
     pub(super) fn normals(&self) -> impl Iterator<Item = (usize, DVec3)> {
-        self.markers.iter().copied().zip(self.normals.iter().copied())
+        self.markers
+            .iter()
+            .copied()
+            .zip(self.normals.iter().copied())
     }
 
     /// Works out the targets of markers that are to move with `velocities` [cells per step]: along the triangles, those of the air itself.

@@ -93,8 +93,8 @@ impl Wing {
         });
         let [first, steps] = match open {
             Some(intakes) => {
-                let [front, rear] = [intakes.from, intakes.to]
-                    .map(|x| self.places.nearest(Side::Lower, x));
+                let [front, rear] =
+                    [intakes.from, intakes.to].map(|x| self.places.nearest(Side::Lower, x));
                 [self.on_outline(Side::Lower, front), count - (rear - front)]
             }
             None => [0, count],
@@ -171,9 +171,8 @@ impl Wing {
     #[must_use]
     pub fn attachments(&self, chosen: impl Fn(usize) -> bool) -> Vec<u32> {
         let lines = self.structure.cables.iter().zip(&self.line_kinds);
-        let top = lines.filter(
-            |(_, kind)| matches!(**kind, LineKind::Line { row, level: 0 } if chosen(row)),
-        );
+        let top = lines
+            .filter(|(_, kind)| matches!(**kind, LineKind::Line { row, level: 0 } if chosen(row)));
         let mut nodes: Vec<u32> = top
             .flat_map(|(cable, _)| cable.nodes)
             .filter(|&node| node < self.hang_points[0])

@@ -25,12 +25,7 @@ impl Builder<'_> {
         openings
     }
 
-    fn intake(
-        &self,
-        cell: usize,
-        ends: [f64; 2],
-        rims: &HashSet<[u32; 2]>,
-    ) -> Option<Opening> {
+    fn intake(&self, cell: usize, ends: [f64; 2], rims: &HashSet<[u32; 2]>) -> Option<Opening> {
         let [front, rear] = ends.map(|x| self.places.nearest(Side::Lower, x));
         let ks: Vec<usize> = (front..=rear)
             .map(|j| self.on_outline(Side::Lower, j))
@@ -61,7 +56,9 @@ impl Builder<'_> {
             a.distance(b)
         };
         // From rib to rib it is as wide as the cell.
-        let span = self.position(left[first]).distance(self.position(right[first]));
+        let span = self
+            .position(left[first])
+            .distance(self.position(right[first]));
         Some(Opening {
             kind: OpeningKind::Intake,
             width_m: gap(left).min(gap(right)).min(span),
