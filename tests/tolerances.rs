@@ -299,10 +299,6 @@ pub mod ram_air {
     pub const LIFT_AT_10_DEG: [f64; 2] = [0.15, 0.8];
     /// Volume of panels laid together over its share of the design: sections between nodes are straight.
     pub const LAID_TOGETHER: f64 = 0.02;
-    /// Volume over the design's of a wing that fills, at twelve cells per chord.
-    pub const FILLED: f64 = 0.6;
-    /// By how much less a closed one has.
-    pub const CLOSED: f64 = 0.1;
     /// A step solved to 1e-9 of its loads [m/s].
     pub const ACROSS_M_S: f64 = 1e-6;
 }
