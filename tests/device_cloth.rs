@@ -114,6 +114,7 @@ fn markers(structure: &Structure, seed: u64) -> Vec<MarkerReaction> {
             weights,
             stiffness_kg_s: 0.02 * (1.0 + 0.5 * random()),
             air_velocity_m_s: DVec3::new(2.0 * random(), 15.0 + random(), random()),
+            across: None,
         })
         .collect()
 }

@@ -31,6 +31,7 @@ mod eddy_viscosity;
 mod engines;
 mod permeability;
 mod plates;
+mod ram_air;
 mod supports;
 mod sweep;
 mod tolerances;
@@ -53,6 +54,7 @@ fn main() -> std::process::ExitCode {
         walls::trials(),
         wing::trials(),
         wing_design::trials(),
+        ram_air::trials(),
         trim::trials(),
         coupling::trials(),
         device::trials(),

@@ -64,6 +64,7 @@ fn pierced(resistance: Resistance) -> (Vec<MarkerReaction>, Vec<Permeable>) {
             weights,
             stiffness_kg_s: 0.4 + 0.3 * k as f64,
             air_velocity_m_s: DVec3::new(9.0 - 6.0 * k as f64, 2.0, -1.0),
+            across: None,
         })
         .collect();
     let permeable = Permeable {

@@ -297,3 +297,24 @@ pub const BENCH_MEMBRANE: f64 = 0.01;
 
 /// The same of springs: those along the edges of a disc's triangles stand for equilateral ones, those of the airbag for C₁₂ = G.
 pub const BENCH_NETWORK: f64 = 0.05;
+
+/// Wings in the wind.
+pub mod ram_air {
+    /// Volume of cells with flat panels over section times width: round-off.
+    pub const VOLUME: f64 = 1e-9;
+    /// Points in the middle of a cell against the middle of its section [m]: the section between nodes is straight.
+    pub const MIDDLE: f64 = 5e-3;
+    /// How much farther down brakes on one side pull their trailing edge than the other side's [m].
+    pub const BRAKED_M: f64 = 0.02;
+    /// Markers against momentum box, in f32 over some hundred steps.
+    pub const IMBALANCE: f64 = 2e-3;
+    /// Forces that symmetry forbids over those it allows: both sides of a section are divided at other places, since lines are sewn on below.
+    pub const SYMMETRY: f64 = 0.1;
+    /// Lift coefficient of a thick wing of aspect ratio 1.2 at 10°: Helmbold's formula gives 0.30 in free air; walls raise it, twelve cells per chord are
+    /// coarse.
+    pub const LIFT_AT_10_DEG: [f64; 2] = [0.15, 0.8];
+    /// Volume of panels laid together over its share of the design: sections between nodes are straight.
+    pub const LAID_TOGETHER: f64 = 0.02;
+    /// A step solved to 1e-9 of its loads [m/s].
+    pub const ACROSS_M_S: f64 = 1e-6;
+}

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies, descent, plate, rims};
+use super::{Problem, bodies, descent, plate, rims, wing_tunnel};
 use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
@@ -39,15 +39,23 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         _ => None,
     });
     let diameter = diameter.or_else(|| bodies::only_diameter_m(file));
+    let of_chord = resolution
+        .cells_per_chord
+        .map(|cells| wing_tunnel::cell_size_m(file, cells))
+        .transpose()?;
     let cell_size_m = match (
         resolution.cells_per_diameter,
-        resolution.cell_size_m,
+        resolution.cell_size_m.or(of_chord),
         diameter,
     ) {
         (Some(_), Some(_), _) => {
             return Err(Problem::new(
                 "resolution.cell_size_m",
-                "cell_size_m and cells_per_diameter are both given",
+                if of_chord.is_some() {
+                    "cells_per_chord and cells_per_diameter are both given"
+                } else {
+                    "cell_size_m and cells_per_diameter are both given"
+                },
                 "keep one of the two",
             ));
         }
@@ -486,8 +494,17 @@ fn check_fabric_coupling(
     }
     let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
     let margin = 2.0 * air.units.cell_size_m;
+    let mut is_fabric = vec![false; body.structure.node_count()];
+    for node in body.structure.triangles.iter().flat_map(|t| t.nodes) {
+        is_fabric[node as usize] = true;
+    }
     for (node, position) in body.structure.positions_m.iter().enumerate() {
-        if body.structure.held[node] {
+        // Only fabric has markers; of what is held, a plate's edge may stand in a wall.
+        let free = match body.kind {
+            BodyKind::Wing => !is_fabric[node],
+            _ => body.structure.held[node],
+        };
+        if free {
             continue;
         }
         if position.min_element() < margin || (size - *position).min_element() < margin {
@@ -498,7 +515,7 @@ fn check_fabric_coupling(
                      of the walls of the tunnel of {:.3} × {:.3} × {:.3} m",
                     position.x, position.y, position.z, size.x, size.y, size.z
                 ),
-                "enlarge the tunnel or move the structure (structure.*.confluence_m)",
+                "enlarge the tunnel or move the structure (structure.*.confluence_m, structure.wing.tunnel.place_m)",
             ));
         }
     }

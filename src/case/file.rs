@@ -121,7 +121,7 @@ pub struct TaylorGreen {
     pub depth_m: f64,
 }
 
-/// `[resolution]`; exactly one of the first two keys.
+/// `[resolution]`; exactly one of the first three keys.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(
@@ -130,6 +130,8 @@ pub struct TaylorGreen {
 )]
 pub struct Resolution {
     pub cells_per_diameter: Option<f64>,
+    /// Of a wing.
+    pub cells_per_chord: Option<f64>,
     pub cell_size_m: Option<f64>,
     pub lattice_speed: f64,
     pub reference_speed_m_s: Option<f64>,

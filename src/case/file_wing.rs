@@ -42,6 +42,36 @@ pub struct WingTable {
     pub tapes: BTreeMap<String, TapeTable>,
     /// How fine the mesh is.
     pub mesh: WingMeshTable,
+    /// How it stands in the wind; only with air.
+    pub tunnel: Option<WingTunnelTable>,
+}
+
+/// `[structure.wing.tunnel]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WingTunnelTable {
+    /// The middle between both hang points [m].
+    pub place_m: [f64; 3],
+    /// Turn about it, nose up [°]; 0 if absent.
+    pub pitch_deg: Option<f64>,
+    /// Thickness of the wing at the start over that of the design; 1 if absent.
+    pub start_thickness_ratio: Option<f64>,
+    /// What is held; the hang points if absent.
+    pub held: Option<HeldName>,
+    /// Ribs inside hold the air back along them, too; false if absent.
+    pub inner_friction: Option<bool>,
+}
+
+/// What of a wing in the wind is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldName {
+    /// Where the risers hang.
+    HangPoints,
+    /// Where the lines are sewn on, too, but for rows that are hauled in.
+    Attachments,
+    /// All nodes: a rigid wing.
+    Everything,
 }
 
 /// An entry of `structure.wing.stations`.
@@ -154,6 +184,30 @@ pub struct RowTable {
     pub trim_m: Option<f64>,
     /// Diagonals at the attachments; absent: none.
     pub diagonals: Option<DiagonalsTable>,
+    /// How its risers are hauled in; absent: not at all.
+    pub pull: Option<PullTable>,
+}
+
+/// `structure.wing.rows.NAME.pull`: how risers are hauled in.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PullTable {
+    /// Length by which the riser is shortened [m].
+    pub length_m: f64,
+    /// Points (time [s], share of that length).
+    pub table: Vec<[f64; 2]>,
+    /// Of one half of the wing; absent: of both.
+    pub half: Option<HalfName>,
+}
+
+/// Half of a wing, as the pilot sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HalfName {
+    /// y < 0.
+    Left,
+    /// y > 0.
+    Right,
 }
 
 /// An entry of `structure.wing.rows.NAME.levels`.

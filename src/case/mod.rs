@@ -38,6 +38,7 @@ mod values;
 pub mod wing;
 pub mod wing_design;
 mod wing_lines;
+mod wing_tunnel;
 
 use std::path::Path;
 
@@ -46,7 +47,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use scene::Scene;
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 17] = [
+pub const SHIPPED: [(&str, &str); 19] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -84,6 +85,14 @@ pub const SHIPPED: [(&str, &str); 17] = [
     (
         "hanging-chain",
         include_str!("../../cases/cloth/hanging-chain.toml"),
+    ),
+    (
+        "parafoil-brake",
+        include_str!("../../cases/parafoil-brake.toml"),
+    ),
+    (
+        "ram-air-parachute",
+        include_str!("../../cases/ram-air-parachute.toml"),
     ),
     (
         "shaken-rope",

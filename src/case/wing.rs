@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use super::Problem;
+pub use super::file::HeldName;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
+use super::wing_tunnel;
+pub use super::wing_tunnel::{Pull, Tunnel};
 use crate::cloth::Structure;
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
@@ -16,7 +19,7 @@ pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
-use crate::geometry::wing::section::Side;
+pub use crate::geometry::wing::section::Side;
 use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";
@@ -41,6 +44,10 @@ pub struct Wing {
     pub load_test: Option<LoadTest>,
     /// Panels are to fly as they were designed; `None`: they are as the plan says.
     pub panel_shaping: Option<PanelShaping>,
+    /// How it stands in the wind; `None` without air.
+    pub tunnel: Option<Tunnel>,
+    /// Risers that are hauled in.
+    pub pulls: Vec<Pull>,
     /// Breaking load of every cable segment [N], `[cable_count]`; `None` where it is not told.
     pub breaking_loads_n: Vec<Option<f64>>,
     /// Diameter of every cable segment [m], `[cable_count]`.
@@ -92,13 +99,7 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
             "remove one of them (`--set equilibrium.trim=absent` does so for one run)",
         ));
     }
-    if file.air.is_some() {
-        return Err(Problem::new(
-            "air",
-            "a wing in moving air is not computed yet: only its steady glide, and its equilibrium under prescribed pressure",
-            "remove [air], and give [equilibrium] with [equilibrium.trim] or [equilibrium.wing_pressure]",
-        ));
-    }
+    wing_tunnel::check_air(file, table)?;
     if file
         .equilibrium
         .as_ref()
@@ -145,12 +146,18 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
             line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
             load_test: None,
             panel_shaping: None,
+            tunnel: None,
+            pulls: Vec::new(),
             wing,
             plan: plan.clone(),
             coarser: None,
         })
     };
     let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
+    whole.tunnel = (table.tunnel.as_ref())
+        .map(|written| wing_tunnel::place(&mut whole.wing, table, written))
+        .transpose()?;
+    whole.pulls = wing_tunnel::pulls(file, table, &whole.wing)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {
         let mut finest = &mut whole;
         while let Some(fineness) = finest.fineness.halved() {
@@ -395,11 +402,11 @@ fn check_plan(
     materials: &Materials,
     folder: &Path,
 ) -> Result<Plan, Problem> {
-    if !(2..=400).contains(&table.cells) {
+    if !(1..=400).contains(&table.cells) {
         return Err(Problem::new(
             key("cells"),
             format!("{} = {} is out of range", key("cells"), table.cells),
-            "a wing has 2 to 400 cells",
+            "a wing has 1 to 400 cells",
         ));
     }
     let names: Vec<&String> = table.profiles.keys().collect();

@@ -148,6 +148,13 @@ impl EngineArguments {
                 "--cloth device: the structure is sewn of several fabrics, which only the host computes yet; leave it out",
             );
         }
+        let is_hauled = (scene.wing.as_ref())
+            .is_some_and(|wing| wing.tunnel.is_some() || !wing.pulls.is_empty());
+        if self.cloth == ClothChoice::Device && is_hauled {
+            return misuse(
+                "--cloth device: the case has a wing in the wind, or hauls in risers, which only the host computes; leave it out",
+            );
+        }
         let has_trim = scene.wing.as_ref().is_some_and(|wing| wing.trim.is_some());
         if self.cloth == ClothChoice::Device && has_trim {
             return misuse(
@@ -185,7 +192,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            ClothChoice::Auto if has_contact || has_fabrics || has_trim => false,
+            ClothChoice::Auto if has_contact || has_fabrics || has_trim || is_hauled => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

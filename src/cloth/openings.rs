@@ -1,4 +1,4 @@
-//! Openings that a canopy is built with: where they are and how wide, so that a lattice can be judged by them.
+//! Openings that a canopy or a wing is built with: where they are and how wide, so that a lattice can be judged by them.
 
 /// What an opening is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,6 +9,10 @@ pub enum OpeningKind {
     Gap,
     /// Slot between two gores.
     Slot,
+    /// Intake of a cell.
+    Intake,
+    /// Hole in a rib.
+    RibHole,
 }
 
 impl OpeningKind {
@@ -19,6 +23,8 @@ impl OpeningKind {
             Self::Vent => "vent",
             Self::Gap => "gap",
             Self::Slot => "slot",
+            Self::Intake => "intake",
+            Self::RibHole => "rib hole",
         }
     }
 }

@@ -19,6 +19,7 @@ mod supports;
 mod wing;
 mod wing_lines;
 mod wing_trim;
+mod wing_wind;
 
 pub use comparison::{comparison, history_columns, result_names};
 pub use flown_ballooning::{
@@ -37,3 +38,4 @@ pub use sail_support::{
 pub use wing::{RowLoad, row_loads};
 pub use wing_lines::LineName;
 pub use wing_trim::cell_widths_m;
+pub use wing_wind::{LOWER_SURFACE_COLUMNS, cell_columns, lower_surface_line};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-use super::{bodies, plate, supports};
+use super::{bodies, plate, supports, wing_wind};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -129,6 +129,7 @@ impl Record {
             },
             _ => None,
         };
+        columns.extend(wing_wind::columns(scene));
         columns.extend(canopy.iter().flat_map(CanopyShape::columns));
         let structure = scene.body.as_ref().map(|body| &body.structure);
         let permeable = structure.is_some_and(|s| s.permeability.is_some())
@@ -248,6 +249,15 @@ impl Record {
         if let (Some(BodyKind::Plate(plate)), true) = (kind, in_air) {
             row.extend(plate::tip_displacement_m(simulation, &plate).to_array());
             row.push(self.last.map_or(f64::NAN, |last| last.supports.x));
+        }
+        if let (Some(BodyKind::Wing), true) = (kind, in_air) {
+            let last = self.last.map(|l| [l.markers.z, l.momentum_box.z]);
+            let force_n = DVec3::from_slice(&row[2..5]);
+            row.extend(wing_wind::values(
+                simulation,
+                force_n,
+                last.unwrap_or([f64::NAN; 2]),
+            )?);
         }
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());

@@ -80,6 +80,9 @@ pub struct Concentration {
     pub over_mean: f64,
 }
 
+/// An edge, as part of one panel or rib.
+type EdgeOfPart = ([u32; 2], (usize, u32));
+
 /// Mean over the area at rest of a part's tension (false) or stress (true).
 fn mean_of(wing: &Wing, structure: &StructureFrame, part: Part, of: impl Fn(usize) -> f64) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
@@ -110,7 +113,7 @@ pub fn slack_regions(wing: &Wing, structure: &StructureFrame) -> Vec<SlackRegion
         *areas.entry(id(triangle)).or_default() += structure.rest_areas_m2[triangle];
     }
     // Neighbours across edges, within one panel or rib.
-    let mut beside: HashMap<([u32; 2], (usize, u32)), Vec<usize>> = HashMap::new();
+    let mut beside: HashMap<EdgeOfPart, Vec<usize>> = HashMap::new();
     for (triangle, nodes) in structure.triangles.iter().enumerate() {
         if is_slack(triangle) {
             for i in 0..3 {

@@ -160,6 +160,11 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
             Quantity::new(attachment_max_n, "N"),
         );
     }
+    margins(results, wing, structure);
+}
+
+/// Largest load of a line over its breaking load.
+pub(super) fn margins(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     let margins = structure
         .cable_tensions_n
         .iter()
@@ -196,7 +201,8 @@ pub(super) fn place(wing: &Wing, tag: &Tag) -> String {
     )
 }
 
-fn stresses(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
+/// Largest stress of every part with its place, and how much of it is wrinkled and slack.
+pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     for part in Part::ALL {
         let own = || {
             let tags = wing.wing.tags.iter().enumerate();

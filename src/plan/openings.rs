@@ -1,4 +1,4 @@
-//! Openings of a canopy, in cells of the air, for `ripstop check`.
+//! Openings of a canopy or a wing, in cells of the air, for `ripstop check`.
 
 use std::fmt::Write;
 
@@ -13,12 +13,16 @@ const RESOLVED_CELLS: f64 = 6.0;
 const SMALLEST_HOLE_CELLS: f64 = 1.0;
 const SMALLEST_SLOT_CELLS: f64 = 2.0;
 
+/// Relative difference of widths that are meant to be the same.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Openings of one kind and width: the first of them and how many they are.
 fn kinds(openings: &[Opening]) -> Vec<(&Opening, usize)> {
     let mut found: Vec<(&Opening, usize)> = Vec::new();
     for opening in openings {
         let same = |known: &&Opening| {
-            known.kind == opening.kind && known.width_m.to_bits() == opening.width_m.to_bits()
+            let same_width = (known.width_m - opening.width_m).abs() <= ROUND_OFF * known.width_m;
+            known.kind == opening.kind && same_width
         };
         match found.iter_mut().find(|(known, _)| same(known)) {
             Some((_, count)) => *count += 1,
@@ -41,7 +45,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     };
     for (opening, count) in kinds(&body.structure.openings) {
         let what = match opening.kind {
-            OpeningKind::Slot => format!("{count} slots"),
+            OpeningKind::Slot | OpeningKind::Intake | OpeningKind::RibHole => {
+                format!("{count} {}s", opening.kind.name())
+            }
             kind => kind.name().to_owned(),
         };
         let cells = match inset(opening.width_m) {
@@ -51,7 +57,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             ),
             Some((cells, inset)) => {
                 let smallest = match opening.kind {
-                    OpeningKind::Vent => SMALLEST_HOLE_CELLS,
+                    OpeningKind::Vent | OpeningKind::RibHole => SMALLEST_HOLE_CELLS,
                     _ => SMALLEST_SLOT_CELLS,
                 };
                 let judged = match cells {

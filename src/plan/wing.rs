@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::aero::potential_flow;
 use crate::case::Scene;
-use crate::case::wing::{LineKind, Wing};
+use crate::case::wing::{HeldName, LineKind, Side, Tunnel, Wing};
 use crate::trim::Settings;
 use crate::trim::skin::Skin;
 
@@ -68,6 +68,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             0.5 * risers
         )?;
     }
+    if let Some(tunnel) = &wing.tunnel {
+        write_tunnel(out, scene, (wing, tunnel))?;
+    }
     if let Some(settings) = &wing.trim {
         write_trim(out, wing, settings)?;
     }
@@ -112,6 +115,67 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         )?;
     }
     Ok(())
+}
+
+/// How a wing stands in the wind, and what of it the cells can resolve.
+fn write_tunnel(
+    out: &mut String,
+    scene: &Scene,
+    (wing, tunnel): (&Wing, &Tunnel),
+) -> std::fmt::Result {
+    let (Some(air), measures) = (&scene.air, &wing.wing.measures) else {
+        return Ok(());
+    };
+    let cell = air.units.cell_size_m;
+    let held = match tunnel.held {
+        HeldName::HangPoints => "its hang points are held",
+        HeldName::Attachments => "hang points and attachments of lines are held",
+        HeldName::Everything => "all of it is held: rigid",
+    };
+    let pitch = tunnel.pitch_rad.to_degrees();
+    writeln!(
+        out,
+        "  in the wind         nose up {pitch:.1} degrees at the start; {held}"
+    )?;
+    for pull in &wing.pulls {
+        let most = pull.points.iter().map(|p| p[1]).fold(0.0, f64::max);
+        writeln!(
+            out,
+            "  hauled in           {} risers of row {} by up to {most:.3} m, until {:.3} s",
+            pull.cables.len(),
+            wing.wing.row_names[pull.row],
+            pull.end_s()
+        )?;
+    }
+    let chord = measures.largest_chord_m;
+    let rib = &wing.wing.frames[wing.wing.cells / 2];
+    let thickness = (1..20)
+        .map(|i| f64::from(i) / 20.0)
+        .map(|x| {
+            let height = |side| rib.height(&wing.wing.profiles, side, x);
+            height(Side::Upper) - height(Side::Lower)
+        })
+        .fold(0.0, f64::max);
+    let width = measures.flat_span_m / wing.wing.cells as f64;
+    writeln!(
+        out,
+        "  cells of air        {:.1} per chord, {:.1} across the thickest section, {:.1} across a cell; the kernel reaches 2 on both sides of fabric",
+        chord / cell,
+        thickness * rib.chord_m / cell,
+        width / cell
+    )?;
+    let section = (air.cells[1] * air.cells[2]) as f64 * cell * cell;
+    writeln!(
+        out,
+        "  blockage            flat area/section = {:.1} %, span/width = {:.1} %",
+        100.0 * measures.flat_area_m2 / section,
+        100.0 * measures.projected_span_m / (air.cells[1] as f64 * cell)
+    )?;
+    writeln!(
+        out,
+        "  Reynolds number     {:.2e} of the chord",
+        air.wind_or_reference_m_s() * chord / air.kinematic_viscosity_m2_s
+    )
 }
 
 /// Unknowns of the air and what they take.

@@ -26,7 +26,7 @@ pub use colour::ColourScale;
 pub use content::range_from_zero;
 pub use picture::Picture;
 pub use raster::rasterise;
-pub use scene::{PictureOptions, picture_of};
+pub use scene::{PictureOptions, Section, picture_of};
 
 /// Why a picture cannot be drawn.
 #[derive(Debug, Error)]

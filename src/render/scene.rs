@@ -8,12 +8,12 @@ use glam::DVec3;
 
 use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
 use super::colour::{ColourScale, Rgb};
-use super::content::{Axis, air_box, bodies, cables, thinnest_axis};
+use super::content::{Axis, INK, air_box, bodies, cables, thinnest_axis};
 use super::fabric;
 use super::flow::{self, Plane};
 use super::picture::{
-    Camera, ColourBar, Label, Picture, PixelRect, Polyline, Slice, SliceDepth, TextAlign, TextSize,
-    Tick, nice_ticks,
+    Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth,
+    TextAlign, TextSize, Tick, nice_ticks,
 };
 use super::text::{line_height, text_width};
 use crate::frame::{FabricQuantity, FlowQuantity, FluidFrame, Frame, StructureFrame};
@@ -67,6 +67,17 @@ pub struct PictureOptions {
     pub slice_depth: SliceDepth,
     /// Draw the edges of the fabric's triangles.
     pub mesh_edges: bool,
+    /// A section through the scene, seen squarely, in place of the view in space.
+    pub section: Option<Section>,
+}
+
+/// A plane y = const, with what it cuts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Place of the plane [m].
+    pub y_m: f64,
+    /// Outlines of fabric in it [m].
+    pub outlines_m: Vec<Vec<DVec3>>,
 }
 
 impl Default for PictureOptions {
@@ -87,6 +98,7 @@ impl Default for PictureOptions {
             framing_box_m: None,
             slice_depth: SliceDepth::Behind,
             mesh_edges: true,
+            section: None,
         }
     }
 }
@@ -98,7 +110,8 @@ impl Default for PictureOptions {
 /// middle plane across its thinnest direction. Values that are not finite are left out.
 #[must_use]
 pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
-    let structure = frame.structure.as_ref();
+    let section = options.section.as_ref();
+    let structure = frame.structure.as_ref().filter(|_| section.is_none());
     let zoom = zoom(options);
     let solid: Vec<DVec3> = structure
         .iter()
@@ -107,11 +120,12 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         .copied()
         .collect();
     let normal = match &frame.fluid {
-        Some(fluid) if solid.is_empty() => thinnest_axis(fluid),
+        Some(fluid) if solid.is_empty() && section.is_none() => thinnest_axis(fluid),
         _ => Axis::Y,
     };
     let plane = frame.fluid.as_ref().and_then(|fluid| {
-        let place = centre_y(&solid).filter(|_| normal == Axis::Y);
+        let place = section.map(|section| section.y_m);
+        let place = place.or_else(|| centre_y(&solid).filter(|_| normal == Axis::Y));
         let [low, high] = air_box(fluid);
         let middle = 0.5 * (low + high)[normal as usize];
         Plane::new(fluid, normal, place.unwrap_or(middle))
@@ -148,8 +162,11 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         });
     }
     let mut layout = Layout::new(options, zoom, &bars);
-    let camera = match &slice {
-        Some(slice) if solid.is_empty() => square_camera(slice, normal, &mut layout.viewport),
+    let camera = match (&slice, section.zip(options.framing_box_m)) {
+        (_, Some((section, framing))) => {
+            section_camera(section.y_m, framing, layout.viewport.aspect())
+        }
+        (Some(slice), _) if solid.is_empty() => square_camera(slice, normal, &mut layout.viewport),
         _ => camera(
             &solid,
             frame.fluid.as_ref(),
@@ -169,7 +186,14 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
             .into_iter()
             .chain(frame.bodies.as_ref().map(|b| bodies(b, zoom)))
             .collect(),
-        polylines: lines(structure, plane.as_ref(), options, zoom),
+        polylines: lines(structure, plane.as_ref(), options, zoom)
+            .into_iter()
+            .chain(
+                section
+                    .into_iter()
+                    .flat_map(|section| outlines(section, zoom)),
+            )
+            .collect(),
         slices: slice.into_iter().collect(),
         labels: layout.labels(frame.time_s, options),
         colour_bars: layout.colour_bars(bars),
@@ -194,6 +218,26 @@ fn lines(
         }
     }
     lines
+}
+
+/// Outlines of fabric in a section.
+fn outlines(section: &Section, zoom: f64) -> impl Iterator<Item = Polyline> {
+    section.outlines_m.iter().map(move |points| Polyline {
+        points_m: points.clone(),
+        style: LineStyle {
+            width_px: 2.5 * zoom,
+            colour: INK,
+            opacity: 1.0,
+        },
+    })
+}
+
+/// A camera that looks along +y and sees all of a box.
+fn section_camera(y_m: f64, framing: [DVec3; 2], aspect: f64) -> Camera {
+    let corners = framing.map(|corner| corner.with_y(y_m));
+    let (sight, up) = Axis::Y.square_view();
+    let distance = 2.0 * corners[0].distance(corners[1]);
+    fit_orthographic(&box_corners(corners), sight, up, aspect, 0.0, distance)
 }
 
 /// Size of text and lines relative to a picture of 1280×720 px.

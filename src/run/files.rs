@@ -17,7 +17,7 @@ use crate::measure::Record;
 use crate::output::{
     OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow_vti,
 };
-use crate::render::{self, Picture, PictureOptions, RenderError};
+use crate::render::{self, Picture, PictureOptions, RenderError, Section};
 use crate::simulation::Simulation;
 
 /// Fabric alone whose height is less than this share of its width and length is seen from further above.
@@ -96,9 +96,10 @@ pub(super) fn remove_stale(folder: &Path) {
             || numbered("flow_", ".vti")
             || numbered("snapshot_", ".png")
             || numbered("animation_", ".png")
-            || FlowQuantity::ALL
-                .iter()
-                .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
+            || FlowQuantity::ALL.iter().any(|quantity| {
+                numbered("snapshot_", &format!("_{}.png", quantity.name()))
+                    || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
+            })
             || FabricQuantity::ALL
                 .iter()
                 .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
@@ -121,6 +122,9 @@ pub(super) fn remove_stale(folder: &Path) {
                 super::panel_shaping::PATTERNS,
             ]
             .contains(&name.as_str())
+            || super::tables::WING_CHARTS
+                .iter()
+                .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
             || super::trim::CHARTS
                 .iter()
                 .chain(&super::load_test::CHARTS)
@@ -309,6 +313,15 @@ impl<'a> Files<'a> {
             .map(|(fabric, flow, name)| (fabric, flow, format!("snapshot_{number:03}_{name}.png")))
             .collect();
         all.push((fabric, flow, format!("snapshot_{number:03}.png")));
+        if let Some(section) = section_through_the_middle(scene, &frame) {
+            options.section = Some(section);
+            for &flow in flows {
+                show_flow(&mut options, flow, simulation);
+                let name = format!("snapshot_{number:03}_section_{}.png", flow.name());
+                self.draw_into(&self.folder.join(name), &frame, &options)?;
+            }
+            options.section = None;
+        }
         for (fabric, flow, name) in all {
             options.fabric = fabric;
             show_flow(&mut options, flow, simulation);
@@ -407,8 +420,10 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
     let scene = simulation.scene();
     let mut caption = String::new();
     for (column, label) in [
+        ("lift_coefficient", "C_L"),
         ("drag_coefficient", "C_D"),
         ("projected_diameter_ratio", "D_p/D_0"),
+        ("volume_ratio", "volume/design"),
     ] {
         if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
             caption.push_str(&format!("{label} {value:.2}  "));
@@ -454,5 +469,35 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
             confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
         ]);
     }
+    if let Some(wing) = &scene.wing
+        && let Some(tunnel) = &wing.tunnel
+    {
+        // Of the fabric as designed, with some wake.
+        let fabric = &tunnel.designed_m[..wing.wing.hang_points[0] as usize];
+        let (low, high) = fabric.iter().fold(
+            (DVec3::INFINITY, DVec3::NEG_INFINITY),
+            |(low, high), place| (low.min(*place), high.max(*place)),
+        );
+        let chord = wing.wing.measures.largest_chord_m;
+        options.framing_box_m = Some([
+            low - DVec3::new(0.3, 0.0, 0.3) * chord,
+            high + DVec3::new(0.8, 0.0, 0.4) * chord,
+        ]);
+    }
     options
+}
+
+/// The middle of the middle cell of a wing in the wind, or of that right of the middle.
+fn section_through_the_middle(scene: &Scene, frame: &Frame) -> Option<Section> {
+    let wing = &scene
+        .wing
+        .as_ref()
+        .filter(|wing| wing.tunnel.is_some())?
+        .wing;
+    let structure = frame.structure.as_ref()?;
+    let skin = wing.middle_skin_m(wing.cells / 2, &structure.positions_m);
+    Some(Section {
+        y_m: skin.iter().map(|p| p.y).sum::<f64>() / skin.len() as f64,
+        outlines_m: vec![skin],
+    })
 }

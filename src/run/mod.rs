@@ -202,7 +202,13 @@ pub fn run(
         run.resumed_at_step,
     );
     run.history.finish()?;
-    tables::write(run.folder, run.simulation.scene(), &run.record, &summary)?;
+    let frame = run.simulation.structure_frame();
+    tables::write(
+        run.folder,
+        run.simulation.scene(),
+        (&run.record, frame.structure.as_ref()),
+        &summary,
+    )?;
     trim::write(run.folder, &run.simulation)?;
     load_test::write(run.folder, &case.scene, &run.simulation)?;
     panel_shaping::write(run.folder, &case.scene, &run.simulation)?;

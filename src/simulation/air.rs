@@ -139,6 +139,19 @@ impl AirEngine {
         each_engine!(self, fluid => Ok(fluid.macroscopic()), fluid => fluid.macroscopic())
     }
 
+    /// Density excess and velocity of single cells; a device reads all of them back.
+    pub fn states_of(&self, cells: &[[usize; 3]]) -> Result<Vec<(f64, [f64; 3])>, DeviceError> {
+        each_engine!(self, fluid => Ok(cells.iter().map(|cell| fluid.bare_state(*cell)).collect()), fluid => {
+            let [nx, ny, _] = fluid.grid().cells;
+            let all = fluid.macroscopic()?;
+            let state = |[x, y, z]: &[usize; 3]| {
+                let (excess, u) = all[x + nx * (y + ny * z)];
+                (f64::from(excess), u.map(f64::from))
+            };
+            Ok(cells.iter().map(state).collect())
+        })
+    }
+
     /// Stress beyond equilibrium of all cells.
     pub fn stresses(&self) -> Result<Vec<Stress>, DeviceError> {
         each_engine!(self, fluid => Ok(fluid.stresses()), fluid => fluid.stresses())

@@ -83,6 +83,7 @@ impl Simulation {
                 });
             }
         }
+        self.haul_risers(self.time_s());
         if let Some(cadence) = &mut self.cadence {
             cadence.restore(from)?;
         }

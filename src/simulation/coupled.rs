@@ -16,6 +16,7 @@
 
 use glam::DVec3;
 
+use super::across::Across;
 use super::air::AirEngine;
 use super::bodies::{BodyMarkers, Load};
 use super::markers::MarkerEngine;
@@ -48,6 +49,8 @@ pub struct Coupled {
     velocities: Vec<[f64; 3]>,
     /// What the markers let pass; absent where nothing does.
     permeable: Option<PermeableMarkers>,
+    /// What acts across its triangle alone; absent where nothing does.
+    across: Option<Across>,
     /// Sum of u* since the last solve, for the mean ū.
     air_velocity_sums: Vec<[f64; 3]>,
     sums: u32,
@@ -83,6 +86,7 @@ impl Coupled {
         );
         Ok(Self {
             permeable,
+            across: Across::new(scene, &markers, count),
             units: air.units,
             markers,
             bodies,
@@ -184,6 +188,9 @@ impl Coupled {
         if let Some(permeable) = &mut self.permeable {
             permeable.turn(cloth, &self.markers, &self.bodies, time_s);
         }
+        if let (Some(across), Some(cloth)) = (&mut self.across, cloth) {
+            across.turn(cloth, &self.markers);
+        }
     }
 
     /// Stage `send_markers`.
@@ -277,7 +284,11 @@ impl Coupled {
                 air_velocity_m_s: self
                     .units
                     .velocity_m_s(self.air_velocity_sums[k].map(|u| u * mean)),
+                across: None,
             });
+        }
+        for (k, normal) in self.across.iter().flat_map(Across::normals) {
+            self.reactions[k].across = Some(normal);
         }
         if let Some(permeable) = &mut self.permeable {
             permeable.gather(self.markers.len(), &self.immersed, &self.units);
@@ -311,6 +322,11 @@ impl Coupled {
         if let Some(permeable) = &mut self.permeable {
             permeable.aim(&self.velocities, &self.immersed);
         }
+        if let Some(across) = &mut self.across {
+            let aims = self.permeable.as_ref();
+            let aims = aims.map_or(&self.velocities[..], PermeableMarkers::targets);
+            across.aim(aims, &self.immersed);
+        }
     }
 
     /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
@@ -328,7 +344,7 @@ impl Coupled {
         released: bool,
     ) {
         self.take_velocities(cloth, time_s, released);
-        let targets = targets(&self.permeable, &self.velocities);
+        let targets = targets((&self.permeable, &self.across), &self.velocities);
         if let Some(total) = self.immersed.send_marker_forces(targets) {
             self.force_on_air = total;
         }
@@ -339,7 +355,7 @@ impl Coupled {
         if matches!(self.immersed, MarkerEngine::Cpu(_)) {
             self.take_velocities(cloth, time_s, released);
         }
-        let targets = targets(&self.permeable, &self.velocities);
+        let targets = targets((&self.permeable, &self.across), &self.velocities);
         if let Some(total) = self.immersed.spread(targets) {
             self.force_on_air = total;
         }
@@ -365,7 +381,7 @@ impl Coupled {
 
     /// Root mean square slip of the air at the markers, beside what passes them [m/s].
     pub fn slip_m_s(&self) -> Result<f64, DeviceError> {
-        let targets = targets(&self.permeable, &self.velocities);
+        let targets = targets((&self.permeable, &self.across), &self.velocities);
         Ok(self.immersed.slip(targets)? * self.units.speed_m_s())
     }
 
@@ -385,7 +401,7 @@ impl Coupled {
     /// Mean normal velocity of the air through all surfaces at `time_s`, relative to them and beside what they let pass, after the half
     /// force: positive along the triangles' normals, weighted by area \[m/s\].
     pub fn leakage_m_s(&self, cloth: Option<&Cloth>, time_s: f64) -> Result<f64, DeviceError> {
-        let targets = targets(&self.permeable, &self.velocities);
+        let targets = targets((&self.permeable, &self.across), &self.velocities);
         let slips = self.immersed.slip_velocities(targets)?;
         let mut normals = vec![[0.0; 3]; slips.len()];
         if let Some(cloth) = cloth {
@@ -414,14 +430,16 @@ fn fastest(velocities: impl Iterator<Item = [f64; 3]>) -> f64 {
         .sqrt()
 }
 
-/// Velocities that the air is to have at the markers: their own, and what passes them.
+/// Velocities that the air is to have at the markers: their own, and what passes them or flows along them.
 fn targets<'a>(
-    permeable: &'a Option<PermeableMarkers>,
+    (permeable, across): (&'a Option<PermeableMarkers>, &'a Option<Across>),
     velocities: &'a [[f64; 3]],
 ) -> &'a [[f64; 3]] {
-    permeable
-        .as_ref()
-        .map_or(velocities, PermeableMarkers::targets)
+    match (across, permeable) {
+        (Some(across), _) => across.targets(),
+        (None, Some(permeable)) => permeable.targets(),
+        (None, None) => velocities,
+    }
 }
 
 /// Value of a nodal field at a marker.
@@ -444,6 +462,9 @@ impl Coupled {
         if let Some(permeable) = &self.permeable {
             permeable.save(out)?;
         }
+        if let Some(across) = &self.across {
+            across.save(out)?;
+        }
         self.immersed.save(out)
     }
 
@@ -461,6 +482,9 @@ impl Coupled {
             .copy_from_slice(&from.take_exactly::<f64>("force_on_air", 3)?);
         if let Some(permeable) = &mut self.permeable {
             permeable.restore(from)?;
+        }
+        if let Some(across) = &mut self.across {
+            across.restore(from)?;
         }
         self.immersed.restore(from, &self.positions, air)
     }

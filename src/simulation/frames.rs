@@ -62,6 +62,19 @@ impl Simulation {
         Some(frame)
     }
 
+    /// Pressure above the outlet's [Pa] and velocity [m/s] of single cells; empty without air.
+    pub fn air_in_cells(&self, cells: &[[usize; 3]]) -> Result<Vec<(f64, DVec3)>, DeviceError> {
+        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
+            return Ok(Vec::new());
+        };
+        let units = settings.units;
+        let states = air.states_of(cells)?;
+        Ok(states
+            .into_iter()
+            .map(|(excess, u)| (excess * units.pressure_pa(), units.velocity_m_s(u)))
+            .collect())
+    }
+
     fn fluid_frame(&self) -> Result<Option<FluidFrame>, DeviceError> {
         let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
             return Ok(None);

@@ -460,6 +460,17 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
                 high + DVec3::splat(PLATE_REACH * length),
             )
         }
+        Some(BodyKind::Wing) => {
+            // The lines below do not feel the air.
+            let fabric = cloth.structure.triangles.iter().flat_map(|t| t.nodes);
+            let (low, high) = fabric
+                .map(|node| positions[node as usize])
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p), high.max(p))
+                });
+            let margin = DVec3::splat(0.5 * (high.x - low.x));
+            (low - margin, high + margin)
+        }
         _ => {
             let margin = DVec3::splat(0.5 * (high - low).max_element());
             (low - margin, high + margin)

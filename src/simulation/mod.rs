@@ -1,5 +1,6 @@
 //! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
 
+mod across;
 mod adaptive;
 mod air;
 mod bodies;

@@ -1,17 +1,33 @@
-//! Supports that are moved, in motion and in equilibrium.
+//! Supports that are moved, in motion and in equilibrium, and risers that are hauled in.
 
 use glam::DVec3;
 
 use super::Simulation;
 
 impl Simulation {
-    /// Takes where supports are to be at `time_s`; nothing where none is moved.
+    /// Takes where supports are to be at `time_s`, and how long risers are then; nothing where none is moved.
     pub(super) fn place_supports(&mut self, time_s: f64) {
+        self.haul_risers(time_s);
         self.moved_supports.clear();
         if let Some(body) = &self.scene.body {
             for support in &self.scene.supports {
                 self.moved_supports
                     .extend(support.places_m(&body.structure, time_s));
+            }
+        }
+    }
+
+    /// Shortens the risers of a wing as the case says.
+    pub(super) fn haul_risers(&mut self, time_s: f64) {
+        let (Some(wing), Some(body), Some(cloth)) =
+            (&self.scene.wing, &self.scene.body, &mut self.cloth)
+        else {
+            return;
+        };
+        for pull in &wing.pulls {
+            for &cable in &pull.cables {
+                let designed_m = body.structure.cables[cable].rest_length_m;
+                cloth.structure.cables[cable].rest_length_m = designed_m - pull.at(time_s);
             }
         }
     }

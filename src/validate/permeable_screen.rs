@@ -168,6 +168,7 @@ impl Screen {
                     weights: marker.weights,
                     stiffness_kg_s: self.immersed.stiffness(k),
                     air_velocity_m_s: DVec3::from_array(velocities[k]),
+                    across: None,
                 })
                 .collect();
             let input = StepInput {

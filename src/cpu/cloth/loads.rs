@@ -1,6 +1,6 @@
 //! What acts on a structure during a step, and where the step starts.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::pressure::{self, Pressure};
 use crate::cloth::Structure;
@@ -17,6 +17,25 @@ pub struct MarkerReaction {
     pub stiffness_kg_s: f64,
     /// Velocity u* of the air at the marker [m/s].
     pub air_velocity_m_s: DVec3,
+    /// Unit normal along which alone the air pulls; `None`: along all axes.
+    pub across: Option<DVec3>,
+}
+
+impl MarkerReaction {
+    /// The part of a velocity that the air feels.
+    #[must_use]
+    pub fn felt(&self, velocity: DVec3) -> DVec3 {
+        self.across
+            .map_or(velocity, |normal| normal * normal.dot(velocity))
+    }
+
+    /// The same as a matrix.
+    #[must_use]
+    pub fn projection(&self) -> DMat3 {
+        self.across.map_or(DMat3::IDENTITY, |n| {
+            DMat3::from_cols(n * n.x, n * n.y, n * n.z)
+        })
+    }
 }
 
 /// Drag of the air on one node, linear in its velocity during a step.
@@ -116,7 +135,8 @@ pub fn add_pull_of_the_air(structure: &Structure, input: &StepInput, loads: &mut
     for marker in input.impermeable_markers() {
         let nodes = structure.triangles[marker.triangle as usize].nodes;
         for (node, weight) in nodes.into_iter().zip(marker.weights) {
-            loads[node as usize] += marker.air_velocity_m_s * (marker.stiffness_kg_s * weight);
+            let pull = marker.felt(marker.air_velocity_m_s) * marker.stiffness_kg_s;
+            loads[node as usize] += pull * weight;
         }
     }
 }

@@ -162,7 +162,7 @@ impl<'a> Objective<'a> {
                 for (&node, weight) in nodes.iter().zip(marker.weights) {
                     displacement += (point[node] - start[node]) * weight;
                 }
-                let slip = displacement / dt - marker.air_velocity_m_s;
+                let slip = marker.felt(displacement / dt - marker.air_velocity_m_s);
                 value += 0.5 * dt * marker.stiffness_kg_s * slip.length_squared();
                 let force = slip * marker.stiffness_kg_s;
                 for (&node, weight) in nodes.iter().zip(marker.weights) {
@@ -347,8 +347,7 @@ impl<'a> Objective<'a> {
                 let nodes = structure.triangles[marker.triangle as usize].nodes;
                 for (node, weight) in nodes.into_iter().zip(marker.weights) {
                     let stiffness = marker.stiffness_kg_s / dt * weight * weight;
-                    self.inverse_blocks[node as usize] +=
-                        DMat3::from_diagonal(DVec3::splat(stiffness));
+                    self.inverse_blocks[node as usize] += marker.projection() * stiffness;
                 }
             }
         }

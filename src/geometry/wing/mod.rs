@@ -9,7 +9,9 @@
 //! * [`planar`] – triangles inside an outline with holes;
 //! * [`pressure`] – pressure jumps of a prescribed distribution;
 //! * [`patterns`] – panels laid flat;
-//! * [`measures`] – areas, lengths and masses.
+//! * [`measures`] – areas, lengths and masses;
+//! * [`cells`] – what cells enclose, wherever the fabric is;
+//! * `openings` – intakes and holes of ribs.
 //!
 //! # Rest shape
 //!
@@ -23,10 +25,12 @@
 //! triangulation that keeps the outline's edges. All parts share nodes along their seams. Both halves are mirror images, node by node.
 
 pub mod carried_over;
+pub mod cells;
 pub mod chord;
 pub mod frames;
 mod lines;
 pub mod measures;
+mod openings;
 mod panels;
 pub mod patterns;
 pub mod plan;
@@ -136,6 +140,8 @@ pub struct Wing {
     pub cells: usize,
     /// Middle of every cell along the arc over the half span, 0 in the middle and 1 at the tips, `[cells]`.
     pub cell_places: Vec<f64>,
+    /// Where the part of the chord that brakes turn begins: the last row before the trailing edge, or three quarters without one.
+    pub turning_place: f64,
     /// Names of the rows.
     pub row_names: Vec<String>,
     /// Nodes of the outline of every rib, from the left tip: nose, upper side, trailing edge, lower side back to the nose.
@@ -285,6 +291,13 @@ pub fn rib_spans_m(cells: usize, half_span_m: f64, tip_cell_width_ratio: f64) ->
     mirrored.chain(right.iter().copied()).collect()
 }
 
+/// Last row of lines before the trailing edge, per chord.
+fn turning_place(plan: &Plan) -> f64 {
+    let before = plan.rows.iter().map(|row| row.position);
+    let last = before.filter(|x| *x < 0.95).fold(0.0, f64::max);
+    if last > 0.0 { last } else { 0.75 }
+}
+
 /// Builds the mesh of a wing.
 pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
     let half_span_m = plan.stations.last().map_or(0.0, |s| s.span_m);
@@ -317,6 +330,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
     let hang_points = builder.add_lines();
     builder.add_guides();
     let measures = Measures::new(&builder);
+    builder.structure.openings = builder.openings();
     let middle = &builder.outlines[plan.cells.div_ceil(2)];
     let middle_chord = [middle[0], middle[fineness.along_chord]];
     let tip_noses = [builder.outlines[0][0], builder.outlines[plan.cells][0]];
@@ -352,6 +366,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
             .windows(2)
             .map(|pair| (0.5 * (pair[0] + pair[1])).abs() / half_span_m)
             .collect(),
+        turning_place: turning_place(plan),
         row_names: plan.rows.iter().map(|row| row.name.clone()).collect(),
         outlines,
         rows_across,

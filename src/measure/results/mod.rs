@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::statistics::Mean;
 use super::{
     Record, bodies, flown_ballooning, imported_wing, load_test, plate, sail_support, supports,
-    wing, wing_trim,
+    wing, wing_trim, wing_wind,
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
@@ -66,6 +66,7 @@ pub(super) fn of_scene(
             if let BodyKind::Plate(shape) = &body.kind {
                 plate::results(&mut results, record, shape, air);
             }
+            wing_wind::results(&mut results, record, scene, structure);
         }
         (Some(body), None) => {
             if let Some(structure) = structure {

@@ -1,0 +1,289 @@
+//! Checks of `[structure.wing.tunnel]` and of the pulls of rows: a wing in the wind, and lines that are hauled in.
+
+use glam::{DMat3, DVec3};
+
+use super::Problem;
+use super::file::{self, File, HalfName, HeldName};
+use super::scene::{positive, vector, within};
+use super::wing::key;
+use crate::geometry::wing::{self, LineKind};
+
+/// Shortest that a riser may be hauled in to, over its length.
+const SHORTEST_RISER: f64 = 0.05;
+
+/// How a wing stands in the wind.
+#[derive(Debug, Clone)]
+pub struct Tunnel {
+    /// Turn about the hang points, nose up [rad].
+    pub pitch_rad: f64,
+    /// What is held.
+    pub held: HeldName,
+    /// Ribs inside hold the air back along them, too, not only across.
+    pub inner_friction: bool,
+    /// The shape as designed, in its place and attitude [m], `[node_count]`; the wing may start laid together.
+    pub designed_m: Vec<DVec3>,
+}
+
+/// Risers of a row that are hauled in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pull {
+    /// Number of the row in the plan.
+    pub row: usize,
+    /// The risers' segments, by their numbers among all cables.
+    pub cables: Vec<usize>,
+    /// Times [s] and lengths that the risers are shortened by then [m]; straight between them, constant beyond.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Pull {
+    /// Length that the risers are shortened by at a time [m].
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> f64 {
+        let next = self.points.partition_point(|[time, _]| *time <= time_s);
+        if next == 0 {
+            return self.points[0][1];
+        }
+        let [from, a] = self.points[next - 1];
+        self.points
+            .get(next)
+            .map_or(a, |[to, b]| a + (b - a) * ((time_s - from) / (to - from)))
+    }
+
+    /// Time after which nothing is hauled any more [s].
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        self.points.last().map_or(0.0, |[time, _]| *time)
+    }
+
+    /// True if what was hauled in is let out again.
+    #[must_use]
+    pub fn lets_go(&self) -> bool {
+        let most = self.points.iter().map(|p| p[1]).fold(0.0, f64::max);
+        self.points.last().is_some_and(|p| p[1] < 0.5 * most)
+    }
+}
+
+/// Checks that air and `[structure.wing.tunnel]` go together.
+pub(super) fn check_air(file: &File, table: &file::WingTable) -> Result<(), Problem> {
+    let own = key("tunnel");
+    let Some(air) = &file.air else {
+        if table.tunnel.is_some() {
+            return Err(Problem::new(
+                own.as_str(),
+                format!("[{own}] has no effect: it needs [air.wind_tunnel]"),
+                format!("remove [{own}], or add the air"),
+            ));
+        }
+        return Ok(());
+    };
+    if table.tunnel.is_none() {
+        return Err(Problem::new(
+            "air",
+            format!(
+                "a wing in moving air needs [{own}]: where its hang points are, and how it stands"
+            ),
+            format!("add [{own}] with place_m, or remove [air] and give [equilibrium]"),
+        ));
+    }
+    if air.wind_tunnel.is_none() {
+        return Err(Problem::new(
+            "air",
+            "a wing stands in a wind tunnel: falling wings are not computed yet",
+            "give [air.wind_tunnel]",
+        ));
+    }
+    if table.pitch_guide_n_m.is_some() {
+        return Err(Problem::new(
+            key("pitch_guide_n_m"),
+            "the pitch guide stands for what prescribed pressure does not know: in the wind it would falsify lift and drag",
+            "remove it",
+        ));
+    }
+    Ok(())
+}
+
+/// Puts a wing where it stands in the wind; its structure then is at its start.
+pub(super) fn place(
+    wing: &mut wing::Wing,
+    table: &file::WingTable,
+    written: &file::WingTunnelTable,
+) -> Result<Tunnel, Problem> {
+    let key = |name: &str| key(&format!("tunnel.{name}"));
+    let place_m = vector(&key("place_m"), written.place_m)?;
+    let pitch_rad = within(
+        &key("pitch_deg"),
+        written.pitch_deg.unwrap_or(0.0),
+        -90.0,
+        90.0,
+    )?
+    .to_radians();
+    let ratio = within(
+        &key("start_thickness_ratio"),
+        written.start_thickness_ratio.unwrap_or(1.0),
+        0.05,
+        1.0,
+    )?;
+    let held = written.held.unwrap_or(HeldName::HangPoints);
+    if held == HeldName::Everything && ratio < 1.0 {
+        return Err(Problem::new(
+            key("start_thickness_ratio"),
+            format!(
+                "{} has no effect on a wing that is held everywhere: it would never fill",
+                key("start_thickness_ratio")
+            ),
+            "remove it, or hold less",
+        ));
+    }
+    let middle_m = wing.hang_points.iter().fold(DVec3::ZERO, |sum, &node| {
+        sum + 0.5 * wing.structure.positions_m[node as usize]
+    });
+    // Nose, at negative x, up.
+    let turn = DMat3::from_rotation_y(pitch_rad);
+    let placed = |places: &[DVec3]| -> Vec<DVec3> {
+        let place = |p: &DVec3| place_m + turn * (*p - middle_m);
+        places.iter().map(place).collect()
+    };
+    let designed_m = placed(&wing.structure.positions_m);
+    wing.structure.positions_m = if ratio < 1.0 {
+        placed(&wing.laid_together_m(&wing.structure.positions_m, ratio))
+    } else {
+        designed_m.clone()
+    };
+    // Lines that are hauled in have to move what they hang on.
+    let hauled: Vec<bool> = table.rows.values().map(|row| row.pull.is_some()).collect();
+    let attachments = wing.attachments(|row| !hauled[row]);
+    let structure = &mut wing.structure;
+    match held {
+        HeldName::HangPoints => {}
+        HeldName::Attachments => {
+            for node in attachments {
+                structure.held[node as usize] = true;
+            }
+        }
+        HeldName::Everything => structure.held.fill(true),
+    }
+    Ok(Tunnel {
+        pitch_rad,
+        held,
+        inner_friction: written.inner_friction.unwrap_or(false),
+        designed_m,
+    })
+}
+
+/// Checks the pulls of all rows.
+pub(super) fn pulls(
+    file: &File,
+    table: &file::WingTable,
+    wing: &wing::Wing,
+) -> Result<Vec<Pull>, Problem> {
+    let mut pulls = Vec::new();
+    for (row, (name, written)) in table.rows.iter().enumerate() {
+        let own = |of: &str| key(&format!("rows.{name}.{of}"));
+        let key = own("pull");
+        let Some(pull) = &written.pull else { continue };
+        if file.time.is_none() {
+            return Err(Problem::new(
+                key.as_str(),
+                format!("[{key}] needs [time]: an equilibrium knows none"),
+                format!("add [time], or give {}", own("trim_m")),
+            ));
+        }
+        let table = &pull.table;
+        let grows = table.windows(2).all(|p| p[1][0] > p[0][0]);
+        let shares = table.iter().all(|p| (0.0..=1.0).contains(&p[1]));
+        let begins = table.first().is_some_and(|p| p[0] >= 0.0 && p[1] == 0.0);
+        if !(grows && shares && begins) {
+            return Err(Problem::new(
+                own("pull.table"),
+                format!(
+                    "{} is no list of [time in s, share of length_m] that begins with a share of 0, with times growing from t = 0 on and shares from 0 to 1",
+                    own("pull.table")
+                ),
+                "e.g. [[0.0, 0.0], [1.2, 1.0]]",
+            ));
+        }
+        let length_m = within(&own("pull.length_m"), pull.length_m, 0.0, 1e3)?;
+        let risers = wing.line_kinds.iter().enumerate();
+        let risers = risers.filter(|(_, kind)| **kind == LineKind::Riser { row });
+        // Right before left.
+        let cables: Vec<usize> = risers
+            .enumerate()
+            .filter(|(half, _)| match pull.half {
+                None => true,
+                Some(HalfName::Right) => *half == 0,
+                Some(HalfName::Left) => *half == 1,
+            })
+            .map(|(_, (cable, _))| cable)
+            .collect();
+        let shortest_m = cables
+            .iter()
+            .map(|&cable| wing.structure.cables[cable].rest_length_m)
+            .fold(f64::INFINITY, f64::min);
+        if length_m > (1.0 - SHORTEST_RISER) * shortest_m {
+            return Err(Problem::new(
+                own("pull.length_m"),
+                format!(
+                    "{} = {length_m} is too much for a riser of {shortest_m:.3} m",
+                    own("pull.length_m")
+                ),
+                format!("haul in less, or make {} longer", own("riser_length_m")),
+            ));
+        }
+        pulls.push(Pull {
+            row,
+            cables,
+            points: table
+                .iter()
+                .map(|[t, share]| [*t, share * length_m])
+                .collect(),
+        });
+    }
+    Ok(pulls)
+}
+
+/// Size of a cell of which `cells` make the largest chord [m].
+pub(super) fn cell_size_m(file: &File, cells: f64) -> Result<f64, Problem> {
+    const KEY: &str = "resolution.cells_per_chord";
+    let resolution = file.resolution.as_ref();
+    if resolution.is_some_and(|r| r.cell_size_m.is_some()) {
+        return Err(Problem::new(
+            KEY,
+            "cells_per_chord and cell_size_m are both given",
+            "keep one of the two",
+        ));
+    }
+    let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
+        return Err(Problem::new(
+            KEY,
+            "cells_per_chord needs [structure.wing]",
+            "give resolution.cell_size_m instead",
+        ));
+    };
+    let chord_m = table.stations.iter().map(|s| s.chord_m).fold(0.0, f64::max);
+    Ok(chord_m / positive(KEY, cells)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulls_follow_their_table() {
+        let pull = Pull {
+            row: 0,
+            cables: vec![0],
+            points: vec![[0.5, 0.0], [1.5, 0.2], [2.0, 0.0]],
+        };
+        for (time_s, expected) in [
+            (0.0, 0.0),
+            (0.5, 0.0),
+            (1.0, 0.1),
+            (1.5, 0.2),
+            (1.75, 0.1),
+            (9.0, 0.0),
+        ] {
+            assert!((pull.at(time_s) - expected).abs() < 1e-12, "{time_s}");
+        }
+        assert!(pull.lets_go() && pull.end_s() == 2.0);
+    }
+}
