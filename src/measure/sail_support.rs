@@ -228,7 +228,7 @@ pub fn standing_ribs(
     standing
 }
 
-/// Peaks of stress of a part, largest first, at most [`MOST_TOLD`], each apart from those before.
+/// Peaks of stress of a part, largest first, at most `MOST_TOLD`, each apart from those before.
 #[must_use]
 pub fn concentrations(wing: &Wing, structure: &StructureFrame, part: Part) -> Vec<Concentration> {
     let stress = |triangle: usize| structure.stress_pa[triangle];

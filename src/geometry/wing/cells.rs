@@ -102,7 +102,7 @@ impl Wing {
         (0..=steps).map(|k| section[(first + k) % count]).collect()
     }
 
-    /// Points inside a cell, in the middle between its ribs and between its panels, over [`PROBED`] of the chord [m].
+    /// Points inside a cell, in the middle between its ribs and between its panels, over `PROBED` of the chord [m].
     #[must_use]
     pub fn inner_points_m(&self, cell: usize, positions_m: &[DVec3]) -> Vec<DVec3> {
         let section = self.middle_section_m(cell, positions_m);
