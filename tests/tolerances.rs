@@ -243,6 +243,9 @@ pub mod canopies {
 
 /// Trim of wings.
 pub mod trim {
+    /// A bend of some decimetres on a mesh of half as many edges: chords of arcs of 0.2 m by slopes of 0.03 [m].
+    pub const CARRIED_OVER_M: f64 = 5e-3;
+
     /// Forces of a shape in balance, over the weight: the same sums in another order.
     pub const BALANCE: f64 = 1e-9;
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::aero::surface::PanelSurface;
 use ripstop::case::{self, Choices};
+use ripstop::geometry::wing::carried_over::{Meshed, carried_over};
 use ripstop::trim::Glider;
 use ripstop::trim::balance::stream;
 
@@ -16,6 +17,7 @@ pub fn trials() -> Vec<Trial> {
         plain("trim::all_loads_are_in_balance", balance),
         plain("trim::the_air_sees_the_wing", skin),
         plain("trim::the_speed_bar_makes_faster", speed_bar),
+        plain("trim::displacements_come_over_from_coarser_meshes", coarser),
         plain("trim::what_moves_is_told", unsettled),
     ]
     .into_iter()
@@ -32,6 +34,40 @@ fn school(overrides: &[&str]) -> case::Case {
         overrides: overrides.iter().map(|s| (*s).to_owned()).collect(),
     };
     case::parse("school", &text, root(), &choices).unwrap()
+}
+
+/// A shift of the whole wing comes over from a coarser mesh as it is; a smooth bend as nearly as the coarse triangles follow the fabric; lines move alike.
+fn coarser() {
+    let case = school(&[
+        "structure.wing.mesh.along_chord=24",
+        "structure.wing.mesh.across_cell=4",
+    ]);
+    let (wing, body) = (case.scene.wing.unwrap(), case.scene.body.unwrap());
+    let coarser = wing.coarser.as_ref().unwrap();
+    assert!(coarser.structure.node_count() < body.structure.node_count() / 2);
+    assert!(coarser.wing.coarser.is_none());
+    let from = Meshed {
+        wing: &coarser.wing.wing,
+        structure: &coarser.structure,
+    };
+    let to = Meshed {
+        wing: &wing.wing,
+        structure: &body.structure,
+    };
+    let shift = DVec3::new(0.3, -0.1, 0.2);
+    // Twist along the span, and the middle lifted: at most some 0.3 m.
+    let bend = |x: DVec3| DVec3::new(0.02 * x.z, 0.0, 0.01 * x.y * x.y + 0.03 * x.x);
+    let fields: [(&dyn Fn(DVec3) -> DVec3, f64); 2] =
+        [(&|_| shift, 1e-12), (&bend, tolerance::CARRIED_OVER_M)];
+    for (field, allowed_m) in fields {
+        let moved = |x: &DVec3| *x + field(*x);
+        let coarse: Vec<DVec3> = coarser.structure.positions_m.iter().map(moved).collect();
+        let fine = carried_over(from, &coarse, to).unwrap();
+        for (found, rest) in fine.iter().zip(&body.structure.positions_m) {
+            let error = found.distance(moved(rest));
+            assert!(error < allowed_m, "{rest}: {error}");
+        }
+    }
 }
 
 /// Pressure, traction, drag of lines, weights and the pilot's drag on an arched wing with lines and intakes sum up to nothing, in force and in moment about

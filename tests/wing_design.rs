@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use libtest_mimic::Trial;
-use ripstop::case::{self, Choices};
+use ripstop::case::{self, Choices, Scene};
 use ripstop::geometry::wing::Part;
 use ripstop::geometry::wing::patterns::{Flat, patterns, unroll};
 use ripstop::geometry::wing::section::Side;
@@ -272,16 +272,21 @@ fn panel_shaping() {
     assert!(ran.folder.path().join("panel_shaping_upper.png").exists());
 }
 
-/// Seams of panels laid flat are as long as the edges of the ribs that they are sewn to, and as those of the panel on the other side.
-fn seams() {
+/// The quick school wing.
+fn school() -> Scene {
     let source = std::fs::read_to_string(root().join(CASE)).unwrap();
     let choices = Choices {
         variant: Some("quick".to_owned()),
         overrides: Vec::new(),
     };
-    let scene = case::parse("school", &source, root(), &choices)
+    case::parse("school", &source, root(), &choices)
         .unwrap()
-        .scene;
+        .scene
+}
+
+/// Seams of panels laid flat are as long as the edges of the ribs that they are sewn to, and as those of the panel on the other side.
+fn seams() {
+    let scene = school();
     let (wing, body) = (scene.wing.unwrap().wing, scene.body.unwrap());
     let places = &body.structure.positions_m;
     let panels = patterns(&wing, places);
@@ -677,14 +682,7 @@ fn a_sphere_is_strained() {
 fn drawn_ballooning() {
     use ripstop::geometry::wing::section::lookup;
     use ripstop::measure::{ballooning_differences, cell_width_ratios, flown_ballooning};
-    let source = std::fs::read_to_string(root().join(CASE)).unwrap();
-    let choices = Choices {
-        variant: Some("quick".to_owned()),
-        overrides: Vec::new(),
-    };
-    let scene = case::parse("school", &source, root(), &choices)
-        .unwrap()
-        .scene;
+    let scene = school();
     let (wing, body) = (scene.wing.unwrap(), scene.body.unwrap());
     let places = &body.structure.positions_m;
     let drawn = flown_ballooning(&wing, places);

@@ -20,7 +20,7 @@ use crate::case::{Case, Scene};
 use crate::checkpoint::{self, CheckpointError};
 use crate::frame::Frame;
 use crate::gpu::{Device, DeviceError};
-use crate::measure::Record;
+use crate::measure::{Record, sail_warnings};
 use crate::output::{
     HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers, write_canopy_vtp,
     write_summary,
@@ -192,6 +192,9 @@ pub fn run(
     }
     run.notes.append(&mut run.files.notes);
     let wall_s = began.elapsed().as_secs_f64();
+    if !interrupted && diverged.is_none() && !run.unbalanced {
+        run.warn_of_the_sail();
+    }
     let summary = summary::summarise(
         run.case,
         &run.simulation,
@@ -533,6 +536,21 @@ impl<'a> Run<'a> {
             reason = ended;
         }
         Ok(reason)
+    }
+
+    /// Notes where a wing in equilibrium lacks support and where stress gathers; of one that is out of balance it would mean nothing.
+    fn warn_of_the_sail(&mut self) {
+        let scene = self.simulation.scene();
+        let (Some(wing), Some(body), Some(_)) = (&scene.wing, &scene.body, scene.equilibrium)
+        else {
+            return;
+        };
+        if let Some(structure) = &self.simulation.structure_frame().structure {
+            let warnings = sail_warnings(wing, &body.structure, structure);
+            let warnings = warnings.into_iter();
+            self.notes
+                .extend(warnings.map(|warning| format!("warning: {warning}")));
+        }
     }
 
     /// Seeks the trim, or the equilibrium, that the case asks for; returns why the run ended.

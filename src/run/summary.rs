@@ -1,7 +1,7 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
-use crate::measure::{Record, comparison, results, sail_warnings};
+use crate::measure::{Record, comparison, results};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
     Summary,
@@ -111,19 +111,6 @@ pub(super) fn summarise(
             "triangle quality: smallest {:.3}, mean {:.3} (1 = equilateral)",
             quality.smallest_shape, quality.mean_shape
         ));
-    }
-    if let (Some(wing), Some(body), Some(structure), true) = (
-        &scene.wing,
-        &scene.body,
-        &simulation.structure_frame().structure,
-        scene.equilibrium.is_some(),
-    ) {
-        let warnings = sail_warnings(wing, &body.structure, structure);
-        notes.extend(
-            warnings
-                .into_iter()
-                .map(|warning| format!("warning: {warning}")),
-        );
     }
     let placement = &plan.placement;
     let fabric = scene.body.is_some().then(|| match placement.cloth {

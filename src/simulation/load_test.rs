@@ -1,7 +1,8 @@
 //! The load test of a wing: the loads of its equilibrium several times over, with the risers held as on a test rig.
 //!
 //! Pressure, traction and drag of lines are those of the trim (or the prescribed ones) times the load factor, as if the air came faster by its square root
-//! under the same angle; pressure turns with the triangles. Gravity stays as it is. Each step is solved from the shape of the one before. The air does not
+//! under the same angle; pressure turns with the triangles. Gravity stays as it is. Each step is solved from the shape of the one before, and fabric as a whole
+//! and lines are balanced after it as in a trim. The air does not
 //! answer to the change of shape, so nothing but the guide at the nose keeps the wing at its angle; what it carries is told.
 
 use glam::DVec3;
@@ -145,6 +146,7 @@ impl Simulation {
                     if solved.stop == Stop::Interrupted {
                         return Ok(false);
                     }
+                    self.balance_as_a_whole();
                     if solved.stop != Stop::Converged || self.balance_error() <= BALANCE {
                         break;
                     }

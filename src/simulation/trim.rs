@@ -2,8 +2,9 @@
 //!
 //! An outer iteration takes the shape, finds its glide ([`crate::trim`]), turns the structure to the attitude that balances, lets the guide at the nose
 //! rest there, and solves the fabric from where it is under the loads of that glide. The loads stand during the solve; pressure turns with
-//! the triangles. Coarser meshes of the same plan come first, each starting from the one before. The solver's energy norm hardly sees what stiff lines carry, so where the risers do not balance what acts, the fabric is solved to half
-//! the tolerance in the next iteration.
+//! the triangles. The solver's energy norm hardly sees what stiff lines carry, so fabric as a whole and lines are balanced after it
+//! ([`Cloth::balance_as_a_whole`]), and where the risers still do not carry what acts, the fabric is solved to half the tolerance in the next
+//! iteration. Coarser meshes of the same plan come first, each starting from the one before.
 
 use std::time::Instant;
 
@@ -11,7 +12,7 @@ use glam::DVec3;
 
 use super::{Failure, LoadTestState, Simulation};
 use crate::case::wing::Wing;
-use crate::cpu::cloth::{Cloth, Pressure, StepInput, loads, pressure as pull};
+use crate::cpu::cloth::{Cloth, Pressure, StepInput};
 use crate::geometry::wing::carried_over::{Meshed, carried_over};
 use crate::solve::lbfgs::{Outcome, Progress, Stop, Watch};
 use crate::trim::{Flight, Glider, Loads};
@@ -287,7 +288,7 @@ impl Simulation {
     }
 
     /// Shifts and turns the wing until the sum of what acts on it is nothing.
-    fn balance_as_a_whole(&mut self) {
+    pub(super) fn balance_as_a_whole(&mut self) {
         let Some(mut cloth) = self.cloth.take() else {
             return;
         };
@@ -295,32 +296,20 @@ impl Simulation {
         self.cloth = Some(cloth);
     }
 
-    /// What is left of loads, guides and the supports' forces together [N].
+    /// What is left of loads, guides and the supports' forces together [N]: what free nodes lack to balance.
     pub(super) fn left_over_n(&self) -> DVec3 {
-        let Some(cloth) = &self.cloth else {
-            return DVec3::ZERO;
-        };
-        let supports: DVec3 = cloth
-            .reactions_n(&self.static_input())
-            .iter()
-            .map(|(_, f)| *f)
-            .sum();
-        let guides: DVec3 = (cloth.structure.guides.iter())
-            .map(|g| g.stiffness_n_m * (g.anchor_m - cloth.positions_m[g.node as usize]))
-            .sum();
-        self.acting_n() + supports + guides
+        let cloth = self.cloth.as_ref();
+        cloth.map_or(DVec3::ZERO, |cloth| {
+            cloth.unbalanced_forces_n(&self.static_input()).iter().sum()
+        })
     }
 
     /// Sum of all loads where the structure is [N].
     pub(super) fn acting_n(&self) -> DVec3 {
-        let Some(cloth) = &self.cloth else {
-            return DVec3::ZERO;
-        };
-        let input = self.static_input();
-        let mut loads = loads::dead_loads(&cloth.structure, &input);
-        let (structure, positions_m) = (&cloth.structure, &cloth.positions_m);
-        pull::add_forces(structure, positions_m, input.pressure, &mut loads);
-        loads.iter().sum()
+        let cloth = self.cloth.as_ref();
+        cloth.map_or(DVec3::ZERO, |cloth| {
+            cloth.loads_n(&self.static_input()).iter().sum()
+        })
     }
 
     fn static_input(&self) -> StepInput<'_> {

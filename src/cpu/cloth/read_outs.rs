@@ -172,13 +172,9 @@ impl Cloth {
         forces
     }
 
-    /// Sum of the sizes of the nodes' loads \[N\].
+    /// Loads of all nodes where the structure is \[N\], `[node_count]`: gravity, what acts on single nodes, and pressure.
     #[must_use]
-    pub fn load_sizes_n(&self, input: &StepInput) -> f64 {
-        self.loads_n(input).iter().map(|load| load.length()).sum()
-    }
-
-    fn loads_n(&self, input: &StepInput) -> Vec<DVec3> {
+    pub fn loads_n(&self, input: &StepInput) -> Vec<DVec3> {
         let mut loads = dead_loads(&self.structure, input);
         let pressure = input.pressure;
         pressure::add_forces(&self.structure, &self.positions_m, pressure, &mut loads);

@@ -191,7 +191,8 @@ pub(super) fn assemble(
     let mut markers: Vec<DMat3> = Vec::new();
     let mut through = Vec::new();
     if let (Some(dt), false) = (input.time_step_s, input.markers.is_empty()) {
-        // Per triangle: Σ K/dt w_a w_b, the same along all axes.
+        // Per triangle: Σ K/dt w_a w_b, the same along all axes; too stiff along triangles that feel the air across themselves alone, which a
+        // preconditioner may be (Newton's method, which takes the matrix at its word, has no markers).
         markers.resize(structure.triangles.len(), DMat3::ZERO);
         for marker in input.markers {
             let w = DVec3::from_array(marker.weights);
