@@ -16,8 +16,8 @@ use ripstop::plan::{Plan, Precision};
 use ripstop::run;
 use ripstop::simulation::Simulation;
 
-use crate::engines::plain;
-use crate::tolerances::ram_air;
+use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::tolerances::{self, ram_air};
 
 pub fn trials() -> Vec<Trial> {
     [
@@ -26,6 +26,7 @@ pub fn trials() -> Vec<Trial> {
         plain("ram_air::risers_are_hauled_in", pulls),
         plain("ram_air::a_symmetric_wing_lifts_nothing", symmetry),
         plain("ram_air::ribs_feel_the_air_across_themselves", across),
+        on_every_engine("ram_air::a_wing_goes_on_from_a_checkpoint", GoesOn),
     ]
     .into_iter()
     .flatten()
@@ -228,13 +229,15 @@ fn pulls() {
 }
 
 /// A symmetric section along the wind, held rigidly in the middle between the walls: no lift and no side force. Turned, it lifts up, and its
-/// force by the markers is that of the momentum box.
+/// force by the markers is that of the momentum box. Held by friction as well it drags more and lifts less.
 fn symmetry() {
-    let run = |pitch_deg: f64| {
+    let run = |pitch_deg: f64, friction: &str| {
         // It turns about the middle of its chord, in the middle of the tunnel.
+        let held = format!("held = \"everything\"\nfriction = \"{friction}\"");
         let text = text("0018", (pitch_deg, "everything"), 0.3, "")
             .replace("[0.25, 0.2, -0.6]", "[0.5, 0.2, 0.0]")
-            .replace("[1.0, 1.25, 0.65]", "[1.25, 1.25, 1.25]");
+            .replace("[1.0, 1.25, 0.65]", "[1.25, 1.25, 1.25]")
+            .replace("held = \"everything\"", &held);
         let case = parse(&text);
         let plan = Plan::new(&case.scene, Precision::F32);
         let (simulation, record) = run::without_files(&case, plan, None).unwrap();
@@ -247,7 +250,7 @@ fn symmetry() {
         ]
         .map(|name| results.get(name).unwrap().value.unwrap())
     };
-    let [lift, drag, imbalance, side_n] = run(0.0);
+    let [lift, drag, imbalance, side_n] = run(0.0, "none");
     assert!(
         drag > 0.0 && imbalance < ram_air::IMBALANCE,
         "{drag} {imbalance}"
@@ -255,12 +258,65 @@ fn symmetry() {
     assert!(lift.abs() < ram_air::SYMMETRY * drag, "{lift} of {drag}");
     // ½ ρ U² S = 72 N.
     assert!(side_n.abs() < ram_air::SYMMETRY * drag * 72.0, "{side_n}");
-    let [up, drag, imbalance, _] = run(10.0);
-    let [down, ..] = run(-10.0);
+    let [_, held_drag, ..] = run(0.0, "outside");
+    assert!(
+        held_drag > ram_air::HELD_DRAG * drag,
+        "{held_drag} against {drag}"
+    );
+    let [up, drag, imbalance, _] = run(10.0, "none");
+    let [down, ..] = run(-10.0, "none");
+    let [held_up, ..] = run(10.0, "outside");
+    assert!(held_up < ram_air::HELD_LIFT * up, "{held_up} against {up}");
     assert!(imbalance < ram_air::IMBALANCE, "{imbalance}");
     let [least, most] = ram_air::LIFT_AT_10_DEG;
     assert!((least..most).contains(&up), "{up} {drag}");
     assert!((up + down).abs() < ram_air::SYMMETRY * up, "{up} {down}");
+}
+
+#[derive(Clone, Copy)]
+struct GoesOn;
+
+impl Body for GoesOn {
+    /// A wing along which the air slides, while its brakes are hauled in: what the air gets is what the wing felt, and a run that stops halfway goes on with
+    /// the same bits.
+    fn run(self, engine: Engine) {
+        let text = text("4418", (5.0, "attachments"), 0.12, OPEN).replace(
+            "position = 1.0\n",
+            "position = 1.0\npull = { length_m = 0.1, table = [[0.0, 0.0], [0.1, 1.0]] }\n",
+        );
+        let case = parse(&text);
+        let plan = || Plan::new(&case.scene, engine.plan_placement());
+        let mut straight = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
+        for _ in 0..straight.plan().start_steps + 10 {
+            straight.advance().unwrap();
+        }
+        let folder = tempfile::tempdir().unwrap();
+        ripstop::checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
+        let mut resumed = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
+        let reader = ripstop::checkpoint::open(folder.path(), "test")
+            .unwrap()
+            .reader;
+        resumed.restore(&reader).unwrap();
+        for _ in 0..10 {
+            straight.advance().unwrap();
+            resumed.advance().unwrap();
+        }
+        let bits = |simulation: &Simulation| -> Vec<[u64; 3]> {
+            let positions = &simulation.cloth().unwrap().positions_m;
+            positions
+                .iter()
+                .map(|x| x.to_array().map(f64::to_bits))
+                .collect()
+        };
+        assert_eq!(bits(&straight), bits(&resumed));
+        let sample = straight.impulse_sample().unwrap().unwrap();
+        let apart = (sample.momentum_box.unwrap() - sample.markers).length();
+        let scale = sample.markers.length();
+        assert!(
+            apart < tolerances::momentum_closure(engine) * scale,
+            "{apart:e} of {scale:e}"
+        );
+    }
 }
 
 /// A free sheet in a gust along and across it: what feels the air across itself alone is not moved along, and moves across as mass and reaction say,

@@ -316,6 +316,10 @@ pub mod ram_air {
     /// Lift coefficient of a thick wing of aspect ratio 1.2 at 10°: Helmbold's formula gives 0.30 in free air; walls raise it, twelve cells per chord are
     /// coarse.
     pub const LIFT_AT_10_DEG: [f64; 2] = [0.15, 0.8];
+    /// Drag along the wind with friction over that without, at least: 1.21 was seen.
+    pub const HELD_DRAG: f64 = 1.1;
+    /// Lift at 10° with friction, which makes the flow leave the upper side, over that without, at most: 0.70 was seen.
+    pub const HELD_LIFT: f64 = 0.85;
     /// Volume of panels laid together over its share of the design: sections between nodes are straight.
     pub const LAID_TOGETHER: f64 = 0.02;
     /// A step solved to 1e-9 of its loads [m/s].

@@ -58,8 +58,20 @@ pub struct WingTunnelTable {
     pub start_thickness_ratio: Option<f64>,
     /// What is held; the hang points if absent.
     pub held: Option<HeldName>,
-    /// Ribs inside hold the air back along them, too; false if absent.
-    pub inner_friction: Option<bool>,
+    /// Which parts hold the air back along them, too; none if absent.
+    pub friction: Option<FrictionName>,
+}
+
+/// Which parts of a wing in the wind hold the air back along them, not only across.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionName {
+    /// None: air slides along them all.
+    None,
+    /// Panels and the ribs at the tips: what the wind outside meets.
+    Outside,
+    /// Ribs inside and diagonals, too.
+    Everywhere,
 }
 
 /// What of a wing in the wind is held.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::Problem;
-pub use super::file::HeldName;
 use super::file::{self, File};
+pub use super::file::{FrictionName, HeldName};
 use super::scene::{Body, BodyKind, positive, vector, within};
 use super::structure::check_fabric_at;
 use super::trim;
@@ -154,8 +154,9 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
         })
     };
     let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
+    let passes = file.coupling.as_ref().and_then(|c| c.passes).unwrap_or(1);
     whole.tunnel = (table.tunnel.as_ref())
-        .map(|written| wing_tunnel::place(&mut whole.wing, table, written))
+        .map(|written| wing_tunnel::place(&mut whole.wing, table, (written, passes)))
         .transpose()?;
     whole.pulls = wing_tunnel::pulls(file, table, &whole.wing)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {

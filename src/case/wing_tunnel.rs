@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::Problem;
-use super::file::{self, File, HalfName, HeldName};
+use super::file::{self, File, FrictionName, HalfName, HeldName};
 use super::scene::{positive, vector, within};
 use super::wing::key;
 use crate::geometry::wing::{self, LineKind};
@@ -18,8 +18,8 @@ pub struct Tunnel {
     pub pitch_rad: f64,
     /// What is held.
     pub held: HeldName,
-    /// Ribs inside hold the air back along them, too, not only across.
-    pub inner_friction: bool,
+    /// Which parts hold the air back along them, too, not only across.
+    pub friction: FrictionName,
     /// The shape as designed, in its place and attitude [m], `[node_count]`; the wing may start laid together.
     pub designed_m: Vec<DVec3>,
 }
@@ -106,7 +106,7 @@ pub(super) fn check_air(file: &File, table: &file::WingTable) -> Result<(), Prob
 pub(super) fn place(
     wing: &mut wing::Wing,
     table: &file::WingTable,
-    written: &file::WingTunnelTable,
+    (written, passes): (&file::WingTunnelTable, u32),
 ) -> Result<Tunnel, Problem> {
     let key = |name: &str| key(&format!("tunnel.{name}"));
     let place_m = vector(&key("place_m"), written.place_m)?;
@@ -132,6 +132,20 @@ pub(super) fn place(
                 key("start_thickness_ratio")
             ),
             "remove it, or hold less",
+        ));
+    }
+    let friction = written.friction.unwrap_or(FrictionName::None);
+    if passes > 1 && friction != FrictionName::Everywhere {
+        return Err(Problem::new(
+            "coupling.passes",
+            format!(
+                "coupling.passes is given, but markers that let the air slide along them ({}) are solved in a single pass",
+                key("friction")
+            ),
+            format!(
+                "remove coupling.passes, or give {} = \"everywhere\"",
+                key("friction")
+            ),
         ));
     }
     let middle_m = wing.hang_points.iter().fold(DVec3::ZERO, |sum, &node| {
@@ -165,7 +179,7 @@ pub(super) fn place(
     Ok(Tunnel {
         pitch_rad,
         held,
-        inner_friction: written.inner_friction.unwrap_or(false),
+        friction,
         designed_m,
     })
 }

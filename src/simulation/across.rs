@@ -1,15 +1,17 @@
-//! Markers that feel the air across their triangle alone: ribs inside a wing.
+//! Markers that feel the air across their triangle alone: surfaces of a wing along which the air slides.
 //!
-//! The kernel gives the air the velocity of a wall over two cells on both of its sides. Inside a wing the ribs of a cell would so stop all air between them
-//! where a cell is less than some eight cells of air wide, and the pressure before the intake would not get in. Boundary layers on ribs are far
-//! thinner than that; so ribs hold air back across themselves, and let it pass along them without friction: the reaction is K n n·(v − u*), in the fabric's
-//! implicit step as in what the air gets.
+//! The kernel gives the air the velocity of a wall over two cells on both of its sides. On panels these are boundary layers many times as thick as those
+//! of a paraglider, which leave the upper side at the nose; inside, ribs would stop all air between them where a cell is less than some
+//! eight cells of air wide, and the pressure before the intake would not get in. So all parts of a wing but those of `structure.wing.tunnel.friction` hold air
+//! back across themselves, and let it pass along them without friction: the reaction is K n n·(v − u*), in the fabric's implicit step as in what
+//! the air gets.
 
 use glam::DVec3;
 
 use super::markers::MarkerEngine;
 use super::permeable::normal_of;
 use crate::case::Scene;
+use crate::case::wing::FrictionName;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::Cloth;
 use crate::immersed::markers::Marker;
@@ -26,15 +28,18 @@ pub(super) struct Across {
 }
 
 impl Across {
-    /// Those of the inner parts of a wing in the wind; `count` markers are there in all, those of the fabric first.
+    /// Those of the parts of a wing in the wind that let the air slide; `count` markers are there in all, those of the fabric first.
     pub(super) fn new(scene: &Scene, fabric: &[Marker], count: usize) -> Option<Self> {
         let wing = scene.wing.as_ref()?;
-        if wing.tunnel.as_ref()?.inner_friction {
-            return None;
-        }
+        let friction = wing.tunnel.as_ref()?.friction;
         let inner = wing.wing.inner_triangles();
+        let slides = |triangle: u32| match friction {
+            FrictionName::None => true,
+            FrictionName::Outside => inner[triangle as usize],
+            FrictionName::Everywhere => false,
+        };
         let markers: Vec<usize> = (0..fabric.len())
-            .filter(|&k| inner[fabric[k].triangle as usize])
+            .filter(|&k| slides(fabric[k].triangle))
             .collect();
         (!markers.is_empty()).then(|| Self {
             normals: vec![DVec3::ZERO; markers.len()],

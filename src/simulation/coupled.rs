@@ -10,7 +10,7 @@
 //!    solves it keeps its velocity;
 //! 4. the air gets g_k = K_k (v_k − u*_k) of this step, F(x) = Σ_k φ_k(x) g_k.
 //!
-//! Where a marker acts across its triangle alone (ribs inside a wing, [`super::across`]), v_k − u*_k is its part along the normal in both.
+//! Where a marker acts across its triangle alone (surfaces of a wing, [`super::across`]), v_k − u*_k is its part along the normal in both.
 //!
 //! With k = 1 what the air gets is what the fabric felt, to the solver's tolerance; with k > 1 momentum is exchanged exactly only in the
 //! mean over many spans. *Departure from explicit coupling and from Inamuro's multi-direct forcing (paper P0)*: the reaction is part of
