@@ -32,6 +32,7 @@ mod engines;
 mod permeability;
 mod plates;
 mod ram_air;
+mod sail_support;
 mod supports;
 mod sweep;
 mod tolerances;
@@ -55,6 +56,7 @@ fn main() -> std::process::ExitCode {
         wing::trials(),
         wing_design::trials(),
         ram_air::trials(),
+        sail_support::trials(),
         trim::trials(),
         coupling::trials(),
         device::trials(),

@@ -273,7 +273,8 @@ fn panel_shaping() {
 }
 
 /// The quick school wing.
-fn school() -> Scene {
+/// The school wing on its coarse mesh.
+pub fn school() -> Scene {
     let source = std::fs::read_to_string(root().join(CASE)).unwrap();
     let choices = Choices {
         variant: Some("quick".to_owned()),

@@ -15,6 +15,9 @@ const COLOURS: [&str; 8] = [
 /// Resolution of PNG files against the chart's own units.
 const SCALE: f32 = 1.5;
 
+/// Largest over smallest x of markers from which the axis is logarithmic.
+const WIDE: f64 = 30.0;
+
 /// Points that belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -35,7 +38,7 @@ pub struct Chart {
     pub title: String,
     /// Name and unit of the axes, x first.
     pub labels: [String; 2],
-    /// Names at x = 1, 2, … in place of numbers; empty: numbers.
+    /// Names at x = 1, 2, … in place of numbers; empty: numbers. Markers over more than one and a half decades get a logarithmic axis.
     pub categories: Vec<String>,
     /// What it shows.
     pub series: Vec<Series>,
@@ -84,8 +87,18 @@ impl Chart {
             .with_y_label(self.labels[1].clone());
         if !self.categories.is_empty() {
             layout = layout.with_x_categories(self.categories.clone());
+        } else if self.is_wide() {
+            layout = layout.with_log_x();
         }
         Some((plots, layout))
+    }
+
+    fn is_wide(&self) -> bool {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let places = || points.clone().map(|p| p[0]).filter(|x| x.is_finite());
+        let least = places().fold(f64::INFINITY, f64::min);
+        let most = places().fold(0.0, f64::max);
+        self.series.iter().all(|series| series.markers) && least > 0.0 && most >= WIDE * least
     }
 
     /// Writes `PATH.svg` and `PATH.png`, each whole or not at all; nothing where there is no point to show, and then `false`.

@@ -94,6 +94,8 @@ pub(super) fn significant(number: f64, digits: i32) -> String {
     if number == 0.0 {
         "0".to_owned()
     } else if PLAIN_EXPONENTS.contains(&exponent) {
+        // Digits before the point beyond those wanted are noughts.
+        let number: f64 = rounded.parse().unwrap_or(number);
         format!("{number:.*}", decimals(digits - 1 - exponent))
     } else {
         rounded
@@ -129,7 +131,7 @@ mod tests {
         assert_eq!(significant(0.0, 5), "0");
         assert_eq!(significant(9.999_996, 5), "10.000");
         assert_eq!(significant(-0.000_123_456, 3), "-0.000123");
-        assert_eq!(significant(123_456.0, 3), "123456");
+        assert_eq!(significant(123_456.0, 3), "123000");
         assert_eq!(significant(1.5e6, 3), "1.50e6");
         assert_eq!(significant(999_999.9, 3), "1.00e6");
         let known = |value, half_width| {
