@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Trial;
+use ripstop::case::scene::Carrier;
 use ripstop::case::{self, Case, Choices};
 use ripstop::checkpoint;
 use ripstop::cloth::Structure;
@@ -25,6 +26,7 @@ pub fn trials() -> Vec<Trial> {
     [
         on_every_engine("descent::still_air_stays_still", StillAir),
         on_every_engine("descent::a_payload_under_a_canopy", Drop),
+        plain("descent::bodies_below_a_payload", bodies_below),
         plain("descent::a_taut_line_in_wind", taut_line),
         plain("descent::an_inclined_line", inclined_line),
     ]
@@ -72,6 +74,10 @@ impl Body for StillAir {
     }
 }
 
+const TETHER: &str =
+    "tether = { area_m2 = 4.42e-6, density_kg_m3 = 462.0, youngs_modulus_pa = 9.7e9 }";
+
+/// The canopy of a case with a payload, and two bodies in a row below it.
 fn drop_case() -> Case {
     let choices = Choices {
         variant: Some("quick".to_owned()),
@@ -79,10 +85,78 @@ fn drop_case() -> Case {
             "resolution.cells_per_diameter=10.0".to_owned(),
             "air.descent.start_time_s=0.01".to_owned(),
             "coupling.mass_factor=1.0".to_owned(),
+            format!(
+                "payload.bodies.lower={{ mass_kg = 0.2, hangs_from = \"upper\", tether_length_m = 0.2, {TETHER} }}"
+            ),
+            format!(
+                "payload.bodies.upper={{ mass_kg = 0.4, drag_area_m2 = 0.01, tether_length_m = 0.3, {TETHER} }}"
+            ),
         ],
     };
     let source = include_str!("../cases/finite-mass-drop.toml");
     case::parse("drop", source, Path::new("."), &choices).unwrap()
+}
+
+/// Bodies in a row below a payload: each is slowed by its tether, less its weight, the tether below it and its own drag, as Newton says.
+fn bodies_below() {
+    let case = drop_case();
+    let descent = case.scene.descent.clone().unwrap();
+    let [lower, upper] = ["lower", "upper"].map(|name| {
+        let found = descent.bodies.iter().find(|body| body.name == name);
+        found.unwrap().clone()
+    });
+    assert!((descent.all_masses_kg() - 2.6).abs() < 1e-12);
+    let plan = Plan::new(&case.scene, Engine::CpuF64.plan_placement());
+    let mut simulation = Simulation::new(case.scene.clone(), plan, None).unwrap();
+    while !simulation.released() {
+        simulation.advance().unwrap();
+    }
+    let state = |simulation: &Simulation| {
+        let cloth = simulation.cloth().unwrap();
+        [&lower, &upper].map(|body| {
+            let cable = &cloth.structure.cables[body.tether];
+            let [above, below] = cable.nodes.map(|n| cloth.positions_m[n as usize]);
+            let tension_n = cloth
+                .structure
+                .cable_state(cable, above.distance(below))
+                .tension_n;
+            let mass_kg = cloth.structure.masses_kg[body.node as usize];
+            let speed_m_s =
+                simulation.wind_speed_m_s() - cloth.velocities_m_s[body.node as usize].x;
+            [tension_n, mass_kg, speed_m_s, below.x - above.x]
+        })
+    };
+    let start = state(&simulation);
+    let (from_s, mut sums) = (simulation.time_s(), [0.0; 3]);
+    let mut last_s = from_s;
+    for _ in 0..200 {
+        simulation.advance().unwrap();
+        let dt = simulation.time_s() - last_s;
+        last_s = simulation.time_s();
+        let now = state(&simulation);
+        sums[0] += dt * now[0][0];
+        sums[1] += dt * now[1][0];
+        // 0.01 m² of the upper one; the air comes with the speed of the box.
+        sums[2] += dt
+            * 0.5
+            * case.scene.air.as_ref().unwrap().units.density_kg_m3
+            * 0.01
+            * now[1][2].powi(2);
+    }
+    let time_s = simulation.time_s() - from_s;
+    let end = state(&simulation);
+    let slowed_by = |k: usize| {
+        let [[_, mass, before, _], [_, _, after, way]] = [start[k], end[k]];
+        assert!(way < 0.0);
+        mass * (9.81 * time_s - (after - before))
+    };
+    let [of_lower, of_upper] = [slowed_by(0), slowed_by(1)];
+    eprintln!("{of_lower} {of_upper} {sums:?}");
+    assert!(sums[0] > 0.1, "{sums:?}");
+    let error = sums[0] / of_lower - 1.0;
+    assert!(error.abs() < tolerances::TETHERS, "{error:e}");
+    let error = (sums[1] - sums[0] + sums[2]) / of_upper - 1.0;
+    assert!(error.abs() < tolerances::TETHERS, "{error:e}");
 }
 
 #[derive(Clone, Copy)]
@@ -131,13 +205,10 @@ impl Body for Drop {
             );
         }
         // The payload stays within half a cell of its place while the box slows down: the box lags behind by 20 g times the square of 50 steps.
-        let confluence = straight
-            .cloth()
-            .unwrap()
-            .positions_m
-            .last()
-            .copied()
-            .unwrap();
+        let Carrier::Confluence { node, .. } = case.scene.descent.as_ref().unwrap().carrier else {
+            panic!("a payload carries")
+        };
+        let confluence = straight.cloth().unwrap().positions_m[node as usize];
         assert!((confluence.x - 0.6).abs() < 0.05, "{confluence}");
         let factor = record.latest("load_factor_g").unwrap();
         assert!(factor.is_finite() && factor > -1.0, "{factor}");

@@ -302,6 +302,9 @@ pub const BENCH_MEMBRANE: f64 = 0.01;
 pub const BENCH_NETWORK: f64 = 0.05;
 
 /// Wings in the wind.
+/// Impulses of tethers over those that the motion of their masses asks for: the tolerance of a step, 1e-3, over some hundred steps.
+pub const TETHERS: f64 = 1e-2;
+
 pub mod ram_air {
     /// Volume of cells with flat panels over section times width: round-off.
     pub const VOLUME: f64 = 1e-9;

@@ -4,10 +4,11 @@ use glam::DVec3;
 
 use super::Problem;
 use super::file::File;
+use super::payload_bodies::{self, PayloadBody};
 use super::scene::{Air, Body, BodyKind, RigidBody, positive, within};
 
 /// A mass that falls along −x, followed by the box of the air.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Descent {
     /// Its mass [kg].
     pub mass_kg: f64,
@@ -17,6 +18,8 @@ pub struct Descent {
     pub gravity_m_s2: f64,
     /// What carries the mass.
     pub carrier: Carrier,
+    /// What hangs below it.
+    pub bodies: Vec<PayloadBody>,
 }
 
 /// What carries a falling mass.
@@ -36,6 +39,14 @@ pub enum Carrier {
         /// Virtual mass of its equation of motion [kg].
         virtual_mass_kg: f64,
     },
+}
+
+impl Descent {
+    /// Mass of the payload and of all that hangs below it, without tethers [kg].
+    #[must_use]
+    pub fn all_masses_kg(&self) -> f64 {
+        self.mass_kg + self.bodies.iter().map(|body| body.mass_kg).sum::<f64>()
+    }
 }
 
 /// Altitudes of the standard atmosphere's lowest layer [m].
@@ -158,6 +169,7 @@ pub(super) fn check(
         let node = canopy.lower_end;
         body.structure.held[node] = false;
         body.structure.masses_kg[node] += mass_kg;
+        let bodies = payload_bodies::hang(&payload.bodies, node, &mut body.structure)?;
         return Ok(Some(Descent {
             mass_kg,
             drag_area_m2,
@@ -166,6 +178,7 @@ pub(super) fn check(
                 node: node as u32,
                 home_x_m: body.structure.positions_m[node].x,
             },
+            bodies,
         }));
     }
     let Some((number, name, mass_kg)) = falling.first() else {
@@ -193,6 +206,7 @@ pub(super) fn check(
             number: *number,
             virtual_mass_kg: air.units.density_kg_m3 * falls.reference_area_m2.powf(1.5),
         },
+        bodies: Vec::new(),
     }))
 }
 

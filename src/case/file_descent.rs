@@ -1,8 +1,10 @@
-//! Mirror of `[air.descent]`, `[payload]` and `free_fall`.
+//! Mirror of `[air.descent]`, `[payload]` with its bodies, and `free_fall`.
+
+use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::file::WindTunnel;
+use super::file::{CableMaterial, WindTunnel};
 
 /// `[air.descent]`: a box that falls along −x with what it holds, so that the air comes along +x.
 #[derive(Debug, Clone, Deserialize)]
@@ -42,6 +44,25 @@ impl Descent {
 pub struct PayloadTable {
     pub mass_kg: f64,
     pub drag_area_m2: Option<f64>,
+    /// What hangs below it, by name.
+    #[serde(default)]
+    pub bodies: BTreeMap<String, PayloadBodyTable>,
+}
+
+/// `[payload.bodies.NAME]`: a point mass on a tether.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(
+    missing_docs,
+    reason = "the keys are documented in docs/case-files.md and name quantity and unit"
+)]
+pub struct PayloadBodyTable {
+    pub mass_kg: f64,
+    pub drag_area_m2: Option<f64>,
+    /// Another of them; absent: the payload.
+    pub hangs_from: Option<String>,
+    pub tether_length_m: f64,
+    pub tether: CableMaterial,
 }
 
 /// `[bodies.NAME.motion.free_fall]`.

@@ -24,6 +24,7 @@ pub mod locate;
 mod mesh_lines;
 mod motion;
 mod output;
+mod payload_bodies;
 mod permeability;
 mod plate;
 mod rigging;

@@ -8,6 +8,7 @@ pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::{self, File};
 use super::lep_sim::ImportedWing;
+pub use super::payload_bodies::PayloadBody;
 pub use super::supports::Support;
 pub use super::time::{AdaptiveStep, Time};
 use super::values::{PLAUSIBLE, at_least_one};

@@ -8,6 +8,7 @@ mod flown_ballooning;
 mod imported_wing;
 mod load_test;
 mod outline;
+mod payload_bodies;
 mod plate;
 mod record;
 mod results;

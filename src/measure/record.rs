@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-use super::{bodies, plate, supports, wing_wind};
+use super::{bodies, payload_bodies, plate, supports, wing_wind};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -139,6 +139,7 @@ impl Record {
         }
         if scene.descent.is_some() {
             columns.extend(FALL.map(str::to_owned));
+            columns.extend(payload_bodies::columns(scene));
         }
         if structure.is_some_and(|s| s.line_drag.is_some()) {
             columns.push("line_drag_n".to_owned());
@@ -261,6 +262,7 @@ impl Record {
         }
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
         row.extend(self.fall_columns(simulation).into_iter().flatten());
+        row.extend(payload_bodies::values(simulation));
         row.extend(simulation.line_drag_n().map(|force| force.x));
         row.extend(supports::values(simulation));
         if let Some(contact) = simulation.cloth().and_then(|c| c.contact_state()) {
@@ -337,7 +339,7 @@ impl Record {
     /// The load factor is what an accelerometer on the falling mass would show along −gravity: 0 in free fall, 1 at constant speed.
     fn fall_columns(&self, simulation: &Simulation) -> Option<[f64; 3]> {
         let fall = simulation.fall()?;
-        let gravity = simulation.scene().descent?.gravity_m_s2;
+        let gravity = simulation.scene().descent.as_ref()?.gravity_m_s2;
         let last = self.latest("time_s").zip(self.latest(FALL[0]));
         let load_factor = last.map_or(f64::NAN, |(time, speed)| {
             1.0 - (fall.speed_m_s - speed) / (simulation.time_s() - time) / gravity

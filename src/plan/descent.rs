@@ -45,6 +45,18 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 descent.drag_area_m2
             )?;
         }
+        for body in &descent.bodies {
+            writeln!(
+                out,
+                "  {:<19} {} kg, drag area {} m2, on a tether of {} m",
+                format!("body {}", body.name),
+                body.mass_kg,
+                body.drag_area_m2,
+                scene.body.as_ref().map_or(f64::NAN, |of| {
+                    of.structure.cables[body.tether].rest_length_m
+                })
+            )?;
+        }
     }
     let drag = scene
         .body

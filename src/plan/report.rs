@@ -238,10 +238,13 @@ impl Plan {
         };
         let cell = air.units.cell_size_m;
         let structure = &body.structure;
-        let payload = scene.descent.map_or(0.0, |descent| match descent.carrier {
-            Carrier::Confluence { .. } => descent.mass_kg,
-            Carrier::RigidBody { .. } => 0.0,
-        });
+        let payload = scene
+            .descent
+            .as_ref()
+            .map_or(0.0, |descent| match descent.carrier {
+                Carrier::Confluence { .. } => descent.all_masses_kg(),
+                Carrier::RigidBody { .. } => 0.0,
+            });
         let mass = structure.masses_kg.iter().sum::<f64>() - payload;
         let ratio = mass / structure.rest_area_m2() / (air.units.density_kg_m3 * cell);
         writeln!(out, "\ncoupling")?;

@@ -390,7 +390,7 @@ impl<'a> Files<'a> {
 /// Sets what the slice of air shows: on a scale that is the same for all pictures of a run, but in a fall on that of its present speed.
 fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, simulation: &Simulation) {
     let scene = simulation.scene();
-    let wind_m_s = scene.air.map(|air| match scene.descent {
+    let wind_m_s = scene.air.map(|air| match &scene.descent {
         Some(_) => simulation
             .wind_speed_m_s()
             .max(SLOWEST_SCALE * air.wind_or_reference_m_s()),

@@ -6,7 +6,7 @@
 //! falls:
 //!
 //! * with a payload, a point mass on the node where the lines meet, which the fabric's implicit step moves like any node, the box follows that
-//!   node as a critically damped follower, dW/dt = −(2/T) v − x/T², x its way from its first place and v its velocity in the box;
+//!   node (further masses may hang below it on tethers, and swing) as a critically damped follower, dW/dt = −(2/T) v − x/T², x its way from its first place and v its velocity in the box;
 //! * with a rigid body the box is fixed to the body, (m + m_v) dW/dt = m g − F + m_v (dW/dt)ⁿ, F the force of the air by the last step. The
 //!   virtual mass m_v = ρ S^{3/2}, more than the air that a disk carries along ((8/3) ρ R³; Lamb 1932), only delays the acceleration by m_v/m
 //!   steps: without it the body's own added mass would make the explicit exchange unstable.
@@ -39,7 +39,7 @@ pub struct Descent {
     acceleration_m_s2: f64,
     /// Way of the box since release [m].
     fallen_m: f64,
-    /// Drag of the payload itself in the step; empty without a drag area.
+    /// Drag of the payload and of what hangs below it in the step; empty without drag areas.
     drags: Vec<NodalDrag>,
 }
 
@@ -103,12 +103,15 @@ impl Descent {
                 let velocity = cloth.velocities_m_s[node];
                 self.acceleration_m_s2 = -(2.0 * velocity.x / time + way / (time * time));
                 self.drags.clear();
-                if self.settings.drag_area_m2 > 0.0 {
-                    let air = DVec3::X * self.next_speed_m_s();
-                    let speed = (air - velocity).length();
+                let air = DVec3::X * self.next_speed_m_s();
+                let bodies = self.settings.bodies.iter();
+                let below = bodies.map(|body| (body.node, body.drag_area_m2));
+                let all = std::iter::once((node as u32, self.settings.drag_area_m2)).chain(below);
+                for (node, drag_area_m2) in all.filter(|(_, area)| *area > 0.0) {
+                    let speed = (air - cloth.velocities_m_s[node as usize]).length();
                     self.drags.push(NodalDrag {
-                        node: node as u32,
-                        coefficient_kg_s: 0.5 * density_kg_m3 * self.settings.drag_area_m2 * speed,
+                        node,
+                        coefficient_kg_s: 0.5 * density_kg_m3 * drag_area_m2 * speed,
                         air_velocity_m_s: air,
                     });
                 }
@@ -138,7 +141,7 @@ impl Descent {
         }
     }
 
-    /// Drag of the payload itself in the step.
+    /// Drag of the payload and of what hangs below it in the step.
     pub(super) fn drags(&self) -> &[NodalDrag] {
         &self.drags
     }

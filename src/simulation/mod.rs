@@ -169,13 +169,13 @@ impl Simulation {
             }
             _ => None,
         };
-        let descent = match (scene.descent, &scene.air) {
+        let descent = match (&scene.descent, &scene.air) {
             (Some(settings), Some(air)) => {
                 let speed_m_s = match air.flow {
                     Flow::WindTunnel { speed_m_s, .. } => speed_m_s,
                     Flow::TaylorGreen { .. } => 0.0,
                 };
-                Some(Descent::new(settings, &air.units, speed_m_s))
+                Some(Descent::new(settings.clone(), &air.units, speed_m_s))
             }
             _ => None,
         };

@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::statistics::Mean;
 use super::{
-    Record, bodies, flown_ballooning, imported_wing, load_test, plate, sail_support, supports,
-    wing, wing_trim, wing_wind,
+    Record, bodies, flown_ballooning, imported_wing, load_test, payload_bodies, plate,
+    sail_support, supports, wing, wing_trim, wing_wind,
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
@@ -104,6 +104,7 @@ pub(super) fn of_scene(
     through_results(&mut results, record);
     if scene.descent.is_some() {
         fall::results(&mut results, record);
+        payload_bodies::results(&mut results, record, scene);
     }
     line_drag_results(&mut results, record);
     contact_results(&mut results, record);
@@ -188,7 +189,7 @@ fn quantity(mean: Mean, unit: &str) -> Quantity {
 }
 
 /// (time, value) of the largest entry from `first` on.
-fn column_max(record: &Record, name: &str, first: usize) -> (f64, f64) {
+pub(super) fn column_max(record: &Record, name: &str, first: usize) -> (f64, f64) {
     let times = record.column("time_s");
     record.column(name).into_iter().zip(times).skip(first).fold(
         (0.0, f64::NEG_INFINITY),
