@@ -104,7 +104,7 @@ pub struct StationTable {
     pub profile: String,
 }
 
-/// `[structure.wing.profiles.NAME]`: exactly one key.
+/// `[structure.wing.profiles.NAME]`: `naca` or `file`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileTable {
@@ -112,6 +112,8 @@ pub struct ProfileTable {
     pub naca: Option<String>,
     /// Coordinates in Selig's format, relative to the case file.
     pub file: Option<String>,
+    /// The nose is cut off from so far behind it above to so far below, per chord; absent: it is whole.
+    pub nose_cut: Option<[f64; 2]>,
 }
 
 /// `[structure.wing.ballooning]`: points (x/c, width over the distance of the ribs less 1).

@@ -19,7 +19,7 @@ pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, Load};
-pub use crate::geometry::wing::section::Side;
+pub use crate::geometry::wing::section::{Profile, Side};
 use crate::trim::Settings;
 
 const KEY: &str = "structure.wing";

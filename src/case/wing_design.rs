@@ -172,7 +172,31 @@ pub(super) fn check_profiles(
         .collect()
 }
 
+/// Farthest that a cut of the nose may reach back, per chord.
+const DEEPEST_CUT: f64 = 0.3;
+
 fn check_profile(
+    key: &str,
+    written: &file::ProfileTable,
+    folder: &Path,
+) -> Result<Profile, Problem> {
+    let whole = whole_profile(key, written, folder)?;
+    let Some([above, below]) = written.nose_cut else {
+        return Ok(whole);
+    };
+    let allowed = 0.0..=DEEPEST_CUT;
+    let cut = (allowed.contains(&above) && allowed.contains(&below))
+        .then(|| whole.with_nose_cut(above, below));
+    cut.flatten().ok_or_else(|| {
+        Problem::new(
+            format!("{key}.nose_cut"),
+            format!("{key}.nose_cut = [{above}, {below}] does not cut a nose off: allowed are places from 0 to {DEEPEST_CUT} of the chord, the one below behind the one above"),
+            "e.g. [0.02, 0.08]: from 2 % of the chord above to 8 % below",
+        )
+    })
+}
+
+fn whole_profile(
     key: &str,
     written: &file::ProfileTable,
     folder: &Path,

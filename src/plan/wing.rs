@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::aero::potential_flow;
 use crate::case::Scene;
-use crate::case::wing::{FrictionName, HeldName, LineKind, Side, Tunnel, Wing};
+use crate::case::wing::{FrictionName, HeldName, LineKind, Profile, Side, Tunnel, Wing};
 use crate::trim::Settings;
 use crate::trim::skin::Skin;
 
@@ -67,6 +67,18 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             "    row {name:<13} {count} lines, {length:.2} m; riser {:.3} m",
             0.5 * risers
         )?;
+    }
+    for profile in &wing.plan.profiles {
+        if let Profile::Points {
+            nose_cut: Some(place),
+            ..
+        } = profile
+        {
+            writeln!(
+                out,
+                "  nose cut            ends at {place:.4} of the chord on the lower side"
+            )?;
+        }
     }
     if let Some(tunnel) = &wing.tunnel {
         write_tunnel(out, scene, (wing, tunnel))?;

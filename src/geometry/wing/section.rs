@@ -38,6 +38,8 @@ pub enum Profile {
         upper: Vec<[f64; 2]>,
         /// Lower side.
         lower: Vec<[f64; 2]>,
+        /// Where a straight cut of the nose ends on the lower side.
+        nose_cut: Option<f64>,
     },
 }
 
@@ -86,6 +88,39 @@ impl Profile {
         Some(Self::Points {
             upper: side(&mut upper.iter())?,
             lower: side(&mut lower.iter().rev())?,
+            nose_cut: None,
+        })
+    }
+
+    /// The profile with its nose cut off along a straight line from `above` on its upper to `below` on its lower side, per chord, as that of ram-air parachutes is.
+    /// The new nose is the upper lip, the new chord leads from there to the trailing edge and is one long. `None` unless the cut leads backwards.
+    #[must_use]
+    pub fn with_nose_cut(&self, above: f64, below: f64) -> Option<Self> {
+        let point = |side, x| DVec2::new(x, self.height(side, x));
+        let [lip, heel] = [point(Side::Upper, above), point(Side::Lower, below)];
+        let chord = DVec2::X - lip;
+        let turned = |p: DVec2| -> [f64; 2] {
+            ((p - lip).rotate(DVec2::new(chord.x, -chord.y)) / chord.length_squared()).to_array()
+        };
+        // Closer where sides are bent most.
+        let along = |side: Side, from: f64| {
+            (1..=SAMPLES).map(move |i| {
+                let share = i as f64 / SAMPLES as f64;
+                point(side, from + (1.0 - from) * share * share)
+            })
+        };
+        let cut = (0..=SAMPLES).map(|i| lip.lerp(heel, i as f64 / SAMPLES as f64));
+        let closed = |points: &mut dyn Iterator<Item = DVec2>| {
+            let mut side: Vec<[f64; 2]> = points.map(turned).collect();
+            let last = side.len() - 1;
+            side[last] = [1.0, 0.0];
+            let grows = side.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            grows.then_some(side)
+        };
+        Some(Self::Points {
+            upper: closed(&mut std::iter::once(lip).chain(along(Side::Upper, above)))?,
+            lower: closed(&mut cut.chain(along(Side::Lower, below)))?,
+            nose_cut: Some(turned(heel)[0]),
         })
     }
 
@@ -115,7 +150,7 @@ impl Profile {
                     Side::Lower => line - half,
                 }
             }
-            Self::Points { upper, lower } => match side {
+            Self::Points { upper, lower, .. } => match side {
                 Side::Upper => between(upper, x),
                 Side::Lower => between(lower, x),
             },
@@ -168,6 +203,42 @@ mod tests {
         }
     }
 
+    /// Points of both sides of the whole profile lie on the cut one, turned and scaled; between lip and heel it is straight.
+    #[test]
+    fn a_cut_nose_leaves_the_rest_as_it_was() {
+        let whole = Profile::naca("2420").unwrap();
+        let cut = whole.with_nose_cut(0.02, 0.08).unwrap();
+        let point = |side, x: f64| DVec2::new(x, whole.height(side, x));
+        let [lip, heel] = [point(Side::Upper, 0.02), point(Side::Lower, 0.08)];
+        let (along, long) = ((DVec2::X - lip).normalize(), (DVec2::X - lip).length());
+        let place = |p: DVec2| {
+            [
+                (p - lip).dot(along) / long,
+                (p - lip).dot(along.perp()) / long,
+            ]
+        };
+        for (side, from) in [(Side::Upper, 0.02), (Side::Lower, 0.08)] {
+            for i in 0..=20 {
+                let [x, z] = place(point(side, from + (1.0 - from) * f64::from(i) / 20.0));
+                assert!((cut.height(side, x) - z).abs() < 2e-5, "{side:?} {x} {z}");
+            }
+        }
+        let Profile::Points {
+            nose_cut: Some(end),
+            ..
+        } = cut
+        else {
+            panic!("{cut:?}")
+        };
+        let [x, z] = place(heel);
+        assert!((end - x).abs() < 1e-12);
+        for share in [0.0, 0.3, 0.7, 1.0] {
+            let error = cut.height(Side::Lower, share * x) - share * z;
+            assert!(error.abs() < 2e-5, "{share} {error}");
+        }
+        assert_eq!(whole.with_nose_cut(0.1, 0.02), None);
+    }
+
     #[test]
     fn points_follow_the_profile_they_were_taken_from() {
         let naca = Profile::naca("2415").unwrap();
@@ -182,6 +253,7 @@ mod tests {
         let points = Profile::Points {
             upper: side(Side::Upper),
             lower: side(Side::Lower),
+            nose_cut: None,
         };
         for i in 0..100 {
             let x = f64::from(i) / 99.0;
