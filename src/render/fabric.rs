@@ -88,6 +88,9 @@ pub(super) fn range(quantity: FabricQuantity, values: &[f64]) -> [f64; 2] {
     }
 }
 
+/// Most triangles whose edges are drawn: in a picture of a megapixel the edges of more would cover the colours.
+const MOST_WITH_EDGES: usize = 40_000;
+
 /// The fabric, coloured by `values` over `range`; `None` without fabric.
 pub(super) fn surface(
     structure: &StructureFrame,
@@ -112,7 +115,8 @@ pub(super) fn surface(
         },
         range,
         scale: scale(quantity),
-        mesh_edges: mesh_edges.then(|| style(0.6, 0.22)),
+        mesh_edges: (mesh_edges && structure.triangles.len() <= MOST_WITH_EDGES)
+            .then(|| style(0.6, 0.22)),
         boundary: Some(style(1.4, 0.9)),
     })
 }
