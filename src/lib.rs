@@ -70,9 +70,9 @@
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
 //! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
-//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). Surfaces of a wing in the wind along which the air slides act across
-//! themselves alone: both the fabric and the air get K_k n n·(v_k − u*_k), n the surface's normal (`docs/ram-air.md`). In a box that falls (`[air.descent]`) every mass, the air's
-//! too, feels one more uniform acceleration ([`simulation::Descent`]).
+//! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). Surfaces of a wing in the wind along which the air slides
+//! act across themselves alone: both the fabric and the air get K_k n n·(v_k − u*_k), n the surface's normal (`docs/ram-air.md`). In a box that
+//! falls (`[air.descent]`) every mass, the air's too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
 //! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down): the state is carried
 //! over in SI units and the stages stay the same ([`simulation::Simulation::change_lattice`], `docs/steady-runs.md`).

@@ -6,7 +6,8 @@
 //! falls:
 //!
 //! * with a payload, a point mass on the node where the lines meet, which the fabric's implicit step moves like any node, the box follows that
-//!   node (further masses may hang below it on tethers, and swing) as a critically damped follower, dW/dt = −(2/T) v − x/T², x its way from its first place and v its velocity in the box;
+//!   node as a critically damped follower, dW/dt = −(2/T) v − x/T², x its way from its first place and v its velocity in the box; further masses
+//!   may hang below it on tethers, and swing;
 //! * with a rigid body the box is fixed to the body, (m + m_v) dW/dt = m g − F + m_v (dW/dt)ⁿ, F the force of the air by the last step. The
 //!   virtual mass m_v = ρ S^{3/2}, more than the air that a disk carries along ((8/3) ρ R³; Lamb 1932), only delays the acceleration by m_v/m
 //!   steps: without it the body's own added mass would make the explicit exchange unstable.
