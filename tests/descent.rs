@@ -151,7 +151,6 @@ fn bodies_below() {
         mass * (9.81 * time_s - (after - before))
     };
     let [of_lower, of_upper] = [slowed_by(0), slowed_by(1)];
-    eprintln!("{of_lower} {of_upper} {sums:?}");
     assert!(sums[0] > 0.1, "{sums:?}");
     let error = sums[0] / of_lower - 1.0;
     assert!(error.abs() < tolerances::TETHERS, "{error:e}");

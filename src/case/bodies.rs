@@ -10,7 +10,7 @@ use super::file::{self, BodyTable, File};
 use super::motion;
 use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
-use super::values::direction;
+use super::values::{check_name, direction};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
@@ -95,14 +95,7 @@ fn check_body(
         key: format!("bodies.{name}"),
         table,
     };
-    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if name.is_empty() || !name.chars().all(plain) {
-        return Err(Problem::new(
-            "bodies",
-            format!("`{name}` cannot be the name of a body: columns and results carry it"),
-            "use letters, digits, - and _",
-        ));
-    }
+    check_name("bodies", name, "a body")?;
     let position_m = vector(&written.key("position_m"), table.position_m)?;
     let cell = air.units.cell_size_m;
     let (shape, mut surface) = check_shape(&written, folder, EDGE_CELLS * cell)?;

@@ -68,10 +68,9 @@ pub(super) fn add(
             .position(|place| place.distance(line.end_m) <= near_m);
         let end = known.map_or_else(
             || {
-                structure.positions_m.push(line.end_m);
-                structure.masses_kg.push(0.0);
-                structure.held.push(true);
-                structure.node_count() - 1
+                let end = structure.add_node(line.end_m) as usize;
+                structure.held[end] = true;
+                end
             },
             |known| fabric + known,
         );

@@ -8,6 +8,7 @@ use super::Problem;
 use super::file::PayloadBodyTable;
 use super::scene::positive;
 use super::structure::check_material;
+use super::values::check_name;
 use crate::cloth::Structure;
 use crate::frame::CableKind;
 
@@ -58,6 +59,7 @@ pub(super) fn hang(
                     None => continue,
                 },
             };
+            check_name("payload.bodies", name, "a body")?;
             let mass_kg = positive(&key("mass_kg"), table.mass_kg)?;
             let length_m = positive(&key("tether_length_m"), table.tether_length_m)?;
             let drag_area_m2 = match table.drag_area_m2 {
@@ -65,11 +67,9 @@ pub(super) fn hang(
                 Some(area) => positive(&key("drag_area_m2"), area)?,
             };
             let cable = check_material(&key("tether"), &table.tether)?;
-            let node = structure.node_count() as u32;
-            let place = structure.positions_m[above as usize] - DVec3::X * length_m;
-            structure.positions_m.push(place);
-            structure.masses_kg.push(mass_kg);
-            structure.held.push(false);
+            let place_m = structure.positions_m[above as usize] - DVec3::X * length_m;
+            let node = structure.add_node(place_m);
+            structure.masses_kg[node as usize] = mass_kg;
             bodies.push(PayloadBody {
                 name: name.clone(),
                 node,

@@ -6,6 +6,7 @@ use super::Problem;
 use super::file::{File, SupportTable};
 use super::motion;
 use super::scene::{Body, Time, positive, vector};
+use super::values::check_name;
 use crate::cloth::Structure;
 use crate::rigid::{Motion, PrescribedMotion};
 
@@ -97,14 +98,7 @@ fn check_support(
     structure: &Structure,
     time: Option<&Time>,
 ) -> Result<Support, Problem> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if name.is_empty() || !name.chars().all(plain) {
-        return Err(Problem::new(
-            "supports",
-            format!("`{name}` cannot be the name of a support: columns and results carry it"),
-            "use letters, digits, - and _",
-        ));
-    }
+    check_name("supports", name, "a support")?;
     let table_key = format!("supports.{name}");
     let key = |name: &str| format!("{table_key}.{name}");
     let nodes = match (&table.box_m, &table.nodes) {

@@ -21,6 +21,19 @@ pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
     }
 }
 
+/// Refuses names that columns and results cannot carry; `what` they would be the names of.
+pub(super) fn check_name(key: &str, name: &str, what: &str) -> Result<(), Problem> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(plain) {
+        return Ok(());
+    }
+    Err(Problem::new(
+        key,
+        format!("`{name}` cannot be the name of {what}: columns and results carry it"),
+        "use letters, digits, - and _",
+    ))
+}
+
 /// Refuses vectors that are not finite, or beyond anything physical.
 pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
     if value.iter().all(|v| v.abs() <= PLAUSIBLE) {

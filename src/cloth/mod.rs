@@ -86,6 +86,14 @@ impl Structure {
         self.positions_m.len()
     }
 
+    /// Adds a free node [m] without mass, and returns its number.
+    pub fn add_node(&mut self, place_m: DVec3) -> u32 {
+        self.positions_m.push(place_m);
+        self.masses_kg.push(0.0);
+        self.held.push(false);
+        self.node_count() as u32 - 1
+    }
+
     /// Adds a cable through `nodes` with the given rest lengths, and its mass to the nodes.
     pub fn add_cable(
         &mut self,

@@ -204,14 +204,6 @@ impl Sewing<'_> {
         self.imported.structure.positions_m[node as usize]
     }
 
-    fn add_node(&mut self, place: DVec3) -> u32 {
-        let structure = &mut self.imported.structure;
-        structure.positions_m.push(place);
-        structure.masses_kg.push(0.0);
-        structure.held.push(false);
-        structure.node_count() as u32 - 1
-    }
-
     /// Adds a triangle; one without area is left out, as at trailing edges.
     fn add_triangle(&mut self, nodes: [u32; 3], warp: DVec3, is_skin: bool) {
         let corners = nodes.map(|n| self.place(n));
@@ -309,7 +301,10 @@ impl Sewing<'_> {
             format!("rib {number} (counted from 0) cannot be filled with triangles: its outline crosses itself or a hole")
         })?;
         for point in &filled.points[nodes.len()..] {
-            let node = self.add_node(middle + along * point.x + up * point.y);
+            let node = self
+                .imported
+                .structure
+                .add_node(middle + along * point.x + up * point.y);
             nodes.push(node);
         }
         for triangle in &filled.triangles {
@@ -388,7 +383,7 @@ impl Sewing<'_> {
         let mut nodes = Vec::with_capacity(knots.len());
         for (number, (place, _)) in knots.iter().enumerate() {
             let node = if has_above[number] {
-                self.add_node(*place)
+                self.imported.structure.add_node(*place)
             } else {
                 let (node, moved) = self
                     .nearest(among, *place)

@@ -154,7 +154,7 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
     {
         let attachment_m = |node: u32| structure.positions_m[node as usize] - rigging.confluence_m;
         let place = rigging.confluence_m + junction_m(risers, group, attachment_m);
-        let junction = add_node(&mut structure, place);
+        let junction = structure.add_node(place);
         let riser = together(&rigging.lines, group.len() as f64);
         let kind = CableKind::Riser;
         structure.add_cable(&[junction, confluence], &[risers.length_m], &riser, kind);
@@ -286,21 +286,11 @@ fn add_line(
     let ends = [from, to].map(|node| structure.positions_m[node as usize]);
     let mut nodes = vec![from];
     for k in 1..segments {
-        nodes.push(add_node(
-            structure,
-            ends[0].lerp(ends[1], k as f64 / segments as f64),
-        ));
+        nodes.push(structure.add_node(ends[0].lerp(ends[1], k as f64 / segments as f64)));
     }
     nodes.push(to);
     let rest = vec![length_m / segments as f64; segments];
     structure.add_cable(&nodes, &rest, &rigging.lines, kind);
-}
-
-fn add_node(structure: &mut Structure, place: DVec3) -> u32 {
-    structure.positions_m.push(place);
-    structure.masses_kg.push(0.0);
-    structure.held.push(false);
-    structure.positions_m.len() as u32 - 1
 }
 
 /// Lines from the edge of the vent to where they all cross, and are joined; that node.
@@ -310,7 +300,7 @@ fn add_vent_lines(structure: &mut Structure, rigging: &Rigging, sewn: &Sewn) -> 
     for &end in &lines.ends {
         middle += structure.positions_m[end as usize] / lines.ends.len() as f64;
     }
-    let crossing = add_node(structure, middle);
+    let crossing = structure.add_node(middle);
     let cable = rigging.vent_lines.as_ref().unwrap_or(&rigging.lines);
     for &end in &lines.ends {
         let half = 0.5 * lines.length_m;
@@ -341,7 +331,7 @@ fn add_riser(structure: &mut Structure, rigging: &Rigging, confluence: u32) -> u
     };
     let cables = structure.cables.iter();
     let lines = cables.filter(|c| c.nodes.contains(&confluence)).count() as f64;
-    let lower = add_node(structure, rigging.confluence_m - DVec3::X * riser.length_m);
+    let lower = structure.add_node(rigging.confluence_m - DVec3::X * riser.length_m);
     let cable = together(&rigging.lines, lines);
     structure.add_cable(
         &[confluence, lower],

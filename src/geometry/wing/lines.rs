@@ -19,7 +19,8 @@ impl Builder<'_> {
     pub(super) fn add_lines(&mut self) -> [u32; 2] {
         let plan = self.plan;
         let right = plan.hang_point_m;
-        let points = [right, DVec3::new(right.x, -right.y, right.z)].map(|p| self.add_node(p));
+        let points =
+            [right, DVec3::new(right.x, -right.y, right.z)].map(|p| self.structure.add_node(p));
         for node in points {
             self.structure.held[node as usize] = true;
         }
@@ -81,7 +82,7 @@ impl Builder<'_> {
         let hang_m = self.position(hang);
         let towards = (mean(&attachments, self) - hang_m).normalize_or(DVec3::Z);
         let riser_m = hang_m + towards * row.riser_length_m;
-        let riser = self.add_node(riser_m);
+        let riser = self.structure.add_node(riser_m);
         // Every node above with the attachments that it carries.
         let mut above: Vec<(u32, Vec<u32>)> = attachments.iter().map(|&n| (n, vec![n])).collect();
         for (level, lines) in row.levels.iter().enumerate() {
@@ -101,7 +102,7 @@ impl Builder<'_> {
                     let carried: Vec<u32> =
                         group.iter().flat_map(|(_, c)| c.iter().copied()).collect();
                     let place = riser_m.lerp(mean(&carried, self), lines.height);
-                    let node = self.add_node(place);
+                    let node = self.structure.add_node(place);
                     pieces.extend(group.iter().map(|(upper, _)| Piece {
                         nodes: [*upper, node],
                         extra_m: 0.0,

@@ -208,14 +208,6 @@ impl Builder<'_> {
         [x, self.frames[rib].height(&self.plan.profiles, side, x)]
     }
 
-    fn add_node(&mut self, place: DVec3) -> u32 {
-        let node = self.structure.node_count() as u32;
-        self.structure.positions_m.push(place);
-        self.structure.masses_kg.push(0.0);
-        self.structure.held.push(false);
-        node
-    }
-
     fn position(&self, node: u32) -> DVec3 {
         self.structure.positions_m[node as usize]
     }

@@ -121,7 +121,7 @@ impl Builder<'_> {
                 .map(|k| {
                     let [x, z] = self.chord_point(rib, k);
                     let place = self.frames[rib].point(x, z);
-                    self.add_node(place)
+                    self.structure.add_node(place)
                 })
                 .collect();
             self.outlines.push(nodes);
@@ -144,7 +144,7 @@ impl Builder<'_> {
                         } else if inside {
                             None
                         } else {
-                            Some(self.add_node(place))
+                            Some(self.structure.add_node(place))
                         }
                     })
                     .collect();

@@ -96,7 +96,7 @@ impl Builder<'_> {
         let mut nodes = self.outlines[rib].clone();
         let frame = self.frames[rib];
         for point in &filled.points[nodes.len()..] {
-            nodes.push(self.add_node(frame.point(point.x, point.y)));
+            nodes.push(self.structure.add_node(frame.point(point.x, point.y)));
         }
         self.add_filled(filled, &nodes, Part::Rib, rib, frame.aft)
     }
@@ -162,11 +162,11 @@ impl Builder<'_> {
         let place = |p: DVec2| 0.5 * (frames[0].point(p.x, p.y) + frames[1].point(p.x, p.y));
         for i in 1..count {
             let on_front = lower.lerp(upper, i as f64 / count as f64);
-            nodes.push(self.add_node(place(on_front)));
+            nodes.push(self.structure.add_node(place(on_front)));
         }
         nodes.reverse();
         for point in &filled.points[nodes.len()..] {
-            nodes.push(self.add_node(place(*point)));
+            nodes.push(self.structure.add_node(place(*point)));
         }
         let warp = frames[0].aft + frames[1].aft;
         self.add_filled(&filled, &nodes, Part::MiniRib, cell, warp)
@@ -244,7 +244,8 @@ impl Builder<'_> {
                         Some(edge) => edge[r - 1],
                         None => {
                             let t = i as f64 / (count - 1) as f64;
-                            self.add_node(along(&foot_line, t).lerp(along(&top_line, t), share))
+                            self.structure
+                                .add_node(along(&foot_line, t).lerp(along(&top_line, t), share))
                         }
                     });
                 }
