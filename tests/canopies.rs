@@ -4,11 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 use libtest_mimic::Trial;
+use ripstop::case::Choices;
+use ripstop::case::scene::BodyKind;
 use ripstop::cloth::Structure;
 use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
 use ripstop::geometry::parachute::designs::{Design, RadialSlots, Shape};
+use ripstop::geometry::parachute::gores::{self, FlatCircular};
 use ripstop::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use ripstop::geometry::parachute::{self, Rigged, Rigging, Risers};
 use ripstop::lines::Cable;
@@ -28,6 +31,7 @@ pub fn trials() -> Vec<Trial> {
             tilted,
         ),
         plain("canopies::markers_end_inside_rims", markers_end),
+        plain("canopies::meshes_of_drawn_canopies_are_those", of_a_mesh),
     ]
     .into_iter()
     .flatten()
@@ -336,4 +340,94 @@ fn markers_end() {
             "{cells} {inset}: {area} {expected}"
         );
     }
+}
+
+/// A canopy that is written to mesh files, flat and folded, and read again with a table of its lines, moves as the drawn one under pressure
+/// and is measured by the same diameter.
+fn of_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = small_case(&[
+        "structure.flat_circular.apex_guide_n_m=absent",
+        "belts=absent",
+    ]);
+    let body = drawn.scene.body.as_ref().unwrap();
+    let (BodyKind::Canopy(canopy), structure) = (body.kind, &body.structure) else {
+        panic!("no canopy");
+    };
+    let flat = gores::mesh(&FlatCircular {
+        nominal_area_m2: canopy.nominal_area_m2,
+        gores: 8,
+        rings: 8,
+    });
+    let shift = DVec3::new(0.25, 0.5, -0.125);
+    let write = |name: &str, places: &[DVec3]| {
+        let mut text: String = places
+            .iter()
+            .map(|p| format!("v {:?} {:?} {:?}\n", p.x, p.y, p.z))
+            .collect();
+        for t in &structure.triangles {
+            let [a, b, c] = t.nodes.map(|n| n + 1);
+            text.push_str(&format!("f {a} {b} {c}\n"));
+        }
+        std::fs::write(folder.path().join(name), text).unwrap();
+    };
+    write("flat.obj", &flat.flat_positions_m);
+    let folded: Vec<DVec3> = structure.positions_m[..canopy.canopy_node_count]
+        .iter()
+        .map(|p| *p - shift)
+        .collect();
+    write("folded.obj", &folded);
+    let mut table = "x_m, y_m, z_m, end_x_m, end_y_m, end_z_m, length_m\n".to_owned();
+    for line in &structure.cables {
+        let [a, b] = line
+            .nodes
+            .map(|n| structure.positions_m[n as usize] - shift);
+        let length = line.rest_length_m;
+        table.push_str(&format!(
+            "{:?}, {:?}, {:?}, {:?}, {:?}, {:?}, {length:?}\n",
+            a.x, a.y, a.z, b.x, b.y, b.z
+        ));
+    }
+    std::fs::write(folder.path().join("lines.csv"), table).unwrap();
+    let tables = |text: &str, unwanted: &[&str]| -> String {
+        let mut keep = true;
+        let lines = text.lines().filter(|line| {
+            if line.starts_with('[') {
+                keep = !unwanted.iter().any(|table| line.contains(table));
+            }
+            keep
+        });
+        lines.flat_map(|line| [line, "\n"]).collect()
+    };
+    let source = tables(
+        include_str!("../cases/flat-circular-tunnel.toml"),
+        &["[structure", "[belts", "[lines", "[variants"],
+    ) + "[structure.mesh]\nfile = \"flat.obj\"\nstart_file = \"folded.obj\"\nscale = 1.0\nheld_nodes = []\nnominal_area_m2 = 0.78\n\
+         position_m = [0.25, 0.5, -0.125]\nlines = \"lines.csv\"\n[structure.mesh.line_material]\narea_m2 = 4.42e-6\n\
+         density_kg_m3 = 462.0\nyoungs_modulus_pa = 9.7e10\n";
+    let read = ripstop::case::parse("mesh", &source, folder.path(), &Choices::default()).unwrap();
+    let read = read.scene.body.unwrap();
+    let BodyKind::Canopy(of_mesh) = read.kind else {
+        panic!("no canopy");
+    };
+    assert_eq!(of_mesh.nominal_diameter_m, canopy.nominal_diameter_m);
+    assert_eq!(of_mesh.lower_end, canopy.lower_end);
+    let cloths = [&read.structure, structure].map(|structure| {
+        let mut cloth = Cloth::new(structure.clone());
+        let input = StepInput {
+            time_step_s: Some(5e-4),
+            pressure: Pressure::Uniform(50.0),
+            damping_1_s: 20.0,
+            ..StepInput::default()
+        };
+        for _ in 0..12 {
+            cloth.solve_cloth(&input, &SETTINGS);
+        }
+        cloth
+    });
+    let moved = structure.positions_m.iter().zip(&cloths[1].positions_m);
+    assert!(moved.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) > 0.005);
+    let apart = cloths[0].positions_m.iter().zip(&cloths[1].positions_m);
+    let apart = apart.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!(apart < tolerance::ALIKE_M, "{apart:e}");
 }

@@ -115,6 +115,20 @@ fn new_prints() {
             std::fs::read_to_string(root().join(&files[name])).unwrap()
         );
     }
+    // With a folder, the case and all that it names, ready to be checked; nothing that is there is lost.
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("mine");
+    let arguments = ["new", "hemispherical-mesh", "--out", out.to_str().unwrap()];
+    assert_eq!(ripstop(&arguments).code, 0);
+    let case = out.join("hemispherical-mesh.toml");
+    assert_eq!(ripstop(&["check", case.to_str().unwrap()]).code, 0);
+    let again = ripstop(&arguments);
+    assert_eq!(again.code, 2);
+    assert!(
+        again.errors.contains("is there already"),
+        "{}",
+        again.errors
+    );
     let output = ripstop(&["new", "zeppelin"]);
     assert_eq!(output.code, 2);
     assert!(

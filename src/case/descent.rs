@@ -166,7 +166,13 @@ pub(super) fn check(
                 "add [structure.flat_circular], or let a body fall (bodies.NAME.motion.free_fall)",
             ));
         };
-        let node = canopy.lower_end;
+        let Some(node) = canopy.lower_end else {
+            return Err(Problem::new(
+                "payload",
+                "[payload] hangs where all lines meet, but those of structure.mesh.lines end in several places",
+                "let all lines of the table end at one place, or remove [payload] and use [air.wind_tunnel]",
+            ));
+        };
         body.structure.held[node] = false;
         body.structure.masses_kg[node] += mass_kg;
         let bodies = payload_bodies::hang(&payload.bodies, node, &mut body.structure)?;

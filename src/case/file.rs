@@ -78,6 +78,29 @@ pub struct File {
     pub variants: BTreeMap<String, toml::Table>,
 }
 
+impl File {
+    /// Other files that the case takes its structure and bodies from, relative to its own.
+    pub(super) fn named_files(&self) -> Vec<&str> {
+        let of_bodies = self.bodies.values().filter_map(|body| body.mesh.as_ref());
+        let mut found: Vec<&str> = of_bodies.map(|mesh| mesh.file.as_str()).collect();
+        let Some(structure) = &self.structure else {
+            return found;
+        };
+        if let Some(mesh) = &structure.mesh {
+            found.push(&mesh.file);
+            found.extend(mesh.start_file.as_deref());
+            found.extend(mesh.lines.as_deref());
+        }
+        found.extend(structure.lep_sim.iter().map(|wing| wing.file.as_str()));
+        let profiles = structure
+            .wing
+            .iter()
+            .flat_map(|wing| wing.profiles.values());
+        found.extend(profiles.filter_map(|profile| profile.file.as_deref()));
+        found
+    }
+}
+
 /// `[air]`; exactly one flow inside.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -179,9 +202,9 @@ pub struct StructureTable {
 }
 
 impl StructureTable {
-    /// True for a parachute canopy.
+    /// True for a parachute canopy that is drawn here.
     #[must_use]
-    pub const fn is_canopy(&self) -> bool {
+    pub const fn is_drawn_canopy(&self) -> bool {
         self.flat_circular.is_some()
             || self.conical.is_some()
             || self.slotted.is_some()
@@ -189,6 +212,16 @@ impl StructureTable {
             || self.annular.is_some()
             || self.disk_gap_band.is_some()
             || self.cruciform.is_some()
+    }
+
+    /// True for a parachute canopy, drawn here or from a mesh with a nominal area.
+    #[must_use]
+    pub fn is_canopy(&self) -> bool {
+        let of_mesh = self
+            .mesh
+            .as_ref()
+            .is_some_and(|mesh| mesh.nominal_area_m2.is_some());
+        self.is_drawn_canopy() || of_mesh
     }
 }
 
@@ -232,6 +265,12 @@ pub struct MeshFile {
     pub file: String,
     pub scale: f64,
     pub held_nodes: Vec<u32>,
+    /// The same triangles where they are at the start.
+    pub start_file: Option<String>,
+    /// Where the file's origin is.
+    pub position_m: Option<[f64; 3]>,
+    /// Makes it a parachute canopy.
+    pub nominal_area_m2: Option<f64>,
     /// A table of lines, with their material.
     pub lines: Option<String>,
     pub line_material: Option<CableMaterial>,

@@ -15,10 +15,11 @@ use crate::geometry::line_table;
 /// Distance from a node, over the size of the mesh, at which a line counts as attached to it.
 const NEAR: f64 = 1e-3;
 
-/// Adds the lines that the table names, if there is one; their ends are held.
+/// Adds the lines that the table names, if there is one; their ends are held. The table's origin is at `position_m`.
 pub(super) fn add(
     written: &MeshFile,
     folder: &Path,
+    position_m: DVec3,
     structure: &mut Structure,
 ) -> Result<(), Problem> {
     const KEY: &str = "structure.mesh.lines";
@@ -45,9 +46,10 @@ pub(super) fn add(
     let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let near_m = NEAR * (high - low).length();
     for (number, line) in lines.iter().enumerate() {
+        let [attached_m, end_m] = [line.attached_m, line.end_m].map(|place| place + position_m);
         let nearest = places
             .iter()
-            .map(|place| place.distance(line.attached_m))
+            .map(|place| place.distance(attached_m))
             .enumerate()
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((node, _)) = nearest.filter(|(_, distance)| *distance <= near_m) else {
@@ -60,15 +62,17 @@ pub(super) fn add(
                     path.display(),
                     line.attached_m
                 ),
-                format!("give the place of a node after scaling, within {near_m:.1e} m"),
+                format!(
+                    "give the place of a node at the start, in the mesh's own coordinates after scaling, within {near_m:.1e} m"
+                ),
             ));
         };
         let known = structure.positions_m[fabric..]
             .iter()
-            .position(|place| place.distance(line.end_m) <= near_m);
+            .position(|place| place.distance(end_m) <= near_m);
         let end = known.map_or_else(
             || {
-                let end = structure.add_node(line.end_m) as usize;
+                let end = structure.add_node(end_m) as usize;
                 structure.held[end] = true;
                 end
             },

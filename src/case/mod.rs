@@ -21,6 +21,7 @@ mod file_wing_design;
 mod grid_sequence;
 pub mod lep_sim;
 pub mod locate;
+mod mesh;
 mod mesh_lines;
 mod motion;
 mod output;
@@ -47,8 +48,10 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 
 pub use scene::Scene;
 
+use file::File;
+
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 19] = [
+pub const SHIPPED: [(&str, &str); 20] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -61,6 +64,10 @@ pub const SHIPPED: [(&str, &str); 19] = [
     (
         "finite-mass-drop",
         include_str!("../../cases/finite-mass-drop.toml"),
+    ),
+    (
+        "hemispherical-mesh",
+        include_str!("../../cases/hemispherical-mesh.toml"),
     ),
     (
         "hencky-disc",
@@ -110,6 +117,20 @@ pub const SHIPPED: [(&str, &str); 19] = [
     ),
     ("wing-27", include_str!("../../cases/wing-27.toml")),
     ("wing-school", include_str!("../../cases/wing-school.toml")),
+];
+
+/// Files that shipped cases name: the case, the path beside it, the text.
+pub const SHIPPED_FILES: [(&str, &str, &str); 2] = [
+    (
+        "hemispherical-mesh",
+        "meshes/hemisphere.obj",
+        include_str!("../../cases/meshes/hemisphere.obj"),
+    ),
+    (
+        "hemispherical-mesh",
+        "meshes/hemisphere-lines.csv",
+        include_str!("../../cases/meshes/hemisphere-lines.csv"),
+    ),
 ];
 
 /// What is wrong with a case, where, and what to do.
@@ -195,7 +216,7 @@ pub struct Choices {
 pub struct Case {
     /// File name as given.
     pub name: String,
-    /// CRC-32 of the text with variant and overrides applied, in hexadecimal.
+    /// CRC-32, in hexadecimal, of the text with variant and overrides applied and of the files that it names.
     pub hash: String,
     /// Variant taken, if any.
     pub variant: Option<String>,
@@ -231,6 +252,17 @@ pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
         path.parent().unwrap_or_else(|| Path::new(".")),
         choices,
     )
+}
+
+/// What tells a case from others: its text, and meshes, profiles and tables of lines that it names.
+fn hash(text: &str, file: &File, folder: &Path) -> String {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(text.as_bytes());
+    for name in file.named_files() {
+        // Those that cannot be read have been refused before.
+        hasher.update(&std::fs::read(folder.join(name)).unwrap_or_default());
+    }
+    format!("{:08x}", hasher.finalize())
 }
 
 /// Checks the text of a case; mesh files are looked up relative to `folder`.
@@ -307,7 +339,7 @@ pub fn parse(
         CaseError::located(name, source, span, &label, problem)
     };
     let text = toml::to_string(&table).unwrap_or_default();
-    let file: file::File = serde_path_to_error::deserialize(table).map_err(|error| {
+    let file: File = serde_path_to_error::deserialize(table).map_err(|error| {
         let path = error.path().to_string();
         let message = plain_words(error.inner().message());
         // An unknown key is reported at its table; add the key itself to mark its line.
@@ -334,7 +366,7 @@ pub fn parse(
     let coarser = grid_sequence::check(&file, &scene, folder).map_err(in_file)?;
     Ok(Case {
         name: name.to_owned(),
-        hash: format!("{:08x}", crc32fast::hash(text.as_bytes())),
+        hash: hash(&text, &file, folder),
         variant: choices.variant.clone(),
         scene,
         coarser,

@@ -3,7 +3,7 @@
 use super::Problem;
 use super::canopy::Written;
 use super::file::{self, File};
-use super::scene::{Body, BodyKind, Canopy, absent, positive, vector, within};
+use super::scene::{Body, BodyKind, Canopy, LoadingPressure, absent, positive, vector, within};
 use super::structure::{check_fabric, check_material};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
@@ -212,12 +212,14 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
             nominal_area_m2: cut.nominal_area_m2(),
             nominal_diameter_m: cut.nominal_diameter_m(),
             canopy_node_count: built.canopy_node_count,
-            lower_end: built.lower_end,
-            opened_diameter_ratio,
-            loading_pressure_pa: positive(
-                &key("folding.loading_pressure_pa"),
-                folding.loading_pressure_pa,
-            )?,
+            lower_end: Some(built.lower_end),
+            loading: Some(LoadingPressure {
+                pressure_pa: positive(
+                    &key("folding.loading_pressure_pa"),
+                    folding.loading_pressure_pa,
+                )?,
+                opened_diameter_ratio,
+            }),
         }),
         structure,
     })

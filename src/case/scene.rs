@@ -21,6 +21,7 @@ use crate::cloth::rims::RimInsets;
 use crate::fabric::permeability::Permeability;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::geometry::mesh::quality::Quality;
+use crate::geometry::parachute::shape;
 use crate::geometry::plate::Plate;
 use crate::immersed::markers;
 use crate::lattice::Operator;
@@ -135,6 +136,19 @@ impl Body {
     pub fn marked_share(&self, insets: &RimInsets) -> f64 {
         markers::marked_share(self.structure.extents(insets))
     }
+
+    /// Projected diameter of this canopy over the nominal one as it is released: opened by pressure, or as its mesh stands.
+    #[must_use]
+    pub fn released_diameter_ratio(&self, canopy: &Canopy) -> f64 {
+        canopy.loading.map_or_else(
+            || {
+                let triangles = self.structure.triangles.iter().map(|t| t.nodes);
+                shape::projected_diameter_m(&self.structure.positions_m, triangles)
+                    / canopy.nominal_diameter_m
+            },
+            |loading| loading.opened_diameter_ratio,
+        )
+    }
 }
 
 /// Kinds of structures.
@@ -190,12 +204,20 @@ pub struct Canopy {
     pub nominal_diameter_m: f64,
     /// Nodes of fabric, which come first; then the confluence, then others.
     pub canopy_node_count: usize,
-    /// Node that is held or carries the payload: the confluence, or the lower end of the riser.
-    pub lower_end: usize,
-    /// Projected-diameter ratio to which the folded canopy is opened before the wind starts.
+    /// Node that is held or carries the payload: the confluence, or the lower end of the riser. `None`: the lines of a mesh end in
+    /// several places, and all are held.
+    pub lower_end: Option<usize>,
+    /// How the folded canopy is opened before the wind starts; `None`: it starts as its mesh stands.
+    pub loading: Option<LoadingPressure>,
+}
+
+/// Opening of a folded canopy by pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadingPressure {
+    /// Pressure inside [Pa].
+    pub pressure_pa: f64,
+    /// Projected-diameter ratio to which it opens the canopy.
     pub opened_diameter_ratio: f64,
-    /// Pressure that opens it [Pa].
-    pub loading_pressure_pa: f64,
 }
 
 /// A rigid body.
@@ -338,10 +360,8 @@ pub struct Output {
 
 /// Refuses tables that nothing in the case would read: a reader would take them for effective.
 fn refuse_unused(file: &File) -> Result<(), Problem> {
-    let canopy = file
-        .structure
-        .as_ref()
-        .is_some_and(file::StructureTable::is_canopy);
+    let of = |what: fn(&file::StructureTable) -> bool| file.structure.as_ref().is_some_and(what);
+    let canopy = of(file::StructureTable::is_drawn_canopy);
     let fabric = file.structure.as_ref().is_some_and(|s| s.cable.is_none());
     let one_fabric = file
         .structure
@@ -356,7 +376,7 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         (
             "steady",
             file.steady.is_some(),
-            canopy && file.air.is_some(),
+            of(file::StructureTable::is_canopy) && file.air.is_some(),
             "a canopy in wind",
         ),
         (

@@ -9,13 +9,12 @@ use super::file::{self, File};
 use super::lep_sim::ImportedWing;
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
-use super::{canopy, contact, descent, lep_sim, mesh_lines, permeability, plate, specimens};
+use super::{canopy, contact, descent, lep_sim, mesh, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
-use crate::geometry::mesh::{obj, quality, surface};
-use crate::geometry::{cable, fabric_surface, sheet};
+use crate::geometry::mesh::quality;
+use crate::geometry::{cable, sheet};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
-use crate::rigid::Surface;
 
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
@@ -50,7 +49,7 @@ pub(super) fn check(
     ];
     let body = if shapes.into_iter().filter(|is_there| *is_there).count() != 1 {
         None
-    } else if table.is_canopy() {
+    } else if table.is_drawn_canopy() {
         canopy::check(file)?
     } else if let Some(sheet) = &table.sheet {
         Some(check_sheet(file, sheet)?)
@@ -58,8 +57,8 @@ pub(super) fn check(
         Some(plate::check(written, &check_fabric(file)?)?)
     } else if let Some(cable) = &table.cable {
         Some(check_cable(cable, gravity)?)
-    } else if let Some(mesh) = &table.mesh {
-        Some(check_mesh(file, mesh, folder)?)
+    } else if let Some(written) = &table.mesh {
+        Some(mesh::check(written, &check_fabric(file)?, folder)?)
     } else if let Some(written) = &table.lep_sim {
         let (body, known) = lep_sim::check(file, written, folder)?;
         *imported = Some(known);
@@ -326,73 +325,5 @@ fn check_cable(written: &file::HangingCable, gravity: Option<DVec3>) -> Result<B
             length_m,
             weight_n_m,
         },
-    })
-}
-
-fn check_mesh(file: &File, written: &file::MeshFile, folder: &Path) -> Result<Body, Problem> {
-    const KEY: &str = "structure.mesh";
-    let fabric = check_fabric(file)?;
-    let path = folder.join(&written.file);
-    let scale = positive(&format!("{KEY}.scale"), written.scale)?;
-    let unreadable = |why: String| {
-        Problem::new(
-            format!("{KEY}.file"),
-            format!("cannot read the mesh {}: {why}", path.display()),
-            "give an OBJ file with triangles or polygons (or STL, PLY), relative to the case file",
-        )
-    };
-    // Nodes of OBJ files keep their numbers; those of others are joined where they lie together.
-    let is_numbered = !["stl", "ply"].iter().any(|other| {
-        path.extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case(other))
-    });
-    let surface = if is_numbered {
-        let mesh = obj::read(&path, scale).map_err(unreadable)?;
-        Surface {
-            positions_m: mesh.positions_m,
-            triangles: mesh.triangles,
-        }
-    } else {
-        surface::read(&path, scale).map_err(unreadable)?
-    };
-    let node_count = surface.positions_m.len();
-    let mut structure = fabric_surface::build(&surface, DVec3::X, &fabric).map_err(|index| {
-        let nodes = surface.triangles[index];
-        let corners = surface.corners(nodes);
-        Problem::new(
-            format!("{KEY}.file"),
-            format!(
-                "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
-                index + 1,
-                path.display(),
-                nodes[0] + 1,
-                nodes[1] + 1,
-                nodes[2] + 1,
-                corners[0],
-                corners[1],
-                corners[2]
-            ),
-            "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
-        )
-    })?;
-    for &node in &written.held_nodes {
-        let Some(held) = (node as usize)
-            .checked_sub(1)
-            .and_then(|n| structure.held.get_mut(n))
-        else {
-            return Err(Problem::new(
-                format!("{KEY}.held_nodes"),
-                format!("there is no node {node} in a mesh of {node_count} nodes"),
-                "nodes count from 1, as in the OBJ file",
-            ));
-        };
-        *held = true;
-    }
-    let quality = quality::measure(&structure.positions_m, &surface.triangles);
-    mesh_lines::add(written, folder, &mut structure)?;
-    Ok(Body {
-        quality,
-        kind: BodyKind::Mesh,
-        structure,
     })
 }

@@ -1,32 +1,74 @@
 //! `ripstop new NAME`
 
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 
 use super::{Failure, emit, exit};
-use crate::case::SHIPPED;
+use crate::case::{SHIPPED, SHIPPED_FILES};
+use crate::output::{OutputError, prepare_directory, write_atomically};
 
 #[derive(Debug, Args)]
 pub(super) struct NewArguments {
     /// Name of a shipped case.
     name: String,
+
+    /// Folder to write NAME.toml and the files that it names into, instead of printing the case.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
-    match SHIPPED.iter().find(|(name, _)| *name == arguments.name) {
-        Some((_, text)) => {
-            emit(text)?;
-            Ok(0)
-        }
-        None => {
-            let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
-            Err(Failure::Other(
-                exit::BAD_CASE,
-                format!(
-                    "there is no shipped case `{}`; there are: {}",
-                    arguments.name,
-                    names.join(", ")
-                ),
-            ))
-        }
+    let Some((name, text)) = SHIPPED.iter().find(|(name, _)| *name == arguments.name) else {
+        let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            format!(
+                "there is no shipped case `{}`; there are: {}",
+                arguments.name,
+                names.join(", ")
+            ),
+        ));
+    };
+    let beside: Vec<(&str, &str)> = SHIPPED_FILES
+        .iter()
+        .filter(|(of, _, _)| of == name)
+        .map(|&(_, path, text)| (path, text))
+        .collect();
+    if let Some(folder) = &arguments.out {
+        let case = format!("{name}.toml");
+        let mut files = beside;
+        files.push((&case, text));
+        return write(folder, &files);
     }
+    emit(text)?;
+    if !beside.is_empty() {
+        let paths: Vec<&str> = beside.iter().map(|(path, _)| *path).collect();
+        eprintln!(
+            "note: the case needs {} beside it; `ripstop new {name} --out DIR` writes all of them",
+            paths.join(" and ")
+        );
+    }
+    Ok(0)
+}
+
+/// Writes files, given by their paths in a folder and their texts, none of which may be there already.
+fn write(folder: &Path, files: &[(&str, &str)]) -> Result<u8, Failure> {
+    let paths = || files.iter().map(|(file, _)| folder.join(file));
+    if let Some(there) = paths().find(|path| path.exists()) {
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            format!(
+                "{} is there already and would be lost: give another folder (--out), or remove it",
+                there.display()
+            ),
+        ));
+    }
+    let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
+    for (path, (_, text)) in paths().zip(files) {
+        prepare_directory(path.parent().unwrap_or(folder)).map_err(failed)?;
+        write_atomically(&path, |out| out.write_all(text.as_bytes())).map_err(failed)?;
+        emit(&format!("{}\n", path.display()))?;
+    }
+    Ok(0)
 }

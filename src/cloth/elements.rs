@@ -26,6 +26,9 @@ pub struct Triangle {
 /// Edge i runs from `EDGES[i][0]` to `EDGES[i][1]`, opposite node i.
 pub const EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
+/// Length of a direction's projection on a triangle, over its own, below which the direction counts as across it.
+const ACROSS: f64 = 1e-6;
+
 impl Triangle {
     /// Triangle with the given rest shape in fabric axes [m]; `None` if its area is zero or not finite.
     #[must_use]
@@ -59,7 +62,8 @@ impl Triangle {
         Self::laid_out(nodes, rest_m, warp, [0.0; 2])
     }
 
-    /// Triangle that is stretched along warp and weft by `initial_strain` where it is laid out.
+    /// Triangle that is stretched along warp and weft by `initial_strain` where it is laid out. The warp lies along the projection of `warp`
+    /// on the triangle; along that of y where `warp` stands on it, and of z where that is y.
     #[must_use]
     pub fn laid_out(
         nodes: [u32; 3],
@@ -71,9 +75,13 @@ impl Triangle {
         let normal = (rest_m[1] - rest_m[0])
             .cross(rest_m[2] - rest_m[0])
             .try_normalize()?;
-        let x = (warp - normal * warp.dot(normal))
-            .try_normalize()
-            .or_else(|| (rest_m[1] - rest_m[0]).try_normalize())?;
+        // What rounding leaves of a direction across the triangle is none within it.
+        let x = [warp, DVec3::Y, DVec3::Z]
+            .into_iter()
+            .find_map(|direction| {
+                let within = direction - normal * direction.dot(normal);
+                (within.length() > ACROSS * direction.length()).then(|| within.normalize())
+            })?;
         let y = normal.cross(x);
         Self::new(
             nodes,

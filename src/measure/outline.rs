@@ -408,9 +408,8 @@ mod tests {
             nominal_area_m2: PI,
             nominal_diameter_m: 2.0,
             canopy_node_count: fabric,
-            lower_end: fabric,
-            opened_diameter_ratio: 0.5,
-            loading_pressure_pa: 10.0,
+            lower_end: Some(fabric),
+            loading: None,
         };
         (structure, canopy)
     }

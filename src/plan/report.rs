@@ -286,11 +286,11 @@ impl Plan {
                 "  cells per D_0       {:.1} (D_0 = {diameter:.4} m)",
                 diameter / cell
             )?;
+            let released = body.released_diameter_ratio(&canopy);
             writeln!(
                 out,
-                "  cells across mouth  {:.1} at release (D_p/D_0 = {}), about {:.1} inflated (0.7)",
-                canopy.opened_diameter_ratio * diameter / cell,
-                canopy.opened_diameter_ratio,
+                "  cells across mouth  {:.1} at release (D_p/D_0 = {released:.3}), about {:.1} inflated (0.7)",
+                released * diameter / cell,
                 0.7 * diameter / cell
             )?;
             let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;

@@ -348,7 +348,7 @@ impl<'a> Run<'a> {
             .scene
             .body
             .as_ref()
-            .is_some_and(|body| matches!(body.kind, BodyKind::Canopy(_)))
+            .is_some_and(|body| matches!(body.kind, BodyKind::Canopy(c) if c.loading.is_some()))
         {
             observer.note("opening the folded canopy by loading pressure");
         }

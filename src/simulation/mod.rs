@@ -123,9 +123,10 @@ impl Simulation {
         let mut opening = None;
         if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
             && let BodyKind::Canopy(canopy) = &body.kind
+            && let Some(loading) = &canopy.loading
         {
             opening = Some(
-                opening::open(cloth, canopy, &cloth::step_settings(&scene, &plan))
+                opening::open(cloth, canopy, loading, &cloth::step_settings(&scene, &plan))
                     .map_err(Failure::Start)?,
             );
         }

@@ -1,7 +1,7 @@
 //! Opening of a folded canopy by the *loading-pressure method* (paper P4): with the confluence fixed, a small pressure inside pushes the
 //! pleats apart until there is room for the flow; the canopy is then held until release. No air takes part.
 
-use crate::case::scene::Canopy;
+use crate::case::scene::{Canopy, LoadingPressure};
 use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
 use crate::geometry::parachute::shape;
 use crate::solve::lbfgs::Stop;
@@ -29,9 +29,11 @@ pub struct Opening {
     pub steps: usize,
 }
 
+/// Opens a folded canopy as `loading` says.
 pub(super) fn open(
     cloth: &mut Cloth,
     canopy: &Canopy,
+    loading: &LoadingPressure,
     settings: &SolverSettings,
 ) -> Result<Opening, String> {
     let ratio = |cloth: &Cloth| {
@@ -40,11 +42,11 @@ pub(super) fn open(
     };
     // A payload that is to fall is held as long.
     let lower_end = canopy.lower_end;
-    let held = std::mem::replace(&mut cloth.structure.held[lower_end], true);
+    let falls = lower_end.filter(|&node| !std::mem::replace(&mut cloth.structure.held[node], true));
     let folded_ratio = ratio(cloth);
     let input = StepInput {
         time_step_s: Some(STEP_S),
-        pressure: Pressure::Uniform(canopy.loading_pressure_pa),
+        pressure: Pressure::Uniform(loading.pressure_pa),
         damping_1_s: DAMPING_1_S,
         ..StepInput::default()
     };
@@ -54,7 +56,7 @@ pub(super) fn open(
     };
     let mut steps = 0;
     let mut opened_ratio = folded_ratio;
-    while opened_ratio < canopy.opened_diameter_ratio {
+    while opened_ratio < loading.opened_diameter_ratio {
         let outcome = cloth.solve_cloth(&input, &settings);
         steps += 1;
         opened_ratio = ratio(cloth);
@@ -62,11 +64,11 @@ pub(super) fn open(
             return Err(format!(
                 "the loading pressure of {} Pa opened the folded canopy only to D_p/D_0 = {opened_ratio:.3} of {} in {steps} steps; \
                  raise folding.loading_pressure_pa, or ask for less (folding.opened_diameter_ratio)",
-                canopy.loading_pressure_pa, canopy.opened_diameter_ratio
+                loading.pressure_pa, loading.opened_diameter_ratio
             ));
         }
     }
-    if !held {
+    if let Some(lower_end) = falls {
         // What was prepared for the solves so far knows the node as held.
         let mut structure = std::mem::take(&mut cloth.structure);
         structure.held[lower_end] = false;

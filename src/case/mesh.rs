@@ -1,0 +1,216 @@
+//! Checks of `[structure.mesh]`: fabric from a mesh file, with a nominal area a parachute canopy.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::file;
+use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
+use super::{Problem, mesh_lines};
+use crate::cloth::Structure;
+use crate::fabric::Fabric;
+use crate::geometry::fabric_surface;
+use crate::geometry::mesh::{obj, quality, surface};
+use crate::rigid::Surface;
+
+const KEY: &str = "structure.mesh";
+
+/// Most by which an edge may be longer at the start than at rest: beyond what fabric bears, so one of both files is not what it should be.
+const LARGEST_STRETCH: f64 = 0.1;
+
+/// Builds the structure; files are looked up relative to a folder.
+pub(super) fn check(
+    written: &file::MeshFile,
+    fabric: &Fabric,
+    folder: &Path,
+) -> Result<Body, Problem> {
+    let scale = positive(&format!("{KEY}.scale"), written.scale)?;
+    let path = folder.join(&written.file);
+    let surface = read(&path, scale)?;
+    let mut structure = fabric_surface::build(&surface, DVec3::X, fabric)
+        .map_err(|index| degenerate(&path, &surface, index))?;
+    let quality = quality::measure(&structure.positions_m, &surface.triangles);
+    if let Some(start) = &written.start_file {
+        start_at(&folder.join(start), scale, &surface, &mut structure)?;
+    }
+    let position_m = match written.position_m {
+        Some(position) => vector(&format!("{KEY}.position_m"), position)?,
+        None => DVec3::ZERO,
+    };
+    for place in &mut structure.positions_m {
+        *place += position_m;
+    }
+    hold(&written.held_nodes, &mut structure)?;
+    let canopy_node_count = structure.node_count();
+    mesh_lines::add(written, folder, position_m, &mut structure)?;
+    let kind = match written.nominal_area_m2 {
+        None => BodyKind::Mesh,
+        Some(area) => {
+            let nominal_area_m2 = positive(&format!("{KEY}.nominal_area_m2"), area)?;
+            BodyKind::Canopy(canopy(nominal_area_m2, canopy_node_count, &structure)?)
+        }
+    };
+    Ok(Body {
+        quality,
+        kind,
+        structure,
+    })
+}
+
+/// Nodes and triangles of a file.
+fn read(path: &Path, scale: f64) -> Result<Surface, Problem> {
+    let unreadable = |why: String| {
+        Problem::new(
+            format!("{KEY}.file"),
+            format!("cannot read the mesh {}: {why}", path.display()),
+            "give an OBJ file with triangles or polygons (or STL, PLY), relative to the case file",
+        )
+    };
+    // Nodes of OBJ files keep their numbers; those of others are joined where they lie together.
+    if is_numbered(path) {
+        let mesh = obj::read(path, scale).map_err(unreadable)?;
+        Ok(Surface {
+            positions_m: mesh.positions_m,
+            triangles: mesh.triangles,
+        })
+    } else {
+        surface::read(path, scale).map_err(unreadable)
+    }
+}
+
+fn is_numbered(path: &Path) -> bool {
+    !["stl", "ply"].iter().any(|other| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(other))
+    })
+}
+
+fn degenerate(path: &Path, surface: &Surface, index: usize) -> Problem {
+    let nodes = surface.triangles[index];
+    let corners = surface.corners(nodes);
+    Problem::new(
+        format!("{KEY}.file"),
+        format!(
+            "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
+            index + 1,
+            path.display(),
+            nodes[0] + 1,
+            nodes[1] + 1,
+            nodes[2] + 1,
+            corners[0],
+            corners[1],
+            corners[2]
+        ),
+        "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
+    )
+}
+
+/// Moves the structure to where a second file has the same nodes.
+fn start_at(
+    path: &Path,
+    scale: f64,
+    rest: &Surface,
+    structure: &mut Structure,
+) -> Result<(), Problem> {
+    const START: &str = "structure.mesh.start_file";
+    let refused = |why: String, help: &str| {
+        Problem::new(
+            START,
+            format!("the start shape {}: {why}", path.display()),
+            help,
+        )
+    };
+    const SAME: &str = "give an OBJ file with the same faces as structure.mesh.file, in the same order, and moved vertices";
+    if !is_numbered(path) {
+        return Err(refused(
+            "its nodes have no numbers that would say which is which".to_owned(),
+            SAME,
+        ));
+    }
+    let start =
+        obj::read(path, scale).map_err(|why| refused(format!("cannot be read: {why}"), SAME))?;
+    if start.positions_m.len() != rest.positions_m.len() || start.triangles != rest.triangles {
+        return Err(refused(
+            format!(
+                "it has {} nodes and {} triangles, the shape at rest {} and {}; or faces differ",
+                start.positions_m.len(),
+                start.triangles.len(),
+                rest.positions_m.len(),
+                rest.triangles.len()
+            ),
+            SAME,
+        ));
+    }
+    for nodes in &rest.triangles {
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let [a, b] = [nodes[a], nodes[b]];
+            let length = |of: &[DVec3]| of[a as usize].distance(of[b as usize]);
+            let stretch = length(&start.positions_m) / length(&rest.positions_m) - 1.0;
+            if stretch > LARGEST_STRETCH {
+                return Err(refused(
+                    format!(
+                        "the edge between nodes {} and {} is {:.0} % longer than at rest",
+                        a + 1,
+                        b + 1,
+                        100.0 * stretch
+                    ),
+                    "fold without stretching (10 % at most), and write both files in one unit (numbers count from 1)",
+                ));
+            }
+        }
+    }
+    structure.positions_m = start.positions_m;
+    Ok(())
+}
+
+fn hold(nodes: &[u32], structure: &mut Structure) -> Result<(), Problem> {
+    let node_count = structure.node_count();
+    for &node in nodes {
+        let held = (node as usize)
+            .checked_sub(1)
+            .and_then(|n| structure.held.get_mut(n));
+        let Some(held) = held else {
+            return Err(Problem::new(
+                format!("{KEY}.held_nodes"),
+                format!("there is no node {node} in a mesh of {node_count} nodes"),
+                "nodes count from 1, as in the OBJ file",
+            ));
+        };
+        *held = true;
+    }
+    Ok(())
+}
+
+/// The mesh as a canopy, whose lines have to lead upstream.
+fn canopy(
+    nominal_area_m2: f64,
+    canopy_node_count: usize,
+    structure: &Structure,
+) -> Result<Canopy, Problem> {
+    let (fabric, ends) = structure.positions_m.split_at(canopy_node_count);
+    let Some(first) = ends.first() else {
+        return Err(absent(
+            "structure.mesh.lines",
+            "a canopy (structure.mesh.nominal_area_m2) hangs on suspension lines",
+        ));
+    };
+    let middle_x = fabric.iter().map(|place| place.x).sum::<f64>() / fabric.len() as f64;
+    if first.x >= middle_x {
+        return Err(Problem::new(
+            "structure.mesh.lines",
+            format!(
+                "the lines end at x = {:.4} m, downstream of the canopy (its middle is at {middle_x:.4} m)",
+                first.x
+            ),
+            "the air comes along +x: turn mesh and lines so that the lines lead from the canopy towards −x",
+        ));
+    }
+    Ok(Canopy {
+        nominal_area_m2,
+        nominal_diameter_m: (4.0 * nominal_area_m2 / PI).sqrt(),
+        canopy_node_count,
+        lower_end: (ends.len() == 1).then_some(canopy_node_count),
+        loading: None,
+    })
+}
