@@ -100,7 +100,7 @@ fn balance() {
     let loads = &flight.loads;
     for (index, triangle) in structure.triangles.iter().enumerate() {
         let corners = triangle.nodes.map(|n| positions[n as usize]);
-        let jump = loads.inside_pa[index] + loads.outside_pa[index];
+        let jump = loads.jumps_pa[index];
         let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         add((corners[0] + corners[1] + corners[2]) / 3.0, area * jump);
     }

@@ -19,8 +19,6 @@ pub struct ImportedWing {
     pub held: Vec<u32>,
     /// Pressure inside, on the skin alone \[Pa\], `[triangle_count]`.
     pub inside_pa: Vec<f64>,
-    /// Nothing outside \[Pa\], `[triangle_count]`.
-    pub outside_pa: Vec<f64>,
     /// Volume as drawn [m³].
     pub volume_m3: f64,
     /// Farthest that the end of a line or strap was moved to a node [m].
@@ -66,7 +64,6 @@ pub(super) fn check(
         rows: imported.rows,
         held: imported.held,
         inside_pa: imported.is_skin.iter().map(inside).collect(),
-        outside_pa: vec![0.0; triangles.len()],
         volume_m3: imported.volume_m3,
         moved_max_m: imported.moved_max_m,
     };

@@ -18,7 +18,7 @@ use crate::geometry::wing;
 pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
-use crate::geometry::wing::pressure::{Distribution, Load};
+use crate::geometry::wing::pressure::{Distribution, jumps_pa};
 pub use crate::geometry::wing::section::{Profile, Side};
 use crate::trim::Settings;
 
@@ -36,8 +36,8 @@ pub struct Wing {
     pub fineness: Fineness,
     /// What it was built from.
     pub plan: Plan,
-    /// Pressure in the equilibrium; `None`: none is prescribed.
-    pub load: Option<Load>,
+    /// Prescribed pressure inside less that outside, along the normals of the triangles [Pa], `[triangle_count]`; `None`: none is prescribed.
+    pub load_pa: Option<Vec<f64>>,
     /// Steady glide to be found; `None`: none is sought.
     pub trim: Option<Settings>,
     /// Its loads several times over; `None`: not asked for.
@@ -140,7 +140,7 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
         let wing = wing::build(&plan, fineness)?;
         Ok(Wing {
             fineness,
-            load: distribution.as_ref().map(|d| Load::new(&wing, d)),
+            load_pa: distribution.as_ref().map(|d| jumps_pa(&wing, d)),
             trim: trim.clone(),
             breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
             line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),

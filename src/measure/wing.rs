@@ -26,7 +26,7 @@ pub(super) fn results(
 
 /// Sum of the pulls of pressure, and in a trim of traction and drag of lines, on the flown shape [N]; zero if there is none.
 fn air_force_n(wing: &Wing, structure: &StructureFrame, flight: Option<&Flight>) -> DVec3 {
-    let sum = |jumps: &mut dyn Iterator<Item = f64>| -> DVec3 {
+    let sum = |jumps: &[f64]| -> DVec3 {
         let triangles = structure.triangles.iter().zip(jumps);
         triangles
             .map(|(nodes, jump)| {
@@ -35,12 +35,11 @@ fn air_force_n(wing: &Wing, structure: &StructureFrame, flight: Option<&Flight>)
             })
             .sum()
     };
-    match (flight, &wing.load) {
+    match (flight, &wing.load_pa) {
         (Some(Flight { loads, .. }), _) => {
-            let jumps = loads.inside_pa.iter().zip(&loads.outside_pa);
-            sum(&mut jumps.map(|(a, b)| a + b)) + loads.nodal_n.iter().sum::<DVec3>()
+            sum(&loads.jumps_pa) + loads.nodal_n.iter().sum::<DVec3>()
         }
-        (None, Some(load)) => sum(&mut load.jumps_pa()),
+        (None, Some(jumps_pa)) => sum(jumps_pa),
         (None, None) => DVec3::ZERO,
     }
 }

@@ -105,11 +105,11 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             test.load_factors
         )?;
     }
-    if let Some(load) = &wing.load {
+    if let Some(jumps_pa) = &wing.load_pa {
         let structure = &body.structure;
         let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
-        for (triangle, jump) in structure.triangles.iter().zip(load.jumps_pa()) {
+        for (triangle, jump) in structure.triangles.iter().zip(jumps_pa) {
             let places = triangle.nodes.map(|n| structure.positions_m[n as usize]);
             let pull = triangle.doubled_area_vector(&structure.positions_m) * (0.5 * jump);
             force += pull;

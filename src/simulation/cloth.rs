@@ -363,17 +363,11 @@ impl Simulation {
 
 /// Pressure that acts in the equilibrium that the case asks for.
 pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
-    if let Some(load) = scene.wing.as_ref().and_then(|wing| wing.load.as_ref()) {
-        return Pressure::Parted {
-            following: &load.inside_pa,
-            lagged: &load.rest_pa,
-        };
+    if let Some(jumps_pa) = scene.wing.as_ref().and_then(|wing| wing.load_pa.as_ref()) {
+        return Pressure::Lagged(jumps_pa);
     }
     if let Some(wing) = &scene.imported {
-        return Pressure::Parted {
-            following: &wing.inside_pa,
-            lagged: &wing.outside_pa,
-        };
+        return Pressure::PerTriangle(&wing.inside_pa);
     }
     scene
         .equilibrium

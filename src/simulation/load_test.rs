@@ -108,9 +108,8 @@ impl Simulation {
             let flight = self.trim_state()?.flight.as_ref()?;
             return Some(flight.loads.clone());
         }
-        wing.load.as_ref().map(|load| Loads {
-            inside_pa: load.inside_pa.clone(),
-            outside_pa: load.rest_pa.clone(),
+        wing.load_pa.as_ref().map(|jumps_pa| Loads {
+            jumps_pa: jumps_pa.clone(),
             nodal_n: Vec::new(),
         })
     }
@@ -191,10 +190,8 @@ impl Simulation {
 }
 
 fn times(base: &Loads, factor: f64) -> Loads {
-    let scaled = |values: &[f64]| values.iter().map(|v| factor * v).collect();
     Loads {
-        inside_pa: scaled(&base.inside_pa),
-        outside_pa: scaled(&base.outside_pa),
+        jumps_pa: base.jumps_pa.iter().map(|jump| factor * jump).collect(),
         nodal_n: base.nodal_n.iter().map(|f| factor * *f).collect(),
     }
 }

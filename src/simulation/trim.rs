@@ -336,10 +336,7 @@ impl Simulation {
 }
 
 fn pressure(loads: &Loads) -> Pressure<'_> {
-    Pressure::Parted {
-        following: &loads.inside_pa,
-        lagged: &loads.outside_pa,
-    }
+    Pressure::Lagged(&loads.jumps_pa)
 }
 
 fn mixed(old: &[DVec3], new: &[DVec3], share: f64) -> Vec<DVec3> {

@@ -55,10 +55,8 @@ pub struct Glider<'a> {
 /// Loads on the structure, at the attitude that the balance wants.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loads {
-    /// Pressure inside, on panels and tips [Pa], `[triangle_count]`.
-    pub inside_pa: Vec<f64>,
-    /// Less the pressure outside [Pa], `[triangle_count]`.
-    pub outside_pa: Vec<f64>,
+    /// Pressure inside less that outside, on panels and tips along their normals [Pa], `[triangle_count]`.
+    pub jumps_pa: Vec<f64>,
     /// Traction and drag of lines [N], `[node_count]`.
     pub nodal_n: Vec<DVec3>,
 }
@@ -302,9 +300,9 @@ impl<'a> Glider<'a> {
             force_m2: DVec3::ZERO,
             moment_m3: 0.0,
         };
-        self.each_jump(&outer, inside, |triangle, inside, outside| {
+        self.each_jump(&outer, inside, |triangle, jump| {
             let triangle = &self.structure.triangles[triangle];
-            let pull = triangle.doubled_area_vector(positions_m) * (0.5 * (inside + outside));
+            let pull = triangle.doubled_area_vector(positions_m) * (0.5 * jump);
             add(
                 &mut pressure,
                 self.middle_m(triangle.nodes, positions_m),
@@ -414,13 +412,11 @@ impl<'a> Glider<'a> {
         let along = stream(balance.stream_rad);
         let count = self.structure.triangles.len();
         let mut loads = Loads {
-            inside_pa: vec![0.0; count],
-            outside_pa: vec![0.0; count],
+            jumps_pa: vec![0.0; count],
             nodal_n: vec![DVec3::ZERO; self.structure.node_count()],
         };
-        self.each_jump(&sample.outer, sample.inside, |triangle, inside, outside| {
-            loads.inside_pa[triangle] = q * inside;
-            loads.outside_pa[triangle] = q * outside;
+        self.each_jump(&sample.outer, sample.inside, |triangle, jump| {
+            loads.jumps_pa[triangle] = q * jump;
         });
         let world = turned(along, balance.turn_rad);
         let lacking_m2 = sample.induced_m2 - sample.pressure.force_m2.dot(along);
@@ -463,24 +459,24 @@ impl<'a> Glider<'a> {
         if weight > 0.0 { sum / weight } else { 1.0 }
     }
 
-    /// Calls with every loaded triangle, and the coefficients that push along its normal: from inside, and from outside.
-    fn each_jump(&self, outer: &OuterPressure, inside: f64, mut each: impl FnMut(usize, f64, f64)) {
+    /// Calls with every loaded triangle, and the difference of the coefficients inside and outside, which pushes along its normal.
+    fn each_jump(&self, outer: &OuterPressure, inside: f64, mut each: impl FnMut(usize, f64)) {
         for (triangle, tag) in self.wing.tags.iter().enumerate() {
             let place = f64::from(tag.chord_place);
             let cell = tag.number as usize;
             match tag.part {
                 Part::Upper => {
                     let outside = outer.at(self.skin.of_cell(cell), place.sqrt());
-                    each(triangle, inside, -outside);
+                    each(triangle, inside - outside);
                 }
                 Part::Lower => {
                     let outside = outer.at(self.skin.of_cell(cell), -place.sqrt());
-                    each(triangle, inside, -outside);
+                    each(triangle, inside - outside);
                 }
                 // Normals of ribs point to the right.
-                Part::Rib if cell == 0 => each(triangle, -inside, outer.at_tip(place)),
+                Part::Rib if cell == 0 => each(triangle, outer.at_tip(place) - inside),
                 Part::Rib if cell == self.wing.cells => {
-                    each(triangle, inside, -outer.at_tip(place));
+                    each(triangle, inside - outer.at_tip(place));
                 }
                 Part::Rib | Part::MiniRib | Part::Diagonal => {}
             }

@@ -88,7 +88,7 @@ impl StepInput<'_> {
         }
     }
 
-    /// True if pressure follows the fabric within the solve.
+    /// True if pressure turns with the fabric until both stand still, within one solve or from solve to solve.
     #[must_use]
     pub fn pressure_follows(&self) -> bool {
         self.time_step_s.is_none() && !self.pressure.is_none()

@@ -5,9 +5,10 @@
 //! gradient, but for terms along the edges of a patch of equal pressure, which cancel where the edge is held. They are taken from the
 //! last iterate and corrected until they stand still (`edge_correction`).
 //!
-//! A load that is not the same all around a body ([`Pressure::Parted`], a wing's) has such terms everywhere, and as a whole turns with the
-//! body: a wing on its lines would find nothing to stand by. There the part that is the same everywhere follows as above, and the rest is
-//! taken from the last iterate, in the direction that it had there, until it stands still.
+//! A load that is not the same all around a body ([`Pressure::Lagged`], a wing's) has such terms everywhere, and as a whole turns with the
+//! body: a wing on its lines would find nothing to stand by. It is taken from the last iterate, in the direction that it had there, until
+//! it stands still. It must be taken as a whole: where pressure inside and outside nearly cancel, as below the nose, one that follows against one that
+//! lags leaves, on fabric that turns by θ, a pull of the order of either times sin θ, which folds what the small difference of both holds.
 
 use glam::DVec3;
 
@@ -25,13 +26,9 @@ pub enum Pressure<'a> {
     Uniform(f64),
     /// One for every triangle [Pa], `[triangle_count]`: per face, or per cell of a wing.
     PerTriangle(&'a [f64]),
-    /// Two parts for every triangle [Pa], `[triangle_count]` each.
-    Parted {
-        /// Follows within a solve.
-        following: &'a [f64],
-        /// Stays as it was at the last iterate, and is renewed until it stands still.
-        lagged: &'a [f64],
-    },
+    /// One for every triangle [Pa], `[triangle_count]`, whose pull in the static limit stays as it was at the last iterate, and is renewed until
+    /// it stands still.
+    Lagged(&'a [f64]),
 }
 
 impl<'a> Pressure<'a> {
@@ -42,8 +39,7 @@ impl<'a> Pressure<'a> {
         match self {
             Self::None => 0.0,
             Self::Uniform(pressure_pa) => *pressure_pa,
-            Self::PerTriangle(pressures_pa) => pressures_pa[triangle],
-            Self::Parted { following, lagged } => following[triangle] + lagged[triangle],
+            Self::PerTriangle(pressures_pa) | Self::Lagged(pressures_pa) => pressures_pa[triangle],
         }
     }
 
@@ -53,9 +49,8 @@ impl<'a> Pressure<'a> {
         match self {
             Self::None => true,
             Self::Uniform(pressure_pa) => *pressure_pa == 0.0,
-            Self::PerTriangle(pressures_pa) => pressures_pa.iter().all(|p| *p == 0.0),
-            Self::Parted { following, lagged } => {
-                following.iter().chain(*lagged).all(|p| *p == 0.0)
+            Self::PerTriangle(pressures_pa) | Self::Lagged(pressures_pa) => {
+                pressures_pa.iter().all(|p| *p == 0.0)
             }
         }
     }
@@ -64,16 +59,16 @@ impl<'a> Pressure<'a> {
     #[must_use]
     pub const fn following(self) -> Self {
         match self {
-            Self::Parted { following, .. } => Self::PerTriangle(following),
+            Self::Lagged(_) => Self::None,
             all => all,
         }
     }
 
     /// The part that stays as it was at the last iterate.
     #[must_use]
-    pub const fn lagged(self) -> Pressure<'a> {
+    pub const fn lagged(self) -> Self {
         match self {
-            Self::Parted { lagged, .. } => Self::PerTriangle(lagged),
+            Self::Lagged(_) => self,
             _ => Self::None,
         }
     }
@@ -145,6 +140,9 @@ pub(super) fn edge_correction(
     pressure: Pressure,
 ) -> Vec<DVec3> {
     let mut forces = vec![DVec3::ZERO; structure.node_count()];
+    if pressure.is_none() {
+        return forces;
+    }
     add_forces(structure, positions, pressure, &mut forces);
     for (node, force) in forces.iter_mut().enumerate() {
         let mut size = force.length();

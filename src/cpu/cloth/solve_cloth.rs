@@ -123,8 +123,8 @@ impl<'a> Objective<'a> {
             [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
         });
         value -= work;
-        if let Some(origin) = self.origin_m {
-            let jump = self.input.pressure.following();
+        let jump = self.input.pressure.following();
+        if let (Some(origin), false) = (self.origin_m, jump.is_none()) {
             value += pressure::add_potential(structure, gather, point, origin, jump, gradient);
         }
         if let Some(dt) = self.input.time_step_s {

@@ -31,49 +31,6 @@ impl Distribution {
     }
 }
 
-/// Jumps in two parts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Load {
-    /// The mean pressure inside, on panels and tips [Pa], `[triangle_count]`: but for the intakes it acts all around the wing.
-    pub inside_pa: Vec<f64>,
-    /// What is beyond that: pressure outside, and differences of cells [Pa], `[triangle_count]`.
-    pub rest_pa: Vec<f64>,
-}
-
-impl Load {
-    /// Jump at every triangle [Pa].
-    pub fn jumps_pa(&self) -> impl Iterator<Item = f64> + '_ {
-        self.inside_pa.iter().zip(&self.rest_pa).map(|(a, b)| a + b)
-    }
-
-    /// Parts a distribution.
-    #[must_use]
-    pub fn new(wing: &Wing, distribution: &Distribution) -> Self {
-        let cells = 0..wing.cells;
-        let sum: f64 = cells.map(|cell| distribution.inside(cell)).sum();
-        let mean = distribution.dynamic_pressure_pa * sum / wing.cells as f64;
-        let inside_pa: Vec<f64> = wing
-            .tags
-            .iter()
-            .map(|tag| match tag.part {
-                Part::Upper | Part::Lower => mean,
-                Part::Rib if tag.number == 0 => -mean,
-                Part::Rib if tag.number as usize == wing.cells => mean,
-                Part::Rib | Part::MiniRib | Part::Diagonal => 0.0,
-            })
-            .collect();
-        let jumps = jumps_pa(wing, distribution);
-        Self {
-            rest_pa: jumps
-                .iter()
-                .zip(&inside_pa)
-                .map(|(all, mean)| all - mean)
-                .collect(),
-            inside_pa,
-        }
-    }
-}
-
 /// Jumps along the normals of the triangles [Pa], `[triangle_count]`.
 #[must_use]
 pub fn jumps_pa(wing: &Wing, distribution: &Distribution) -> Vec<f64> {

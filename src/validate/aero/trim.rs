@@ -158,10 +158,9 @@ fn residuals(wing: &Wing, glider: &Glider, flight: &Flight) -> [f64; 2] {
         moment += (at - hang).cross(pull);
     };
     let loads = &flight.loads;
-    let jumps = loads.inside_pa.iter().zip(&loads.outside_pa);
-    for (triangle, (inside, outside)) in structure.triangles.iter().zip(jumps) {
+    for (triangle, jump) in structure.triangles.iter().zip(&loads.jumps_pa) {
         let middle: DVec3 = triangle.nodes.map(|n| positions[n as usize]).iter().sum();
-        let pull = triangle.doubled_area_vector(&positions) * (0.5 * (inside + outside));
+        let pull = triangle.doubled_area_vector(&positions) * (0.5 * jump);
         add(middle / 3.0, pull);
     }
     for ((at, load), mass) in positions
