@@ -12,7 +12,8 @@ use crate::frame::FabricState;
 /// Load of one triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleLoad {
-    /// Principal tensions per present width (Cauchy stress times present thickness), larger first [N/m].
+    /// Principal tensions per present width of the cloth (Cauchy stress times present thickness), larger first [N/m]. Where it is wrinkled, that is
+    /// its width along the wrinkles' slopes, not the smaller one between their feet.
     pub principal_tensions_n_m: [f64; 2],
     /// Unit vector along the larger principal tension, along which wrinkles run; zero where there is none.
     pub direction: DVec3,
@@ -40,20 +41,16 @@ impl TriangleLoad {
     }
 
     fn new(strain: &[f64; 3], response: &Response) -> Self {
-        // σ h = F T Fᵀ/J has the eigenvalues of T C/J, with C = 2E + I and J² = det C.
+        // σ h = F T Fᵀ/J has the eigenvalues of T C/J, with C = 2E + I, and J² = det C where nothing is wrinkled.
         let t = response.tension;
         let c = [1.0 + 2.0 * strain[0], 1.0 + 2.0 * strain[1], strain[2]];
         let determinant = c[0] * c[1] - c[2] * c[2];
         let half_trace = 0.5 * (t[0] * c[0] + t[1] * c[1] + 2.0 * t[2] * c[2]);
         let product = (t[0] * t[1] - t[2] * t[2]) * determinant;
         let radius = (half_trace * half_trace - product).max(0.0).sqrt();
-        let stretch = determinant.max(0.0).sqrt();
-        let principal_tensions_n_m = if stretch > 0.0 {
-            [half_trace + radius, half_trace - radius].map(|value| value / stretch)
-        } else {
-            // Collapsed to a line: per rest width.
-            principal(t[0], t[1], t[2])
-        };
+        let stretch = cloth_stretch(strain, response);
+        let principal_tensions_n_m =
+            [half_trace + radius, half_trace - radius].map(|value| value / stretch);
         Self {
             principal_tensions_n_m,
             direction: DVec3::ZERO,
@@ -70,6 +67,15 @@ impl TriangleLoad {
         let [a, b] = self.principal_tensions_n_m;
         (a * a - a * b + b * b).sqrt()
     }
+}
+
+/// Present area of the cloth over that at rest, its wrinkles laid out.
+fn cloth_stretch(strain: &[f64; 3], response: &Response) -> f64 {
+    if response.state == FabricState::Slack {
+        return 1.0;
+    }
+    let [xx, yy, xy] = [0, 1, 2].map(|k| strain[k] + response.wrinkle_strain * response.across[k]);
+    ((1.0 + 2.0 * xx) * (1.0 + 2.0 * yy) - xy * xy).sqrt()
 }
 
 fn load(membrane: &Membrane, triangle: &Triangle, positions: &[DVec3]) -> TriangleLoad {
@@ -249,5 +255,32 @@ mod tests {
         let [n1, n2] = expected;
         let mises = (0.5 * ((n1 - n2).powi(2) + n1 * n1 + n2 * n2)).sqrt();
         assert!((load.von_mises_n_m() / mises - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn wrinkles_do_not_concentrate_the_tension() {
+        // Pulled to 1.1 times its length; however near the sides have come, the cloth between them is as wide as Poisson's ratio leaves it.
+        let nu: f64 = 0.3;
+        let k = 1e3 / (1.0 - nu * nu);
+        let stiffness = [
+            [k, nu * k, 0.0],
+            [nu * k, k, 0.0],
+            [0.0, 0.0, 0.5 * k * (1.0 - nu)],
+        ];
+        let membrane = Membrane::new(stiffness, 0.0);
+        let along: f64 = 0.5 * (1.1_f64.powi(2) - 1.0);
+        let width = (1.0 - 2.0 * nu * along).sqrt();
+        let expected = 1e3 * along * 1.1 / width;
+        for squeezed in [0.9 * width, 0.5, 0.01, 0.0] {
+            let strain = [along, 0.5 * (squeezed * squeezed - 1.0), 0.0];
+            let load = TriangleLoad::new(&strain, &membrane.respond(&strain));
+            assert_eq!(load.state, FabricState::Wrinkled);
+            let [larger, smaller] = load.principal_tensions_n_m;
+            assert!(
+                (larger / expected - 1.0).abs() < 1e-12,
+                "{larger} {expected}"
+            );
+            assert!(smaller.abs() < 1e-9 * larger);
+        }
     }
 }
