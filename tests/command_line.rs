@@ -129,6 +129,15 @@ fn new_prints() {
         "{}",
         again.errors
     );
+    // No shipped case names a file that is not written with it.
+    let every = folder.path().join("every");
+    for (name, _) in SHIPPED {
+        let arguments = ["new", name, "--out", every.to_str().unwrap()];
+        assert_eq!(ripstop(&arguments).code, 0);
+        let case = every.join(format!("{name}.toml"));
+        let output = ripstop(&["check", case.to_str().unwrap()]);
+        assert_eq!(output.code, 0, "{name}: {}", output.errors);
+    }
     let output = ripstop(&["new", "zeppelin"]);
     assert_eq!(output.code, 2);
     assert!(

@@ -66,7 +66,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             return Err(Problem::new(
                 "resolution.cells_per_diameter",
                 "cells_per_diameter needs a canopy with a nominal diameter, or one rigid body with a diameter",
-                "give resolution.cell_size_m instead",
+                "give resolution.cell_size_m instead, or structure.mesh.nominal_area_m2 to a canopy from a mesh",
             ));
         }
         (None, Some(size), _) => positive("resolution.cell_size_m", size)?,

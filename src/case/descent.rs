@@ -163,7 +163,7 @@ pub(super) fn check(
             return Err(Problem::new(
                 "payload",
                 "[payload] hangs where the lines of a canopy meet, but the case has no canopy",
-                "add [structure.flat_circular], or let a body fall (bodies.NAME.motion.free_fall)",
+                "add [structure.flat_circular], or structure.mesh.nominal_area_m2 to a mesh, or let a body fall (bodies.NAME.motion.free_fall)",
             ));
         };
         let Some(node) = canopy.lower_end else {
@@ -174,6 +174,16 @@ pub(super) fn check(
             ));
         };
         body.structure.held[node] = false;
+        if let Some(held) = body.structure.held.iter().position(|held| *held) {
+            return Err(Problem::new(
+                "structure.mesh.held_nodes",
+                format!(
+                    "node {} is held, so that the payload would not fall but hang on it",
+                    held + 1
+                ),
+                "hold nothing of a canopy with a payload: held_nodes = []",
+            ));
+        }
         body.structure.masses_kg[node] += mass_kg;
         let bodies = payload_bodies::hang(&payload.bodies, node, &mut body.structure)?;
         return Ok(Some(Descent {

@@ -1,5 +1,7 @@
 //! Checks of `[structure.mesh]`: fabric from a mesh file, with a nominal area a parachute canopy.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -9,6 +11,7 @@ use super::file;
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
 use super::{Problem, mesh_lines};
 use crate::cloth::Structure;
+use crate::cloth::elements::EDGES;
 use crate::fabric::Fabric;
 use crate::geometry::fabric_surface;
 use crate::geometry::mesh::{obj, quality, surface};
@@ -18,6 +21,9 @@ const KEY: &str = "structure.mesh";
 
 /// Most by which an edge may be longer at the start than at rest: beyond what fabric bears, so one of both files is not what it should be.
 const LARGEST_STRETCH: f64 = 0.1;
+
+/// Least that the longest edge may be at the start, over its length at rest.
+const LEAST_RATIO: f64 = 0.5;
 
 /// Builds the structure; files are looked up relative to a folder.
 pub(super) fn check(
@@ -32,6 +38,13 @@ pub(super) fn check(
         .map_err(|index| degenerate(&path, &surface, index))?;
     let quality = quality::measure(&structure.positions_m, &surface.triangles);
     if let Some(start) = &written.start_file {
+        if !is_numbered(&path) {
+            return Err(Problem::new(
+                "structure.mesh.start_file",
+                "structure.mesh.start_file needs nodes with numbers, which STL and PLY files do not keep",
+                "give structure.mesh.file as OBJ, too",
+            ));
+        }
         start_at(&folder.join(start), scale, &surface, &mut structure)?;
     }
     let position_m = match written.position_m {
@@ -142,11 +155,13 @@ fn start_at(
             SAME,
         ));
     }
+    let mut longest_ratio: f64 = 0.0;
     for nodes in &rest.triangles {
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
             let [a, b] = [nodes[a], nodes[b]];
             let length = |of: &[DVec3]| of[a as usize].distance(of[b as usize]);
             let stretch = length(&start.positions_m) / length(&rest.positions_m) - 1.0;
+            longest_ratio = longest_ratio.max(1.0 + stretch);
             if stretch > LARGEST_STRETCH {
                 return Err(refused(
                     format!(
@@ -159,6 +174,12 @@ fn start_at(
                 ));
             }
         }
+    }
+    if longest_ratio < LEAST_RATIO {
+        return Err(refused(
+            format!("its edges are {longest_ratio:.2e} times as long as at rest, at most"),
+            "write both files in one unit: a fold leaves most edges as long as they are",
+        ));
     }
     structure.positions_m = start.positions_m;
     Ok(())
@@ -189,19 +210,19 @@ fn canopy(
     structure: &Structure,
 ) -> Result<Canopy, Problem> {
     let (fabric, ends) = structure.positions_m.split_at(canopy_node_count);
-    let Some(first) = ends.first() else {
+    if ends.is_empty() {
         return Err(absent(
             "structure.mesh.lines",
             "a canopy (structure.mesh.nominal_area_m2) hangs on suspension lines",
         ));
-    };
+    }
     let middle_x = fabric.iter().map(|place| place.x).sum::<f64>() / fabric.len() as f64;
-    if first.x >= middle_x {
+    if let Some(end) = ends.iter().find(|end| end.x >= middle_x) {
         return Err(Problem::new(
             "structure.mesh.lines",
             format!(
-                "the lines end at x = {:.4} m, downstream of the canopy (its middle is at {middle_x:.4} m)",
-                first.x
+                "lines end at x = {:.4} m, downstream of the canopy (its middle is at {middle_x:.4} m)",
+                end.x
             ),
             "the air comes along +x: turn mesh and lines so that the lines lead from the canopy towards −x",
         ));
@@ -210,7 +231,45 @@ fn canopy(
         nominal_area_m2,
         nominal_diameter_m: (4.0 * nominal_area_m2 / PI).sqrt(),
         canopy_node_count,
+        apex: farthest_from_lines(structure, canopy_node_count),
         lower_end: (ends.len() == 1).then_some(canopy_node_count),
         loading: None,
     })
+}
+
+/// The node of the fabric that is farthest from all attachments of lines, along its edges at rest.
+fn farthest_from_lines(structure: &Structure, fabric: usize) -> usize {
+    let mut neighbours = vec![Vec::new(); fabric];
+    for triangle in &structure.triangles {
+        for ([from, to], square) in EDGES.into_iter().zip(triangle.rest_squares_m2) {
+            let [from, to] = [from, to].map(|k| triangle.nodes[k] as usize);
+            neighbours[from].push((to, square.sqrt()));
+            neighbours[to].push((from, square.sqrt()));
+        }
+    }
+    // Bits of numbers that are not negative are in the order of the numbers.
+    let mut distances_m = vec![f64::INFINITY; fabric];
+    let mut queue = BinaryHeap::new();
+    for node in structure.cables.iter().flat_map(|cable| cable.nodes) {
+        if let Some(distance) = distances_m.get_mut(node as usize) {
+            *distance = 0.0;
+            queue.push((Reverse(0), node as usize));
+        }
+    }
+    let mut last = 0;
+    while let Some((Reverse(bits), node)) = queue.pop() {
+        let distance = f64::from_bits(bits);
+        if distance > distances_m[node] {
+            continue;
+        }
+        last = node;
+        for &(to, length) in &neighbours[node] {
+            let longer = distance + length;
+            if longer < distances_m[to] {
+                distances_m[to] = longer;
+                queue.push((Reverse(longer.to_bits()), to));
+            }
+        }
+    }
+    last
 }

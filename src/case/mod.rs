@@ -260,7 +260,10 @@ fn hash(text: &str, file: &File, folder: &Path) -> String {
     hasher.update(text.as_bytes());
     for name in file.named_files() {
         // Those that cannot be read have been refused before.
-        hasher.update(&std::fs::read(folder.join(name)).unwrap_or_default());
+        let content = std::fs::read(folder.join(name)).unwrap_or_default();
+        hasher.update(name.as_bytes());
+        hasher.update(&content.len().to_le_bytes());
+        hasher.update(&content);
     }
     format!("{:08x}", hasher.finalize())
 }

@@ -212,6 +212,7 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
             nominal_area_m2: cut.nominal_area_m2(),
             nominal_diameter_m: cut.nominal_diameter_m(),
             canopy_node_count: built.canopy_node_count,
+            apex: 0,
             lower_end: Some(built.lower_end),
             loading: Some(LoadingPressure {
                 pressure_pa: positive(

@@ -137,6 +137,12 @@ impl Body {
         markers::marked_share(self.structure.extents(insets))
     }
 
+    /// True for a canopy from a mesh file.
+    #[must_use]
+    pub const fn is_from_mesh(&self) -> bool {
+        matches!(self.kind, BodyKind::Canopy(Canopy { loading: None, .. }))
+    }
+
     /// Projected diameter of this canopy over the nominal one as it is released: opened by pressure, or as its mesh stands.
     #[must_use]
     pub fn released_diameter_ratio(&self, canopy: &Canopy) -> f64 {
@@ -202,13 +208,29 @@ pub struct Canopy {
     pub nominal_area_m2: f64,
     /// Nominal diameter D₀ [m].
     pub nominal_diameter_m: f64,
-    /// Nodes of fabric, which come first; then the confluence, then others.
+    /// Nodes of fabric, which come first; then the confluence, or where the lines of a mesh end, then others.
     pub canopy_node_count: usize,
+    /// Node farthest from the skirt; means nothing where there is a vent.
+    pub apex: usize,
     /// Node that is held or carries the payload: the confluence, or the lower end of the riser. `None`: the lines of a mesh end in
     /// several places, and all are held.
     pub lower_end: Option<usize>,
     /// How the folded canopy is opened before the wind starts; `None`: it starts as its mesh stands.
     pub loading: Option<LoadingPressure>,
+}
+
+impl Canopy {
+    /// Where the lines meet, or the middle of where those of a mesh end, for the positions of all nodes \[m\].
+    #[must_use]
+    pub fn confluence_m(&self, positions_m: &[DVec3]) -> DVec3 {
+        let ends = &positions_m[self.canopy_node_count..];
+        let count = if self.lower_end.is_some() {
+            1
+        } else {
+            ends.len()
+        };
+        ends[..count].iter().sum::<DVec3>() / count as f64
+    }
 }
 
 /// Opening of a folded canopy by pressure.
@@ -358,6 +380,9 @@ pub struct Output {
     pub history_plots: bool,
 }
 
+/// What lines and bands belong to.
+const DRAWN: &str = "a canopy drawn in the case (one from a mesh has structure.mesh.lines)";
+
 /// Refuses tables that nothing in the case would read: a reader would take them for effective.
 fn refuse_unused(file: &File) -> Result<(), Problem> {
     let of = |what: fn(&file::StructureTable) -> bool| file.structure.as_ref().is_some_and(what);
@@ -368,11 +393,11 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         .as_ref()
         .is_some_and(|s| s.cable.is_none() && s.wing.is_none());
     for (key, present, used, what) in [
-        ("lines", file.lines.is_some(), canopy, "a canopy"),
-        ("belts", file.belts.is_some(), canopy, "a canopy"),
-        ("skirt_band", file.skirt_band.is_some(), canopy, "a canopy"),
-        ("vent_band", file.vent_band.is_some(), canopy, "a canopy"),
-        ("vent_lines", file.vent_lines.is_some(), canopy, "a canopy"),
+        ("lines", file.lines.is_some(), canopy, DRAWN),
+        ("belts", file.belts.is_some(), canopy, DRAWN),
+        ("skirt_band", file.skirt_band.is_some(), canopy, DRAWN),
+        ("vent_band", file.vent_band.is_some(), canopy, DRAWN),
+        ("vent_lines", file.vent_lines.is_some(), canopy, DRAWN),
         (
             "steady",
             file.steady.is_some(),

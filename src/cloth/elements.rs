@@ -26,8 +26,9 @@ pub struct Triangle {
 /// Edge i runs from `EDGES[i][0]` to `EDGES[i][1]`, opposite node i.
 pub const EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
-/// Length of a direction's projection on a triangle, over its own, below which the direction counts as across it.
-const ACROSS: f64 = 1e-6;
+/// Length of a direction's projection on a triangle, over its own, below which the direction counts as across it: beyond what places with six
+/// digits turn a triangle by.
+const ACROSS: f64 = 1e-3;
 
 impl Triangle {
     /// Triangle with the given rest shape in fabric axes [m]; `None` if its area is zero or not finite.
@@ -221,5 +222,22 @@ mod tests {
             DVec2::new(2.0, 0.0),
         ];
         assert!(Triangle::new([0, 1, 2], bad).is_none());
+    }
+
+    /// A flat sheet across the warp takes y, with places as exact as six digits make them.
+    #[test]
+    fn fabric_that_stands_across_the_warp_takes_the_next_direction() {
+        for noise in [0.0, 5e-7, -5e-7] {
+            let rest = [[noise, 0.0, 0.0], [0.0, 0.04, 0.03], [0.0, -0.02, 0.05]];
+            let rest = rest.map(DVec3::from_array);
+            let triangle = Triangle::from_rest_positions([0, 1, 2], rest, DVec3::X).unwrap();
+            let stretched = rest.map(|p| p * DVec3::new(1.0, 1.2, 1.0));
+            let strain = triangle.strain(&triangle.edge_vectors(&stretched));
+            assert!(
+                (strain[0] - 0.5 * (1.2 * 1.2 - 1.0)).abs() < 1e-6,
+                "{strain:?}"
+            );
+            assert!(strain[1].abs().max(strain[2].abs()) < 1e-6, "{strain:?}");
+        }
     }
 }

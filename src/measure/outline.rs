@@ -31,6 +31,8 @@ pub(super) struct Line {
 /// Parts of a canopy.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Outline {
+    /// Node of the apex, where there is no vent.
+    pub apex: usize,
     /// Nodes of the skirt in order.
     pub skirt: Vec<u32>,
     /// Nodes of the vent in order; empty without one.
@@ -214,11 +216,7 @@ impl Outline {
                 })
             })
             .collect();
-        let confluence = structure
-            .positions_m
-            .get(canopy.canopy_node_count)
-            .copied()
-            .unwrap_or_default();
+        let confluence = canopy.confluence_m(&structure.positions_m);
         let middle = mean(lines.iter().map(|line| place(line.attachment)));
         let axis = Axis::new(confluence, middle);
         lines.sort_by(|a, b| {
@@ -227,6 +225,7 @@ impl Outline {
         });
 
         let mut outline = Self {
+            apex: canopy.apex,
             lines,
             ..Self::default()
         };
@@ -276,10 +275,10 @@ impl Outline {
         outline
     }
 
-    /// The apex, node 0, or the middle of the vent [m].
+    /// The apex, or the middle of the vent [m].
     pub fn apex(&self, positions_m: &[DVec3]) -> DVec3 {
         if self.vent.is_empty() {
-            positions_m.first().copied().unwrap_or(DVec3::NAN)
+            positions_m.get(self.apex).copied().unwrap_or(DVec3::NAN)
         } else {
             mean(self.vent.iter().map(|&n| positions_m[n as usize]))
         }
@@ -408,6 +407,7 @@ mod tests {
             nominal_area_m2: PI,
             nominal_diameter_m: 2.0,
             canopy_node_count: fabric,
+            apex: 0,
             lower_end: Some(fabric),
             loading: None,
         };

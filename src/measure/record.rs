@@ -438,7 +438,7 @@ impl Record {
         let area =
             shape::projected_area_m2(&structure.positions_m, structure.triangles.iter().copied());
         let fabric = &structure.positions_m[..canopy.canopy_node_count];
-        let confluence = structure.positions_m[canopy.canopy_node_count];
+        let confluence = canopy.confluence_m(&structure.positions_m);
         let apex = parts.outline().apex(&structure.positions_m) - confluence;
         let (of_shape, details) = parts.row(&structure, area);
         let mut row = vec![

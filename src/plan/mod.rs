@@ -20,7 +20,7 @@ pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
 
 use crate::case::Scene;
-use crate::case::scene::{Air, BodyKind, Flow};
+use crate::case::scene::{Air, Body, BodyKind, Flow};
 use crate::immersed::markers;
 use crate::solve::InitialHessian;
 
@@ -254,7 +254,12 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
     if let Some(BodyKind::Canopy(_)) = fabric.map(|body| body.kind)
         && !has_line_drag
     {
-        skip("drag of lines", "no lines.drag_coefficient".into());
+        let why = if scene.body.as_ref().is_some_and(Body::is_from_mesh) {
+            "lines of a table have none"
+        } else {
+            "no lines.drag_coefficient"
+        };
+        skip("drag of lines", why.into());
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),

@@ -462,7 +462,7 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
         && let BodyKind::Canopy(canopy) = &body.kind
     {
         // The same box for all pictures of a run, so that the camera stands still.
-        let confluence = structure.positions_m[canopy.canopy_node_count];
+        let confluence = canopy.confluence_m(&structure.positions_m);
         let reach = canopy.nominal_diameter_m;
         options.framing_box_m = Some([
             confluence - DVec3::new(0.1, 0.6, 0.6) * reach,

@@ -434,7 +434,7 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
     match kind {
         Some(BodyKind::Canopy(canopy)) => {
             let diameter = canopy.nominal_diameter_m;
-            let confluence = positions[canopy.canopy_node_count];
+            let confluence = canopy.confluence_m(positions);
             let skirt = positions[..canopy.canopy_node_count]
                 .iter()
                 .map(|p| p.x)

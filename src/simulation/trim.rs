@@ -1,8 +1,8 @@
 //! The trim of a wing: air and fabric in turn, until speed, glide, pitch and shape stand still.
 //!
 //! An outer iteration takes the shape, finds its glide ([`crate::trim`]), turns the structure to the attitude that balances, lets the guide at the nose
-//! rest there, and solves the fabric from where it is under the loads of that glide. The loads stand during the solve; pressure turns with
-//! the triangles. The solver's energy norm hardly sees what stiff lines carry, so fabric as a whole and lines are balanced after it
+//! rest there, and solves the fabric from where it is under the loads of that glide. The loads stand during the solve; pressure is renewed on the
+//! turned triangles until it stands still. The solver's energy norm hardly sees what stiff lines carry, so fabric as a whole and lines are balanced after it
 //! ([`Cloth::balance_as_a_whole`]), and where the risers still do not carry what acts, the fabric is solved to half the tolerance in the next
 //! iteration. Coarser meshes of the same plan come first, each starting from the one before.
 

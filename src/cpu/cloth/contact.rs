@@ -196,7 +196,7 @@ impl Contacts {
         self.stiffness_n_m.clear();
         let mut loads = loads.to_vec();
         if input.pressure_follows() {
-            pressure::add_forces(structure, start, input.pressure, &mut loads);
+            pressure::add_forces(structure, start, input.pressure.following(), &mut loads);
         }
         let stiffness = loads
             .iter()

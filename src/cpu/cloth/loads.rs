@@ -56,7 +56,7 @@ pub struct StepInput<'a> {
     pub time_step_s: Option<f64>,
     /// Gravity [m/s²].
     pub gravity_m_s2: DVec3,
-    /// Pressure jumps along the triangle normals; those at the start of a time step, following the fabric in the static limit.
+    /// Pressure jumps along the triangle normals; those at the start of a time step, turning with the fabric in the static limit.
     pub pressure: Pressure<'a>,
     /// Mass-proportional damping β [1/s].
     pub damping_1_s: f64,

@@ -24,7 +24,7 @@ pub enum Pressure<'a> {
     None,
     /// The same everywhere [Pa].
     Uniform(f64),
-    /// One for every triangle [Pa], `[triangle_count]`: per face, or per cell of a wing.
+    /// One for every triangle [Pa], `[triangle_count]`.
     PerTriangle(&'a [f64]),
     /// One for every triangle [Pa], `[triangle_count]`, whose pull in the static limit stays as it was at the last iterate, and is renewed until
     /// it stands still.

@@ -49,8 +49,12 @@ impl TriangleLoad {
         let product = (t[0] * t[1] - t[2] * t[2]) * determinant;
         let radius = (half_trace * half_trace - product).max(0.0).sqrt();
         let stretch = cloth_stretch(strain, response);
-        let principal_tensions_n_m =
-            [half_trace + radius, half_trace - radius].map(|value| value / stretch);
+        let principal_tensions_n_m = if stretch > 0.0 {
+            [half_trace + radius, half_trace - radius].map(|value| value / stretch)
+        } else {
+            // Sheared to a line: per rest width.
+            principal(t[0], t[1], t[2])
+        };
         Self {
             principal_tensions_n_m,
             direction: DVec3::ZERO,
@@ -75,7 +79,8 @@ fn cloth_stretch(strain: &[f64; 3], response: &Response) -> f64 {
         return 1.0;
     }
     let [xx, yy, xy] = [0, 1, 2].map(|k| strain[k] + response.wrinkle_strain * response.across[k]);
-    ((1.0 + 2.0 * xx) * (1.0 + 2.0 * yy) - xy * xy).sqrt()
+    let square = (1.0 + 2.0 * xx) * (1.0 + 2.0 * yy) - xy * xy;
+    square.max(0.0).sqrt()
 }
 
 fn load(membrane: &Membrane, triangle: &Triangle, positions: &[DVec3]) -> TriangleLoad {
@@ -281,6 +286,17 @@ mod tests {
                 "{larger} {expected}"
             );
             assert!(smaller.abs() < 1e-9 * larger);
+        }
+    }
+
+    #[test]
+    fn what_is_sheared_to_a_line_has_a_finite_tension() {
+        let membrane = Membrane::new([[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1.0]], 0.0);
+        for shear in [1.2, 1.2 + 1e-9] {
+            let strain = [0.1, 0.1, shear];
+            let load = TriangleLoad::new(&strain, &membrane.respond(&strain));
+            assert_eq!(load.state, FabricState::Taut);
+            assert!(load.principal_tensions_n_m.iter().all(|n| n.is_finite()));
         }
     }
 }

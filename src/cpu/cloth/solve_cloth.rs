@@ -8,7 +8,7 @@
 //! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Where air passes the fabric this term is another
 //! ([`super::permeable`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
-//! −f·x ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
+//! −f·x, or is renewed from solve to solve ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
 //!
 //! Where the step spans k steps of the air, dt is that of all of them, and u*_k their mean (`simulation::Coupled`).
@@ -55,7 +55,7 @@ pub(super) struct Objective<'a> {
     input: &'a StepInput<'a>,
     /// Loads that stay [N].
     loads: Vec<DVec3>,
-    /// From where the volume under pressure is seen [m]; `None` where pressure does not follow.
+    /// From where the volume under pressure is seen [m]; `None` in a time step and without pressure.
     origin_m: Option<DVec3>,
     dashpots: Vec<Dashpot>,
     kind: InitialHessian,
@@ -68,7 +68,7 @@ pub(super) struct Objective<'a> {
 /// Stiffness below which a node counts as held by nothing [N/m].
 pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
 
-/// Solves with corrected loads along edges under pressure.
+/// Solves with corrected loads along edges under pressure, or renewed pressure that lags.
 const EDGE_PASS_LIMIT: usize = 30;
 
 /// Legs in which the prediction of a step is approached while no fabric is in the way, each about an edge long.

@@ -1,4 +1,4 @@
-//! Pressure jumps across the fabric of a wing for a prescribed distribution, until an aerodynamic method gives one.
+//! Pressure jumps across the fabric of a wing for a prescribed distribution; that of a glide is computed (`crate::trim`).
 //!
 //! On a panel the jump is q (C_i − f C_o), positive outwards: q dynamic pressure, C_i the coefficient inside the cell (1 at a stagnation
 //! point), C_o(x/c) outside, f(η) its share along the half span. On a rib it is the difference of its two cells; at a tip C_o is the mean

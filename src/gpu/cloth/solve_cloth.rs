@@ -318,6 +318,11 @@ impl Cloth {
 
     /// Along open edges that move, the host corrects the loads of following pressure from solve to solve; the device does not.
     fn refuse_open_edges(&self, state: &State, input: &StepInput) -> Result<(), DeviceError> {
+        if !input.pressure.lagged().is_none() {
+            return Err(DeviceError::Command(
+                "pressure that is taken from the last shape and renewed is computed on the host: use --cloth host".to_owned(),
+            ));
+        }
         let open = pressure::first_open_edge(&state.structure, &state.positions_m, input.pressure);
         match open {
             None => Ok(()),
