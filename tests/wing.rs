@@ -35,7 +35,7 @@ pub fn trials() -> Vec<Trial> {
             "wing::lagged_pressure_ends_where_following_pressure_does",
             lagged_pressure,
         ),
-        plain("wing::noses_stand_on_every_mesh", noses_stand),
+        plain("wing::noses_stand_on_whole_meshes", noses_stand),
     ]
     .into_iter()
     .flatten()
