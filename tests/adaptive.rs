@@ -5,7 +5,6 @@ use std::path::Path;
 use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::case::{self, Choices, Scene};
-use ripstop::checkpoint;
 use ripstop::cloth::Structure;
 use ripstop::frame::CableKind;
 use ripstop::lines::Cable;
@@ -13,6 +12,7 @@ use ripstop::plan::{ClothPlacement, Placement, Plan, Precision};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Engine, needs_device, plain};
+use crate::resumed::{bits_of_nodes, taken_up};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -224,30 +224,19 @@ fn resumed(placement: Placement, engine: Engine) {
         let plan = Plan::new(&scene, placement.clone());
         Simulation::new(scene.clone(), plan, engine.device()).unwrap()
     };
-    let folder = tempfile::tempdir().unwrap();
     let mut straight = start();
     let steps = straight.plan().steps;
     while straight.step_count() < steps / 2 {
         straight.advance().unwrap();
     }
-    checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
-    let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
-    let mut resumed = start();
-    resumed.restore(&stored).unwrap();
+    let mut resumed = taken_up(&mut straight, start());
     assert!(resumed.adaptive().unwrap().parts() > resumed.step_count());
     for simulation in [&mut straight, &mut resumed] {
         while simulation.step_count() < steps {
             simulation.advance().unwrap();
         }
     }
-    let bits = |simulation: &Simulation| {
-        let cloth = simulation.cloth().unwrap();
-        let both = cloth.positions_m.iter().chain(&cloth.velocities_m_s);
-        both.flat_map(|v| v.to_array())
-            .map(f64::to_bits)
-            .collect::<Vec<_>>()
-    };
-    assert!(bits(&straight) == bits(&resumed));
+    assert!(bits_of_nodes(&straight) == bits_of_nodes(&resumed));
     assert_eq!(
         straight.adaptive().unwrap().parts(),
         resumed.adaptive().unwrap().parts()

@@ -1,7 +1,6 @@
 //! Several steps of the air between solves of the fabric.
 
 use libtest_mimic::Trial;
-use ripstop::checkpoint;
 use ripstop::plan::{
     AirPlacement, ClothPlacement, MARKER_MOTION_LIMIT, Placement, Plan, Precision, Storage,
 };
@@ -9,6 +8,7 @@ use ripstop::simulation::Simulation;
 
 use crate::canopy::small_case;
 use crate::engines::{Engine, needs_device, plain};
+use crate::resumed::{bits_of_nodes, taken_up};
 
 pub fn trials() -> Vec<Trial> {
     let mut trials = plain(
@@ -45,8 +45,7 @@ fn shortens(placement: Placement, engine: Engine) {
         Simulation::new(case.scene.clone(), plan, engine.device()).unwrap()
     };
     let mut straight = start();
-    let folder = tempfile::tempdir().unwrap();
-    let mut saved = None;
+    let mut stored = None;
     let mut left = 200;
     while left > 0 {
         straight.advance().unwrap();
@@ -54,9 +53,8 @@ fn shortens(placement: Placement, engine: Engine) {
         if straight.released() {
             left -= 1;
         }
-        if saved.is_none() && cadence.shortened() > 3 && cadence.every() > 2 {
-            checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
-            saved = Some(straight.step_count());
+        if stored.is_none() && cadence.shortened() > 3 && cadence.every() > 2 {
+            stored = Some((straight.step_count(), taken_up(&mut straight, start())));
         }
     }
     let cadence = *straight.cadence().unwrap();
@@ -71,24 +69,14 @@ fn shortens(placement: Placement, engine: Engine) {
         farthest > 0.5 * MARKER_MOTION_LIMIT && farthest <= MARKER_MOTION_LIMIT,
         "{farthest}"
     );
-    let saved = saved.unwrap();
-    let mut resumed = start();
-    let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
-    resumed.restore(&stored).unwrap();
-    assert_eq!(resumed.step_count(), saved);
+    let (steps, mut resumed) = stored.unwrap();
+    assert_eq!(resumed.step_count(), steps);
     while resumed.step_count() < straight.step_count() {
         resumed.advance().unwrap();
     }
     assert_eq!(*resumed.cadence().unwrap(), cadence);
     assert_eq!(resumed.largest_marker_motion(), farthest);
-    let bits = |simulation: &Simulation| {
-        let cloth = simulation.cloth().unwrap();
-        let vectors = cloth.positions_m.iter().chain(&cloth.velocities_m_s);
-        vectors
-            .flat_map(|v| v.to_array().map(f64::to_bits))
-            .collect::<Vec<_>>()
-    };
-    assert!(bits(&straight) == bits(&resumed));
+    assert!(bits_of_nodes(&straight) == bits_of_nodes(&resumed));
 }
 
 /// Without `coupling.structure_every` the fabric is solved in every step, and nothing is kept for spans of several.

@@ -6,7 +6,6 @@ use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::case::scene::Carrier;
 use ripstop::case::{self, Case, Choices};
-use ripstop::checkpoint;
 use ripstop::cloth::Structure;
 use ripstop::cpu::cloth::line_drag::add_line_drags;
 use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
@@ -20,6 +19,7 @@ use ripstop::plan::Plan;
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain, states};
+use crate::resumed::taken_up;
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -174,11 +174,7 @@ impl Body for Drop {
             straight.advance().unwrap();
         }
         record.add(&mut straight).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
-        let stored = checkpoint::open(folder.path(), "test").unwrap().reader;
-        let mut resumed = new();
-        resumed.restore(&stored).unwrap();
+        let mut resumed = taken_up(&mut straight, new());
         assert_eq!(straight.line_drag_n(), resumed.line_drag_n());
         for _ in 0..40 {
             straight.advance().unwrap();

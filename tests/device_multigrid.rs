@@ -16,7 +16,8 @@ use ripstop::solve::multigrid::blocks::{BlockMatrix, Pattern};
 use ripstop::solve::multigrid::coarsening::Graph;
 use ripstop::solve::multigrid::hierarchy::hierarchy;
 
-use crate::device_cloth::{compare, curtain, fabric, farthest, noise, on, on_device, square};
+use crate::device_cloth::{compare, fabric, farthest, noise, on, on_device, square};
+use crate::device_cloth_steps::curtain;
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {

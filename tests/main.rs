@@ -26,12 +26,15 @@ mod coupling;
 mod descent;
 mod device;
 mod device_cloth;
+mod device_cloth_steps;
 mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
+mod lep_sim;
 mod permeability;
 mod plates;
 mod ram_air;
+mod resumed;
 mod sail_support;
 mod supports;
 mod sweep;
@@ -41,6 +44,7 @@ mod validate;
 mod walls;
 mod wing;
 mod wing_design;
+mod wing_patterns;
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -55,12 +59,15 @@ fn main() -> std::process::ExitCode {
         walls::trials(),
         wing::trials(),
         wing_design::trials(),
+        wing_patterns::trials(),
+        lep_sim::trials(),
         ram_air::trials(),
         sail_support::trials(),
         trim::trials(),
         coupling::trials(),
         device::trials(),
         device_cloth::trials(),
+        device_cloth_steps::trials(),
         device_multigrid::trials(),
         canopy::trials(),
         canopies::trials(),

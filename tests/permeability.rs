@@ -18,6 +18,7 @@ use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, device, needs_device, on_every_engine, plain};
+use crate::resumed::{bits_of_nodes, taken_up};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -356,26 +357,13 @@ impl Body for Sheet {
         for _ in 0..start + 20 {
             straight.advance().unwrap();
         }
-        let folder = tempfile::tempdir().unwrap();
-        ripstop::checkpoint::write(folder.path(), "test", |out| straight.save(out)).unwrap();
-        let mut resumed = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
-        let reader = ripstop::checkpoint::open(folder.path(), "test")
-            .unwrap()
-            .reader;
-        resumed.restore(&reader).unwrap();
+        let fresh = Simulation::new(case.scene.clone(), plan(), engine.device()).unwrap();
+        let mut resumed = taken_up(&mut straight, fresh);
         for _ in 0..20 {
             straight.advance().unwrap();
             resumed.advance().unwrap();
         }
-        let bits = |simulation: &Simulation| {
-            let positions = &simulation.cloth().unwrap().positions_m;
-            let bits: Vec<[u64; 3]> = positions
-                .iter()
-                .map(|x| x.to_array().map(f64::to_bits))
-                .collect();
-            bits
-        };
-        assert_eq!(bits(&straight), bits(&resumed));
+        assert_eq!(bits_of_nodes(&straight), bits_of_nodes(&resumed));
         assert_eq!(
             straight.through_velocities_m_s(),
             resumed.through_velocities_m_s()

@@ -45,29 +45,36 @@ pub fn bounding_box(
     positions: &[[f64; 3]],
     domain: Domain,
 ) -> Result<Option<CellBox>, OutOfDomain> {
-    let mut low = [i64::MAX; 3];
-    let mut high = [i64::MIN; 3];
+    let bounds: [[f64; 2]; 3] = std::array::from_fn(|a| {
+        let cells = domain.cells[a] as f64;
+        if domain.repeats[a] {
+            [-0.5, cells - 0.5]
+        } else {
+            [1.0, cells - 2.0]
+        }
+    });
+    let mut least = [f64::INFINITY; 3];
+    let mut greatest = [f64::NEG_INFINITY; 3];
     for (marker, position) in positions.iter().enumerate() {
         for a in 0..3 {
             // Not finite counts as outside.
-            let cells = domain.cells[a] as f64;
-            let [least, end] = if domain.repeats[a] {
-                [-0.5, cells - 0.5]
-            } else {
-                [1.0, cells - 2.0]
-            };
-            let inside = position[a] >= least && position[a] < end;
+            let inside = position[a] >= bounds[a][0] && position[a] < bounds[a][1];
             if !inside {
                 return Err(OutOfDomain {
                     marker,
                     position: *position,
                 });
             }
-            let floor = position[a].floor() as i64;
-            low[a] = low[a].min(floor - 1);
-            high[a] = high[a].max(floor + 3);
+            if position[a] < least[a] {
+                least[a] = position[a];
+            }
+            if position[a] > greatest[a] {
+                greatest[a] = position[a];
+            }
         }
     }
+    let mut low = least.map(|place| place.floor() as i64 - 1);
+    let mut high = greatest.map(|place| place.floor() as i64 + 3);
     for a in 0..3 {
         let cells = domain.cells[a] as i64;
         if domain.repeats[a] && (low[a] < 0 || high[a] > cells) {
@@ -80,7 +87,7 @@ pub fn bounding_box(
 /// Rows of cells under a marker's kernel.
 const ROWS: usize = WIDTH * WIDTH;
 
-/// Markers below which one thread spreads alone: waking others takes longer.
+/// Markers below which one thread works alone: waking others takes longer.
 const ALONE: usize = 512;
 
 /// A marker's kernel: where each of its rows begins among the touched cells, and its weights along the axes.
@@ -93,6 +100,23 @@ struct Kernel {
 }
 
 impl Kernel {
+    /// The kernel of a marker at `position` [cells]; its rows begin at slots of the box of cells that begins at `low`.
+    fn at(position: [f64; 3], low: [i64; 3], size: [usize; 3]) -> Self {
+        let axes = position.map(kernel::weights);
+        let x = (axes[0].0 - low[0]) as usize;
+        // Where the box is the whole domain, a kernel may go on at its other end.
+        let [ys, zs]: [[usize; WIDTH]; 2] = [1, 2].map(|a| {
+            let first = axes[a].0 - low[a];
+            std::array::from_fn(|i| wrapped(first + i as i64, size[a]))
+        });
+        Self {
+            rows: std::array::from_fn(|row| {
+                (size[0] * (ys[row % WIDTH] + size[1] * zs[row / WIDTH]) + x) as u32
+            }),
+            weights: axes.map(|(_, weights)| weights),
+        }
+    }
+
     /// Weight of row `row` for each of its cells.
     #[inline(always)]
     fn of_row(&self, row: usize) -> [f64; WIDTH] {
@@ -152,31 +176,22 @@ impl TouchedCells {
         let size: [usize; 3] = std::array::from_fn(|a| (high[a] - low[a]) as usize);
         self.marks.resize(size[0] * size[1] * size[2], 0);
         self.numbers.resize(self.marks.len(), 0);
-        for position in positions {
-            let axes = position.map(kernel::weights);
-            let x = (axes[0].0 - low[0]) as usize;
-            // Where the box is the whole domain, a kernel may go on at its other end.
-            let [ys, zs]: [[usize; WIDTH]; 2] = [1, 2].map(|a| {
-                let first = axes[a].0 - low[a];
-                std::array::from_fn(|i| wrapped(first + i as i64, size[a]))
-            });
-            let mut kernel = Kernel {
-                weights: axes.map(|(_, weights)| weights),
-                ..Kernel::default()
-            };
-            for (row, start) in kernel.rows.iter_mut().enumerate() {
-                let slot = size[0] * (ys[row % WIDTH] + size[1] * zs[row / WIDTH]) + x;
-                self.marks[slot..slot + WIDTH].fill(1);
-                *start = slot as u32;
+        positions
+            .par_iter()
+            .with_min_len(ALONE)
+            .map(|position| Kernel::at(*position, low, size))
+            .collect_into_vec(&mut self.kernels);
+        for kernel in &self.kernels {
+            for &slot in &kernel.rows {
+                self.marks[slot as usize..slot as usize + WIDTH].fill(1);
             }
-            self.kernels.push(kernel);
         }
         self.number_cells(low, size, domain.cells[1]);
-        for kernel in &mut self.kernels {
-            for start in &mut kernel.rows {
-                *start = self.numbers[*start as usize];
-            }
-        }
+        let numbers = &self.numbers;
+        self.kernels
+            .par_iter_mut()
+            .with_min_len(ALONE)
+            .for_each(|kernel| kernel.rows = kernel.rows.map(|slot| numbers[slot as usize]));
         Ok(())
     }
 

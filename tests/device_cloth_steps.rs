@@ -1,0 +1,421 @@
+//! Whole steps and equilibria of fabric on a device against the same on the CPU: motion, supports, known answers, hostile starts.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::cloth::Structure;
+use ripstop::cpu::cloth::gather::Gather;
+use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
+use ripstop::cpu::cloth::{
+    Cloth, InitialHessian, Pressure, SolverSettings, StepInput,
+};
+use ripstop::fabric::Fabric;
+use ripstop::geometry::cable;
+use ripstop::geometry::sheet::FabricModel;
+use ripstop::gpu::cloth::Cloth as DeviceCloth;
+use ripstop::gpu::{Device, DeviceError};
+use ripstop::lines::Cable;
+use ripstop::measure::catenary;
+use ripstop::solve::lbfgs::{Outcome, Stop};
+
+use crate::device_cloth::{SETTINGS, fabric, farthest, markers, noise, on, square};
+use crate::engines::{device, needs_device};
+use crate::tolerances::device_cloth as tolerance;
+
+fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
+    needs_device(format!("device_cloth_steps::{name}"), move || {
+        if let Ok(device) = device() {
+            body(device);
+        }
+    })
+}
+
+pub fn trials() -> Vec<Trial> {
+    vec![
+        on_device("one_step_with_markers", one_step_with_markers),
+        on_device("sheet_in_motion", sheet_in_motion),
+        on_device("supports_that_move", moved_supports),
+        on_device("catenary", hanging_cable),
+        on_device("hanging_sheet", hanging_sheet),
+        on_device("free_fall", free_fall),
+        on_device("hostile_starts", hostile_starts),
+        on_device("same_bits_twice", same_bits_twice),
+        on_device("oversized_structures_are_refused", oversized),
+    ]
+}
+
+/// A sheet held at two corners.
+pub fn curtain(divisions: usize, model: FabricModel) -> Structure {
+    let soft = Fabric {
+        warp_modulus_pa: 5e6,
+        weft_modulus_pa: 5e6,
+        ..fabric(2e6, 1e-3)
+    };
+    let mut structure = square(divisions, model, &soft);
+    structure.held[0] = true;
+    structure.held[divisions] = true;
+    for (i, p) in structure.positions_m.iter_mut().enumerate() {
+        p.y += 0.01 * (i as f64 * 0.7).sin();
+    }
+    structure
+}
+
+/// Advances both engines by `steps` and returns them with the evaluations that each needed.
+fn both(
+    device: &Arc<Device>,
+    structure: Structure,
+    input: &StepInput,
+    settings: &SolverSettings,
+    steps: usize,
+) -> ([Cloth; 2], [usize; 2]) {
+    let mut on_device = on(device, &structure, input.markers);
+    let mut cpu = Cloth::new(structure);
+    let mut gpu = cpu.clone();
+    let mut evaluations = [0; 2];
+    for step in 0..steps {
+        let a = cpu.solve_cloth(input, settings);
+        let b = on_device
+            .solve(&mut gpu, input, settings, &mut |_| true)
+            .unwrap();
+        assert_eq!(a.stop, Stop::Converged, "step {step}: {a:?}");
+        assert_eq!(b.stop, Stop::Converged, "step {step}: {b:?}");
+        evaluations[0] += a.evaluations;
+        evaluations[1] += b.evaluations;
+    }
+    ([cpu, gpu], evaluations)
+}
+
+fn one_step_with_markers(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let structure = curtain(16, model);
+        let markers = markers(&structure, 1);
+        let input = StepInput {
+            time_step_s: Some(2e-3),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            damping_1_s: 1.0,
+            markers: &markers,
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            ..SETTINGS
+        };
+        let start = structure.positions_m.clone();
+        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
+        let moved = farthest(&start, &cpu.positions_m);
+        let error = farthest(&cpu.positions_m, &gpu.positions_m);
+        assert!(
+            error < tolerance::ONE_STEP * moved,
+            "{error:e} of {moved:e}"
+        );
+        let error = farthest(&cpu.velocities_m_s, &gpu.velocities_m_s);
+        assert!(error < tolerance::ONE_STEP * moved / 2e-3, "{error:e}");
+        for held in [0, 16] {
+            assert_eq!(gpu.positions_m[held], start[held]);
+            assert_eq!(gpu.velocities_m_s[held], DVec3::ZERO);
+        }
+        assert!(evaluations[1] < 2 * evaluations[0] + 10, "{evaluations:?}");
+    }
+}
+
+/// Fifty steps of a sheet that falls into its supports under a gust of pressure.
+fn sheet_in_motion(device: &Arc<Device>) {
+    for refresh_every in [None, Some(2)] {
+        let structure = curtain(12, FabricModel::Membrane);
+        let start = structure.positions_m.clone();
+        let input = StepInput {
+            time_step_s: Some(2e-3),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            pressure: Pressure::Uniform(2.0),
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-4,
+            refresh_every,
+            ..SETTINGS
+        };
+        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 50);
+        let moved = farthest(&start, &cpu.positions_m);
+        let error = farthest(&cpu.positions_m, &gpu.positions_m);
+        assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
+        assert!(2 * evaluations[1] < 3 * evaluations[0], "{evaluations:?}");
+        let energies = [cpu.kinetic_energy_j(), gpu.kinetic_energy_j()];
+        assert!(
+            (energies[0] / energies[1] - 1.0).abs() < tolerance::MOTION,
+            "{energies:?}"
+        );
+    }
+}
+
+/// As the static equilibrium of a case asks.
+const STATIC: SolverSettings = SolverSettings {
+    tolerance: 1e-3,
+    displacement_floor_m: 0.0,
+    evaluation_limit: 20_000,
+    refresh_every: Some(10),
+    initial_hessian: InitialHessian::Multigrid,
+    ..SETTINGS
+};
+
+/// One corner of a curtain is led away, with markers in the wind and damping, which feel its speed.
+fn moved_supports(device: &Arc<Device>) {
+    let structure = curtain(12, FabricModel::Membrane);
+    let start = structure.positions_m.clone();
+    let markers = markers(&structure, 1);
+    let mut on_device = on(device, &structure, &markers);
+    let mut cpu = Cloth::new(structure);
+    let mut gpu = cpu.clone();
+    for step in 1..=5 {
+        let place = start[0] + DVec3::new(-1e-3, 2e-3, 0.5e-3) * f64::from(step);
+        let input = StepInput {
+            time_step_s: Some(1e-3),
+            damping_1_s: 3.0,
+            markers: &markers,
+            moved_supports: &[(0, place)],
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            ..SETTINGS
+        };
+        let a = cpu.solve_cloth(&input, &settings);
+        let b = on_device
+            .solve(&mut gpu, &input, &settings, &mut |_| true)
+            .unwrap();
+        assert_eq!(a.stop, Stop::Converged, "{a:?}");
+        assert_eq!(b.stop, Stop::Converged, "{b:?}");
+        let energy = (a.objective - b.objective).abs() / a.objective.abs();
+        assert!(energy < tolerance::MOTION, "{energy:e}");
+        assert_eq!(gpu.positions_m[0], place);
+    }
+    let moved = farthest(&start, &cpu.positions_m);
+    let error = farthest(&cpu.positions_m, &gpu.positions_m);
+    assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
+}
+
+fn equilibrium(
+    device: &Arc<Device>,
+    structure: Structure,
+    settings: &SolverSettings,
+) -> (Cloth, Outcome) {
+    let mut on_device = on(device, &structure, &[]);
+    let mut cloth = Cloth::new(structure);
+    let input = StepInput {
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        ..StepInput::default()
+    };
+    let outcome = on_device
+        .solve(&mut cloth, &input, settings, &mut |_| true)
+        .unwrap();
+    (cloth, outcome)
+}
+
+/// The gate of the CPU engine, C2, at the same tolerance of the gate.
+fn hanging_cable(device: &Arc<Device>) {
+    let rope = Cable::linear(1e-4, 1000.0, 1e8);
+    let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
+    // 2⁻²⁴ √(EA/T), with T the tension, is what forces in single precision can reach: 8e-6 here.
+    let settings = SolverSettings {
+        tolerance: 2e-5,
+        evaluation_limit: 10_000,
+        ..STATIC
+    };
+    let (cloth, outcome) = equilibrium(device, cable::build(ends, 1.2, 100, &rope), &settings);
+    let exact = catenary::solve(1.0, 1.2, 0.1 * 9.81).unwrap();
+    let lowest = cloth
+        .positions_m
+        .iter()
+        .map(|p| p.z)
+        .fold(f64::INFINITY, f64::min);
+    let sag = (1.0 - lowest) / exact.sag_m - 1.0;
+    let tension = |k: usize| {
+        let [a, b] = cloth.structure.cables[k]
+            .nodes
+            .map(|n| cloth.positions_m[n as usize]);
+        (b - a).normalize() * cloth.cable_tension_n(k)
+    };
+    let horizontal = tension(50).x / exact.horizontal_tension_n - 1.0;
+    let end = tension(0) - DVec3::Z * (0.5 * 0.1 * 9.81 * 0.012);
+    let end = end.length() / exact.end_tension_n - 1.0;
+    assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
+    for error in [sag, horizontal, end] {
+        assert!(error.abs() < crate::tolerances::CATENARY, "{error:e}");
+    }
+}
+
+fn hanging_sheet(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let (cloth, outcome) = equilibrium(device, curtain(8, model), &STATIC);
+        assert_eq!(outcome.stop, Stop::Converged, "{model:?} {outcome:?}");
+        let masses = &cloth.structure.masses_kg;
+        let free: f64 = 9.81 * (masses.iter().sum::<f64>() - masses[0] - masses[8]);
+        let mut gradient = vec![DVec3::ZERO; masses.len()];
+        elastic_gradient(
+            &cloth.structure,
+            &Gather::new(&cloth.structure),
+            &cloth.positions_m,
+            &mut Pulls::default(),
+            &mut gradient,
+        );
+        let carried = gradient[0] + gradient[8];
+        assert!((carried.z / free - 1.0).abs() < 5e-3, "{carried} of {free}");
+        assert!(cloth.velocities_m_s.iter().all(|v| *v == DVec3::ZERO));
+    }
+}
+
+/// Implicit Euler falls exactly g t (t + dt)/2; single precision must not add up over the steps.
+fn free_fall(device: &Arc<Device>) {
+    let structure = square(3, FabricModel::Membrane, &fabric(3e6, 1e-3));
+    let mut on_device = on(device, &structure, &[]);
+    let mut cloth = Cloth::new(structure);
+    let start = cloth.positions_m.clone();
+    let (dt, steps) = (0.01, 20);
+    let gravity_m_s2 = DVec3::new(0.0, 0.0, -9.81);
+    let input = StepInput {
+        time_step_s: Some(dt),
+        gravity_m_s2,
+        ..StepInput::default()
+    };
+    let settings = SolverSettings {
+        tolerance: 1e-7,
+        displacement_floor_m: 1e-12,
+        evaluation_limit: 20_000,
+        ..SETTINGS
+    };
+    for _ in 0..steps {
+        let outcome = on_device
+            .solve(&mut cloth, &input, &settings, &mut |_| true)
+            .unwrap();
+        assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
+    }
+    let t = f64::from(steps) * dt;
+    let fallen = gravity_m_s2 * (0.5 * t * (t + dt));
+    let error = cloth
+        .positions_m
+        .iter()
+        .zip(&start)
+        .map(|(x, x0)| x.distance(*x0 + fallen))
+        .fold(0.0, f64::max);
+    assert!(error < tolerance::FREE_FALL_M, "{error:e}");
+}
+
+/// Random, collapsed and inverted starts: finite, or refused.
+fn hostile_starts(device: &Arc<Device>) {
+    for modulus in [1e1, 1e5, 1e8] {
+        let stiff = Fabric {
+            warp_modulus_pa: modulus,
+            weft_modulus_pa: modulus,
+            ..fabric(0.4 * modulus, 1e-3)
+        };
+        for kind in 0..4 {
+            let mut structure = square(4, FabricModel::Membrane, &stiff);
+            let mut random = noise(kind);
+            for p in &mut structure.positions_m {
+                *p = match kind {
+                    0 => DVec3::new(random(), random(), random()) * 3.0,
+                    1 => DVec3::ZERO,
+                    2 => -*p,
+                    _ => DVec3::new(p.x * 1e-9, 0.0, p.z),
+                };
+            }
+            structure.held[0] = true;
+            let mut on_device = on(device, &structure, &[]);
+            for time_step_s in [1e-5, 1e-3, 1e-1] {
+                let mut cloth = Cloth::new(structure.clone());
+                let input = StepInput {
+                    time_step_s: Some(time_step_s),
+                    gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+                    ..StepInput::default()
+                };
+                let settings = SolverSettings {
+                    tolerance: 1e-2,
+                    evaluation_limit: 200,
+                    ..SETTINGS
+                };
+                for _ in 0..2 {
+                    let outcome = on_device
+                        .solve(&mut cloth, &input, &settings, &mut |_| true)
+                        .unwrap();
+                    assert!(outcome.objective.is_finite(), "{outcome:?}");
+                    assert!(cloth.positions_m.iter().all(|p| p.is_finite()));
+                    assert_eq!(cloth.positions_m[0], structure.positions_m[0]);
+                }
+            }
+        }
+    }
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let kinds = [SETTINGS, STATIC];
+        let bad = [f64::NAN, f64::INFINITY, 1e30];
+        for (bad, settings) in bad.into_iter().flat_map(|b| kinds.map(|k| (b, k))) {
+            let mut structure = square(2, model, &fabric(3e6, 1e-3));
+            let mut on_device = on(device, &structure, &[]);
+            structure.positions_m[4].y = bad;
+            let mut cloth = Cloth::new(structure);
+            let outcome = on_device
+                .solve(&mut cloth, &StepInput::default(), &settings, &mut |_| true)
+                .unwrap();
+            assert_eq!(outcome.stop, Stop::NotFinite, "{bad}");
+        }
+    }
+}
+
+fn same_bits_twice(device: &Arc<Device>) {
+    let structure = curtain(20, FabricModel::Membrane);
+    let markers = markers(&structure, 1);
+    let input = StepInput {
+        time_step_s: Some(2e-3),
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        markers: &markers,
+        ..StepInput::default()
+    };
+    let run = || {
+        let mut on_device = on(device, &structure, &markers);
+        let mut cloth = Cloth::new(structure.clone());
+        let mut energy = 0;
+        for _ in 0..5 {
+            let outcome = on_device
+                .solve(&mut cloth, &input, &SETTINGS, &mut |_| true)
+                .unwrap();
+            energy = outcome.objective.to_bits();
+        }
+        let bits = |v: &DVec3| v.to_array().map(f64::to_bits);
+        let positions: Vec<_> = cloth.positions_m.iter().map(bits).collect();
+        (positions, energy)
+    };
+    assert!(run() == run());
+    // Multigrid: a solve does not depend on those before it.
+    let input = StepInput {
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        ..StepInput::default()
+    };
+    let mut on_device = on(device, &structure, &[]);
+    let mut solve = || {
+        let mut cloth = Cloth::new(structure.clone());
+        on_device
+            .solve(&mut cloth, &input, &STATIC, &mut |_| true)
+            .unwrap();
+        cloth.positions_m
+    };
+    assert!(solve() == solve());
+}
+
+/// Something larger than a buffer may be is an error that says so, and nothing panics.
+fn oversized(device: &Arc<Device>) {
+    let limit = device.info().binding_limit_bytes;
+    if limit > 1 << 30 {
+        return;
+    }
+    let nodes = (limit / 24 + 1) as usize;
+    let structure = Structure {
+        positions_m: vec![DVec3::ZERO; nodes],
+        masses_kg: vec![1.0; nodes],
+        held: vec![false; nodes],
+        ..Structure::default()
+    };
+    let refused = catch_unwind(AssertUnwindSafe(|| {
+        DeviceCloth::new(Arc::clone(device), &structure, &[]).map(|_| ())
+    }));
+    assert!(matches!(refused, Ok(Err(DeviceError::Limit { .. }))));
+}
