@@ -11,8 +11,8 @@ use ripstop::cpu::cloth::{
 use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
-use ripstop::gpu::cloth::Cloth as DeviceCloth;
 use ripstop::gpu::Device;
+use ripstop::gpu::cloth::Cloth as DeviceCloth;
 use ripstop::lines::{Cable, CableLaw, ForceStrainTable};
 
 use crate::engines::{device, needs_device};

@@ -8,9 +8,7 @@ use libtest_mimic::Trial;
 use ripstop::cloth::Structure;
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
-use ripstop::cpu::cloth::{
-    Cloth, InitialHessian, Pressure, SolverSettings, StepInput,
-};
+use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::cable;
 use ripstop::geometry::sheet::FabricModel;

@@ -144,7 +144,7 @@ pub const PROBLEMS: [Problem; 36] = [
     },
     Problem {
         name: "marker-spacing",
-        updates: [1_160.0, 56_000.0],
+        updates: [1_160.0, 190_000.0],
         compute: coupling::marker_spacing::compute,
     },
     Problem {
@@ -154,7 +154,7 @@ pub const PROBLEMS: [Problem; 36] = [
     },
     Problem {
         name: "flexible-plate",
-        updates: [98.0, 22_300.0],
+        updates: [98.0, 370_000.0],
         compute: coupling::flexible_plate::compute,
     },
     Problem {
@@ -164,7 +164,7 @@ pub const PROBLEMS: [Problem; 36] = [
     },
     Problem {
         name: "light-canopies",
-        updates: [100.0, 8_000.0],
+        updates: [138.0, 32_600.0],
         compute: coupling::light_canopies::compute,
     },
     Problem {

@@ -28,7 +28,11 @@ pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, a
         format!(
             "window of {:.1} D_0/U{}; {SHORTEST_WINDOW} after settling are needed: means of this run are indicative only",
             window.length,
-            if window.settled { "" } else { ", not settled" }
+            match (window.settled, window.opened) {
+                (true, _) => "",
+                (false, true) => ", wake not settled",
+                (false, false) => ", opening not over",
+            }
         )
     });
     let mean = |name: &str| steady::mean(record, name, &window);

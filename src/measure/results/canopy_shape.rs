@@ -209,10 +209,10 @@ fn sample_interval(record: &Record, window: &Window) -> f64 {
 fn oscillations(results: &mut Results, record: &Record, window: &Window) {
     let interval = sample_interval(record, window);
     let diameter = &record.column("projected_diameter_ratio")[window.first..window.end];
-    let found = if window.settled {
+    let found = if window.opened {
         oscillation(diameter, interval)
     } else {
-        Err("the opening had not settled")
+        Err("the opening was not over")
     };
     match found {
         Ok(found) => {
@@ -250,16 +250,16 @@ fn oscillations(results: &mut Results, record: &Record, window: &Window) {
                         "strongest frequency of the gores' skirt radii less their mean; samples show up to {:.0} Hz",
                         0.5 / interval
                     )),
-                _ => Quantity::missing("Hz", "the opening had not settled, or too few samples"),
+                _ => Quantity::missing("Hz", "the opening was not over, or too few samples"),
             },
         );
     }
 }
 
 /// Spectrum of the middle of every gore's skirt, as it moves outward and inward against the mean of all, averaged over the gores.
-/// `None` before the opening has settled.
+/// `None` before the opening is over.
 pub(super) fn skirt_spectrum(record: &Record, window: &Window) -> Option<Spectrum> {
-    if !window.settled {
+    if !window.opened {
         return None;
     }
     let gores = record.canopy()?.outline().gores.len();

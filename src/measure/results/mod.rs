@@ -32,7 +32,7 @@ pub fn results(simulation: &Simulation, record: &Record) -> Results {
 }
 
 /// Rows of frequency [Hz] and power density [m² s] with which the skirt flaps, averaged over the gores; `None` where there is no canopy in
-/// air, or before its opening has settled.
+/// air, or before its opening is over.
 #[must_use]
 pub fn skirt_spectrum(scene: &Scene, record: &Record) -> Option<Vec<Vec<f64>>> {
     let (Some(body), Some(air)) = (&scene.body, &scene.air) else {

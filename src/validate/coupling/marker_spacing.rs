@@ -139,12 +139,16 @@ fn through(
         .collect();
     for (k, position) in positions.iter().enumerate() {
         let half = 0.5 * DVec3::from_array(markers.force(k));
-        under_kernel(air.grid().cells, position, |cell, weight| velocities[cell] += half * weight);
+        under_kernel(air.grid().cells, position, |cell, weight| {
+            velocities[cell] += half * weight
+        });
     }
     let probes = pose.grid(PROBES, 0.5 * SIDE);
     let mut sum = DVec3::ZERO;
     for probe in &probes {
-        under_kernel(air.grid().cells, probe, |cell, weight| sum += velocities[cell] * weight);
+        under_kernel(air.grid().cells, probe, |cell, weight| {
+            sum += velocities[cell] * weight
+        });
     }
     Ok(sum / probes.len() as f64)
 }
