@@ -11,7 +11,7 @@ use crate::measure::statistics::{Mean, batch_mean, first_peak};
 const OPENING: f64 = 4.0;
 
 /// The wake has settled this many D₀/U after that peak, and averaging starts.
-const SETTLING: f64 = 18.0;
+pub const SETTLING: f64 = 18.0;
 
 /// On a finer grid averaging starts at least this many D₀/U after the change: the mean of several runs is as later from then on.
 const SETTLING_ON_FINER_GRID: f64 = 2.0;

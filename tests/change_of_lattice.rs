@@ -39,8 +39,9 @@ pub fn trials() -> Vec<Trial> {
 fn on_its_grid() {
     let changes = [
         "steady.grid_sequence=[1.25]",
-        "time.end_s=0.3",
-        "output.canopy_interval_s=0.05",
+        "resolution.lattice_speed=0.12",
+        "time.end_s=0.7",
+        "output.canopy_interval_s=0.1",
     ];
     resumed(include_str!("../cases/flat-circular-tunnel.toml"), &changes);
 }
