@@ -412,6 +412,20 @@ fn of_a_mesh() {
     let parse =
         || ripstop::case::parse("mesh", &source, folder.path(), &Choices::default()).unwrap();
     let read = parse();
+    // Coefficients that would refer to an area more than twice as large are warned of.
+    let warnings = |source: &str| {
+        let choices = Choices::default();
+        let case = ripstop::case::parse("mesh", source, folder.path(), &choices).unwrap();
+        let plan = Plan::new(&case.scene, Precision::F32);
+        plan.warnings(&case.scene).join(", ")
+    };
+    let larger = source.replace("nominal_area_m2 = 0.78", "nominal_area_m2 = 1.8");
+    assert!(
+        warnings(&larger).contains("0.42 of the nominal area"),
+        "{}",
+        warnings(&larger)
+    );
+    assert!(!warnings(&source).contains("nominal area"));
     // What is resumed or kept is of the same case only with the same files.
     for name in ["flat.obj", "folded.obj", "lines.csv"] {
         let path = folder.path().join(name);

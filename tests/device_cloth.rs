@@ -1,4 +1,4 @@
-//! Fabric and cables on the device against the CPU engine in `f64`, kind by kind of element, then whole steps.
+//! Fabric and cables on the device against the CPU engine in `f64`, kind by kind of element, one evaluation at a time; `device_cloth_steps` has whole steps.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::engines::{device, needs_device};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
-    needs_device(format!("device_cloth::{name}"), move || {
+    needs_device(name.to_owned(), move || {
         if let Ok(device) = device() {
             body(device);
         }
@@ -28,11 +28,14 @@ pub fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
 
 pub fn trials() -> Vec<Trial> {
     vec![
-        on_device("every_kind_of_element", every_kind_of_element),
-        on_device("wrinkled_orthotropic_fabric", wrinkled_fabric),
-        on_device("small_strains_far_from_the_origin", small_strains),
-        on_device("force_noise_of_a_large_sheet", force_noise),
-        on_device("steps_are_clipped", clipped),
+        on_device("device_cloth::every_kind_of_element", every_kind_of_element),
+        on_device("device_cloth::wrinkled_orthotropic_fabric", wrinkled_fabric),
+        on_device(
+            "device_cloth::small_strains_far_from_the_origin",
+            small_strains,
+        ),
+        on_device("device_cloth::force_noise_of_a_large_sheet", force_noise),
+        on_device("device_cloth::steps_are_clipped", clipped),
     ]
 }
 

@@ -18,29 +18,26 @@ use ripstop::lines::Cable;
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
-use crate::device_cloth::{SETTINGS, fabric, farthest, markers, noise, on, square};
-use crate::engines::{device, needs_device};
+use crate::device_cloth::{SETTINGS, fabric, farthest, markers, noise, on, on_device, square};
 use crate::tolerances::device_cloth as tolerance;
-
-fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
-    needs_device(format!("device_cloth_steps::{name}"), move || {
-        if let Ok(device) = device() {
-            body(device);
-        }
-    })
-}
 
 pub fn trials() -> Vec<Trial> {
     vec![
-        on_device("one_step_with_markers", one_step_with_markers),
-        on_device("sheet_in_motion", sheet_in_motion),
-        on_device("supports_that_move", moved_supports),
-        on_device("catenary", hanging_cable),
-        on_device("hanging_sheet", hanging_sheet),
-        on_device("free_fall", free_fall),
-        on_device("hostile_starts", hostile_starts),
-        on_device("same_bits_twice", same_bits_twice),
-        on_device("oversized_structures_are_refused", oversized),
+        on_device(
+            "device_cloth_steps::one_step_with_markers",
+            one_step_with_markers,
+        ),
+        on_device("device_cloth_steps::sheet_in_motion", sheet_in_motion),
+        on_device("device_cloth_steps::supports_that_move", moved_supports),
+        on_device("device_cloth_steps::catenary", hanging_cable),
+        on_device("device_cloth_steps::hanging_sheet", hanging_sheet),
+        on_device("device_cloth_steps::free_fall", free_fall),
+        on_device("device_cloth_steps::hostile_starts", hostile_starts),
+        on_device("device_cloth_steps::same_bits_twice", same_bits_twice),
+        on_device(
+            "device_cloth_steps::oversized_structures_are_refused",
+            oversized,
+        ),
     ]
 }
 

@@ -22,11 +22,14 @@ use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {
     vec![
-        on_device("multigrid_cycle_matches", cycle),
-        on_device("multigrid_without_coarse_levels", smoother_alone),
-        on_device("equilibrium_matches", equilibrium),
-        on_device("pressure_follows", following_pressure),
-        on_device("multigrid_is_absent_unless_asked_for", absent),
+        on_device("device_cloth::multigrid_cycle_matches", cycle),
+        on_device(
+            "device_cloth::multigrid_without_coarse_levels",
+            smoother_alone,
+        ),
+        on_device("device_cloth::equilibrium_matches", equilibrium),
+        on_device("device_cloth::pressure_follows", following_pressure),
+        on_device("device_cloth::multigrid_is_absent_unless_asked_for", absent),
     ]
 }
 

@@ -91,7 +91,7 @@ const ROWS: usize = WIDTH * WIDTH;
 const ALONE: usize = 512;
 
 /// A marker's kernel: where each of its rows begins among the touched cells, and its weights along the axes.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Kernel {
     /// First touched cell of the rows z, y, y fastest; the other three of a row follow it.
     rows: [u32; ROWS],

@@ -15,8 +15,17 @@ const STUDENT: [f64; 15] = [
     2.145, 2.131,
 ];
 
-/// Mean of an evenly sampled series by *batch means*: the series is cut into batches of `batch` samples, long against its
-/// correlation time, whose means count as independent. At least four batches are needed for an interval. Where a series wanders more
+/// Quantile of Student's t at 97.5 %.
+fn student(degrees_of_freedom: usize) -> f64 {
+    match STUDENT.get(degrees_of_freedom.saturating_sub(1)) {
+        Some(&quantile) => quantile,
+        // From 16 on within 0.2 %.
+        None => 1.96 + 2.5 / degrees_of_freedom as f64,
+    }
+}
+
+/// Mean of an evenly sampled series by *batch means*: the series is cut into batches of `batch` samples, whose means count as
+/// independent. At least four batches are needed for an interval. Batches should be long against the series' correlation time; where it wanders more
 /// slowly than a batch lasts, the interval is too narrow: it then covers the mean in 75 to 90 % of trials instead of 95 %.
 #[must_use]
 pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
@@ -28,8 +37,6 @@ pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
             confidence: None,
         };
     }
-    // Use at most 16 batches, the longest possible, so that the table of quantiles suffices.
-    let count = count.min(16);
     let length = series.len() / count;
     // Drop the oldest remainder.
     let used = &series[series.len() - count * length..];
@@ -39,7 +46,7 @@ pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
         .collect();
     let centre = means.iter().sum::<f64>() / count as f64;
     let variance = means.iter().map(|m| (m - centre).powi(2)).sum::<f64>() / (count - 1) as f64;
-    let confidence = STUDENT[count - 2] * (variance / count as f64).sqrt();
+    let confidence = student(count - 1) * (variance / count as f64).sqrt();
     Mean {
         value,
         confidence: Some(confidence),
@@ -100,6 +107,24 @@ mod tests {
             covered += usize::from((mean.value - 3.0).abs() <= mean.confidence.unwrap());
         }
         assert!((360..=396).contains(&covered), "{covered} of 400");
+    }
+
+    /// Tables of Student's t: 2.120, 2.086, 2.042, 2.000, 1.980 for 16, 20, 30, 60, 120 degrees of freedom.
+    #[test]
+    fn quantiles_go_on_beyond_their_table() {
+        for (degrees, quantile) in [
+            (16, 2.120),
+            (20, 2.086),
+            (30, 2.042),
+            (60, 2.0),
+            (120, 1.98),
+        ] {
+            assert!(
+                (student(degrees) / quantile - 1.0).abs() < 2e-3,
+                "{degrees}"
+            );
+        }
+        assert_eq!((student(1), student(15)), (12.706, 2.131));
     }
 
     #[test]

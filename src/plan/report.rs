@@ -6,10 +6,7 @@ use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, openings, perm
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
-use crate::steady::SETTLING;
-
-/// Area of a canopy's fabric over S_0 as designs have it: vents, gaps and slots take some, fullness adds some.
-const FABRIC_SHARES: std::ops::RangeInclusive<f64> = 0.6..=1.1;
+use crate::steady::{SETTLING, SHORTEST_WINDOW};
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
@@ -297,17 +294,6 @@ impl Plan {
                 released * diameter / cell,
                 0.7 * diameter / cell
             )?;
-            let fabric_m2 = structure.rest_area_m2();
-            let share = fabric_m2 / canopy.nominal_area_m2;
-            writeln!(
-                out,
-                "  fabric              {fabric_m2:.4} m2, {share:.2} of S_0{}",
-                if FABRIC_SHARES.contains(&share) {
-                    ""
-                } else {
-                    ", to which all coefficients refer: is the nominal area right?"
-                }
-            )?;
             let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
             writeln!(
                 out,
@@ -323,7 +309,7 @@ impl Plan {
                 if let Some(time) = scene.time.filter(|_| speed_m_s > 0.0) {
                     writeln!(
                         out,
-                        "  length of the run   {:.1} D_0/U; averages begin {SETTLING} after the first peak of the diameter",
+                        "  length of the run   {:.1} D_0/U; averages begin {SETTLING} after the first peak of the diameter and need {SHORTEST_WINDOW}",
                         time.end_s * speed_m_s / diameter
                     )?;
                 }

@@ -19,6 +19,9 @@ const FASTER_AROUND_BODIES: f64 = 2.0;
 /// area S_0, about twice of what it projects when inflated.
 const BLOCKAGE_LIMIT: f64 = 0.1;
 
+/// Area of a canopy's fabric over S_0 as designs have it: vents, gaps and slots take some, fullness adds some.
+const FABRIC_SHARES: std::ops::RangeInclusive<f64> = 0.6..=1.1;
+
 impl Plan {
     /// Warnings, each with its remedy.
     #[must_use]
@@ -26,6 +29,7 @@ impl Plan {
         let mut warnings = Vec::new();
         warnings.extend(self.stability(scene));
         warnings.extend(blockage(scene));
+        warnings.extend(nominal_area(scene));
         warnings.extend(self.device_tolerance(scene));
         let quality = scene.body.as_ref().and_then(|body| body.quality);
         if quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
@@ -66,6 +70,23 @@ impl Plan {
                 )
             })
     }
+}
+
+/// A nominal area that hardly is that of the fabric: coefficients would be wrong by the square of D_0.
+fn nominal_area(scene: &Scene) -> Option<String> {
+    let body = scene.body.as_ref()?;
+    let BodyKind::Canopy(canopy) = body.kind else {
+        return None;
+    };
+    let fabric_m2 = body.structure.rest_area_m2();
+    let share = fabric_m2 / canopy.nominal_area_m2;
+    (!FABRIC_SHARES.contains(&share)).then(|| {
+        format!(
+            "the canopy has {fabric_m2:.3} m2 of fabric, {share:.2} of the nominal area of {:.3} m2 to which D_0 and all coefficients refer; \
+             correct nominal_area_m2 (or the unit of the mesh, structure.mesh.scale) unless that is meant",
+            canopy.nominal_area_m2
+        )
+    })
 }
 
 fn blockage(scene: &Scene) -> Option<String> {
