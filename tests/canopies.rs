@@ -421,7 +421,7 @@ fn of_a_mesh() {
     };
     let larger = source.replace("nominal_area_m2 = 0.78", "nominal_area_m2 = 1.8");
     assert!(
-        warnings(&larger).contains("0.42 of the nominal area"),
+        warnings(&larger).contains("0.43 of the nominal area"),
         "{}",
         warnings(&larger)
     );

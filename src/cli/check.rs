@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::{CaseArguments, Failure, emit};
+use crate::measure;
 use crate::plan;
 
 #[derive(Debug, Args)]
@@ -17,5 +18,8 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     let threads = rayon::current_num_threads();
     emit(&prepared.plan.report(&case.scene, threads))?;
     emit(&plan::grid_sequence(&case.coarser))?;
+    if let Some(averaging) = measure::averaging(&case.scene) {
+        emit(&format!("\n{averaging}\n"))?;
+    }
     Ok(0)
 }

@@ -31,7 +31,7 @@ pub use load_test::{
     read as read_load_step,
 };
 pub use record::Record;
-pub use results::{results, skirt_spectrum};
+pub use results::{averaging, results, skirt_spectrum};
 pub use sail_support::{
     SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,
     warnings as sail_warnings,

@@ -6,7 +6,6 @@ use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, openings, perm
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
-use crate::steady::{SETTLING, SHORTEST_WINDOW};
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
@@ -306,13 +305,6 @@ impl Plan {
                     "  Reynolds number     {:.2e}",
                     speed_m_s * diameter / air.kinematic_viscosity_m2_s
                 )?;
-                if let Some(time) = scene.time.filter(|_| speed_m_s > 0.0) {
-                    writeln!(
-                        out,
-                        "  length of the run   {:.1} D_0/U; averages begin {SETTLING} after the first peak of the diameter and need {SHORTEST_WINDOW}",
-                        time.end_s * speed_m_s / diameter
-                    )?;
-                }
             }
         }
         Ok(())

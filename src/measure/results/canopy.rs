@@ -1,18 +1,37 @@
 //! Results of a canopy in air: drag by three routes and its correction for walls.
 
 use super::{canopy_shape, column_max, largest, quantity};
-use crate::case::scene::{Air, Canopy, Flow};
+use crate::case::Scene;
+use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::measure::Record;
 use crate::measure::record::largest as largest_of;
 use crate::measure::statistics::Mean;
 use crate::output::{Quantity, Results};
-use crate::steady::{self, SHORTEST_WINDOW, Window};
+use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 
 /// Factor K of Macha & Buffington.
 const BLOCKAGE_FACTOR: f64 = 1.85;
 
 /// Drag coefficient below which relative differences of forces mean nothing.
 const NO_DRAG: f64 = 1e-3;
+
+/// How long a run of a canopy in the wind of a tunnel is, and from when on means are taken; `None` of other scenes.
+#[must_use]
+pub fn averaging(scene: &Scene) -> Option<String> {
+    let (Some(air), Some(body), Some(time)) = (&scene.air, &scene.body, &scene.time) else {
+        return None;
+    };
+    let (BodyKind::Canopy(canopy), Flow::WindTunnel { speed_m_s, .. }) = (body.kind, air.flow)
+    else {
+        return None;
+    };
+    (speed_m_s > 0.0 && scene.descent.is_none()).then(|| {
+        format!(
+            "length of the run {:.1} D_0/U; means begin {SETTLING} D_0/U after the first peak of the diameter, when the wake has settled, and need {SHORTEST_WINDOW}",
+            time.end_s * speed_m_s / canopy.nominal_diameter_m
+        )
+    })
+}
 
 /// Means over the settled window, extremes and times since release.
 pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, air: &Air) {

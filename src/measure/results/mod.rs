@@ -6,6 +6,8 @@ mod canopy_shape;
 mod fabric;
 mod fall;
 
+pub use canopy::averaging;
+
 use glam::DVec3;
 
 use super::statistics::Mean;
