@@ -118,7 +118,7 @@ pub fn grid_sequence(coarser: &[Scene]) -> String {
         let [nx, ny, nz] = air.cells;
         if text.is_empty() {
             text.push_str(
-                "\ngrid sequence (before the case's own grid: the first until the wake has settled, each after it for 2 D_0/U)\n",
+                "\ngrid sequence (before the case's own grid: the first until the wake has settled, each after it until the change is over)\n",
             );
         }
         text.push_str(&format!(

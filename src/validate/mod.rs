@@ -159,7 +159,7 @@ pub const PROBLEMS: [Problem; 36] = [
     },
     Problem {
         name: "flag",
-        updates: [187.0, 86_000.0],
+        updates: [187.0, 444_000.0],
         compute: coupling::flag::compute,
     },
     Problem {

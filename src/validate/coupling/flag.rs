@@ -24,7 +24,7 @@ const QUICK_BAND: f64 = 0.5;
 
 pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     let source = "Huang & Sung 2010, Tian et al. 2014, Lee & Choi 2015";
-    let resolutions: &[f64] = session.size(&[12.0], &[16.0, 24.0]);
+    let resolutions: &[f64] = session.size(&[12.0], &[16.0, 24.0, 36.0]);
     let is_full = session.order.full;
     let finest = resolutions[resolutions.len() - 1];
     for &cells in resolutions {
