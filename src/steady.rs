@@ -1,6 +1,6 @@
 //! When is the mean drag known well enough, and from when on does it count?
 //!
-//! What follows was measured with the canopy of `cases/flat-circular-tunnel.toml` at 16 and 24 cells per D₀ over 100 to 180 D₀/U, five times
+//! What follows was measured with the canopy of `cases/flat-circular-tunnel.toml` at 16 and 24 cells per D₀ over 180 D₀/U, six times
 //! (`docs/steady-runs.md`): the opening is over some D₀/U after its first peak, but the wake that goes with the drag needs 18 to form. Before
 //! that the drag is up to a fifth too low, and no look at a short record tells, since the breathing hides the drift.
 
@@ -27,7 +27,7 @@ pub const SHORTEST_WINDOW: f64 = 6.0;
 const LOOK_RATIO: f64 = 1.25;
 
 /// Length of a batch [D₀/U]: two thirds of the breathing period of about 1.8. With whole periods breathing cancels in every batch, and the interval of a
-/// window of 8 to 16 covers the mean in half to three quarters of trials only.
+/// window of 8 to 16 covers the mean in half to four fifths of trials only.
 const BATCH: f64 = 1.2;
 
 /// Batches of the second interval, of which the wider is taken: long ones see what wanders slowly.

@@ -10,12 +10,13 @@ use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepI
 use ripstop::fabric::Fabric;
 use ripstop::fabric::membrane::Membrane;
 use ripstop::geometry::cable;
-use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
+use ripstop::geometry::sheet::FabricModel;
 use ripstop::lines::Cable;
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::Stop;
 
 use crate::engines::plain;
+use crate::sheets::{self, HOSTILE, hostile, noise};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -65,40 +66,11 @@ fn energy_and_gradient(structure: &Structure, positions: &[DVec3], gradient: &mu
 }
 
 fn fabric(residual_stiffness: f64) -> Fabric {
-    Fabric {
-        thickness_m: 1e-4,
-        density_kg_m3: 500.0,
-        warp_modulus_pa: 4e7,
-        weft_modulus_pa: 2e7,
-        poisson_ratio: 0.2,
-        shear_modulus_pa: 3e6,
-        residual_stiffness,
-        cubic_shear_compliance_1_pa3: None,
-        initial_strain: [0.0; 2],
-        yield_stress_pa: None,
-    }
+    sheets::fabric(3e6, residual_stiffness)
 }
 
 fn square(divisions: usize, model: FabricModel, fabric: &Fabric) -> Structure {
-    let shape = SheetShape {
-        size_m: [1.0, 1.0],
-        divisions: [divisions, divisions],
-        corner_m: DVec3::ZERO,
-        across: DVec3::X,
-        down: -DVec3::Z,
-    };
-    sheet::build(&shape, fabric, model).unwrap()
-}
-
-/// Deterministic numbers in −1 … 1.
-fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+    sheets::square_at(DVec3::ZERO, divisions, model, fabric)
 }
 
 fn gradient() {
@@ -499,7 +471,7 @@ fn independent_solves() {
 fn hostile_starts() {
     for modulus in [1e1, 1e5, 1e8] {
         for dt in [1e-5, 1e-3, 1e-1] {
-            for kind in 0..4 {
+            for kind in HOSTILE {
                 let fabric = Fabric {
                     warp_modulus_pa: modulus,
                     weft_modulus_pa: modulus,
@@ -507,16 +479,7 @@ fn hostile_starts() {
                     ..fabric(1e-3)
                 };
                 let mut structure = square(4, FabricModel::Membrane, &fabric);
-                let mut random = noise(kind);
-                for p in &mut structure.positions_m {
-                    *p = match kind {
-                        0 => DVec3::new(random(), random(), random()) * 3.0,
-                        1 => DVec3::ZERO,
-                        2 => -*p,
-                        _ => DVec3::new(p.x * 1e-9, 0.0, p.z),
-                    };
-                }
-                structure.held[0] = true;
+                hostile(&mut structure, kind);
                 let mut cloth = Cloth::new(structure);
                 let input = StepInput {
                     time_step_s: Some(dt),

@@ -8,7 +8,7 @@ use libtest_mimic::Trial;
 use ripstop::case::{self, Choices, SHIPPED};
 use ripstop::plan::{Plan, Precision, Stage};
 
-use crate::engines::{needs_device, plain};
+use crate::engines::plain;
 
 pub fn trials() -> Vec<Trial> {
     let mut trials = [
@@ -36,22 +36,6 @@ pub fn trials() -> Vec<Trial> {
         trials.extend(plain(
             "command_line::closed_and_full_standard_output",
             standard_output,
-        ));
-        trials.extend(plain(
-            "command_line::interrupted_equilibrium",
-            interrupted_equilibrium,
-        ));
-        trials.extend(plain("command_line::interrupt", || {
-            interrupt(&[], &["--precision", "f64"]);
-        }));
-        trials.push(needs_device(
-            "command_line::interrupt::gpu".to_owned(),
-            || {
-                interrupt(
-                    &["--engine", "gpu", "--cloth", "device"],
-                    &["--engine", "cpu", "--precision", "f64"],
-                );
-            },
         ));
     }
     trials
@@ -516,138 +500,3 @@ fn steady_state() {
     let drag = &summary["results"]["drag_coefficient"];
     assert!(drag["confidence"].as_f64().unwrap() <= 0.4 * drag["value"].as_f64().unwrap());
 }
-
-/// A static equilibrium can be interrupted too, and goes on from where it was.
-#[cfg(unix)]
-fn interrupted_equilibrium() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    for resume in [false, true] {
-        let mut endless = command(&[
-            "run",
-            "cases/cloth/hanging-chain.toml",
-            "--set",
-            "structure.cable.segments=5000",
-            "--set",
-            "equilibrium.evaluation_limit=1000000000",
-            "--out",
-            out.to_str().unwrap(),
-        ]);
-        if resume {
-            endless.arg("--resume");
-        }
-        let mut child = endless
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let history = out.join("history.csv");
-        if resume {
-            std::fs::remove_file(&history).unwrap();
-        }
-        while !history.exists() {
-            assert!(child.try_wait().unwrap().is_none(), "ended by itself");
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
-        std::thread::sleep(std::time::Duration::from_millis(200));
-        let killed = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status()
-            .unwrap();
-        assert!(killed.success());
-        assert_eq!(child.wait().unwrap().code(), Some(75));
-        assert!(out.join("checkpoint").exists());
-        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
-        assert!(summary.contains("interrupted"), "{summary}");
-    }
-}
-
-#[cfg(not(unix))]
-fn interrupted_equilibrium() {}
-
-/// An interrupted run ends with code 75, and the resumed one delivers the same bits as one that was never interrupted.
-#[cfg(unix)]
-fn interrupt(engine: &[&str], other_engine: &[&str]) {
-    let folder = tempfile::tempdir().unwrap();
-    let changes = [
-        "resolution.cells_per_diameter=12.0",
-        "structure.flat_circular.rings=8",
-        "time.end_s=0.08",
-        "coupling.structure_every=2",
-        "output.picture_times_s=[0.0, 0.03, 0.06]",
-    ];
-    let run_on = |engine: &[&str], out: &Path, more: &[&str]| {
-        let mut arguments = vec!["run", CANOPY, "--out", out.to_str().unwrap()];
-        for change in &changes {
-            arguments.extend(["--set", change]);
-        }
-        arguments.extend(engine);
-        arguments.extend(more);
-        command(&arguments)
-    };
-    let run = |out: &Path, more: &[&str]| run_on(engine, out, more);
-    let whole = folder.path().join("whole");
-    assert_eq!(finished(run(&whole, &[]).output().unwrap()).code, 0);
-
-    let out = folder.path().join("interrupted");
-    assert_eq!(
-        finished(run(&out, &["--resume"]).output().unwrap()).code,
-        2,
-        "there is nothing to resume from yet"
-    );
-    let mut child = run(&out, &[])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    // The second picture is drawn at 0.03 s.
-    while !out.join("snapshot_001.png").exists() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "ended before it was interrupted"
-        );
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
-    assert_eq!(child.wait().unwrap().code(), Some(75));
-    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
-    assert!(summary.contains("interrupted"), "{summary}");
-    let output = finished(run_on(other_engine, &out, &["--resume"]).output().unwrap());
-    assert_eq!(output.code, 2);
-    assert!(
-        output.errors.contains("belongs to another run"),
-        "{}",
-        output.errors
-    );
-
-    let output = finished(run(&out, &["--resume"]).output().unwrap());
-    assert_eq!(output.code, 0, "{}", output.errors);
-    assert!(
-        output.printed.contains("resumed at t ="),
-        "{}",
-        output.printed
-    );
-    let names = |folder: &Path| {
-        let mut names: Vec<_> = files(folder)
-            .into_iter()
-            .map(|p| p.file_name().unwrap().to_owned())
-            .collect();
-        names.sort();
-        names
-    };
-    assert_eq!(names(&whole), names(&out));
-    for name in names(&whole) {
-        if name != "summary.json" {
-            let same = std::fs::read(whole.join(&name)).unwrap()
-                == std::fs::read(out.join(&name)).unwrap();
-            assert!(same, "{} differs", name.display());
-        }
-    }
-}
-
-#[cfg(not(unix))]
-fn interrupt(_: &[&str], _: &[&str]) {}

@@ -21,6 +21,7 @@ use ripstop::solve::lbfgs::Stop;
 
 use crate::command_line::ripstop;
 use crate::engines::plain;
+use crate::sheets::noise;
 use crate::tolerances::contact as tolerance;
 
 pub fn trials() -> Vec<Trial> {
@@ -84,16 +85,6 @@ fn fabric() -> Fabric {
         cubic_shear_compliance_1_pa3: None,
         initial_strain: [0.0; 2],
         yield_stress_pa: None,
-    }
-}
-
-fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 }
 

@@ -16,6 +16,7 @@ use ripstop::gpu::cloth::Cloth as DeviceCloth;
 use ripstop::lines::{Cable, CableLaw, ForceStrainTable};
 
 use crate::engines::{device, needs_device};
+use crate::sheets::{fabric, noise, square_at};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
@@ -48,41 +49,8 @@ pub const SETTINGS: SolverSettings = SolverSettings {
     initial_hessian: InitialHessian::BlockJacobi,
 };
 
-pub fn fabric(shear_modulus_pa: f64, residual_stiffness: f64) -> Fabric {
-    Fabric {
-        thickness_m: 1e-4,
-        density_kg_m3: 500.0,
-        warp_modulus_pa: 4e7,
-        weft_modulus_pa: 2e7,
-        poisson_ratio: 0.2,
-        shear_modulus_pa,
-        residual_stiffness,
-        cubic_shear_compliance_1_pa3: None,
-        initial_strain: [0.0; 2],
-        yield_stress_pa: None,
-    }
-}
-
 pub fn square(divisions: usize, model: FabricModel, fabric: &Fabric) -> Structure {
-    let shape = SheetShape {
-        size_m: [1.0, 1.0],
-        divisions: [divisions, divisions],
-        corner_m: DVec3::new(0.3, -0.2, 0.7),
-        across: DVec3::X,
-        down: -DVec3::Z,
-    };
-    sheet::build(&shape, fabric, model).unwrap()
-}
-
-/// Deterministic numbers in −1 … 1.
-pub fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+    square_at(DVec3::new(0.3, -0.2, 0.7), divisions, model, fabric)
 }
 
 fn scattered(count: usize, size: f64, seed: u64) -> Vec<DVec3> {

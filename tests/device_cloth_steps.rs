@@ -18,7 +18,8 @@ use ripstop::lines::Cable;
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
-use crate::device_cloth::{SETTINGS, fabric, farthest, markers, noise, on, on_device, square};
+use crate::device_cloth::{SETTINGS, farthest, markers, on, on_device, square};
+use crate::sheets::{HOSTILE, fabric, hostile};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {
@@ -304,18 +305,9 @@ fn hostile_starts(device: &Arc<Device>) {
             weft_modulus_pa: modulus,
             ..fabric(0.4 * modulus, 1e-3)
         };
-        for kind in 0..4 {
+        for kind in HOSTILE {
             let mut structure = square(4, FabricModel::Membrane, &stiff);
-            let mut random = noise(kind);
-            for p in &mut structure.positions_m {
-                *p = match kind {
-                    0 => DVec3::new(random(), random(), random()) * 3.0,
-                    1 => DVec3::ZERO,
-                    2 => -*p,
-                    _ => DVec3::new(p.x * 1e-9, 0.0, p.z),
-                };
-            }
-            structure.held[0] = true;
+            hostile(&mut structure, kind);
             let mut on_device = on(device, &structure, &[]);
             for time_step_s in [1e-5, 1e-3, 1e-1] {
                 let mut cloth = Cloth::new(structure.clone());

@@ -16,8 +16,9 @@ use ripstop::solve::multigrid::blocks::{BlockMatrix, Pattern};
 use ripstop::solve::multigrid::coarsening::Graph;
 use ripstop::solve::multigrid::hierarchy::hierarchy;
 
-use crate::device_cloth::{compare, fabric, farthest, noise, on, on_device, square};
+use crate::device_cloth::{compare, farthest, on, on_device, square};
 use crate::device_cloth_steps::curtain;
+use crate::sheets::{fabric, noise};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {

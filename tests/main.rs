@@ -30,12 +30,14 @@ mod device_cloth_steps;
 mod device_multigrid;
 mod eddy_viscosity;
 mod engines;
+mod interrupts;
 mod lep_sim;
 mod permeability;
 mod plates;
 mod ram_air;
 mod resumed;
 mod sail_support;
+mod sheets;
 mod supports;
 mod sweep;
 mod tolerances;
@@ -82,6 +84,7 @@ fn main() -> std::process::ExitCode {
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),
+        interrupts::trials(),
         checkpoint::trials(),
         sweep::trials(),
         validate::trials(),

@@ -42,13 +42,17 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
         rows(session, &outcome, &what, bands);
         found.push((outcome.cells, quantities(&outcome)));
     }
-    // To cells of no size, straight through the two finest: not a gate, but what the gate's misses come to.
+    // To cells of no size, as if the error were proportional to theirs: no gate, since from 4 to 8 cells it is not (docs/validation.md).
     let ((_, coarse), (cells, fine)) = (found[1], found[2]);
     let [_, coarse_cells, fine_cells] = RESOLUTIONS;
     for (k, quantity) in QUANTITIES.into_iter().enumerate() {
         let limit = fine[k] + (fine[k] - coarse[k]) * coarse_cells / (fine_cells - coarse_cells);
         session
-            .row(cells, format!("extrapolated: {quantity}"), limit)
+            .row(
+                cells,
+                format!("straight through the two finest: {quantity}"),
+                limit,
+            )
             .reference(MEASURED[k], "Luhar & Nepf 2011, measured");
     }
     Ok(())
