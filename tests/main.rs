@@ -38,8 +38,10 @@ mod ram_air;
 mod resumed;
 mod sail_support;
 mod sheets;
+mod solver_account;
 mod supports;
 mod sweep;
+mod time_steps;
 mod tolerances;
 mod trim;
 mod validate;
@@ -87,6 +89,8 @@ fn main() -> std::process::ExitCode {
         interrupts::trials(),
         checkpoint::trials(),
         sweep::trials(),
+        time_steps::trials(),
+        solver_account::trials(),
         validate::trials(),
     ]
     .into_iter()

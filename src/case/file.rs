@@ -369,6 +369,7 @@ pub struct Solver {
     pub tolerance: Option<f64>,
     pub evaluation_limit: Option<usize>,
     pub damping_1_s: Option<f64>,
+    pub allow_unsolved: Option<bool>,
 }
 
 /// `[time]`.

@@ -340,6 +340,8 @@ pub struct Solver {
     pub evaluation_limit: usize,
     /// Mass-proportional damping [1/s].
     pub damping_1_s: f64,
+    /// Solves that miss their tolerance do not make a run count as out of balance.
+    pub allow_unsolved: bool,
 }
 
 /// Static equilibrium.
@@ -568,5 +570,6 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
             written.and_then(|s| s.evaluation_limit).unwrap_or(2_000),
         )?,
         damping_1_s,
+        allow_unsolved: written.and_then(|s| s.allow_unsolved).unwrap_or(false),
     })
 }

@@ -65,10 +65,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             if arguments.profile {
                 emit(&profile::table(&report.summary))?;
             }
-            if report.unbalanced {
+            if let Some(what) = &report.unbalanced {
                 return Err(Failure::Other(
                     exit::DIVERGED,
-                    "the static equilibrium was not reached; the results are those of a state out of balance".to_owned(),
+                    format!("{what}; the results are those of a state out of balance"),
                 ));
             }
             Ok(if report.interrupted {
@@ -111,6 +111,11 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
         "stopped: {} (t = {:.4} s)",
         summary.stop.reason, summary.stop.when_s
     ));
+    if !summary.account.is_empty() {
+        lines.push("what was solved, and how well:".to_owned());
+        let rows = summary.account.iter();
+        lines.extend(rows.map(|row| format!("  {}", row.line())));
+    }
     let cost = &summary.milliseconds_per_step;
     let text: Vec<String> = [
         ("fluid", cost.fluid),

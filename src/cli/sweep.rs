@@ -219,10 +219,10 @@ fn one(
             outcome.status = Status::Interrupted;
             exit::INTERRUPTED
         }
-        Ok(report) if report.unbalanced => {
+        Ok(report) if report.unbalanced.is_some() => {
             outcome.done(&report.summary);
             outcome.status = Status::Failed;
-            outcome.message = Some("the static equilibrium was not reached".to_owned());
+            outcome.message = report.unbalanced;
             exit::DIVERGED
         }
         Ok(report) => {

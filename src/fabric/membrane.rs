@@ -99,6 +99,12 @@ pub(super) fn smaller_direction(xx: f64, yy: f64, xy: f64) -> [f64; 3] {
 }
 
 impl Membrane {
+    /// Stiffness against stretching along warp or weft, the smaller of the two [N/m].
+    #[must_use]
+    pub fn stretching_stiffness_n_m(&self) -> f64 {
+        self.stiffness[0][0].min(self.stiffness[1][1])
+    }
+
     /// Law for a stiffness [N/m] (see [`super::Fabric::stiffness_n_m`]) and a residual share of compressive stiffness.
     #[must_use]
     pub fn new(stiffness: Matrix3, residual: f64) -> Self {

@@ -14,6 +14,7 @@ mod record;
 mod results;
 mod sail_support;
 mod skirt;
+mod solver;
 mod spectrum;
 pub mod statistics;
 mod supports;
@@ -36,6 +37,7 @@ pub use sail_support::{
     SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,
     warnings as sail_warnings,
 };
+pub use solver::{FORCE_IMBALANCE_LIMIT, account};
 pub use wing::{RowLoad, row_loads};
 pub use wing_lines::LineName;
 pub use wing_trim::cell_widths_m;

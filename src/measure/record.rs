@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-use super::{bodies, payload_bodies, plate, supports, wing_wind};
+use super::{bodies, payload_bodies, plate, solver, supports, wing_wind};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -148,6 +148,7 @@ impl Record {
         if structure.is_some_and(|s| s.contact.is_some()) {
             columns.extend(CONTACT.map(str::to_owned));
         }
+        columns.extend(solver::columns(scene));
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
             columns.extend(bodies::COLUMNS.map(|name| format!("{prefix}{name}")));
@@ -270,6 +271,7 @@ impl Record {
             let gap_m = if gap_m.is_finite() { gap_m } else { f64::NAN };
             row.extend([gap_m, contact.energy_j]);
         }
+        row.extend(solver::values(simulation));
         if has_bodies {
             row.extend(self.body_columns(simulation));
         }

@@ -5,6 +5,7 @@
 //! never meets a half-written one; the history, which grows, has its own rule (see
 //! [`HistoryWriter`]).
 
+mod account;
 mod atomic;
 mod chart;
 mod comparison;
@@ -17,6 +18,7 @@ mod table;
 mod vtk;
 mod vtk_data;
 
+pub use account::AccountRow;
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
 pub use chart::{Chart, Series};
 pub use comparison::{

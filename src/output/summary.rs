@@ -10,6 +10,7 @@ use std::path::Path;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::account::AccountRow;
 use super::atomic::{OutputError, write_atomically};
 use super::comparison::ComparisonRow;
 
@@ -72,6 +73,9 @@ pub struct Summary {
     pub skipped: Vec<String>,
     /// Remarks for the reader, one sentence each.
     pub notes: Vec<String>,
+    /// What every solver and every balance of the run reached.
+    #[serde(default)]
+    pub account: Vec<AccountRow>,
     /// What came out, in the order it was put in.
     pub results: Results,
     /// Results beside the values of others that the case names.
@@ -177,6 +181,9 @@ pub struct Quantity {
     /// Relative error `(value - reference) / |reference|`, a plain number; `None` for a reference of zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// Why the run cannot support the number, such as too few cells; `None` where nothing is known against it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unresolved: Option<String>,
     /// Remark for the reader.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -228,6 +235,15 @@ impl Quantity {
             _ => None,
         };
         self.finite()
+    }
+
+    /// Marks the number as one that the run cannot support, because of `why`; a second reason joins the first.
+    pub fn mark_unresolved(&mut self, why: &str) {
+        self.unresolved = match self.unresolved.take() {
+            Some(earlier) if earlier.contains(why) => Some(earlier),
+            Some(earlier) => Some(format!("{earlier}; {why}")),
+            None => Some(why.to_owned()),
+        };
     }
 
     /// Adds a remark behind those already there.
@@ -282,6 +298,12 @@ impl Results {
     pub fn get(&self, name: &str) -> Option<&Quantity> {
         let mut entries = self.iter();
         entries.find_map(|(known, quantity)| (known == name).then_some(quantity))
+    }
+
+    /// All results with their names, in order, to be changed in place.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut Quantity)> {
+        let entries = self.entries.iter_mut();
+        entries.map(|(name, quantity)| (name.as_str(), quantity))
     }
 
     /// All results with their names, in order.

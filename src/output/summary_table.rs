@@ -10,6 +10,8 @@ const CONFIDENCE_DIGITS: i32 = 2;
 const PLAIN_EXPONENTS: std::ops::Range<i32> = -4..6;
 /// Shown where there is no number.
 pub(super) const NOTHING: &str = "-";
+/// Beside numbers that the run cannot support.
+pub(super) const UNRESOLVED: &str = "unresolved";
 
 impl Summary {
     /// The results as an aligned plain-text table: name, value with the half width of its 95 %
@@ -21,7 +23,7 @@ impl Summary {
         if summary.results.is_empty() {
             return "no results\n".to_owned();
         }
-        let header = ["result", "value", "±", "unit", "reference", "error"];
+        let header = ["result", "value", "±", "unit", "reference", "error", ""];
         let mut rows = vec![header.map(str::to_owned)];
         rows.extend(
             summary
@@ -31,6 +33,9 @@ impl Summary {
         );
         let mut text = align(&rows);
         for (name, quantity) in summary.results.iter() {
+            if let Some(why) = &quantity.unresolved {
+                text += &format!("{name}: {UNRESOLVED}: {why}\n");
+            }
             if let Some(note) = &quantity.note {
                 text += &format!("{name}: {note}\n");
             }
@@ -39,7 +44,7 @@ impl Summary {
     }
 }
 
-fn row(name: &str, quantity: &Quantity) -> [String; 6] {
+fn row(name: &str, quantity: &Quantity) -> [String; 7] {
     let [value, confidence] = value_and_uncertainty(quantity);
     let reference = quantity
         .reference
@@ -54,6 +59,10 @@ fn row(name: &str, quantity: &Quantity) -> [String; 6] {
         quantity.unit.clone(),
         reference.unwrap_or_else(|| NOTHING.to_owned()),
         error.unwrap_or_else(|| NOTHING.to_owned()),
+        quantity
+            .unresolved
+            .as_ref()
+            .map_or_else(String::new, |_| UNRESOLVED.to_owned()),
     ]
 }
 
@@ -103,18 +112,18 @@ pub(super) fn significant(number: f64, digits: i32) -> String {
 }
 
 /// Pads the columns to their widest entry: names and units to the left, numbers to the right.
-fn align(rows: &[[String; 6]]) -> String {
+fn align(rows: &[[String; 7]]) -> String {
     let width = |column: usize| {
         let lengths = rows.iter().map(|row| row[column].chars().count());
         lengths.max().unwrap_or(0)
     };
-    let widths: [usize; 6] = std::array::from_fn(width);
+    let widths: [usize; 7] = std::array::from_fn(width);
     let mut text = String::new();
     for row in rows {
-        let [name, value, confidence, unit, reference, error] = row;
-        let [w0, w1, w2, w3, w4, w5] = widths;
+        let [name, value, confidence, unit, reference, error, remark] = row;
+        let [w0, w1, w2, w3, w4, w5, w6] = widths;
         let line = format!(
-            "{name:<w0$}  {value:>w1$} {confidence:<w2$}  {unit:<w3$}  {reference:>w4$}  {error:>w5$}"
+            "{name:<w0$}  {value:>w1$} {confidence:<w2$}  {unit:<w3$}  {reference:>w4$}  {error:>w5$}  {remark:<w6$}"
         );
         text += line.trim_end();
         text.push('\n');

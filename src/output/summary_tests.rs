@@ -45,6 +45,7 @@ fn summary() -> Summary {
             when_s: 1.5,
         },
         skipped: Vec::new(),
+        account: Vec::new(),
         notes: vec!["a note".to_owned()],
         results,
         comparison: Vec::new(),

@@ -17,8 +17,8 @@ const SECONDS_PER_MARKER: f64 = 0.5e-6;
 /// Seconds per node, element and objective evaluation assumed for the fabric on one thread.
 const SECONDS_PER_ELEMENT_EVALUATION: f64 = 0.05e-6;
 
-/// Evaluations assumed per step of the air, short and warm, and per step of a structure alone, much longer.
-const EVALUATIONS_PER_STEP: [f64; 2] = [8.0, 400.0];
+/// Seconds per marker and evaluation assumed for the springs to the air.
+const SECONDS_PER_MARKER_EVALUATION: f64 = 0.027e-6;
 
 /// Share of the free memory that a run may take.
 const MEMORY_SHARE: f64 = 0.8;
@@ -173,7 +173,8 @@ pub fn free_memory() -> Option<u64> {
 }
 
 impl Plan {
-    /// Rough duration on `threads` threads [s]; `None` for a static equilibrium, whose iterations are not known, and on a device.
+    /// Rough duration on `threads` threads [s]; `None` for a static equilibrium, whose iterations are not known, where the evaluations of the
+    /// fabric are not known, and on a device.
     #[must_use]
     pub fn estimated_seconds(&self, threads: usize) -> Option<f64> {
         let steps = (self.start_steps + self.steps) as f64;
@@ -182,11 +183,16 @@ impl Plan {
             return None;
         }
         let sizes = &self.sizes;
+        let evaluations = match &self.evaluations {
+            Some(known) => known.per_step(self.evaluation_limit)?,
+            None => 0.0,
+        };
+        let elements = (sizes.nodes + sizes.triangles + sizes.cables) as f64;
+        let per_evaluation = elements * SECONDS_PER_ELEMENT_EVALUATION
+            + sizes.markers as f64 * SECONDS_PER_MARKER_EVALUATION;
         let per_step = sizes.cells as f64 / (UPDATES_PER_SECOND_AND_THREAD * threads as f64)
-            + sizes.markers as f64 * SECONDS_PER_MARKER
-            + (sizes.nodes + sizes.triangles + sizes.cables) as f64
-                * SECONDS_PER_ELEMENT_EVALUATION
-                * EVALUATIONS_PER_STEP[usize::from(sizes.cells == 0)];
-        Some(steps * per_step)
+            + sizes.markers as f64 * SECONDS_PER_MARKER;
+        // Held while the wind rises.
+        Some(steps * per_step + self.steps as f64 * evaluations * per_evaluation)
     }
 }

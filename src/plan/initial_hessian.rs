@@ -12,7 +12,7 @@ use crate::solve::InitialHessian;
 const ELEMENTS_CROSSED: f64 = 10.0;
 
 /// Elements that a stretching wave crosses in one implicit step; `None` without fabric or time steps.
-fn elements_crossed(scene: &Scene) -> Option<f64> {
+pub(super) fn elements_crossed(scene: &Scene) -> Option<f64> {
     let every = structure_every(scene);
     let time_step_s = scene.time?.step_s * f64::from(every);
     Some(scene.body.as_ref()?.structure.elements_crossed(time_step_s))

@@ -3,6 +3,7 @@
 mod cadence;
 mod descent;
 mod estimate;
+mod forecast;
 mod initial_hessian;
 mod openings;
 mod permeability;
@@ -15,6 +16,7 @@ mod wing;
 pub use crate::lattice::Storage;
 pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
+pub use forecast::Evaluations;
 pub use initial_hessian::multigrid_from_s;
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
@@ -77,6 +79,10 @@ pub struct Plan {
     pub sizes: Sizes,
     /// What the implicit steps of the fabric start from.
     pub step_hessian: InitialHessian,
+    /// What a solve of a step is expected to take; `None` without steps of the fabric.
+    pub evaluations: Option<Evaluations>,
+    /// Evaluations that a solve may take.
+    pub evaluation_limit: usize,
     /// What is left out.
     pub skips: Vec<Skip>,
 }
@@ -101,6 +107,8 @@ impl Plan {
             steps,
             sizes,
             step_hessian: initial_hessian::of_steps(scene, &placement),
+            evaluations: forecast::of(scene),
+            evaluation_limit: scene.solver.evaluation_limit,
             skips: skips(scene)
                 .into_iter()
                 .chain(initial_hessian::skipped(scene, &placement))

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{AirPlacement, ClothPlacement, Plan, cadence, descent, openings, permeability, wing};
+use super::{
+    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, openings, permeability, wing,
+};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
@@ -195,11 +197,15 @@ impl Plan {
                 adaptive.tolerance_m
             )?;
         }
+        if let Some(evaluations) = &self.evaluations {
+            evaluations.write(out, self.evaluation_limit)?;
+        }
         if self.steps > 0 && self.estimated_seconds(threads).is_none() {
-            writeln!(
-                out,
-                "  estimated duration  not known: the speed of a device shows only when it runs"
-            )?;
+            let why = match self.evaluations {
+                Some(Evaluations::Unknown(_)) => "the evaluations are not",
+                _ => "the speed of a device shows only when it runs",
+            };
+            writeln!(out, "  estimated duration  not known: {why}")?;
         }
         if let Some(seconds) = self.estimated_seconds(threads) {
             writeln!(

@@ -31,6 +31,10 @@ impl Plan {
         warnings.extend(blockage(scene));
         warnings.extend(nominal_area(scene));
         warnings.extend(self.device_tolerance(scene));
+        warnings.extend(
+            self.evaluations
+                .and_then(|known| known.warning(self.evaluation_limit)),
+        );
         let quality = scene.body.as_ref().and_then(|body| body.quality);
         if quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
             warnings.push(

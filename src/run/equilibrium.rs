@@ -47,7 +47,7 @@ impl Run<'_> {
         let text = format!(
             "equilibrium: {} after {} iterations and {} evaluations, energy norm {:.3e}",
             match outcome.stop {
-                Stop::Converged => "reached",
+                Stop::Converged | Stop::RoundOff => "reached",
                 Stop::Stalled => "STALLED before its tolerance",
                 Stop::LimitReached => "NOT reached within evaluation_limit",
                 Stop::NotFinite => "not finite",

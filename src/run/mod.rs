@@ -9,6 +9,7 @@ mod panel_shaping;
 mod summary;
 mod tables;
 mod trim;
+mod verdict;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -85,8 +86,8 @@ pub struct Report {
     pub interrupted: bool,
     /// The picture of the last state.
     pub last_picture: Option<PathBuf>,
-    /// True if the static equilibrium was sought and not reached: results are those of a state out of balance.
-    pub unbalanced: bool,
+    /// What was not in balance: results are then not those of the case.
+    pub unbalanced: Option<String>,
 }
 
 /// What to run, and where.
@@ -195,6 +196,7 @@ pub fn run(
     if !interrupted && diverged.is_none() && !run.unbalanced {
         run.warn_of_the_sail();
     }
+    let unbalanced = run.out_of_balance();
     let summary = summary::summarise(
         run.case,
         &run.simulation,
@@ -226,7 +228,7 @@ pub fn run(
         None => Ok(Report {
             summary,
             interrupted,
-            unbalanced: run.unbalanced,
+            unbalanced: if interrupted { None } else { unbalanced },
             last_picture: run.files.last_picture,
         }),
     }

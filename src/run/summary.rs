@@ -1,16 +1,13 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
-use crate::measure::{Record, comparison, results};
+use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
     Summary,
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
-
-/// Difference of the force routes beyond which a run says so.
-const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
 
 /// Names who computes in that precision: the device, or the host.
 fn processor(placement: &Placement, on_device: bool, precision: &str) -> Processor {
@@ -200,6 +197,7 @@ pub(super) fn summarise(
             .map(|s| format!("{}: {}", s.what, s.why))
             .collect(),
         notes,
+        account: account(simulation, &results),
         comparison: comparison(scene, &results),
         results,
     }

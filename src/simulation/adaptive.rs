@@ -124,7 +124,7 @@ impl Adaptive {
     /// Judges a part by what the minimiser says of it and by the error of positions [m].
     fn judge(&mut self, stop: Stop, error_m: f64) -> Verdict {
         let left = self.settings.halvings - self.halvings;
-        if stop != Stop::Converged && left > 0 {
+        if !stop.reached() && left > 0 {
             self.refused += 1;
             self.failed += 1;
             self.patience = PARTS_AFTER_FAILURE;
@@ -223,6 +223,7 @@ impl Simulation {
                 continue;
             }
             self.finite(Some(&outcome))?;
+            self.settle_solve();
             done += length;
             let longer_fits = adaptive.halvings > 0 && done.is_multiple_of(2 * length);
             if verdict == Verdict::Lengthened && longer_fits {

@@ -224,6 +224,8 @@ impl Simulation {
             sound_step: step,
             largest_marker_motion: self.largest_marker_motion,
             cost: self.cost,
+            account: self.account.clone(),
+            equilibrium_outcome: self.equilibrium_outcome,
             ..next
         };
         self.count_steps();

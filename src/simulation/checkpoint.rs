@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::{Origin, Simulation};
+use super::{Origin, Simulation, SolverAccount};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::ContactState;
 
@@ -29,6 +29,9 @@ impl Simulation {
                 ];
                 out.put("contact", &numbers)?;
             }
+        }
+        if self.cloth.is_some() {
+            self.account.save(out)?;
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
@@ -82,6 +85,9 @@ impl Simulation {
                     vain: numbers[3],
                 });
             }
+        }
+        if self.cloth.is_some() {
+            self.account = SolverAccount::restore(from)?;
         }
         self.haul_risers(self.time_s());
         if let Some(cadence) = &mut self.cadence {

@@ -5,15 +5,12 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::coupled::Coupled;
-use super::{Cost, Failure, Simulation};
+use super::{Failure, Simulation};
 use crate::case::Scene;
 use crate::cpu::cloth::{Cloth, InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::plan::Plan;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
-
-/// Displacement of a step below which the fabric counts as solved, whatever the loads [m].
-const DISPLACEMENT_FLOOR_M: f64 = 1e-9;
 
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
 const REFRESH_EVERY: usize = 10;
@@ -167,11 +164,13 @@ impl Simulation {
                 Some(before) if self.take_back(before) => {}
                 Some(before) => {
                     self.end_span(before);
-                    return Ok(());
+                    break;
                 }
-                None => return Ok(()),
+                None => break,
             }
         }
+        self.settle_solve();
+        Ok(())
     }
 
     fn solve_on_host(&mut self) -> Option<Outcome> {
@@ -188,7 +187,7 @@ impl Simulation {
         let contact = cloth.contact_time();
         let outcome = cloth.solve_cloth(&input, &settings);
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
-        count(&mut self.cost, &outcome);
+        self.count(&outcome);
         Some(outcome)
     }
 
@@ -217,7 +216,7 @@ impl Simulation {
             None => cloth.solve_cloth(&input, &settings),
         };
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
-        count(&mut self.cost, &outcome);
+        self.count(&outcome);
         Ok(outcome)
     }
 
@@ -237,8 +236,24 @@ impl Simulation {
         };
         let outcome =
             device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?;
-        count(&mut self.cost, &outcome);
+        self.count(&outcome);
         Ok(Some(outcome))
+    }
+
+    /// Notes what a solve did; the account counts it once it stands.
+    fn count(&mut self, outcome: &Outcome) {
+        let cost = &mut self.cost;
+        cost.solves += 1;
+        cost.iterations += outcome.iterations as u64;
+        cost.evaluations += outcome.evaluations as u64;
+        cost.unconverged += u64::from(!outcome.stop.reached());
+        self.account.hold(outcome);
+    }
+
+    /// The last solve stands: it is not taken back any more.
+    pub(super) fn settle_solve(&mut self) {
+        let end_s = self.time_at(self.step + 1);
+        self.account.settle(self.scene.solver.tolerance, end_s);
     }
 
     /// A solve that is not finite ends the run.
@@ -265,6 +280,7 @@ impl Simulation {
         let before = self.before();
         self.fetch_solution()?;
         let Some(before) = before else {
+            self.settle_solve();
             return Ok(());
         };
         while self.take_back(&before) {
@@ -282,10 +298,11 @@ impl Simulation {
                 break;
             };
             let outcome = device_cloth.solve(cloth, &input, &settings, &mut |_| true)?;
-            count(&mut self.cost, &outcome);
+            self.count(&outcome);
             self.finite(Some(&outcome))?;
         }
         self.end_span(&before);
+        self.settle_solve();
         Ok(())
     }
 
@@ -310,7 +327,11 @@ impl Simulation {
         let tolerance = self.scene.equilibrium?.tolerance;
         self.place_supports(self.time_s());
         self.pressure_acts = true;
-        self.solve_static(tolerance, watch)
+        let solved = self.solve_static(tolerance, watch);
+        if let Some(Ok(outcome)) = &solved {
+            self.equilibrium_outcome = Some(*outcome);
+        }
+        solved
     }
 
     /// Solves the fabric under [`Simulation::static_loads`].
@@ -399,7 +420,7 @@ fn step_input<'a>(
 pub(super) fn step_settings(scene: &Scene, plan: &Plan) -> SolverSettings {
     SolverSettings {
         tolerance: scene.solver.tolerance,
-        displacement_floor_m: DISPLACEMENT_FLOOR_M,
+        displacement_floor_m: 0.0,
         evaluation_limit: scene.solver.evaluation_limit,
         history: HISTORY,
         refresh_every: refresh_every(plan.step_hessian),
@@ -411,14 +432,5 @@ const fn refresh_every(initial_hessian: InitialHessian) -> Option<usize> {
     match initial_hessian {
         InitialHessian::BlockJacobi => None,
         InitialHessian::Multigrid => Some(REFRESH_EVERY),
-    }
-}
-
-fn count(cost: &mut Cost, outcome: &Outcome) {
-    cost.solves += 1;
-    cost.iterations += outcome.iterations as u64;
-    cost.evaluations += outcome.evaluations as u64;
-    if outcome.stop != Stop::Converged {
-        cost.unconverged += 1;
     }
 }

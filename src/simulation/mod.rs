@@ -1,5 +1,6 @@
 //! Runs the plan: holds the engines' states and executes the stages of a step in the plan's order.
 
+mod account;
 mod across;
 mod adaptive;
 mod air;
@@ -28,6 +29,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+pub use account::{Interval, LAST, SolverAccount, UNSOLVED_SHARE, Unsolved};
 pub use adaptive::Adaptive;
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
@@ -50,6 +52,7 @@ use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{self, Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, PlannedStage, Stage, structure_every};
+use crate::solve::lbfgs::Outcome;
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
@@ -106,6 +109,9 @@ pub struct Simulation {
     /// Cuts of a wing's panels; empty where they are as the plan says.
     shaping: Vec<ShapingStep>,
     cost: Cost,
+    account: SolverAccount,
+    /// How the static equilibrium that the case asks for ended.
+    equilibrium_outcome: Option<Outcome>,
 }
 
 impl Simulation {
@@ -210,6 +216,8 @@ impl Simulation {
             load_test: None,
             shaping: Vec::new(),
             cost: Cost::default(),
+            account: SolverAccount::default(),
+            equilibrium_outcome: None,
         })
     }
 

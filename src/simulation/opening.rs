@@ -27,6 +27,8 @@ pub struct Opening {
     pub opened_ratio: f64,
     /// Pressure-loaded steps taken.
     pub steps: usize,
+    /// Those whose solve missed its tolerance.
+    pub unsolved: usize,
 }
 
 /// Opens a folded canopy as `loading` says.
@@ -54,11 +56,12 @@ pub(super) fn open(
         evaluation_limit: settings.evaluation_limit.min(EVALUATION_LIMIT),
         ..*settings
     };
-    let mut steps = 0;
+    let (mut steps, mut unsolved) = (0, 0);
     let mut opened_ratio = folded_ratio;
     while opened_ratio < loading.opened_diameter_ratio {
         let outcome = cloth.solve_cloth(&input, &settings);
         steps += 1;
+        unsolved += usize::from(!outcome.stop.reached());
         opened_ratio = ratio(cloth);
         if outcome.stop == Stop::NotFinite || steps >= STEP_LIMIT {
             return Err(format!(
@@ -81,5 +84,6 @@ pub(super) fn open(
         folded_ratio,
         opened_ratio,
         steps,
+        unsolved,
     })
 }

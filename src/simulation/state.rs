@@ -1,11 +1,15 @@
 //! What others read of a simulation: its scene and plan, time, speed of the wind, and the engines' states.
 
-use super::{AirEngine, Cadence, Cost, Coupled, Impulses, Opening, Origin, Simulation};
+use super::{
+    AirEngine, Cadence, Cost, Coupled, Impulses, Interval, Opening, Origin, Simulation,
+    SolverAccount,
+};
 use crate::case::Scene;
 use crate::case::scene::Flow;
 use crate::cpu::cloth::Cloth;
 use crate::gpu::DeviceError;
 use crate::plan::Plan;
+use crate::solve::lbfgs::Outcome;
 
 impl Simulation {
     /// The scene.
@@ -106,6 +110,23 @@ impl Simulation {
     #[must_use]
     pub const fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// How the solves of the fabric ended, from the start of the run.
+    #[must_use]
+    pub const fn solver_account(&self) -> &SolverAccount {
+        &self.account
+    }
+
+    /// How the static equilibrium ended; `None` before one was sought.
+    #[must_use]
+    pub const fn equilibrium_outcome(&self) -> Option<&Outcome> {
+        self.equilibrium_outcome.as_ref()
+    }
+
+    /// How those since the last call ended.
+    pub fn take_solver_interval(&mut self) -> Interval {
+        self.account.take_interval()
     }
 
     /// Speed of the wind at the inlet now [m/s].

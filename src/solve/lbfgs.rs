@@ -24,8 +24,10 @@ pub struct Options {
     pub history: usize,
     /// Stop when √(gᵀ H₀ g) is at most this share of the space's reference.
     pub tolerance: f64,
-    /// Stop when the largest node displacement of H₀ g is at most this [m].
+    /// Stop when the largest node displacement of H₀ g is at most this [m]: what positions cannot hold, or what the caller calls nothing.
     pub displacement_floor_m: f64,
+    /// True in a time step, see [`Options::scale`]; there what only round-off hides counts as solved ([`Stop::RoundOff`]).
+    pub time_step: bool,
     /// Give up after this many evaluations.
     pub evaluation_limit: usize,
     /// Rebuild H₀ after this many iterations; `None`: only before the first.
@@ -34,11 +36,32 @@ pub struct Options {
     pub step_limit_m: f64,
 }
 
+/// Share of the forces out of balance at the start of a time step, which counts as loads.
+///
+/// Without it a structure that moves under inertia and its own forces alone would have nothing that its tolerance is relative to. The
+/// share is small, since a prediction that overshoots stretches stiff elements far beyond what any load does.
+const OUT_OF_BALANCE: f64 = 1e-3;
+
+impl Options {
+    /// What [`Options::tolerance`] is relative to: the energy norm of the loads; in a time step at least a thousandth of that of all forces
+    /// that are out of balance at the start, `norm_at_start`, which are those of the structure and of inertia, too.
+    #[must_use]
+    pub fn scale(&self, loads: f64, norm_at_start: f64) -> f64 {
+        if self.time_step {
+            loads.max(OUT_OF_BALANCE * norm_at_start)
+        } else {
+            loads
+        }
+    }
+}
+
 /// Why the minimiser stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
     /// The energy norm, or the displacement floor, was reached.
     Converged,
+    /// In a time step: the objective is as low as its round-off tells, and the energy norm falls no further.
+    RoundOff,
     /// No acceptable step along any direction, or none that still changes anything but round-off.
     Stalled,
     /// Evaluation limit reached.
@@ -63,6 +86,19 @@ pub struct Progress {
 /// Called once per iteration; false ends the minimisation at the present point.
 pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> bool;
 
+impl Stop {
+    /// True if the minimiser found what it was asked for, as far as its numbers can hold it.
+    #[must_use]
+    pub const fn reached(self) -> bool {
+        matches!(self, Self::Converged | Self::RoundOff)
+    }
+}
+
+/// The share `norm / scale`; 0 where neither is anything.
+pub(super) fn relative(norm: f64, scale: f64) -> f64 {
+    if norm == 0.0 { 0.0 } else { norm / scale }
+}
+
 /// What the minimiser did.
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome {
@@ -74,6 +110,8 @@ pub struct Outcome {
     pub evaluations: usize,
     /// √(gᵀ H₀ g) at the end.
     pub energy_norm: f64,
+    /// The same over what the tolerance is relative to; 0 where neither is anything.
+    pub relative_norm: f64,
     /// Objective at the end.
     pub objective: f64,
 }
@@ -116,6 +154,12 @@ const LINE_SEARCH_LIMIT: usize = 30;
 /// are taken to be of no use: round-off is all that is left.
 const STAGNATION_LIMIT: usize = 5000;
 
+/// Displacements of H₀ g up to so many times what positions cannot hold are told to the space.
+const REMAINDER: f64 = 16.0;
+
+/// [`STAGNATION_LIMIT`] in a time step, where what is left of the objective, half the square of the norm, lies within its round-off.
+const ROUND_OFF_LIMIT: usize = 100;
+
 /// Minimises the objective of `space` from `point`, in place.
 pub fn minimise<S: VectorSpace>(
     space: &mut S,
@@ -140,12 +184,14 @@ pub fn minimise_watched<S: VectorSpace>(
     let mut indefinite = start.norm_square < 0.0;
     let mut norm = start.norm_square.max(0.0).sqrt();
     let mut longest_m = start.longest_m;
-    let mut reference = start.reference;
+    let norm_at_start = norm;
+    let mut scale = options.scale(start.reference, norm_at_start);
     let mut outcome = Outcome {
         stop: Stop::Stalled,
         iterations: 0,
         evaluations: 1,
         energy_norm: norm,
+        relative_norm: relative(norm, scale),
         objective,
     };
     if !objective.is_finite() || !start.norm_square.is_finite() || !longest_m.is_finite() {
@@ -165,17 +211,20 @@ pub fn minimise_watched<S: VectorSpace>(
 
     loop {
         outcome.energy_norm = norm;
+        outcome.relative_norm = relative(norm, scale);
         outcome.objective = objective;
-        let converged = |norm: f64, longest_m: f64, reference: f64| {
-            norm <= options.tolerance * reference || longest_m <= options.displacement_floor_m
-        };
-        if indefinite || converged(norm, longest_m, reference) {
+        let converged =
+            norm <= options.tolerance * scale || longest_m <= options.displacement_floor_m;
+        if indefinite || converged {
             if options.refresh_every.is_none() || since_refresh == 0 {
-                outcome.stop = if indefinite {
-                    Stop::Indefinite
-                } else {
-                    Stop::Converged
-                };
+                if indefinite {
+                    outcome.stop = Stop::Indefinite;
+                    return Ok(outcome);
+                }
+                if options.time_step && longest_m <= REMAINDER * options.displacement_floor_m {
+                    space.remainder(&preconditioned)?;
+                }
+                outcome.stop = Stop::Converged;
                 return Ok(outcome);
             }
             // An H₀ that was built elsewhere does not measure the distance from here.
@@ -188,11 +237,17 @@ pub fn minimise_watched<S: VectorSpace>(
             )?;
             indefinite = renewed.norm_square < 0.0;
             norm = renewed.norm_square.max(0.0).sqrt();
-            (longest_m, reference) = (renewed.longest_m, renewed.reference);
+            longest_m = renewed.longest_m;
+            scale = options.scale(renewed.reference, norm_at_start);
             continue;
         }
         if outcome.evaluations >= options.evaluation_limit {
             outcome.stop = Stop::LimitReached;
+            return Ok(outcome);
+        }
+        let hidden = options.time_step && 0.5 * norm * norm <= round_off;
+        if hidden && stagnant >= ROUND_OFF_LIMIT {
+            outcome.stop = Stop::RoundOff;
             return Ok(outcome);
         }
         if stagnant >= STAGNATION_LIMIT {
@@ -201,7 +256,7 @@ pub fn minimise_watched<S: VectorSpace>(
         }
         let progress = Progress {
             evaluations: outcome.evaluations,
-            relative_norm: norm / reference,
+            relative_norm: outcome.relative_norm,
         };
         if !watch(&progress) {
             outcome.stop = Stop::Interrupted;
@@ -276,7 +331,11 @@ pub fn minimise_watched<S: VectorSpace>(
         }
         let Some(attempt) = accepted else {
             if pairs.is_empty() {
-                outcome.stop = Stop::Stalled;
+                outcome.stop = if hidden {
+                    Stop::RoundOff
+                } else {
+                    Stop::Stalled
+                };
                 return Ok(outcome);
             }
             spare.extend(pairs.drain(..));
@@ -317,7 +376,8 @@ pub fn minimise_watched<S: VectorSpace>(
                 &mut products,
             )?;
             norm_square = renewed.norm_square;
-            (longest_m, reference) = (renewed.longest_m, renewed.reference);
+            longest_m = renewed.longest_m;
+            scale = options.scale(renewed.reference, norm_at_start);
         }
         indefinite = norm_square < 0.0;
         norm = norm_square.max(0.0).sqrt();

@@ -163,6 +163,7 @@ fn options(history: usize, tolerance: f64) -> Options {
         history,
         tolerance,
         displacement_floor_m: 0.0,
+        time_step: false,
         evaluation_limit: 10_000,
         refresh_every: None,
         step_limit_m: f64::INFINITY,

@@ -60,6 +60,12 @@ pub trait VectorSpace {
         pairs: &mut [(&Self::Vector, &mut Self::Vector)],
     ) -> Result<Refreshed, Self::Error>;
 
+    /// Told at the end of a time step how far the point is from the minimum, −H₀ g, where that is too little for positions to hold; velocities can.
+    fn remainder(&mut self, preconditioned: &Self::Vector) -> Result<(), Self::Error> {
+        let _ = preconditioned;
+        Ok(())
+    }
+
     /// `result = Σ coefficient · vector`; `result` is none of the terms.
     fn combine(
         &mut self,

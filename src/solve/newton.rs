@@ -8,7 +8,7 @@
 //! Where elements switch between taut and slack, the Hessian changes with every step and the pairs of [`super::lbfgs`] remember what no
 //! longer holds; there this driver needs fewer cycles. Where the projection leaves much out (springs that push), it needs more.
 
-use super::lbfgs::{Options, Outcome, Progress, Stop, Watch};
+use super::lbfgs::{Options, Outcome, Progress, Stop, Watch, relative};
 use super::{Step, VectorSpace};
 
 /// Each step's equations are solved to this share of the energy norm.
@@ -86,12 +86,15 @@ pub fn minimise_watched<S: Curvature>(
     let start = space.start(point, &mut gradient, &mut preconditioned)?;
     let (mut objective, mut round_off) = (start.objective, start.round_off);
     let mut norm_square = start.norm_square;
-    let (mut longest_m, mut reference) = (start.longest_m, start.reference);
+    let norm_at_start = norm_square.max(0.0).sqrt();
+    let mut longest_m = start.longest_m;
+    let mut scale = options.scale(start.reference, norm_at_start);
     let mut outcome = Outcome {
         stop: Stop::Stalled,
         iterations: 0,
         evaluations: 1,
-        energy_norm: norm_square.max(0.0).sqrt(),
+        energy_norm: norm_at_start,
+        relative_norm: relative(norm_at_start, scale),
         objective,
     };
     if !objective.is_finite() || !start.norm_square.is_finite() || !longest_m.is_finite() {
@@ -106,12 +109,13 @@ pub fn minimise_watched<S: Curvature>(
     loop {
         let norm = norm_square.max(0.0).sqrt();
         outcome.energy_norm = norm;
+        outcome.relative_norm = relative(norm, scale);
         outcome.objective = objective;
         if norm_square < 0.0 {
             outcome.stop = Stop::Indefinite;
             return Ok(outcome);
         }
-        if norm <= options.tolerance * reference || longest_m <= options.displacement_floor_m {
+        if norm <= options.tolerance * scale || longest_m <= options.displacement_floor_m {
             outcome.stop = Stop::Converged;
             return Ok(outcome);
         }
@@ -126,12 +130,17 @@ pub fn minimise_watched<S: Curvature>(
         };
         lowest_norm = lowest_norm.min(norm);
         if stagnant >= STAGNATION_LIMIT {
-            outcome.stop = Stop::Stalled;
+            let hidden = options.time_step && 0.5 * norm_square <= round_off;
+            outcome.stop = if hidden {
+                Stop::RoundOff
+            } else {
+                Stop::Stalled
+            };
             return Ok(outcome);
         }
         let progress = Progress {
             evaluations: outcome.evaluations,
-            relative_norm: norm / reference,
+            relative_norm: outcome.relative_norm,
         };
         if !watch(&progress) {
             outcome.stop = Stop::Interrupted;
@@ -169,7 +178,8 @@ pub fn minimise_watched<S: Curvature>(
         std::mem::swap(&mut gradient, &mut trial_gradient);
         let refreshed = space.refresh(point, &gradient, &mut preconditioned, &mut [])?;
         norm_square = refreshed.norm_square;
-        (longest_m, reference) = (refreshed.longest_m, refreshed.reference);
+        longest_m = refreshed.longest_m;
+        scale = options.scale(refreshed.reference, norm_at_start);
     }
 }
 

@@ -5,9 +5,10 @@ use std::convert::Infallible;
 use glam::{DVec3, Vec3};
 
 use super::StepInput;
-use super::solve_cloth::{InitialHessian, Objective};
+use super::solve_cloth::Objective;
 use super::vectors::dot;
 use crate::cloth::Structure;
+use crate::solve::InitialHessian;
 use crate::solve::Step;
 use crate::solve::lbfgs::{self, Options, Outcome, Watch};
 use crate::solve::newton::{self, Curvature, Trial};

@@ -28,6 +28,7 @@ pub mod permeable;
 pub mod pressure;
 pub mod probe;
 pub mod read_outs;
+pub mod settings;
 pub mod solve_cloth;
 pub mod stiffness;
 mod vectors;
@@ -48,7 +49,9 @@ pub use evaluator::Evaluator;
 pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use probe::Probe;
-pub use solve_cloth::{InitialHessian, SolverSettings};
+pub use settings::SolverSettings;
+
+pub use crate::solve::InitialHessian;
 
 /// Moving state of a structure.
 #[derive(Debug, Clone)]

@@ -19,32 +19,16 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, dead_loads, prediction, step_loads};
+use super::settings::{SolverSettings, options, round_off_m};
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{
     Cloth, Prepared, driver, initial_hessian, nodal_forces, permeable, pressure, stiffness,
 };
 use crate::cloth::Structure;
-pub use crate::solve::InitialHessian;
-use crate::solve::lbfgs::{Options, Outcome, Stop, Watch};
+use crate::solve::InitialHessian;
+use crate::solve::lbfgs::{Outcome, Stop, Watch};
 use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
-
-/// How hard the minimiser tries.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolverSettings {
-    /// Tolerance of the energy norm √(gᵀH₀g), relative to that of the applied loads (fluid impulse, gravity, pressure).
-    pub tolerance: f64,
-    /// Stop when the largest displacement H₀g is below this, whatever the loads [m].
-    pub displacement_floor_m: f64,
-    /// Evaluations of the objective allowed in one solve.
-    pub evaluation_limit: usize,
-    /// Pairs kept by L-BFGS.
-    pub history: usize,
-    /// Iterations between refreshes of the initial Hessian within one solve.
-    pub refresh_every: Option<usize>,
-    /// Kind of the initial Hessian.
-    pub initial_hessian: InitialHessian,
-}
 
 /// The objective, on host vectors.
 pub(super) struct Objective<'a> {
@@ -63,6 +47,8 @@ pub(super) struct Objective<'a> {
     inverse_blocks: Vec<DMat3>,
     /// Where the gradient is added up [N].
     forces: Vec<DVec3>,
+    /// H₀ g at the end, where positions cannot hold it; empty where they can [m].
+    remainder: Vec<Vec3>,
 }
 
 /// Stiffness below which a node counts as held by nothing [N/m].
@@ -101,6 +87,7 @@ impl<'a> Objective<'a> {
             kind,
             inverse_blocks: Vec::new(),
             forces: Vec::new(),
+            remainder: Vec::new(),
         }
     }
 
@@ -489,6 +476,11 @@ impl VectorSpace for Objective<'_> {
         })
     }
 
+    fn remainder(&mut self, preconditioned: &Vec<Vec3>) -> Result<(), Infallible> {
+        self.remainder.clone_from(preconditioned);
+        Ok(())
+    }
+
     fn combine(
         &mut self,
         result: &mut Vec<Vec3>,
@@ -523,7 +515,8 @@ impl Cloth {
             input,
             settings.initial_hessian,
         );
-        let mut options = options(structure, settings);
+        let mut options = options(structure, input, settings);
+        options.displacement_floor_m = options.displacement_floor_m.max(round_off_m(&point));
         objective.keep_apart(&mut point);
         let dead = dead_loads(structure, input);
         objective.correct_edges(&dead, &point);
@@ -531,7 +524,7 @@ impl Cloth {
         // Edges of patches of equal pressure, and pressure that lags, until what they add stands still.
         for pass in 0..=EDGE_PASS_LIMIT {
             let change = objective.correct_edges(&dead, &point);
-            if outcome.stop != Stop::Converged || change <= settings.tolerance {
+            if !outcome.stop.reached() || change <= settings.tolerance {
                 break;
             }
             if pass == EDGE_PASS_LIMIT {
@@ -548,6 +541,7 @@ impl Cloth {
                 ..next
             };
         }
+        let remainder = std::mem::take(&mut objective.remainder);
         if let Some(contacts) = &mut self.prepared.contacts {
             contacts.finish(&point);
         }
@@ -556,39 +550,14 @@ impl Cloth {
                 for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {
                     *v = (*new - *old) / dt;
                 }
+                // A step so short that round-off of positions is a part of its motion.
+                for (v, left) in self.velocities_m_s.iter_mut().zip(&remainder) {
+                    *v -= left.as_dvec3() / dt;
+                }
             }
             None => self.velocities_m_s.fill(DVec3::ZERO),
         }
         self.positions_m = point;
         outcome
-    }
-}
-
-/// The minimiser's options for a structure: no node moves farther than two element lengths in one iteration.
-#[must_use]
-pub fn options(structure: &Structure, settings: &SolverSettings) -> Options {
-    let size = structure
-        .triangles
-        .iter()
-        .flat_map(|t| t.rest_squares_m2)
-        .chain(
-            structure
-                .cables
-                .iter()
-                .map(|c| c.rest_length_m * c.rest_length_m),
-        )
-        .fold(0.0, f64::max)
-        .sqrt();
-    Options {
-        history: settings.history,
-        tolerance: settings.tolerance,
-        displacement_floor_m: settings.displacement_floor_m,
-        evaluation_limit: settings.evaluation_limit,
-        refresh_every: settings.refresh_every,
-        step_limit_m: if size > 0.0 {
-            2.0 * size
-        } else {
-            f64::INFINITY
-        },
     }
 }

@@ -70,6 +70,8 @@ pub struct Cloth {
     constant_j: f64,
     /// Where the last solve ended, until it is fetched.
     solution: Option<PointSlot>,
+    /// What positions on the device could not hold of it [m]; empty where they could.
+    remainder: Vec<[f32; 3]>,
     /// Way back of positions.
     staging: Staging,
 }
@@ -230,6 +232,7 @@ impl Cloth {
             drive: Vec::new(),
             constant_j: 0.0,
             solution: None,
+            remainder: Vec::new(),
             staging,
         };
         cloth.make_room(HISTORY)?;

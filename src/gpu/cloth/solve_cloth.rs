@@ -12,7 +12,8 @@ use crate::cloth::Structure;
 use crate::cpu::cloth::dashpots::dashpots;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
 use crate::cpu::cloth::pressure;
-use crate::cpu::cloth::solve_cloth::{FREE_NODE_STIFFNESS, options};
+use crate::cpu::cloth::settings::options;
+use crate::cpu::cloth::solve_cloth::FREE_NODE_STIFFNESS;
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::immersed::permeable::Permeable;
@@ -24,6 +25,9 @@ use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
 use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
 use super::workspace::Workspace;
+
+/// Displacement that positions on the device cannot hold [m]: half a unit of the last place of the largest remainder, 2⁻¹⁷ m in `f32`.
+const ROUND_OFF_M: f64 = 1.0 / (1_u64 << 42) as f64;
 
 impl Cloth {
     /// Stage `send_nodes`: the state of the nodes, their loads and the markers' reactions. The structure must be the one given to
@@ -50,9 +54,12 @@ impl Cloth {
         let mut space = self.space(input, self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
-        let options = options(structure, settings);
+        let mut options = options(structure, input, settings);
+        options.displacement_floor_m = options.displacement_floor_m.max(ROUND_OFF_M);
         let outcome = lbfgs::minimise_watched(&mut space, &mut point, &options, watch)?;
+        let remainder = std::mem::take(&mut space.remainder);
         drop(space);
+        self.remainder = remainder;
         self.solution = (outcome.stop != Stop::NotFinite).then_some(point);
         Ok(outcome)
     }
@@ -65,12 +72,21 @@ impl Cloth {
             &state.velocities_m_s,
             input,
         );
+        let remainder = std::mem::take(&mut self.remainder);
         if let Some(point) = self.solution.take() {
             let solved = self.positions(&point)?;
-            for ((new, solved), &held) in new.iter_mut().zip(solved).zip(&state.structure.held) {
+            for (node, (new, solved)) in new.iter_mut().zip(solved).enumerate() {
                 // Held nodes are where the step puts them, to the last bit.
-                if !held {
-                    *new = solved;
+                if !state.structure.held[node] {
+                    // The device has the prediction rounded, and what moves from there.
+                    let uploaded = new.to_array().map(|x| {
+                        let (whole, remainder) = split(x);
+                        joined(whole, remainder)
+                    });
+                    *new += solved - DVec3::from_array(uploaded);
+                    if let Some(left) = remainder.get(node) {
+                        *new -= DVec3::from_array(left.map(f64::from));
+                    }
                 }
             }
         }
@@ -192,6 +208,7 @@ impl Cloth {
             self.buffer("stage")?,
             stage,
             constant_j,
+            self.nodes,
         );
         if let (InitialHessian::Multigrid, Some(whole)) = (kind, &self.multigrid) {
             let mut buffers = self.named_buffers();

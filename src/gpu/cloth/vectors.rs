@@ -71,6 +71,9 @@ pub(super) struct Space<'a> {
     pub constant_j: f64,
     /// Absent where H₀ is block-Jacobi.
     pub multigrid: Option<MultigridHessian<'a>>,
+    nodes: usize,
+    /// H₀ g at the end, where positions cannot hold it; empty where they can [m].
+    pub remainder: Vec<[f32; 3]>,
     program: Vec<u32>,
     operations: u32,
     next_vector: u32,
@@ -84,8 +87,11 @@ impl<'a> Space<'a> {
         stage_buffer: &'a wgpu::Buffer,
         stage: ClothStage,
         constant_j: f64,
+        nodes: usize,
     ) -> Self {
         Self {
+            nodes,
+            remainder: Vec::new(),
             device,
             workspace,
             stage_buffer,
@@ -421,6 +427,13 @@ impl VectorSpace for Space<'_> {
             change_change: plain(of_pairs),
             reference: drive.plain.max(0.0).sqrt(),
         })
+    }
+
+    fn remainder(&mut self, preconditioned: &Slot) -> Result<(), DeviceError> {
+        let first = preconditioned.0 as usize * self.nodes;
+        let vectors = &self.workspace.vectors;
+        self.remainder = self.device.read(vectors, first, self.nodes)?;
+        Ok(())
     }
 
     fn combine(&mut self, result: &mut Slot, terms: &[(f64, &Slot)]) -> Result<(), DeviceError> {

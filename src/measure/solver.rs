@@ -1,0 +1,217 @@
+//! Read-outs of the fabric's solver: what it did since the last sample, and the account of the whole run.
+
+use crate::case::scene::Scene;
+use crate::output::{AccountRow, Results};
+use crate::simulation::{Interval, LAST, Simulation, SolverAccount, UNSOLVED_SHARE};
+
+/// A column of the history.
+struct ReadOut {
+    /// Its name, unit included.
+    name: &'static str,
+    /// Its value of the solves since the last sample.
+    of: fn(&Interval) -> f64,
+}
+
+/// In scenes whose fabric moves in time. `docs/case-files.md` says what they mean.
+const COLUMNS: [ReadOut; 3] = [
+    // Solves of the fabric since the last sample that missed their tolerance.
+    ReadOut {
+        name: "unsolved_solves",
+        of: |interval| interval.unsolved as f64,
+    },
+    // Energy norm that the worst of them left, over what the tolerance allows: above 1 it is unsolved.
+    ReadOut {
+        name: "solver_residual",
+        of: |interval| interval.worst_residual,
+    },
+    // Evaluations of the objective in a solve, mean since the last sample.
+    ReadOut {
+        name: "evaluations_per_solve",
+        of: |interval| interval.evaluations as f64 / interval.solves as f64,
+    },
+];
+
+fn has_solves(scene: &Scene) -> bool {
+    scene.body.is_some() && scene.time.is_some()
+}
+
+/// Names of the columns.
+pub(super) fn columns(scene: &Scene) -> Vec<String> {
+    let columns = COLUMNS.iter().filter(|_| has_solves(scene));
+    columns.map(|column| column.name.to_owned()).collect()
+}
+
+/// Their values, and a new interval.
+pub(super) fn values(simulation: &mut Simulation) -> Vec<f64> {
+    if !has_solves(simulation.scene()) {
+        return Vec::new();
+    }
+    let interval = simulation.take_solver_interval();
+    COLUMNS
+        .iter()
+        .map(|column| (column.of)(&interval))
+        .collect()
+}
+
+/// Difference of the force routes beyond which a run says so.
+pub const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
+
+/// Slip of the air past a surface, over the reference speed, beyond which the forcing has not done what it is for: usual runs show 0.02.
+const SLIP_LIMIT: f64 = 0.05;
+
+/// Defect of the mass balance of a box of air, over its mass.
+const MASS_DEFECT_LIMIT: f64 = 1e-3;
+
+/// The account of a run: every solver and every balance that it has.
+#[must_use]
+pub fn account(simulation: &Simulation, results: &Results) -> Vec<AccountRow> {
+    let mut rows = Vec::new();
+    let account = simulation.solver_account();
+    if account.solves() > 0 {
+        rows.push(steps(account));
+    }
+    rows.extend(simulation.opening().map(|opening| {
+        AccountRow {
+            limit: None,
+            reached: None,
+            ..AccountRow::at_most(
+                "opening by loading pressure",
+                "steps that missed the tolerance",
+                "1",
+                opening.unsolved as f64,
+                0.0,
+            )
+        }
+        .with_detail(format!(
+            "{} steps; the shape reached is where the run starts, whether at rest or not",
+            opening.steps
+        ))
+    }));
+    rows.extend(equilibrium(simulation));
+    rows.extend(trim(simulation));
+    rows.extend(load_test(simulation));
+    let coupling = simulation.scene().coupling;
+    if let (Some(slip), Some(coupling)) = (value(results, "slip_mean"), coupling) {
+        let row = AccountRow::at_most(
+            "forcing of the air",
+            "mean slip past the surface over the reference speed",
+            "1",
+            slip,
+            SLIP_LIMIT,
+        );
+        rows.push(row.with_detail(format!("passes {}", coupling.passes)));
+    }
+    for (name, result, meaning, limit) in [
+        (
+            "force routes",
+            "force_imbalance",
+            "largest difference over the drag",
+            FORCE_IMBALANCE_LIMIT,
+        ),
+        (
+            "mass balance of the air",
+            "mass_drift",
+            "largest defect over the mass of the box",
+            MASS_DEFECT_LIMIT,
+        ),
+    ] {
+        if let Some(found) = value(results, result) {
+            rows.push(AccountRow::at_most(name, meaning, "1", found, limit));
+        }
+    }
+    rows
+}
+
+fn value(results: &Results, name: &str) -> Option<f64> {
+    results.get(name)?.value
+}
+
+/// Steps of the fabric.
+fn steps(account: &SolverAccount) -> AccountRow {
+    let unsolved = account.unsolved();
+    let mut detail = format!(
+        "{} of {} solves missed their tolerance ({} at the limit of evaluations, {} stalled), {} of the last {LAST}",
+        unsolved,
+        account.solves(),
+        account.limit_reached(),
+        account.stalled(),
+        account.unsolved_at_end()
+    );
+    if let Some(worst) = account.worst() {
+        detail += &format!(
+            "; the worst left {:.3} times what it may, at {:.4} s",
+            worst.residual, worst.time_s
+        );
+    }
+    if account.round_off() > 0 {
+        detail += &format!("; {} ended at round-off", account.round_off());
+    }
+    let share = account.worst_share();
+    let row = AccountRow::at_most(
+        "steps of the fabric",
+        "largest share of unsolved solves in 1000 in a row",
+        "1",
+        share,
+        UNSOLVED_SHARE,
+    );
+    AccountRow {
+        reached: Some(!account.out_of_balance()),
+        ..row
+    }
+    .with_detail(detail)
+}
+
+/// The static equilibrium that the case asks for.
+fn equilibrium(simulation: &Simulation) -> Option<AccountRow> {
+    let outcome = simulation.equilibrium_outcome()?;
+    let row = AccountRow::at_most(
+        "static equilibrium",
+        "energy norm left over that of the loads",
+        "1",
+        outcome.relative_norm,
+        simulation.scene().equilibrium?.tolerance,
+    );
+    let reached = Some(outcome.stop.reached());
+    let detail = format!("{} evaluations", outcome.evaluations);
+    Some(AccountRow { reached, ..row }.with_detail(detail))
+}
+
+/// The last iteration of a trim.
+fn trim(simulation: &Simulation) -> Option<AccountRow> {
+    let settings = simulation.scene().wing.as_ref()?.trim.as_ref()?;
+    let last = simulation.trim_state()?.iterations.last()?;
+    let row = AccountRow::at_most(
+        "trim",
+        "what the risers lack over the weight",
+        "1",
+        last.balance_error,
+        settings.tolerance.balance,
+    );
+    let solved = last.outcome.stop.reached();
+    Some(
+        AccountRow {
+            reached: row.reached.map(|balanced| balanced && solved),
+            ..row
+        }
+        .with_detail(format!(
+            "{} iterations on the last mesh; energy norm of the fabric {:.1e} of the loads'{}",
+            last.number,
+            last.relative_norm,
+            if solved { "" } else { ", not its tolerance" }
+        )),
+    )
+}
+
+/// Loads of a load test that were not balanced.
+fn load_test(simulation: &Simulation) -> Option<AccountRow> {
+    let tested = &simulation.load_test_state()?.steps;
+    let missed = tested.iter().filter(|step| !step.is_balanced()).count();
+    let row = AccountRow::at_most(
+        "load test",
+        "loads that were not balanced",
+        "1",
+        missed as f64,
+        0.0,
+    );
+    Some(row.with_detail(format!("{} loads", tested.len())))
+}

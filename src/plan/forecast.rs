@@ -1,0 +1,148 @@
+//! What the steps of the fabric will cost: evaluations of a solve, as far as they can be told before a run.
+//!
+//! Measured on the shipped canopies over winds of 1 to 30 m/s and stiffnesses of 0.1 to 100 times their own
+//! (docs/results/2026-11-23-evaluations.md): they follow the elements that a stretching wave crosses in a step, and whether the fabric is taut.
+
+use std::fmt::{self, Write};
+
+use super::initial_hessian::elements_crossed;
+use crate::case::Scene;
+use crate::case::scene::{BodyKind, Carrier};
+
+/// Evaluations of a solve whatever the step.
+const AT_LEAST: f64 = 6.0;
+
+/// Elements crossed up to which taut fabric needs no more than those.
+const TAUT_FROM: f64 = 10.0;
+
+/// Evaluations per element crossed of taut fabric, beyond.
+const TAUT: f64 = 4.5;
+
+/// Evaluations per square of the elements crossed of fabric that is folded or hangs loose.
+const SLACK: f64 = 0.4;
+
+/// Drag coefficient of a canopy that has reached its terminal speed, from which its longest steps are told.
+const DRAG_COEFFICIENT: f64 = 0.75;
+
+/// The forecast may err by so much either way.
+const FACTOR: f64 = 3.0;
+
+/// Evaluations of a solve of the fabric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Evaluations {
+    /// Nothing is known beforehand, and why.
+    Unknown(&'static str),
+    /// About so many, within a factor of three.
+    About {
+        /// Evaluations of the longest step.
+        evaluations: f64,
+        /// Elements that a stretching wave crosses in it.
+        crossed: f64,
+        /// Whether fabric that is folded or loose was reckoned with.
+        slack: bool,
+    },
+}
+
+/// The forecast for a scene; `None` without fabric or without time steps.
+pub(super) fn of(scene: &Scene) -> Option<Evaluations> {
+    let body = scene.body.as_ref()?;
+    let crossed = elements_crossed(scene)?;
+    if scene.air.is_none() {
+        return Some(Evaluations::Unknown(
+            "without air it depends on how slack the fabric becomes",
+        ));
+    }
+    if body.structure.contact.is_some() {
+        return Some(Evaluations::Unknown(
+            "with contact it depends on how often fabric meets itself",
+        ));
+    }
+    let slack = match body.kind {
+        BodyKind::Canopy(canopy) => canopy.loading.is_some(),
+        BodyKind::Sheet => true,
+        // A flag lies along the wind.
+        BodyKind::Plate(plate) => plate.along.x.abs() > 0.5,
+        _ => false,
+    };
+    let crossed = crossed * slowing(scene);
+    let evaluations = if slack {
+        AT_LEAST + SLACK * crossed * crossed
+    } else if crossed <= TAUT_FROM {
+        AT_LEAST
+    } else {
+        TAUT * crossed
+    };
+    Some(Evaluations::About {
+        evaluations,
+        crossed,
+        slack,
+    })
+}
+
+/// By how much the steps of a fall grow, as they follow its speed: speed at release over terminal speed, at least 1.
+fn slowing(scene: &Scene) -> f64 {
+    let (Some(air), Some(descent), Some(body)) = (&scene.air, &scene.descent, &scene.body) else {
+        return 1.0;
+    };
+    let (Carrier::Confluence { .. }, BodyKind::Canopy(canopy)) = (descent.carrier, &body.kind)
+    else {
+        return 1.0;
+    };
+    let weight_n = descent.all_masses_kg() * descent.gravity_m_s2;
+    let drag_area_m2 = DRAG_COEFFICIENT * canopy.nominal_area_m2;
+    let terminal_m_s = (2.0 * weight_n / (air.units.density_kg_m3 * drag_area_m2)).sqrt();
+    (air.wind_or_reference_m_s() / terminal_m_s).max(1.0)
+}
+
+impl Evaluations {
+    /// A warning where a solve will hardly reach its tolerance within so many evaluations.
+    #[must_use]
+    pub fn warning(&self, limit: usize) -> Option<String> {
+        let Self::About { evaluations, .. } = *self else {
+            return None;
+        };
+        (evaluations > limit as f64 / FACTOR).then(|| {
+            let verb = if evaluations > limit as f64 {
+                "will"
+            } else {
+                "may"
+            };
+            format!(
+                "steps of the fabric want about {evaluations:.0} evaluations and solver.evaluation_limit is {limit}: solves {verb} miss their \
+                 tolerance, and such a run ends with exit code 20; raise solver.evaluation_limit, lower resolution.lattice_speed, or soften what \
+                 is stiff"
+            )
+        })
+    }
+
+    /// The forecast as a line of the report.
+    pub(super) fn write(&self, out: &mut String, limit: usize) -> fmt::Result {
+        match *self {
+            Self::Unknown(why) => writeln!(out, "  evaluations         not known: {why}"),
+            Self::About {
+                evaluations,
+                crossed,
+                slack,
+            } => {
+                let fabric = if slack {
+                    "fabric that is folded or loose"
+                } else {
+                    "taut fabric"
+                };
+                writeln!(
+                    out,
+                    "  evaluations         about {evaluations:.0} per step of the fabric, within a factor of {FACTOR:.0} (a stretching wave crosses \
+                     {crossed:.1} elements in the longest, {fabric}); at most {limit}"
+                )
+            }
+        }
+    }
+
+    /// Evaluations of a step that a duration is reckoned with; `None` where nothing is known.
+    pub(super) const fn per_step(&self, limit: usize) -> Option<f64> {
+        match *self {
+            Self::Unknown(_) => None,
+            Self::About { evaluations, .. } => Some(evaluations.min(limit as f64)),
+        }
+    }
+}
