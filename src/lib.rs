@@ -50,6 +50,7 @@
 //! | [`simulation`] | runs the plan | plan, cpu, gpu |
 //! | [`frame`] | host snapshot in SI units | – |
 //! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
+//! | [`validity`] | whether a set-up supports its results, and the error to expect | case, plan, measure, output |
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |
@@ -113,3 +114,4 @@ pub mod sweep;
 pub mod trim;
 pub mod units;
 pub mod validate;
+pub mod validity;

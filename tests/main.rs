@@ -45,6 +45,7 @@ mod time_steps;
 mod tolerances;
 mod trim;
 mod validate;
+mod validity;
 mod walls;
 mod wing;
 mod wing_design;
@@ -91,6 +92,7 @@ fn main() -> std::process::ExitCode {
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),
+        validity::trials(),
         validate::trials(),
     ]
     .into_iter()

@@ -30,13 +30,13 @@ const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails, 2 ba
 
 /// Exit codes.
 pub mod exit {
-    /// A gate of `ripstop validate` fails.
+    /// A gate of `ripstop validate` fails, or `--strict` finds results that are not supported.
     pub const GATE_FAILED: u8 = 1;
     /// Bad case or usage.
     pub const BAD_CASE: u8 = 2;
     /// No usable device.
     pub const NO_DEVICE: u8 = 3;
-    /// The run diverged, or its static equilibrium was not reached.
+    /// The run diverged, its static equilibrium was not reached, or steps of the fabric were not solved.
     pub const DIVERGED: u8 = 20;
     /// A file could not be written.
     pub const OUTPUT_FAILED: u8 = 74;

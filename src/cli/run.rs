@@ -8,7 +8,7 @@ use clap::Args;
 use super::profile;
 use super::progress::Progress;
 use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
-use crate::output::comparison_text;
+use crate::output::{AccountRow, ExpectedError, ValidityRow, comparison_text};
 use crate::run::{self, Order, Report, RunError};
 
 #[derive(Debug, Args)]
@@ -27,6 +27,9 @@ pub(super) struct RunArguments {
     /// Print what every stage of a step took.
     #[arg(long)]
     profile: bool,
+    /// End with exit code 1 where the set-up does not support its results, or a solver or balance misses its limit.
+    #[arg(long)]
+    strict: bool,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -71,11 +74,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
                     format!("{what}; the results are those of a state out of balance"),
                 ));
             }
-            Ok(if report.interrupted {
-                exit::INTERRUPTED
-            } else {
-                0
-            })
+            if report.interrupted {
+                return Ok(exit::INTERRUPTED);
+            }
+            if arguments.strict {
+                let account = report.summary.account.iter();
+                let missed = account.filter(|row| row.reached == Some(false));
+                return strict(&report.summary.validity, missed.map(AccountRow::line));
+            }
+            Ok(0)
         }
         Err(error) => {
             let code = exit_code(&error);
@@ -87,6 +94,38 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             Err(Failure::Other(code, format!("{error}{kept}")))
         }
     }
+}
+
+/// What `--strict` makes of a table: an error that names all that does not keep to it.
+pub(super) fn strict(
+    validity: &[ValidityRow],
+    missed: impl Iterator<Item = String>,
+) -> Result<u8, Failure> {
+    let invalid = validity.iter().filter(|row| row.valid == Some(false));
+    let mut found: Vec<String> = invalid.map(ValidityRow::finding).collect();
+    found.extend(missed);
+    if found.is_empty() {
+        return Ok(0);
+    }
+    let text = format!(
+        "--strict: the results are not supported:\n  {}",
+        found.join("\n  ")
+    );
+    Err(Failure::Other(exit::GATE_FAILED, text))
+}
+
+/// The table of validity and the expected errors as lines.
+pub(super) fn validity_text(validity: &[ValidityRow], expected: &[ExpectedError]) -> String {
+    let mut lines = Vec::new();
+    if !validity.is_empty() {
+        lines.push("validity:".to_owned());
+        lines.extend(validity.iter().map(|row| format!("  {}", row.line())));
+    }
+    if !expected.is_empty() {
+        lines.push("error to be expected, within a factor of two:".to_owned());
+        lines.extend(expected.iter().map(|error| format!("  {}", error.line())));
+    }
+    lines.join("\n")
 }
 
 pub(super) const fn exit_code(error: &RunError) -> u8 {
@@ -111,6 +150,10 @@ fn report_text(report: &Report, out: &std::path::Path) -> String {
         "stopped: {} (t = {:.4} s)",
         summary.stop.reason, summary.stop.when_s
     ));
+    let validity = validity_text(&summary.validity, &summary.expected_errors);
+    if !validity.is_empty() {
+        lines.push(validity);
+    }
     if !summary.account.is_empty() {
         lines.push("what was solved, and how well:".to_owned());
         let rows = summary.account.iter();

@@ -49,7 +49,8 @@ const SETTLED: f64 = 0.01;
 const NO_LIFT: f64 = 2e-3;
 
 /// What goes before the names of a body's columns and results.
-pub(super) fn prefix(scene: &Scene, body: &RigidBody) -> String {
+#[must_use]
+pub fn prefix(scene: &Scene, body: &RigidBody) -> String {
     if scene.body.is_none() && scene.rigid_bodies.len() == 1 {
         String::new()
     } else {

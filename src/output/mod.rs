@@ -15,6 +15,7 @@ mod pvd;
 mod summary;
 mod summary_table;
 mod table;
+mod validity;
 mod vtk;
 mod vtk_data;
 
@@ -33,4 +34,5 @@ pub use summary::{
 };
 pub use summary_table::value_and_uncertainty;
 pub use table::{write_table, write_text_table};
+pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

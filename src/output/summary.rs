@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::account::AccountRow;
 use super::atomic::{OutputError, write_atomically};
 use super::comparison::ComparisonRow;
+use super::validity::{ExpectedError, ValidityRow};
 
 /// Version of the layout of `summary.json`; raised when a field changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -76,6 +77,12 @@ pub struct Summary {
     /// What every solver and every balance of the run reached.
     #[serde(default)]
     pub account: Vec<AccountRow>,
+    /// Whether the set-up supports its results.
+    #[serde(default)]
+    pub validity: Vec<ValidityRow>,
+    /// The errors that were to be expected of lattice and box.
+    #[serde(default)]
+    pub expected_errors: Vec<ExpectedError>,
     /// What came out, in the order it was put in.
     pub results: Results,
     /// Results beside the values of others that the case names.

@@ -8,6 +8,8 @@ const VALUE_DIGITS: i32 = 5;
 const CONFIDENCE_DIGITS: i32 = 2;
 /// Values below `1e-4` or from `1e6` on are written with an exponent.
 const PLAIN_EXPONENTS: std::ops::Range<i32> = -4..6;
+/// Results that are named of those that the same reason makes unresolved.
+const NAMED: usize = 4;
 /// Shown where there is no number.
 pub(super) const NOTHING: &str = "-";
 /// Beside numbers that the run cannot support.
@@ -33,15 +35,39 @@ impl Summary {
         );
         let mut text = align(&rows);
         for (name, quantity) in summary.results.iter() {
-            if let Some(why) = &quantity.unresolved {
-                text += &format!("{name}: {UNRESOLVED}: {why}\n");
-            }
             if let Some(note) = &quantity.note {
                 text += &format!("{name}: {note}\n");
             }
         }
-        text
+        text + &unresolved(summary.results.iter())
     }
+}
+
+/// Results that the run cannot support, by why.
+fn unresolved<'a>(results: impl Iterator<Item = (&'a str, &'a Quantity)>) -> String {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (name, quantity) in results {
+        let Some(why) = &quantity.unresolved else {
+            continue;
+        };
+        match reasons.iter_mut().find(|(known, _)| known == why) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((why, vec![name])),
+        }
+    }
+    reasons
+        .iter()
+        .map(|(why, names)| {
+            let more = names.len().saturating_sub(NAMED);
+            let and = if more > 0 {
+                format!(" and {more} more")
+            } else {
+                String::new()
+            };
+            let named = &names[..names.len().min(NAMED)];
+            format!("{UNRESOLVED}: {}{and}: {why}\n", named.join(", "))
+        })
+        .collect()
 }
 
 fn row(name: &str, quantity: &Quantity) -> [String; 7] {

@@ -46,6 +46,8 @@ fn summary() -> Summary {
         },
         skipped: Vec::new(),
         account: Vec::new(),
+        validity: Vec::new(),
+        expected_errors: Vec::new(),
         notes: vec!["a note".to_owned()],
         results,
         comparison: Vec::new(),

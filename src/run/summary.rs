@@ -4,10 +4,11 @@ use crate::case::Case;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
-    Summary,
+    Summary, mark,
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
+use crate::validity;
 
 /// Names who computes in that precision: the device, or the host.
 fn processor(placement: &Placement, on_device: bool, precision: &str) -> Processor {
@@ -124,7 +125,10 @@ pub(super) fn summarise(
     let main = air
         .or_else(|| fabric.clone())
         .unwrap_or_else(|| processor(placement, false, placement.precision_name()));
-    let results = results(simulation, record);
+    let mut results = results(simulation, record);
+    let structure = simulation.structure_frame().structure;
+    let validity = validity::of_run(scene, plan, structure.as_ref(), record);
+    mark(&mut results, &validity);
     if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
         && imbalance > FORCE_IMBALANCE_LIMIT
     {
@@ -198,6 +202,8 @@ pub(super) fn summarise(
             .collect(),
         notes,
         account: account(simulation, &results),
+        expected_errors: validity::expected_errors(scene),
+        validity,
         comparison: comparison(scene, &results),
         results,
     }

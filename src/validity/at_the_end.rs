@@ -1,0 +1,94 @@
+//! What a run tells of its validity when it is over.
+
+use super::Rule;
+use crate::case::Scene;
+use crate::frame::StructureFrame;
+use crate::measure::Record;
+use crate::output::{Bound, Supports, ValidityRow, When};
+
+/// A structure at the end of its run, and what was recorded.
+struct Ended<'a> {
+    scene: &'a Scene,
+    structure: &'a StructureFrame,
+    record: &'a Record,
+}
+
+impl Ended<'_> {
+    /// The largest of a column of the history, or of the last state where the history does not have it.
+    fn largest(&self, column: &str, last: impl Iterator<Item = f64>) -> f64 {
+        let recorded = self.record.column(column);
+        recorded.into_iter().chain(last).fold(f64::NAN, f64::max)
+    }
+}
+
+const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
+    [
+        Rule {
+            name: "largest strain of the fabric",
+            unit: "1",
+            meaning: "largest principal strain (Green) of the samples and of the last state; laws of fabric are those of small strain",
+            bound: Bound::AtMost,
+            limit: 0.1,
+            supports: Supports::Everything,
+            remedy: "check fabric.youngs_modulus_pa, fabric.thickness_m and the loads: such fabric would tear or creep",
+            value: |ended| {
+                let strains = &ended.structure.principal_strains;
+                let last = strains.iter().map(|strains| strains[0]);
+                (!strains.is_empty()).then(|| ended.largest("principal_strain_1_max", last))
+            },
+        },
+        Rule {
+            name: "stress over strength",
+            unit: "1",
+            meaning: "largest von Mises stress of the samples and of the last state over fabric.yield_stress_pa; the law stays elastic",
+            bound: Bound::AtMost,
+            limit: 1.0,
+            supports: Supports::Everything,
+            remedy: "take stronger fabric: this one would yield",
+            value: |ended| {
+                let strength_pa = ended.structure.yield_stress_pa?;
+                let last = ended.structure.von_mises_pa.iter().copied();
+                Some(ended.largest("von_mises_max_pa", last) / strength_pa)
+            },
+        },
+        Rule {
+            name: "line tension over breaking load",
+            unit: "1",
+            meaning: "largest tension of a line in the last state over its breaking load",
+            bound: Bound::AtMost,
+            limit: 1.0,
+            supports: Supports::Everything,
+            remedy: "take stronger lines: this one would break",
+            value: |ended| {
+                let loads = &ended.scene.wing.as_ref()?.breaking_loads_n;
+                let tensions = ended.structure.cable_tensions_n.iter();
+                let shares = tensions
+                    .zip(loads)
+                    .filter_map(|(t, load)| Some(t / (*load)?));
+                shares.reduce(f64::max)
+            },
+        },
+    ]
+}
+
+/// Rows that the end of a run tells.
+#[must_use]
+pub fn at_the_end(
+    scene: &Scene,
+    structure: Option<&StructureFrame>,
+    record: &Record,
+) -> Vec<ValidityRow> {
+    let Some(structure) = structure else {
+        return Vec::new();
+    };
+    let ended = Ended {
+        scene,
+        structure,
+        record,
+    };
+    let rules = of_the_fabric();
+    let rules = rules.iter();
+    rules
+        .filter_map(|rule| rule.row(&ended, ("", ""), When::AtTheEnd))
+        .collect()
+}

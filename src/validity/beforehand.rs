@@ -1,0 +1,357 @@
+//! What a case tells of its validity before it runs.
+
+use super::Rule;
+use super::subject::{Kind, Subject, subjects};
+use crate::case::Scene;
+use crate::case::scene::{Air, Flow};
+use crate::output::{Bound, Supports, ValidityRow, When};
+use crate::plan::Plan;
+use crate::steady::{SETTLING, SHORTEST_WINDOW};
+
+/// Sound in air at 15 °C [m/s].
+const SOUND_M_S: f64 = 340.3;
+
+/// Fluids from this density on are liquids, whose sound is too fast to matter [kg/m³].
+const LIQUID_KG_M3: f64 = 10.0;
+
+/// Width of the kernel through which air and structure meet [cells].
+const KERNEL_CELLS: f64 = 4.0;
+
+/// Largest pressure on a canopy that opens, over the dynamic pressure: in a tunnel, and in a fall, which slows down meanwhile.
+const OPENING_PRESSURE: [f64; 2] = [3.0, 1.0];
+
+/// Name of the row that the measured strain takes the place of at the end of a run.
+pub const STRAIN_TO_BE_EXPECTED: &str = "strain to be expected";
+
+/// The air of a case, with how long it is computed.
+struct Whole<'a> {
+    air: &'a Air,
+    steps: u64,
+    sample_s: f64,
+    /// Length that times refer to over the speed of the wind [s].
+    unit_s: Option<f64>,
+    bluff: bool,
+    reynolds: f64,
+}
+
+const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
+    [
+        Rule {
+            name: "physical Mach number",
+            unit: "1",
+            meaning: "speed of the wind over that of sound in air at 15 degrees; the equations are those of air that is not compressed",
+            bound: Bound::AtMost,
+            limit: 0.3,
+            supports: Supports::Everything,
+            remedy: "lower the wind: compressible air is not modelled",
+            value: |whole| {
+                let gas = whole.air.units.density_kg_m3 < LIQUID_KG_M3;
+                gas.then(|| whole.air.wind_or_reference_m_s() / SOUND_M_S)
+            },
+        },
+        Rule {
+            name: "Mach number on the lattice",
+            unit: "1",
+            meaning: "speed of the wind over that of sound on the lattice; errors grow with its square",
+            bound: Bound::AtMost,
+            limit: 0.3,
+            supports: Supports::Everything,
+            remedy: "lower resolution.lattice_speed",
+            value: |whole| Some(whole.air.lattice_speed * 3f64.sqrt()),
+        },
+        Rule {
+            name: "Reynolds number without an eddy viscosity",
+            unit: "1",
+            meaning: "of what stands in the air; beyond the limit the flow around bluff bodies breaks down without an eddy viscosity",
+            bound: Bound::AtMost,
+            limit: 5e3,
+            supports: Supports::Everything,
+            remedy: "add resolution.eddy_viscosity, Smagorinsky's with 0.15",
+            value: |whole| {
+                (whole.bluff && whole.air.eddy_viscosity.is_none()).then_some(whole.reynolds)
+            },
+        },
+        Rule {
+            name: "steps of the run",
+            unit: "1",
+            meaning: "steps of the air from release to the end",
+            bound: Bound::AtLeast,
+            limit: 50.0,
+            supports: Supports::Everything,
+            remedy: "lengthen time.end_s: the run is over before anything has happened",
+            value: |whole| Some(whole.steps as f64),
+        },
+        Rule {
+            name: "steps per length over speed",
+            unit: "1",
+            meaning: "steps of the air in D_0/U, chord/U, D/U",
+            bound: Bound::AtLeast,
+            limit: 30.0,
+            supports: Supports::Everything,
+            remedy: "lower resolution.lattice_speed or take more cells",
+            value: |whole| Some(whole.unit_s? / whole.air.units.time_step_s),
+        },
+        Rule {
+            name: "samples per length over speed",
+            unit: "1",
+            meaning: "rows of history.csv in D_0/U, chord/U, D/U; extremes and intervals are read from them",
+            bound: Bound::AtLeast,
+            limit: 4.0,
+            supports: Supports::Everything,
+            remedy: "shorten output.sample_interval_s",
+            value: |whole| Some(whole.unit_s? / whole.sample_s.max(whole.air.units.time_step_s)),
+        },
+    ]
+}
+
+const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 19] {
+    [
+        Rule {
+            name: "cells across D_0",
+            unit: "1",
+            meaning: "cells over the nominal diameter, for means; drag still falls by 3 to 5 % from 16 to 48",
+            bound: Bound::AtLeast,
+            limit: 16.0,
+            supports: Supports::Means,
+            remedy: "raise resolution.cells_per_diameter",
+            value: |of| (of.kind == Kind::Canopy).then(|| of.cells()),
+        },
+        Rule {
+            name: "cells across D_0 for an opening",
+            unit: "1",
+            meaning: "cells over the nominal diameter; peak loads and filling times still change from 48 to 64",
+            bound: Bound::AtLeast,
+            limit: 128.0,
+            supports: Supports::Opening,
+            remedy: "compare three lattices: ripstop sweep over resolution.cells_per_diameter",
+            value: |of| (of.kind == Kind::Canopy).then(|| of.cells()),
+        },
+        Rule {
+            name: "cells across the mouth at release",
+            unit: "1",
+            meaning: "cells over the diameter of the mouth, two of which the kernel takes at every side",
+            bound: Bound::AtLeast,
+            limit: 12.0,
+            supports: Supports::Opening,
+            remedy: "raise resolution.cells_per_diameter, or release a wider mouth",
+            value: |of| Some(of.mouth_m? / of.cell_m()),
+        },
+        Rule {
+            name: "cells across the narrowest hole",
+            unit: "1",
+            meaning: "cells over a vent; from one cell on a hole passes what it should within 20 %",
+            bound: Bound::AtLeast,
+            limit: 1.0,
+            supports: Supports::Everything,
+            remedy: "raise the resolution, close it, or give a permeability with a discharge_coefficient",
+            value: |of| of.opening_m.filter(|o| o.1).map(|o| o.0 / of.cell_m()),
+        },
+        Rule {
+            name: "cells across the narrowest gap or slot",
+            unit: "1",
+            meaning: "cells over a gap, slot or intake; from two cells on it passes what it should within 20 %",
+            bound: Bound::AtLeast,
+            limit: 2.0,
+            supports: Supports::Everything,
+            remedy: "raise the resolution, or give a permeability with a discharge_coefficient",
+            value: |of| of.opening_m.filter(|o| !o.1).map(|o| o.0 / of.cell_m()),
+        },
+        Rule {
+            name: "cells across the chord",
+            unit: "1",
+            meaning: "cells over the largest chord, for drag and shape",
+            bound: Bound::AtLeast,
+            limit: 32.0,
+            supports: Supports::Means,
+            remedy: "raise resolution.cells_per_chord",
+            value: |of| (of.kind == Kind::Wing).then(|| of.cells()),
+        },
+        Rule {
+            name: "trailing edge within the kernel",
+            unit: "1",
+            meaning: "share of the chord that the kernel of 4 cells blurs at the trailing edge, where the flow must leave smoothly",
+            bound: Bound::AtMost,
+            limit: 0.04,
+            supports: Supports::Lift,
+            remedy: "take lift from the panel method (equilibrium.trim): wings do not fly on such a lattice",
+            value: |of| (of.kind == Kind::Wing).then(|| KERNEL_CELLS / of.cells()),
+        },
+        Rule {
+            name: "cells across the thickness",
+            unit: "1",
+            meaning: "cells over the smallest thickness of what has an inside; the kernel takes two from every side",
+            bound: Bound::AtLeast,
+            limit: 4.0,
+            supports: Supports::Everything,
+            remedy: "raise the resolution, or model it as an open surface",
+            value: |of| Some(of.thickness_m? / of.cell_m()),
+        },
+        Rule {
+            name: "cells across the length",
+            unit: "1",
+            meaning: "cells over a plate or sheet; a flag's frequency errs by 17 %, a plate's bending by 12 % with 24 to 36",
+            bound: Bound::AtLeast,
+            limit: 48.0,
+            supports: Supports::Means,
+            remedy: "raise the resolution",
+            value: |of| (of.kind == Kind::Sheet).then(|| of.cells()),
+        },
+        Rule {
+            name: "cells across the body",
+            unit: "1",
+            meaning: "cells over the reference length; the drag of a sphere errs by 7 % with 8, 2 % with 12",
+            bound: Bound::AtLeast,
+            limit: 12.0,
+            supports: Supports::Everything,
+            remedy: "raise the resolution",
+            value: |of| matches!(of.kind, Kind::Round | Kind::Rigid).then(|| of.cells()),
+        },
+        Rule {
+            name: "distance to the inlet",
+            unit: "1",
+            meaning: "from the inlet to the middle, over the diameter across the stream (0.7 D_0 of a canopy); 2 add 5 % to the drag",
+            bound: Bound::AtLeast,
+            limit: 2.0,
+            supports: Supports::Everything,
+            remedy: "move it downstream, or the inlet away from it",
+            value: |of| (of.kind != Kind::Wing).then(|| of.inlet()),
+        },
+        Rule {
+            name: "distance to the sponge or outlet",
+            unit: "1",
+            meaning: "from the middle to the sponge, or the outlet, over the diameter across the stream; 1 adds 7 % to the drag",
+            bound: Bound::AtLeast,
+            limit: 1.5,
+            supports: Supports::Everything,
+            remedy: "lengthen the box downstream",
+            value: |of| (of.kind != Kind::Wing).then(|| of.outlet()),
+        },
+        Rule {
+            name: "distance to the side walls",
+            unit: "1",
+            meaning: "from the nearest side wall to the structure at the start, over the diameter across the stream",
+            bound: Bound::AtLeast,
+            limit: 0.5,
+            supports: Supports::Everything,
+            remedy: "widen air.wind_tunnel.size_m, or keep away from the wall",
+            value: |of| {
+                matches!(of.kind, Kind::Canopy | Kind::Round | Kind::Rigid).then(|| of.wall())
+            },
+        },
+        Rule {
+            name: "blockage",
+            unit: "1",
+            meaning: "nominal area of a canopy over the section of the box: its drag is corrected for the walls up to here",
+            bound: Bound::AtMost,
+            limit: 0.1,
+            supports: Supports::Means,
+            remedy: "widen air.wind_tunnel.size_m, or take the corrected coefficient",
+            value: |of| (of.kind == Kind::Canopy).then(|| of.blockage()),
+        },
+        Rule {
+            name: "blockage of the body",
+            unit: "1",
+            meaning: "frontal area over the section of the box; 5 % add 7 % to the drag",
+            bound: Bound::AtMost,
+            limit: 0.05,
+            supports: Supports::Means,
+            remedy: "widen air.wind_tunnel.size_m, or take the corrected coefficient where there is one",
+            value: |of| matches!(of.kind, Kind::Round | Kind::Rigid).then(|| of.blockage()),
+        },
+        Rule {
+            name: "length of the box",
+            unit: "1",
+            meaning: "length of the box of air over the nominal diameter",
+            bound: Bound::AtLeast,
+            limit: 5.0,
+            supports: Supports::Means,
+            remedy: "lengthen air.wind_tunnel.size_m",
+            value: |of| (of.kind == Kind::Canopy).then(|| of.box_m(0) / of.length_m),
+        },
+        Rule {
+            name: "length of the run",
+            unit: "1",
+            meaning: "D_0/U from release to the end: the opening takes 2, the wake settles for 18, means need 6",
+            bound: Bound::AtLeast,
+            limit: 2.0 + SETTLING + SHORTEST_WINDOW,
+            supports: Supports::Means,
+            remedy: "lengthen time.end_s",
+            value: |of| {
+                let canopy = of.kind == Kind::Canopy && of.scene.descent.is_none();
+                let end_s = of.scene.time.as_ref()?.end_s;
+                canopy.then(|| end_s * of.speed_m_s() / of.length_m)
+            },
+        },
+        Rule {
+            name: "Reynolds number of a smooth round body",
+            unit: "1",
+            meaning: "beyond 2e5 the boundary layer of a sphere or cylinder turns turbulent and its drag falls: no layer is resolved or modelled",
+            bound: Bound::AtMost,
+            limit: 2e5,
+            supports: Supports::Everything,
+            remedy: "stay below the drag crisis, or compare with nothing beyond it",
+            value: |of| (of.kind == Kind::Round).then(|| of.reynolds()),
+        },
+        Rule {
+            name: STRAIN_TO_BE_EXPECTED,
+            unit: "1",
+            meaning: "pressure of an opening, 3 times the dynamic one (1 in a fall), on half the radius, over the membrane stiffness; laws are those of small strain",
+            bound: Bound::AtMost,
+            limit: 0.1,
+            supports: Supports::Everything,
+            remedy: "lower the wind, or check fabric.youngs_modulus_pa and fabric.thickness_m",
+            value: expected_strain,
+        },
+    ]
+}
+
+/// σ/E of a sphere of half the diameter under the pressure of an opening.
+fn expected_strain(of: &Subject) -> Option<f64> {
+    let membrane = of.scene.body.as_ref()?.structure.membrane.as_ref()?;
+    if of.kind != Kind::Canopy {
+        return None;
+    }
+    let softest = membrane.stretching_stiffness_n_m();
+    let pressure_pa = OPENING_PRESSURE[usize::from(!of.held)] * of.dynamic_pressure_pa();
+    let tension_n_m = 0.5 * pressure_pa * 0.5 * of.across_m;
+    Some(tension_n_m / softest)
+}
+
+/// Rows that the case alone tells.
+#[must_use]
+pub fn beforehand(scene: &Scene, plan: &Plan) -> Vec<ValidityRow> {
+    let mut rows = Vec::new();
+    let Some(air) = scene.air.as_ref() else {
+        return rows;
+    };
+    if !matches!(air.flow, Flow::WindTunnel { .. }) {
+        return rows;
+    }
+    let subjects = subjects(scene);
+    let longest = subjects
+        .iter()
+        .max_by(|a, b| a.length_m.total_cmp(&b.length_m));
+    let whole = Whole {
+        air,
+        steps: plan.steps,
+        sample_s: scene.output.sample_interval_s,
+        unit_s: longest.map(|of| of.length_m / of.speed_m_s()),
+        bluff: subjects.iter().any(|of| of.kind != Kind::Sheet),
+        reynolds: longest.map_or(0.0, Subject::reynolds),
+    };
+    let when = When::Beforehand;
+    rows.extend(
+        of_the_air()
+            .iter()
+            .filter_map(|rule| rule.row(&whole, ("", ""), when)),
+    );
+    for subject in &subjects {
+        let names = (subject.name.as_str(), subject.prefix.as_str());
+        rows.extend(
+            of_subjects()
+                .iter()
+                .filter_map(|rule| rule.row(subject, names, when)),
+        );
+    }
+    rows
+}

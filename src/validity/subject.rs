@@ -1,0 +1,277 @@
+//! What stands in the air: canopy, wing, sheet, plate or rigid body, with the lengths that its results depend on.
+
+use glam::DVec3;
+
+use crate::case::Scene;
+use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
+use crate::cloth::openings::OpeningKind;
+use crate::geometry::wing::section::Side;
+
+/// Projected diameter of an inflated canopy over its nominal one.
+pub const INFLATED: f64 = 0.7;
+
+/// Places along a chord at which its thickness is looked for.
+const LOOKS: u32 = 50;
+
+/// Kinds of what stands in the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A parachute canopy.
+    Canopy,
+    /// A ram-air wing.
+    Wing,
+    /// A plate or a sheet of fabric.
+    Sheet,
+    /// A rigid body whose wake separates where its surface curves.
+    Round,
+    /// Another rigid body.
+    Rigid,
+}
+
+/// One of them.
+#[derive(Debug, Clone)]
+pub struct Subject<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The air.
+    pub air: &'a Air,
+    /// Its name; empty for the fabric.
+    pub name: String,
+    /// Beginning of the names of its results.
+    pub prefix: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Nominal diameter, largest chord, length, or diameter [m].
+    pub length_m: f64,
+    /// Diameter across the stream that displaces the air [m].
+    pub across_m: f64,
+    /// Frontal or nominal area [m²].
+    pub area_m2: f64,
+    /// Corners of the box around it at the start [m].
+    pub corners_m: [DVec3; 2],
+    /// Smallest thickness, if it has an inside [m].
+    pub thickness_m: Option<f64>,
+    /// Narrowest opening that air is meant to pass [m], and whether it is a hole rather than a slot.
+    pub opening_m: Option<(f64, bool)>,
+    /// Diameter of a canopy's mouth at release [m].
+    pub mouth_m: Option<f64>,
+    /// Held in the stream.
+    pub held: bool,
+}
+
+/// Corners of the box around points [m].
+fn corners(points: &[DVec3]) -> [DVec3; 2] {
+    let all = points.iter().copied();
+    [
+        all.clone().fold(DVec3::INFINITY, DVec3::min),
+        all.fold(DVec3::NEG_INFINITY, DVec3::max),
+    ]
+}
+
+/// What stands in the air of a tunnel or a fall.
+pub fn subjects(scene: &Scene) -> Vec<Subject<'_>> {
+    let Some(air) = scene.air.as_ref() else {
+        return Vec::new();
+    };
+    if !matches!(air.flow, Flow::WindTunnel { .. }) {
+        return Vec::new();
+    }
+    let mut found: Vec<Subject> = fabric(scene, air).into_iter().collect();
+    let several = scene.body.is_some() || scene.rigid_bodies.len() > 1;
+    found.extend(scene.rigid_bodies.iter().map(|body| {
+        let prefix = crate::measure::bodies::prefix(scene, body);
+        let subject = rigid(scene, air, body, prefix);
+        Subject {
+            name: if several {
+                body.name.clone()
+            } else {
+                String::new()
+            },
+            ..subject
+        }
+    }));
+    found
+}
+
+fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
+    let body = scene.body.as_ref()?;
+    let positions = &body.structure.positions_m;
+    let openings = body.structure.openings.iter();
+    let opening_m = openings
+        .filter(|opening| opening.width_m > 0.0 && opening.kind != OpeningKind::RibHole)
+        .map(|opening| (opening.width_m, opening.kind == OpeningKind::Vent))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let rest = Subject {
+        scene,
+        air,
+        name: String::new(),
+        prefix: String::new(),
+        kind: Kind::Sheet,
+        length_m: 0.0,
+        across_m: 0.0,
+        area_m2: 0.0,
+        corners_m: corners(positions),
+        thickness_m: None,
+        opening_m,
+        mouth_m: None,
+        held: scene.descent.is_none(),
+    };
+    Some(match &body.kind {
+        BodyKind::Canopy(canopy) => Subject {
+            kind: Kind::Canopy,
+            length_m: canopy.nominal_diameter_m,
+            across_m: INFLATED * canopy.nominal_diameter_m,
+            area_m2: canopy.nominal_area_m2,
+            corners_m: corners(&positions[..canopy.canopy_node_count]),
+            mouth_m: Some(body.released_diameter_ratio(canopy) * canopy.nominal_diameter_m),
+            ..rest
+        },
+        BodyKind::Wing => {
+            let plan = &scene.wing.as_ref()?.plan;
+            let chords = plan.stations.iter().map(|station| station.chord_m);
+            let chord_m = chords.fold(0.0, f64::max);
+            let root = plan.stations.first()?;
+            let profile = plan.profiles.get(root.profile)?;
+            let heights = (0..=LOOKS).map(|look| {
+                let x = f64::from(look) / f64::from(LOOKS);
+                profile.height(Side::Upper, x) - profile.height(Side::Lower, x)
+            });
+            let thickness = heights.fold(0.0, f64::max);
+            let area: f64 = plan
+                .stations
+                .windows(2)
+                .map(|pair| (pair[0].chord_m + pair[1].chord_m) * (pair[1].span_m - pair[0].span_m))
+                .sum();
+            Subject {
+                kind: Kind::Wing,
+                length_m: chord_m,
+                across_m: thickness * chord_m,
+                area_m2: thickness * area,
+                thickness_m: Some(thickness * root.chord_m),
+                ..rest
+            }
+        }
+        BodyKind::Plate(plate) => {
+            // What stands across the stream.
+            let across = [
+                plate.along * plate.size_m[0],
+                plate.across * plate.size_m[1],
+            ];
+            Subject {
+                length_m: plate.size_m[0],
+                across_m: across[0].reject_from(DVec3::X).length(),
+                area_m2: across[0].cross(across[1]).x.abs(),
+                ..rest
+            }
+        }
+        BodyKind::Sheet | BodyKind::Mesh => {
+            let size = rest.corners_m[1] - rest.corners_m[0];
+            let length_m = size.max_element();
+            Subject {
+                length_m,
+                across_m: size.y.max(size.z),
+                area_m2: size.y * size.z,
+                ..rest
+            }
+        }
+        _ => return None,
+    })
+}
+
+fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String) -> Subject<'a> {
+    let corners_m = corners(&body.surface.positions_m);
+    let size = corners_m[1] - corners_m[0];
+    let kind = match body.shape {
+        Shape::Sphere { .. } | Shape::Cylinder { .. } => Kind::Round,
+        _ => Kind::Rigid,
+    };
+    Subject {
+        scene,
+        air,
+        name: String::new(),
+        prefix,
+        kind,
+        length_m: body.reference_length_m,
+        across_m: body.reference_length_m,
+        area_m2: body.reference_area_m2,
+        corners_m,
+        thickness_m: body.volume_m3.map(|_| size.min_element()),
+        opening_m: None,
+        mouth_m: None,
+        held: !body.motion.moves() && scene.descent.is_none(),
+    }
+}
+
+impl Subject<'_> {
+    /// Size of a cell [m].
+    pub const fn cell_m(&self) -> f64 {
+        self.air.units.cell_size_m
+    }
+
+    /// Length over a cell.
+    pub fn cells(&self) -> f64 {
+        self.length_m / self.cell_m()
+    }
+
+    /// Size of the box of air along an axis [m].
+    pub fn box_m(&self, axis: usize) -> f64 {
+        self.air.cells[axis] as f64 * self.cell_m()
+    }
+
+    /// Area over the section of the box.
+    pub fn blockage(&self) -> f64 {
+        self.area_m2 / (self.box_m(1) * self.box_m(2))
+    }
+
+    /// Middle along the wind [m].
+    pub fn middle_m(&self) -> f64 {
+        0.5 * (self.corners_m[0].x + self.corners_m[1].x)
+    }
+
+    /// From the inlet to the middle [diameters across the stream].
+    pub fn inlet(&self) -> f64 {
+        self.middle_m() / self.across_m
+    }
+
+    fn sponge_m(&self) -> Option<f64> {
+        match self.air.flow {
+            Flow::WindTunnel {
+                sponge_length_m, ..
+            } => sponge_length_m,
+            Flow::TaylorGreen { .. } => None,
+        }
+    }
+
+    /// Whether a sponge stands before the outlet.
+    pub fn sponge(&self) -> bool {
+        self.sponge_m().is_some()
+    }
+
+    /// From the middle to the sponge, or to the outlet where there is none [diameters across the stream].
+    pub fn outlet(&self) -> f64 {
+        let sponge_m = self.sponge_m().unwrap_or(0.0);
+        (self.box_m(0) - sponge_m - self.middle_m()) / self.across_m
+    }
+
+    /// From the nearest side wall to the body [diameters across the stream].
+    pub fn wall(&self) -> f64 {
+        let [low, high] = self.corners_m;
+        let gaps = [low.y, low.z, self.box_m(1) - high.y, self.box_m(2) - high.z];
+        gaps.into_iter().fold(f64::INFINITY, f64::min) / self.across_m
+    }
+
+    /// Speed of the wind, or of the fall at release [m/s].
+    pub const fn speed_m_s(&self) -> f64 {
+        self.air.wind_or_reference_m_s()
+    }
+
+    /// Reynolds number of the length.
+    pub fn reynolds(&self) -> f64 {
+        self.speed_m_s() * self.length_m / self.air.kinematic_viscosity_m2_s
+    }
+
+    /// Dynamic pressure of the wind [Pa].
+    pub fn dynamic_pressure_pa(&self) -> f64 {
+        0.5 * self.air.units.density_kg_m3 * self.speed_m_s().powi(2)
+    }
+}

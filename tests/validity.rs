@@ -1,0 +1,311 @@
+//! What a case and a run say of their own validity: the table, the error to be expected, `--strict`, and results that are marked.
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::output::{ExpectedError, Supports, ValidityRow};
+use ripstop::plan::{Plan, Precision};
+use ripstop::validity;
+
+use crate::command_line::{CANOPY, ripstop, root};
+use crate::engines::plain;
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        ("validity::errors_are_foretold", foretold as fn()),
+        ("validity::check_says_what_will_be_wrong", check_says),
+        ("validity::wings_on_coarse_cells", coarse_wing),
+        ("validity::strict_sphere", strict_sphere),
+        ("validity::runs_beyond_their_limits", beyond),
+        ("validity::results_and_their_support", support),
+    ]
+    .into_iter()
+    .flat_map(|(name, test)| plain(name, test))
+    .collect()
+}
+
+/// A sphere or a disk in a tunnel with a square section; lengths in diameters.
+#[derive(Clone, Copy)]
+struct Body {
+    shape: &'static str,
+    reynolds: f64,
+    cells: f64,
+    inlet: f64,
+    /// From the middle to the sponge.
+    sponge: f64,
+    width: f64,
+}
+
+impl Body {
+    fn text(&self) -> String {
+        let Self {
+            shape,
+            reynolds,
+            cells,
+            inlet,
+            sponge,
+            width,
+        } = *self;
+        let whole = |length: f64| (length * cells).round() / cells;
+        format!(
+            "version = 1\ntitle = \"{shape}\"\n[air]\ndensity_kg_m3 = 1.0\nkinematic_viscosity_m2_s = {:e}\n\
+             [air.wind_tunnel]\nspeed_m_s = 1.0\nsize_m = [{:?}, {:?}, {:?}]\nstart_time_s = 1.0\nsponge_length_m = {:?}\n\
+             [resolution]\ncells_per_diameter = {cells:?}\nlattice_speed = 0.1\noperator = \"recursive_regularised\"\n\
+             [bodies.{shape}]\nposition_m = [{inlet:?}, {:?}, {:?}]\n[bodies.{shape}.{shape}]\ndiameter_m = 1.0\n\
+             [coupling]\nover_relaxation = 1.6\n[time]\nend_s = 30.0\n[output]\nsample_interval_s = 0.25\n",
+            1.0 / reynolds,
+            whole(inlet + sponge + 1.0),
+            whole(width),
+            whole(width),
+            1.0,
+            0.5 * whole(width),
+            0.5 * whole(width),
+        )
+    }
+
+    fn case(&self) -> Case {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), self.text()).unwrap();
+        case::load(file.path(), &Choices::default()).unwrap()
+    }
+}
+
+const SPHERE: Body = Body {
+    shape: "sphere",
+    reynolds: 100.0,
+    cells: 16.0,
+    inlet: 5.0,
+    sponge: 4.0,
+    width: 10.0,
+};
+
+fn expected(case: &Case) -> ExpectedError {
+    let errors = validity::expected_errors(&case.scene);
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    errors[0].clone()
+}
+
+/// Eight set-ups that no number of the forecast was taken from, with what they measured against published drag
+/// (docs/results/2026-11-23-expected-error.md): the forecast is within a factor of two.
+fn foretold() {
+    let body = |shape, reynolds, cells, inlet, sponge, width| Body {
+        shape,
+        reynolds,
+        cells,
+        inlet,
+        sponge,
+        width,
+    };
+    for (set_up, measured) in [
+        (body("sphere", 100.0, 10.0, 1.5, 4.0, 5.0), 0.203),
+        (body("sphere", 100.0, 5.0, 4.0, 4.0, 6.0), 0.456),
+        (body("sphere", 300.0, 8.0, 4.0, 5.0, 3.5), 0.082),
+        (body("sphere", 100.0, 10.0, 4.0, 0.7, 5.0), 0.175),
+        (body("disk", 100.0, 8.0, 1.0, 4.0, 5.0), 0.413),
+        (body("disk", 100.0, 7.0, 3.0, 4.0, 3.5), 0.163),
+        (body("sphere", 50.0, 7.0, 2.2, 1.2, 4.4), 0.303),
+        (body("sphere", 30.0, 9.0, 1.0, 3.0, 6.0), 0.639),
+    ] {
+        let error = expected(&set_up.case());
+        let factor = error.total / measured;
+        assert!(
+            (1.0 / tolerances::FORECAST..tolerances::FORECAST).contains(&factor),
+            "{}: measured {measured}",
+            error.line()
+        );
+        let sum: f64 = error.parts.iter().map(|(_, part)| part).sum();
+        assert!((sum - error.total).abs() < 1e-12);
+    }
+}
+
+/// A body in the sponge, one right behind the inlet, one of three cells: `check` says that it will be wrong, by how much, and why.
+fn check_says() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, body, row, part, measured) in [
+        // Measured: 2.26 and 2.36 for 1.21 without, 2.08 for 1.20.
+        (
+            "sponge",
+            Body {
+                sponge: 0.0,
+                ..SPHERE
+            },
+            "distance to the sponge or outlet",
+            "sponge",
+            0.87,
+        ),
+        (
+            "inlet",
+            Body {
+                inlet: 0.8,
+                ..SPHERE
+            },
+            "distance to the inlet",
+            "inlet",
+            0.96,
+        ),
+        (
+            "cells",
+            Body {
+                cells: 3.0,
+                ..SPHERE
+            },
+            "cells across the body",
+            "cells",
+            0.74,
+        ),
+    ] {
+        let path = folder.path().join(format!("{name}.toml"));
+        std::fs::write(&path, body.text()).unwrap();
+        let path = path.to_str().unwrap();
+        let finished = ripstop(&["check", path]);
+        assert_eq!(finished.code, 0, "{}", finished.errors);
+        let lines = finished.printed.lines();
+        let no: Vec<&str> = lines
+            .filter(|line| line.trim().starts_with("NO "))
+            .collect();
+        assert!(no.iter().any(|line| line.contains(row)), "{name}: {no:?}");
+        assert!(
+            finished.printed.contains("mean drag: +"),
+            "{}",
+            finished.printed
+        );
+        let error = expected(&body.case());
+        let found = error.parts.iter().find(|(name, _)| name == part).unwrap().1;
+        assert!((found / measured - 1.0).abs() < 0.1, "{name}: {found}");
+        let strict = ripstop(&["check", path, "--strict"]);
+        assert_eq!(strict.code, 1);
+        assert!(strict.errors.contains(row), "{}", strict.errors);
+    }
+}
+
+/// Lift of a ram-air wing with 16 cells per chord: a quarter of what it should be.
+fn coarse_wing() {
+    let finished = ripstop(&[
+        "check",
+        "cases/ram-air-parachute.toml",
+        "--set",
+        "resolution.cells_per_chord=16",
+    ]);
+    assert_eq!(finished.code, 0, "{}", finished.errors);
+    for text in [
+        "NO  trailing edge within the kernel              0.250",
+        "NO  cells across the thickness",
+        "lift over the angle: -76.0 %",
+    ] {
+        assert!(
+            finished.printed.contains(text),
+            "{text}: {}",
+            finished.printed
+        );
+    }
+}
+
+/// The shipped sphere keeps to all limits.
+fn strict_sphere() {
+    let finished = ripstop(&["check", "cases/sphere.toml", "--strict"]);
+    assert_eq!(finished.code, 0, "{}", finished.errors);
+    assert!(
+        finished.printed.contains("mean drag: +0.8 %"),
+        "{}",
+        finished.printed
+    );
+}
+
+/// Runs whose numbers mean nothing ended with exit code 0 and without a word.
+fn beyond() {
+    let canopy = [CANOPY, "--variant", "quick"];
+    let sheet = ["cases/cloth/hanging-sheet.toml", "--variant", "quick"];
+    for (case, changes, finding) in [
+        (
+            canopy,
+            &[
+                "air.wind_tunnel.speed_m_s=1000.0",
+                "air.wind_tunnel.start_time_s=0.0006",
+                "time.end_s=0.0006",
+                "output.sample_interval_s=0.0001",
+            ][..],
+            "physical Mach number 2.94",
+        ),
+        (
+            canopy,
+            &[
+                "fabric.youngs_modulus_pa=1e-10",
+                "time.end_s=0.006",
+                "output.sample_interval_s=0.001",
+            ][..],
+            "largest strain of the fabric",
+        ),
+        (
+            sheet,
+            &[
+                "gravity.acceleration_m_s2=[0.0, 0.0, -1e9]",
+                "time=absent",
+                "equilibrium.tolerance=0.1",
+                "output.sample_interval_s=0.01",
+            ][..],
+            "largest strain of the fabric",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut arguments = vec!["run"];
+        arguments.extend(case);
+        for change in changes {
+            arguments.extend(["--set", change]);
+        }
+        arguments.extend(["--set", "output.picture_times_s=absent", "--strict"]);
+        arguments.extend(["--engine", "cpu", "--out", folder.path().to_str().unwrap()]);
+        let finished = ripstop(&arguments);
+        assert_eq!(finished.code, 1, "{finding}: {}", finished.errors);
+        assert!(finished.errors.contains(finding), "{}", finished.errors);
+        // The reader of the table sees it, too, and so does who reads the file.
+        assert!(
+            finished.printed.contains("unresolved: "),
+            "{}",
+            finished.printed
+        );
+        let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let rows: Vec<ValidityRow> = serde_json::from_value(summary["validity"].clone()).unwrap();
+        assert!(rows.iter().any(|row| row.valid == Some(false)));
+        let results = summary["results"].as_object().unwrap();
+        let marked = results
+            .values()
+            .filter(|result| result["unresolved"].is_string());
+        assert!(marked.count() > results.len() / 2, "{results:?}");
+    }
+    // A run that is over in one step.
+    let case = {
+        let overrides = ["air.wind_tunnel.speed_m_s=1e-6", "time.end_s=0.03"];
+        let choices = Choices {
+            variant: Some("quick".to_owned()),
+            overrides: overrides.map(str::to_owned).to_vec(),
+        };
+        case::load(&root().join(CANOPY), &choices).unwrap()
+    };
+    let plan = Plan::new(&case.scene, Precision::F32);
+    let rows = validity::beforehand(&case.scene, &plan);
+    let steps = rows
+        .iter()
+        .find(|row| row.name == "steps of the run")
+        .unwrap();
+    assert_eq!((steps.value, steps.valid), (Some(1.0), Some(false)));
+}
+
+/// Which results a row supports.
+fn support() {
+    for (supports, name, covered) in [
+        (Supports::Everything, "drag_coefficient", true),
+        (Supports::Everything, "mass_drift", false),
+        (Supports::Everything, "kite_force_imbalance", false),
+        (Supports::Means, "drag_coefficient", true),
+        (Supports::Means, "von_mises_max_steady_pa", true),
+        (Supports::Means, "line_tension_max_n", false),
+        (Supports::Opening, "opening_force_factor", true),
+        (Supports::Opening, "fill_time_s", true),
+        (Supports::Opening, "projected_diameter_ratio", false),
+        (Supports::Lift, "lift_coefficient", true),
+        (Supports::Lift, "drag_coefficient", false),
+    ] {
+        assert_eq!(supports.covers(name), covered, "{supports:?} {name}");
+    }
+}
