@@ -1,11 +1,14 @@
 //! When is the mean drag known well enough, and from when on does it count?
 //!
-//! What follows was measured with the canopy of `cases/flat-circular-tunnel.toml` at 16 and 24 cells per D₀ over 180 D₀/U, six times
+//! Rigid bodies have a rule of their own, [`bodies`]. What follows was measured with the canopy of `cases/flat-circular-tunnel.toml` at 16 and 24 cells per D₀ over 180 D₀/U, six times
 //! (`docs/steady-runs.md`): the opening is over some D₀/U after its first peak, but the wake that goes with the drag needs 18 to form. Before
 //! that the drag is up to a fifth too low, and no look at a short record tells, since the breathing hides the drift.
 
+pub mod bodies;
+
 use crate::measure::Record;
 use crate::measure::statistics::{Mean, batch_mean, first_peak};
+use bodies::{BodyWindow, Settling};
 
 /// The opening is over this many D₀/U after the first peak of the projected diameter; runs that end before their wake has settled average from here on.
 const OPENING: f64 = 4.0;
@@ -169,55 +172,170 @@ fn mean_of(series: &[f64], batch: usize) -> Mean {
     }
 }
 
+/// Whose drag decides.
+#[derive(Debug, Clone)]
+enum Subject {
+    /// A canopy's; its D₀/U [s].
+    Canopy(f64),
+    /// That of every rigid body.
+    Bodies(Vec<Watched>),
+}
+
+/// A rigid body whose drag decides when a run may stop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watched {
+    /// Its name.
+    pub name: String,
+    /// Its column of the record.
+    pub drag_column: String,
+    /// What its settling depends on.
+    pub settling: Settling,
+}
+
+/// What is known of a mean drag.
+struct Known {
+    /// Length of the settled window, in units of the subject.
+    length: f64,
+    drag: Mean,
+    /// A body's name, where there are several.
+    of: String,
+    /// Unit of time.
+    unit: &'static str,
+    how: &'static str,
+}
+
 /// Decides at a few window lengths whether a run may stop.
 #[derive(Debug, Clone)]
 pub struct Detector {
-    unit_s: f64,
+    subject: Subject,
     drag_confidence: f64,
-    /// Window length of the next look [D₀/U].
+    /// Window length of the next look [D₀/U, of bodies L/U].
     next_look: f64,
 }
 
 impl Detector {
-    /// Detector for a run whose D₀/U is `unit_s`, stopping at a relative half width `drag_confidence` of the mean drag.
+    /// Detector for a canopy whose D₀/U is `unit_s`, stopping at a relative half width `drag_confidence` of the mean drag.
     #[must_use]
     pub const fn new(unit_s: f64, drag_confidence: f64) -> Self {
         Self {
-            unit_s,
+            subject: Subject::Canopy(unit_s),
             drag_confidence,
             next_look: SHORTEST_WINDOW,
         }
     }
 
+    /// The same for rigid bodies, each of whose drags must be known so well.
+    #[must_use]
+    pub const fn of_bodies(watched: Vec<Watched>, drag_confidence: f64) -> Self {
+        Self {
+            subject: Subject::Bodies(watched),
+            drag_confidence,
+            next_look: bodies::FIRST_WINDOW,
+        }
+    }
+
     /// Passes over the looks that a record from a checkpoint has had already.
     pub fn skip_looks(&mut self, record: &Record) {
-        if let Some(window) = window(record, self.unit_s).filter(|w| w.settled) {
-            while window.length >= self.next_look {
-                self.next_look *= LOOK_RATIO;
+        if let Some(length) = self.settled_length(record) {
+            self.look_after(length);
+        }
+    }
+
+    fn look_after(&mut self, length: f64) {
+        while length >= self.next_look - 1e-6 {
+            self.next_look *= LOOK_RATIO;
+        }
+    }
+
+    /// Length of the settled window, of several bodies the shortest; `None` before all have settled.
+    fn settled_length(&self, record: &Record) -> Option<f64> {
+        match &self.subject {
+            Subject::Canopy(unit_s) => {
+                let window = window(record, *unit_s).filter(|w| w.settled)?;
+                Some(window.length)
+            }
+            Subject::Bodies(watched) => watched
+                .iter()
+                .map(|body| body.window(record).map(|(window, _)| window.length))
+                .try_fold(f64::INFINITY, |least, length| Some(least.min(length?))),
+        }
+    }
+
+    /// The mean drag of the canopy, or of the body whose is known least.
+    fn known(&self, record: &Record, length: f64) -> Option<Known> {
+        match &self.subject {
+            Subject::Canopy(unit_s) => Some(Known {
+                length,
+                drag: mean(record, "drag_coefficient", &window(record, *unit_s)?),
+                of: String::new(),
+                unit: "D_0/U",
+                how: "batch means, 95 %",
+            }),
+            Subject::Bodies(watched) => {
+                let mut least: Option<Known> = None;
+                for body in watched {
+                    let (window, column) = body.window(record)?;
+                    let known = Known {
+                        length: window.length,
+                        drag: window.mean(&column),
+                        of: match watched.len() {
+                            1 => String::new(),
+                            _ => format!(" of `{}`, known least,", body.name),
+                        },
+                        unit: "L/U",
+                        how: window.how(),
+                    };
+                    let width = known.relative_width()?;
+                    if least
+                        .as_ref()
+                        .and_then(Known::relative_width)
+                        .is_none_or(|most| width > most)
+                    {
+                        least = Some(known);
+                    }
+                }
+                least
             }
         }
     }
 
     /// A sentence saying why the run may stop now, or `None` to go on.
     pub fn reason_to_stop(&mut self, record: &Record) -> Option<String> {
-        let window = window(record, self.unit_s)?;
-        if !window.settled || window.length < self.next_look {
+        let length = self.settled_length(record)?;
+        // As close as times of samples come.
+        if length < self.next_look - 1e-6 {
             return None;
         }
-        while window.length >= self.next_look {
-            self.next_look *= LOOK_RATIO;
-        }
-        let drag = mean(record, "drag_coefficient", &window);
-        let confidence = drag.confidence? / drag.value.abs();
-        (confidence <= self.drag_confidence).then(|| {
+        self.look_after(length);
+        let known = self.known(record, length)?;
+        let width = known.relative_width()?;
+        (width <= self.drag_confidence).then(|| {
             format!(
-                "steady: the mean drag coefficient {:.3} is known to ±{:.1} % (batch means, 95 %; asked for {:.1} %) over {:.1} D_0/U",
-                drag.value,
-                100.0 * confidence,
+                "steady: the mean drag coefficient{} {:.3} is known to ±{:.1} % ({}; asked for {:.1} %) over {:.1} {}",
+                known.of,
+                known.drag.value,
+                100.0 * width,
+                known.how,
                 100.0 * self.drag_confidence,
-                window.length
+                known.length,
+                known.unit,
             )
         })
+    }
+}
+
+impl Known {
+    fn relative_width(&self) -> Option<f64> {
+        Some(self.drag.confidence? / self.drag.value.abs())
+    }
+}
+
+impl Watched {
+    /// Its settled window, and the column of its drag.
+    fn window(&self, record: &Record) -> Option<(BodyWindow, Vec<f64>)> {
+        let drag = record.column(&self.drag_column);
+        let window = BodyWindow::new(&record.column("time_s"), &drag, &self.settling)?;
+        window.settled.then_some((window, drag))
     }
 }
 

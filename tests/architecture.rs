@@ -29,7 +29,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 30] = [
+const ALLOWED: [(&str, &[&str]); 31] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -127,6 +127,7 @@ const ALLOWED: [(&str, &[&str]); 30] = [
         ],
     ),
     ("steady.rs", &["measure"]),
+    ("steady", &["measure"]),
     (
         "validity",
         &[

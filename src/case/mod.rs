@@ -32,6 +32,7 @@ mod rigging;
 mod rims;
 pub mod scene;
 mod specimens;
+pub mod steady;
 mod structure;
 mod supports;
 mod time;

@@ -14,7 +14,7 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
-use super::{Problem, air, bodies, comparison, descent, output, structure, supports, time};
+use super::{Problem, air, bodies, comparison, descent, output, steady, structure, supports, time};
 use crate::cloth::Structure;
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
@@ -403,8 +403,8 @@ fn refuse_unused(file: &File) -> Result<(), Problem> {
         (
             "steady",
             file.steady.is_some(),
-            of(file::StructureTable::is_canopy) && file.air.is_some(),
-            "a canopy in wind",
+            file.air.is_some() && (of(file::StructureTable::is_canopy) || !file.bodies.is_empty()),
+            "a canopy or a rigid body in wind",
         ),
         (
             "fabric",
@@ -520,11 +520,13 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     }
     let end_s = time.map_or(1.0, |t| t.end_s);
     let output = output::check(file, end_s)?;
-    let steady_drag_confidence = file
-        .steady
-        .as_ref()
-        .map(|s| within("steady.drag_confidence", s.drag_confidence, 1e-4, 0.5))
-        .transpose()?;
+    let steady_drag_confidence = steady::check(
+        file,
+        air.as_ref(),
+        body.as_ref(),
+        &rigid_bodies,
+        descent.is_some(),
+    )?;
     let title = file.title.clone().unwrap_or_else(|| "untitled".to_owned());
     Ok(Scene {
         title,

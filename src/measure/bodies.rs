@@ -4,15 +4,24 @@
 //! along +y. Coefficients refer to ½ ρ U² and the body's reference area, those of moments also to its reference length, with U the wind
 //! speed; without wind a body's constant speed, else the reference speed of the lattice. Forces on closed bodies are those of the air
 //! outside: what the air inside takes up, moving with the body, is taken off.
+//!
+//! Means of bodies in a steady stream begin when the flow has settled ([`crate::steady::bodies`]), those beside a canopy with the canopy's;
+//! all others are taken over the second half of the run.
 
 use glam::DVec3;
 
+use super::blockage;
 use super::record::Record;
-use super::statistics::{Mean, batch_mean};
+use super::statistics::{Mean, batch_mean, student};
 use crate::case::Scene;
-use crate::case::scene::{Air, Flow, RigidBody, Shape};
+use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
+use crate::case::steady::never_steady;
 use crate::output::{Quantity, Results};
 use crate::rigid::Motion;
+use crate::steady::bodies::{
+    BodyWindow, FIRST_WINDOW, SETTLING, Settling, UNSTEADY_WINDOW, second_half,
+};
+use crate::steady::{self, Watched};
 
 /// Columns of every body; a scene with more than one thing in the air puts the body's name before them.
 pub(super) const COLUMNS: [&str; 9] = [
@@ -39,10 +48,10 @@ pub(super) const SCENE_COLUMNS: [&str; 8] = [
     "mass_defect",
 ];
 
-/// Length of a batch for the uncertainty of means [lengths/U]: longer than a period of vortices.
+/// Length of a batch for the uncertainty of means without a settling rule [lengths/U]: longer than a period of vortices.
 const BATCH: f64 = 8.0;
 
-/// Change of the drag between two halves of the averaging window beyond which the flow counts as still developing.
+/// Change of the drag between two halves of such a window beyond which the flow counts as still developing.
 const SETTLED: f64 = 0.01;
 
 /// Amplitude of the lift coefficient below which there is no oscillation to speak of.
@@ -97,85 +106,259 @@ pub(super) fn row(air: &Air, body: &RigidBody, force: DVec3, moment: DVec3) -> V
     ]
 }
 
-/// The second half of the record after release.
-fn window(record: &Record) -> Option<std::ops::Range<usize>> {
-    let times = record.column("time_s");
-    let first = times.iter().position(|&t| t > 0.0)?;
-    let first = first.midpoint(times.len());
-    (first + 1 < times.len()).then_some(first..times.len())
+/// Reynolds number of a body, with its reference length.
+#[must_use]
+pub fn reynolds_number(air: &Air, body: &RigidBody) -> f64 {
+    reference_speed_m_s(air, body) * body.reference_length_m / air.kinematic_viscosity_m2_s
 }
+
+/// What the settling of the flow past a body depends on, or why that never becomes steady.
+pub fn settling(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Settling, &'static str> {
+    if scene.body.is_some() {
+        return Err("fabric beside the body moves");
+    }
+    if let Some(why) = never_steady(air, scene.descent.is_some(), body) {
+        return Err(why);
+    }
+    let (risen_s, turn_s) = match &body.motion.motion {
+        Motion::ConstantVelocity { rise_s, .. } => (*rise_s, None),
+        Motion::ConstantRotation { rate_rad_s, rise_s } => {
+            let turn_s = std::f64::consts::TAU / rate_rad_s.abs();
+            (*rise_s, turn_s.is_finite().then_some(turn_s))
+        }
+        _ => (0.0, None),
+    };
+    Ok(Settling {
+        unit_s: body.reference_length_m / reference_speed_m_s(air, body),
+        risen_s,
+        turn_s,
+    })
+}
+
+/// The bodies whose drags decide when a run may stop: all of the scene; an error names one whose flow never becomes steady, and why.
+pub fn watched(scene: &Scene) -> Result<Vec<Watched>, (String, &'static str)> {
+    let Some(air) = &scene.air else {
+        return Ok(Vec::new());
+    };
+    scene
+        .rigid_bodies
+        .iter()
+        .map(|body| {
+            Ok(Watched {
+                name: body.name.clone(),
+                drag_column: format!("{}drag_coefficient", prefix(scene, body)),
+                settling: settling(scene, air, body).map_err(|why| (body.name.clone(), why))?,
+            })
+        })
+        .collect()
+}
+
+/// How long a run of bodies alone is, and from when on means are taken; `None` of other scenes.
+pub(super) fn averaging(scene: &Scene) -> Option<String> {
+    let (time, first) = (scene.time?, watched(scene).ok()?.into_iter().next()?);
+    Some(format!(
+        "length of the run {:.1} L/U{}; means begin {SETTLING} L/U after the speeds have risen, and need {FIRST_WINDOW}, of an unsteady force {UNSTEADY_WINDOW}",
+        time.end_s / first.settling.unit_s,
+        match scene.rigid_bodies.len() {
+            1 => String::new(),
+            _ => format!(" of `{}`", first.name),
+        }
+    ))
+}
+
+/// The samples that the means of a body are taken over.
+enum Averaging {
+    /// After its flow has settled.
+    Settled(BodyWindow),
+    /// Those of the canopy beside it.
+    Canopy(steady::Window),
+    /// The second half of the run, since there is no rule.
+    Half {
+        samples: std::ops::Range<usize>,
+        batch: usize,
+        why: &'static str,
+    },
+}
+
+impl Averaging {
+    fn new(record: &Record, scene: &Scene, air: &Air, body: &RigidBody) -> Option<Self> {
+        if let (Some(BodyKind::Canopy(canopy)), None) =
+            (scene.body.as_ref().map(|body| body.kind), &scene.descent)
+        {
+            let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
+            return Some(Self::Canopy(steady::window(record, unit_s)?));
+        }
+        let times = record.column("time_s");
+        match settling(scene, air, body) {
+            Ok(settling) => {
+                let drag = record.column(&format!("{}drag_coefficient", prefix(scene, body)));
+                Some(Self::Settled(BodyWindow::new(&times, &drag, &settling)?))
+            }
+            Err(why) => {
+                let samples = second_half(&times)?;
+                let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
+                let interval_s = interval(&times, &samples);
+                let batch = ((BATCH * unit_s / interval_s).round() as usize).max(1);
+                Some(Self::Half {
+                    samples,
+                    batch,
+                    why,
+                })
+            }
+        }
+    }
+
+    fn samples(&self) -> std::ops::Range<usize> {
+        match self {
+            Self::Settled(window) => window.first..window.end,
+            Self::Canopy(window) => window.first..window.end,
+            Self::Half { samples, .. } => samples.clone(),
+        }
+    }
+
+    fn mean(&self, record: &Record, name: &str) -> Mean {
+        match self {
+            Self::Settled(window) => window.mean(&record.column(name)),
+            Self::Canopy(window) => steady::mean(record, name, window),
+            Self::Half { samples, batch, .. } => {
+                batch_mean(&record.column(name)[samples.clone()], *batch)
+            }
+        }
+    }
+
+    fn unsettled(&self, drag: &[f64]) -> Option<String> {
+        match self {
+            Self::Settled(window) => window.unsettled(drag),
+            Self::Canopy(window) => {
+                (!window.settled).then(|| "not settled: the wake of the canopy".to_owned())
+            }
+            Self::Half { .. } => None,
+        }
+    }
+
+    /// What the mean is over; `length` in L/U.
+    fn note(&self, drag: &[f64], length: f64) -> String {
+        match self {
+            Self::Settled(window) => format!(
+                "mean over the last {length:.1} L/U{}; interval: {}",
+                if window.settled {
+                    format!(", from {SETTLING} L/U after the speeds have risen")
+                } else {
+                    String::new()
+                },
+                window.how()
+            ),
+            Self::Canopy(_) => {
+                format!("mean over the last {length:.1} L/U, as that of the canopy")
+            }
+            Self::Half { samples, why, .. } => {
+                let drag = &drag[samples.clone()];
+                let half = drag.len() / 2;
+                let [early, late] = [&drag[..half], &drag[half..]].map(|d| batch_mean(d, 1).value);
+                let change = (late - early) / batch_mean(drag, 1).value;
+                let mut note = format!(
+                    "mean over the last {length:.1} L/U, the second half of the run: {why}"
+                );
+                if change.abs() > SETTLED {
+                    note += &format!(", still changing by {:.1} %", 100.0 * change);
+                }
+                note
+            }
+        }
+    }
+}
+
+/// Time between samples [s].
+fn interval(times: &[f64], samples: &std::ops::Range<usize>) -> f64 {
+    (times[samples.end - 1] - times[samples.start]) / (samples.len() - 1) as f64
+}
+
+/// Means of a body, besides its drag coefficient.
+const MEANS: [(&str, &str); 8] = [
+    ("lift_coefficient", "1"),
+    ("side_force_coefficient", "1"),
+    ("force_x_n", "N"),
+    ("force_y_n", "N"),
+    ("force_z_n", "N"),
+    ("moment_x_n_m", "N m"),
+    ("moment_y_n_m", "N m"),
+    ("moment_z_n_m", "N m"),
+];
 
 /// Results of every body.
 pub(super) fn body_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
-    let Some(window) = window(record) else {
-        for body in &scene.rigid_bodies {
-            let name = format!("{}drag_coefficient", prefix(scene, body));
-            results.insert(&name, Quantity::missing("1", "the run ended too early"));
-        }
+    for body in &scene.rigid_bodies {
+        of_body(results, record, (scene, air, body));
+    }
+}
+
+fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, &Air, &RigidBody)) {
+    let prefix = prefix(scene, body);
+    let name = |name: &str| format!("{prefix}{name}");
+    let Some(averaging) = Averaging::new(record, scene, air, body) else {
+        results.insert(
+            &name("drag_coefficient"),
+            Quantity::missing("1", "the run ended too early"),
+        );
         return;
     };
     let times = record.column("time_s");
-    let interval = (times[window.end - 1] - times[window.start]) / (window.len() - 1) as f64;
-    for body in &scene.rigid_bodies {
-        let prefix = prefix(scene, body);
-        let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
-        let batch = ((BATCH * unit_s / interval).round() as usize).max(1);
-        let column =
-            |name: &str| record.column(&format!("{prefix}{name}"))[window.clone()].to_vec();
-        let length = (times[window.end - 1] - times[window.start]) / unit_s;
-        let mut insert = |name: &str, quantity: Quantity| {
-            results.insert(&format!("{prefix}{name}"), quantity);
-        };
-        let drag = column("drag_coefficient");
-        let mean = batch_mean(&drag, batch);
-        let half = drag.len() / 2;
-        let change =
-            (batch_mean(&drag[half..], 1).value - batch_mean(&drag[..half], 1).value) / mean.value;
-        let mut note = format!("mean over the last {length:.1} L/U");
-        if change.abs() > SETTLED {
-            note += &format!(", still changing by {:.1} %", 100.0 * change);
+    let samples = averaging.samples();
+    let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
+    let length = (times[samples.end - 1] - times[samples.start]) / unit_s;
+    let drags = record.column(&name("drag_coefficient"));
+    let unsettled = averaging.unsettled(&drags);
+    let marked = |mut quantity: Quantity| {
+        if let Some(why) = &unsettled {
+            quantity.mark_unresolved(why);
         }
-        let mut quantity = with_interval(mean, "1");
-        if let Some((reference, source)) = reference_drag(air, body) {
-            quantity = quantity.with_reference(reference, source);
-        }
-        insert("drag_coefficient", quantity.with_note(&note));
-        for name in ["lift_coefficient", "side_force_coefficient"] {
-            insert(name, with_interval(batch_mean(&column(name), batch), "1"));
-        }
-        for (name, unit) in [
-            ("force_x_n", "N"),
-            ("force_y_n", "N"),
-            ("force_z_n", "N"),
-            ("moment_x_n_m", "N m"),
-            ("moment_y_n_m", "N m"),
-            ("moment_z_n_m", "N m"),
-        ] {
-            insert(name, with_interval(batch_mean(&column(name), batch), unit));
-        }
-        insert(
-            "strouhal_number",
-            match frequency(&column("lift_coefficient"), interval, NO_LIFT) {
-                Ok(frequency) => {
-                    Quantity::new(frequency * unit_s, "1").with_note("of the lift, f L/U")
-                }
-                Err(why) => Quantity::missing("1", &format!("of the lift: {why}")),
-            },
-        );
-        insert(
-            "reference_area_m2",
-            Quantity::new(body.reference_area_m2, "m2"),
-        );
+        quantity
+    };
+    let drag = averaging.mean(record, &name("drag_coefficient"));
+    let mut quantity = marked(with_interval(drag, "1"));
+    if let Some((reference, source)) = reference_drag(air, body) {
+        quantity = quantity.with_reference(reference, source);
     }
+    let note = averaging.note(&drags, length);
+    results.insert(&name("drag_coefficient"), quantity.with_note(&note));
+    blockage::results(results, (scene, air, body), drag, unsettled.as_deref());
+    for (column, unit) in MEANS {
+        let mean = averaging.mean(record, &name(column));
+        results.insert(&name(column), marked(with_interval(mean, unit)));
+    }
+    let lift = &record.column(&name("lift_coefficient"))[samples.clone()];
+    results.insert(
+        &name("strouhal_number"),
+        match frequency(lift, interval(&times, &samples), NO_LIFT) {
+            Ok(mean) => {
+                let strouhal = Mean {
+                    value: mean.value * unit_s,
+                    confidence: mean.confidence.map(|c| c * unit_s),
+                };
+                marked(with_interval(strouhal, "1")).with_note("of the lift, f L/U")
+            }
+            Err(why) => Quantity::missing("1", &format!("of the lift: {why}")),
+        },
+    );
+    results.insert(
+        &name("reference_area_m2"),
+        Quantity::new(body.reference_area_m2, "m2"),
+    );
 }
 
 /// Results of a scene of bodies alone.
 pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
     body_results(results, record, scene, air);
-    let Some(window) = window(record) else {
+    // Of several bodies the window that begins last.
+    let Some(window) = scene
+        .rigid_bodies
+        .iter()
+        .filter_map(|body| Some(Averaging::new(record, scene, air, body)?.samples()))
+        .max_by_key(|samples| samples.start)
+    else {
         return;
     };
-    let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
+    let section = blockage::section_m2(air);
     let area: f64 = scene.rigid_bodies.iter().map(|b| b.reference_area_m2).sum();
     results.insert(
         "blockage_ratio",
@@ -276,9 +459,9 @@ pub fn disk_drag(reynolds: f64) -> Option<f64> {
         .then(|| 64.0 / (std::f64::consts::PI * reynolds) * (1.0 + 0.138 * reynolds.powf(0.792)))
 }
 
-/// Frequency of an evenly sampled oscillation, from its upward passages through the mean [1/time of `interval`]; an error says why
-/// there is none, such as an amplitude below `least`.
-pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<f64, &'static str> {
+/// Frequency of an evenly sampled oscillation, from its upward passages through the mean [1/time of `interval`], with the interval that the
+/// scatter of the periods leads to; an error says why there is none, such as an amplitude below `least`.
+pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<Mean, &'static str> {
     let mean = batch_mean(series, 1).value;
     let square = series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len() as f64;
     if (2.0 * square).sqrt() < least {
@@ -296,7 +479,14 @@ pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<f64
     if periods.iter().any(|p| (p / period - 1.0).abs() > 0.3) {
         return Err("there is no single period");
     }
-    Ok(1.0 / (period * interval))
+    let n = periods.len() as f64;
+    let variance = periods.iter().map(|p| (p - period).powi(2)).sum::<f64>() / (n - 1.0);
+    let half = student(periods.len() - 1) * (variance / n).sqrt();
+    let value = 1.0 / (period * interval);
+    Ok(Mean {
+        value,
+        confidence: Some(value * half / period),
+    })
 }
 
 #[cfg(test)]
@@ -310,7 +500,20 @@ mod tests {
                 .map(|i| 0.3 + a * (std::f64::consts::TAU * f * 0.1 * f64::from(i)).sin())
                 .collect()
         };
-        assert!((frequency(&wave(0.37, 0.2), 0.1, NO_LIFT).unwrap() - 0.37).abs() < 1e-3);
+        let known = frequency(&wave(0.37, 0.2), 0.1, NO_LIFT).unwrap();
+        assert!((known.value - 0.37).abs() < 1e-3, "{known:?}");
+        assert!(known.confidence.unwrap() < 1e-3, "{known:?}");
+        // Periods of 2.5 and 2.9 in turn: ± 0.2 on ten of them, Student's t 2.26.
+        let uneven: Vec<f64> = (0..300)
+            .map(|i| {
+                let t = (0.1 * f64::from(i)) % 5.4;
+                let phase = if t < 2.5 { t / 2.5 } else { (t - 2.5) / 2.9 };
+                (std::f64::consts::TAU * phase).sin()
+            })
+            .collect();
+        let scattered = frequency(&uneven, 0.1, NO_LIFT).unwrap();
+        let share = scattered.confidence.unwrap() / scattered.value;
+        assert!((0.04..0.08).contains(&share), "{scattered:?}");
         assert!(frequency(&wave(0.37, 1e-4), 0.1, NO_LIFT).is_err());
         assert!(frequency(&wave(0.05, 0.2), 0.1, NO_LIFT).is_err());
     }

@@ -1,5 +1,6 @@
 //! Read-outs: time series, statistics, named results, and their comparison with the values of others.
 
+mod blockage;
 pub mod bodies;
 mod canopy_shape;
 pub mod catenary;

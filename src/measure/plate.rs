@@ -135,7 +135,7 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
     results.insert(
         "strouhal_number",
         match frequency(&scaled, interval, AT_REST) {
-            Ok(frequency) => Quantity::new(frequency * length / speed, "1")
+            Ok(mean) => Quantity::new(mean.value * length / speed, "1")
                 .with_note(&format!("f L/U of the tip along {name}")),
             Err(why) => Quantity::missing("1", &format!("of the tip along {name}: {why}")),
         },

@@ -16,7 +16,8 @@ const STUDENT: [f64; 15] = [
 ];
 
 /// Quantile of Student's t at 97.5 %.
-fn student(degrees_of_freedom: usize) -> f64 {
+#[must_use]
+pub fn student(degrees_of_freedom: usize) -> f64 {
     match STUDENT.get(degrees_of_freedom.saturating_sub(1)) {
         Some(&quantile) => quantile,
         // From 16 on within 0.2 %.

@@ -1,4 +1,4 @@
-//! Which lattice a run is on: the grids of a sequence, coarse to fine, and time steps that follow the speed of a fall.
+//! Which lattice a run is on: the grids of a sequence, coarse to fine, and time steps that follow the speed of a fall; and who stops it.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use crate::case::scene::{BodyKind, Flow};
 use crate::case::{Case, Scene};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::Device;
-use crate::measure::Record;
+use crate::measure::{Record, bodies};
 use crate::plan::{Placement, Plan};
 use crate::simulation::{Failure, Simulation};
-use crate::steady;
+use crate::steady::{self, Detector};
 
 /// In a descent the time step grows by [`STEP_RATIO`] once the air comes at less than this share of `lattice_speed`, and shrinks above the other.
 const LATTICE_SPEED_SHARES: [f64; 2] = [0.8, 1.2];
@@ -158,6 +158,17 @@ impl Lattice {
             (next, why)
         }))
     }
+}
+
+/// Who decides when the run may stop: a canopy, else all rigid bodies; `None` where the case does not ask.
+pub(super) fn detector(scene: &Scene) -> Option<Detector> {
+    let confidence = scene.steady_drag_confidence?;
+    if let Some(BodyKind::Canopy(canopy)) = scene.body.as_ref().map(|body| body.kind) {
+        let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
+        return Some(Detector::new(unit_s, confidence));
+    }
+    let watched = bodies::watched(scene).ok().filter(|all| !all.is_empty())?;
+    Some(Detector::of_bodies(watched, confidence))
 }
 
 impl Run<'_> {

@@ -29,7 +29,6 @@ use crate::output::{
 use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
-use crate::steady::Detector;
 use files::Files;
 use lattices::Lattice;
 
@@ -447,7 +446,7 @@ impl<'a> Run<'a> {
         let began = Instant::now();
         let first_step = self.simulation.step_count();
         let mut last_checkpoint = Instant::now();
-        let mut detector = self.detector();
+        let mut detector = lattices::detector(scene);
         // Windows that were looked at before an interrupt.
         if let Some(detector) = &mut detector {
             detector.skip_looks(&self.record);
@@ -565,15 +564,6 @@ impl<'a> Run<'a> {
             Some(reason) => Ok(reason),
             None => self.equilibrate(interrupt, observer),
         }
-    }
-
-    fn detector(&self) -> Option<Detector> {
-        let scene = &self.case.scene;
-        let BodyKind::Canopy(canopy) = &scene.body.as_ref()?.kind else {
-            return None;
-        };
-        let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
-        Some(Detector::new(unit_s, scene.steady_drag_confidence?))
     }
 
     fn status(&self, rate: f64) -> String {

@@ -3,9 +3,9 @@
 use super::{canopy_shape, column_max, largest, quantity};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
-use crate::measure::Record;
 use crate::measure::record::largest as largest_of;
 use crate::measure::statistics::Mean;
+use crate::measure::{Record, bodies};
 use crate::output::{Quantity, Results};
 use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 
@@ -15,9 +15,12 @@ const BLOCKAGE_FACTOR: f64 = 1.85;
 /// Drag coefficient below which relative differences of forces mean nothing.
 const NO_DRAG: f64 = 1e-3;
 
-/// How long a run of a canopy in the wind of a tunnel is, and from when on means are taken; `None` of other scenes.
+/// How long a run of a canopy or of rigid bodies in the wind of a tunnel is, and from when on means are taken; `None` of other scenes.
 #[must_use]
 pub fn averaging(scene: &Scene) -> Option<String> {
+    if scene.body.is_none() {
+        return bodies::averaging(scene);
+    }
     let (Some(air), Some(body), Some(time)) = (&scene.air, &scene.body, &scene.time) else {
         return None;
     };
