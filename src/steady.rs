@@ -186,8 +186,8 @@ enum Subject {
 pub struct Watched {
     /// Its name.
     pub name: String,
-    /// Its column of the record.
-    pub drag_column: String,
+    /// Its columns of the record: drag, and the forces across the stream.
+    pub columns: [String; 3],
     /// What its settling depends on.
     pub settling: Settling,
 }
@@ -230,7 +230,7 @@ impl Detector {
         Self {
             subject: Subject::Bodies(watched),
             drag_confidence,
-            next_look: bodies::FIRST_WINDOW,
+            next_look: bodies::STEADY_WINDOW,
         }
     }
 
@@ -331,11 +331,12 @@ impl Known {
 }
 
 impl Watched {
-    /// Its settled window, and the column of its drag.
+    /// Its settled window, and the column of its drag; `None` before it has settled, or while it keeps a symmetry that its wake would lose.
     fn window(&self, record: &Record) -> Option<(BodyWindow, Vec<f64>)> {
-        let drag = record.column(&self.drag_column);
+        let [drag, lift, side] = self.columns.each_ref().map(|name| record.column(name));
         let window = BodyWindow::new(&record.column("time_s"), &drag, &self.settling)?;
-        window.settled.then_some((window, drag))
+        let counts = window.settled && !window.is_symmetric(&drag, [&lift, &side]);
+        counts.then_some((window, drag))
     }
 }
 

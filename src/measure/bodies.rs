@@ -18,9 +18,7 @@ use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::case::steady::never_steady;
 use crate::output::{Quantity, Results};
 use crate::rigid::Motion;
-use crate::steady::bodies::{
-    BodyWindow, FIRST_WINDOW, SETTLING, Settling, UNSTEADY_WINDOW, second_half,
-};
+use crate::steady::bodies::{BodyWindow, Settling, second_half};
 use crate::steady::{self, Watched};
 
 /// Columns of every body; a scene with more than one thing in the air puts the body's name before them.
@@ -132,7 +130,18 @@ pub fn settling(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Settling, 
         unit_s: body.reference_length_m / reference_speed_m_s(air, body),
         risen_s,
         turn_s,
+        unsteady: reynolds_number(air, body) > steady_reynolds_number(body.shape),
     })
+}
+
+/// Reynolds number up to which the wake of a shape is steady: sphere 210 and disk 116 (Natarajan & Acrivos 1993, J. Fluid Mech. 254), all
+/// others that of a cylinder across the stream, 47 (Williamson 1996, Annu. Rev. Fluid Mech. 28).
+fn steady_reynolds_number(shape: Shape) -> f64 {
+    match shape {
+        Shape::Sphere { .. } => 210.0,
+        Shape::Disk { .. } => 116.0,
+        Shape::Plate { .. } | Shape::Cylinder { .. } | Shape::Mesh => 47.0,
+    }
 }
 
 /// The bodies whose drags decide when a run may stop: all of the scene; an error names one whose flow never becomes steady, and why.
@@ -146,7 +155,12 @@ pub fn watched(scene: &Scene) -> Result<Vec<Watched>, (String, &'static str)> {
         .map(|body| {
             Ok(Watched {
                 name: body.name.clone(),
-                drag_column: format!("{}drag_coefficient", prefix(scene, body)),
+                columns: [
+                    "drag_coefficient",
+                    "lift_coefficient",
+                    "side_force_coefficient",
+                ]
+                .map(|name| format!("{}{name}", prefix(scene, body))),
                 settling: settling(scene, air, body).map_err(|why| (body.name.clone(), why))?,
             })
         })
@@ -155,15 +169,17 @@ pub fn watched(scene: &Scene) -> Result<Vec<Watched>, (String, &'static str)> {
 
 /// How long a run of bodies alone is, and from when on means are taken; `None` of other scenes.
 pub(super) fn averaging(scene: &Scene) -> Option<String> {
-    let (time, first) = (scene.time?, watched(scene).ok()?.into_iter().next()?);
-    Some(format!(
-        "length of the run {:.1} L/U{}; means begin {SETTLING} L/U after the speeds have risen, and need {FIRST_WINDOW}, of an unsteady force {UNSTEADY_WINDOW}",
-        time.end_s / first.settling.unit_s,
-        match scene.rigid_bodies.len() {
-            1 => String::new(),
-            _ => format!(" of `{}`", first.name),
-        }
-    ))
+    let time = scene.time?;
+    let of_body = |body: Watched| {
+        let [begin, least] = body.settling.times();
+        format!(
+            "length of the run {:.1} L/U of `{}`; its means begin {begin} L/U after the speeds have risen, and need {least}",
+            time.end_s / body.settling.unit_s,
+            body.name,
+        )
+    };
+    let lines: Vec<String> = watched(scene).ok()?.into_iter().map(of_body).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 /// The samples that the means of a body are taken over.
@@ -226,9 +242,9 @@ impl Averaging {
         }
     }
 
-    fn unsettled(&self, drag: &[f64]) -> Option<String> {
+    fn unsettled(&self, drag: &[f64], across: [&[f64]; 2]) -> Option<String> {
         match self {
-            Self::Settled(window) => window.unsettled(drag),
+            Self::Settled(window) => window.unsettled(drag, across),
             Self::Canopy(window) => {
                 (!window.settled).then(|| "not settled: the wake of the canopy".to_owned())
             }
@@ -240,12 +256,7 @@ impl Averaging {
     fn note(&self, drag: &[f64], length: f64) -> String {
         match self {
             Self::Settled(window) => format!(
-                "mean over the last {length:.1} L/U{}; interval: {}",
-                if window.settled {
-                    format!(", from {SETTLING} L/U after the speeds have risen")
-                } else {
-                    String::new()
-                },
+                "mean over the last {length:.1} L/U; interval: {}",
                 window.how()
             ),
             Self::Canopy(_) => {
@@ -307,7 +318,9 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
     let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
     let length = (times[samples.end - 1] - times[samples.start]) / unit_s;
     let drags = record.column(&name("drag_coefficient"));
-    let unsettled = averaging.unsettled(&drags);
+    let [lift, side] = ["lift_coefficient", "side_force_coefficient"]
+        .map(|coefficient| record.column(&name(coefficient)));
+    let unsettled = averaging.unsettled(&drags, [&lift, &side]);
     let marked = |mut quantity: Quantity| {
         if let Some(why) = &unsettled {
             quantity.mark_unresolved(why);
@@ -326,7 +339,7 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
         let mean = averaging.mean(record, &name(column));
         results.insert(&name(column), marked(with_interval(mean, unit)));
     }
-    let lift = &record.column(&name("lift_coefficient"))[samples.clone()];
+    let lift = &lift[samples.clone()];
     results.insert(
         &name("strouhal_number"),
         match frequency(lift, interval(&times, &samples), NO_LIFT) {

@@ -6,14 +6,20 @@
 use super::mean_of;
 use crate::measure::statistics::{Mean, batch_mean};
 
-/// Averaging begins so long after the wind, or the body's own speed, has risen [L/U].
+/// Averaging begins so long after the wind, or the body's own speed, has risen, where the wake is steady [L/U].
 pub const SETTLING: f64 = 10.0;
 
-/// Shortest settled window that results are taken from [L/U].
-pub const FIRST_WINDOW: f64 = 4.0;
+/// The same where the wake may shed vortices: it grows long and symmetric first, breaks up, and overshoots.
+pub const UNSTEADY_SETTLING: f64 = 30.0;
 
-/// Shortest window that an unsteady force has an interval over [L/U]: four batches.
+/// Shortest window that the results of a steady wake are taken from [L/U].
+pub const STEADY_WINDOW: f64 = 4.0;
+
+/// The same of an unsteady one [L/U]: four batches.
 pub const UNSTEADY_WINDOW: f64 = 20.0;
+
+/// Force across the stream over the drag, below which the flow has kept the symmetry of the case.
+const SYMMETRIC: f64 = 1e-6;
 
 /// Length of a batch [L/U]: two thirds of a period at a Strouhal number of 0.13, and a whole one at 0.2.
 const BATCH: f64 = 5.0;
@@ -40,6 +46,20 @@ pub struct Settling {
     pub risen_s: f64,
     /// Time of a turn of a body that rotates steadily [s].
     pub turn_s: Option<f64>,
+    /// The wake may shed vortices.
+    pub unsteady: bool,
+}
+
+impl Settling {
+    /// From the end of the rise to the begin of the window, and its least length [L/U].
+    #[must_use]
+    pub const fn times(&self) -> [f64; 2] {
+        if self.unsteady {
+            [UNSTEADY_SETTLING, UNSTEADY_WINDOW]
+        } else {
+            [SETTLING, STEADY_WINDOW]
+        }
+    }
 }
 
 /// The part of a record over which the means of a body are taken.
@@ -55,6 +75,8 @@ pub struct BodyWindow {
     pub settled: bool,
     /// Samples per batch.
     batch: usize,
+    /// From the end of the rise to the begin of a settled window, and its least length [L/U].
+    times: [f64; 2],
     /// The drag hardly changes in it: its range is the interval where the window is too short for batches.
     quiet: bool,
 }
@@ -65,10 +87,10 @@ impl BodyWindow {
     pub fn new(times: &[f64], drag: &[f64], settling: &Settling) -> Option<Self> {
         let unit_s = settling.unit_s;
         let end = times.len();
-        let from_s = settling.risen_s.max(0.0) + SETTLING * unit_s;
+        let [begin, least] = settling.times();
+        let from_s = settling.risen_s.max(0.0) + begin * unit_s;
         let first = times.partition_point(|&time| time < from_s);
-        let settled =
-            first + 1 < end && times[end - 1] - times[first] >= (FIRST_WINDOW - 1e-6) * unit_s;
+        let settled = first + 1 < end && times[end - 1] - times[first] >= (least - 1e-6) * unit_s;
         let first = if settled {
             first
         } else {
@@ -82,11 +104,12 @@ impl BodyWindow {
             end,
             length: span / unit_s,
             settled,
+            times: [begin, least],
             batch: (batch_s * rate).round().max(1.0) as usize,
             quiet: false,
         };
         let drag = window.of(drag);
-        window.quiet = range(drag) <= QUIET * average(drag).abs();
+        window.quiet = !settling.unsteady && range(drag) <= QUIET * average(drag).abs();
         Some(window)
     }
 
@@ -97,6 +120,14 @@ impl BodyWindow {
 
     fn has_batches(&self) -> bool {
         self.end - self.first >= 4 * self.batch
+    }
+
+    /// True if a wake that may shed vortices has not lost its symmetry.
+    #[must_use]
+    pub fn is_symmetric(&self, drag: &[f64], across: [&[f64]; 2]) -> bool {
+        let unsteady = self.times[0] > SETTLING;
+        let largest = across.map(|force| range(self.of(force)));
+        unsteady && largest[0].max(largest[1]) <= SYMMETRIC * average(self.of(drag)).abs()
     }
 
     /// How intervals of means over it are found.
@@ -135,12 +166,14 @@ impl BodyWindow {
         }
     }
 
-    /// Why means over the window cannot be trusted, from its length and the drag; `None` where nothing is known against them.
+    /// Why means over the window cannot be trusted, from its length, the drag and the forces across the stream in the same unit; `None`
+    /// where nothing is known against them.
     #[must_use]
-    pub fn unsettled(&self, drag: &[f64]) -> Option<String> {
+    pub fn unsettled(&self, drag: &[f64], across: [&[f64]; 2]) -> Option<String> {
+        let [begin, least] = self.times;
         if !self.settled {
             return Some(format!(
-                "not settled: the second half of a run too short; averaging begins {SETTLING} L/U after the speeds have risen and needs {FIRST_WINDOW}"
+                "not settled: the second half of a run too short; averaging begins {begin} L/U after the speeds have risen and needs {least}"
             ));
         }
         if !self.quiet && !self.has_batches() {
@@ -148,6 +181,13 @@ impl BodyWindow {
                 "not settled: {:.1} L/U of averaging, an unsteady force needs {UNSTEADY_WINDOW}",
                 self.length
             ));
+        }
+        if self.is_symmetric(drag, across) {
+            return Some(
+                "not settled: without any force across the stream the flow has kept the symmetry of the case, and a wake that sheds vortices has \
+                 nothing to begin with; turn the body by 2 degrees, or shift it"
+                    .to_owned(),
+            );
         }
         let series = self.of(drag);
         let drift = Drift::of(series, self.drift_batch())?;
@@ -242,7 +282,11 @@ mod tests {
         unit_s: 1.0,
         risen_s: 0.0,
         turn_s: None,
+        unsteady: false,
     };
+
+    /// No force across the stream.
+    const NOTHING: [&[f64]; 2] = [&[], &[]];
 
     /// Samples per L/U.
     const RATE: usize = 8;
@@ -282,6 +326,24 @@ mod tests {
             };
             BodyWindow::new(&times[..end], &drag[..end], &settling).unwrap()
         };
+        // A wake that may shed vortices takes longer, and one that keeps its symmetry has not begun to.
+        let wake = Settling {
+            unsteady: true,
+            ..SETTLING_OF_ONE
+        };
+        let long_times = self::times(60.0);
+        let steady = vec![1.0; long_times.len()];
+        let shed: Vec<f64> = long_times.iter().map(|t| 1e-3 * t.sin()).collect();
+        let of_wake = |length: usize| {
+            let end = length * RATE + 1;
+            BodyWindow::new(&long_times[..end], &steady[..end], &wake).unwrap()
+        };
+        assert!(!of_wake(49).settled && of_wake(51).settled);
+        let window = of_wake(60);
+        assert!((long_times[window.first] - UNSTEADY_SETTLING).abs() < 1e-9);
+        let why = window.unsettled(&steady, NOTHING).unwrap();
+        assert!(why.contains("symmetry"), "{why}");
+        assert_eq!(window.unsettled(&steady, [&shed, &[]]), None);
         let long = of(30, 0.0);
         assert!(long.settled && (times[long.first] - SETTLING).abs() < 1e-9);
         assert!((long.length - 20.0).abs() < 1e-9);
@@ -289,9 +351,14 @@ mod tests {
         assert!((times[of(30, 3.0).first] - SETTLING - 3.0).abs() < 1e-9);
         let short = of(13, 0.0);
         assert!(!short.settled && (times[short.first] - 6.5).abs() < 0.2);
-        assert!(short.unsettled(&drag).unwrap().contains("too short"));
+        assert!(
+            short
+                .unsettled(&drag, NOTHING)
+                .unwrap()
+                .contains("too short")
+        );
         assert!(of(14, 0.0).settled);
-        assert_eq!(long.unsettled(&drag), None);
+        assert_eq!(long.unsettled(&drag, NOTHING), None);
         assert_eq!(long.mean(&drag).confidence, Some(0.0));
     }
 
@@ -313,7 +380,7 @@ mod tests {
         let (window, drag) = window(40.0, |t| 1.0 + 0.01 * t);
         let half = window.mean(&drag).confidence.unwrap();
         assert!(half > 0.3, "{half}");
-        let why = window.unsettled(&drag).unwrap();
+        let why = window.unsettled(&drag, NOTHING).unwrap();
         assert!(why.contains("no limit in sight"), "{why}");
         assert!(why.contains("+16."), "{why}");
     }
@@ -333,7 +400,7 @@ mod tests {
             let count = window.end - window.first;
             expected = 1.96 * 0.5 / 12f64.sqrt() / (count as f64).sqrt();
             let mean = window.mean(&drag);
-            marked += usize::from(window.unsettled(&drag).is_some());
+            marked += usize::from(window.unsettled(&drag, NOTHING).is_some());
             let confidence = mean.confidence.unwrap();
             width += confidence / f64::from(trials);
             covered += usize::from((mean.value - 1.0).abs() <= confidence);
@@ -353,7 +420,13 @@ mod tests {
         let mut uniform = noise(11);
         let short = window(24.0, |t| 1.0 + 0.1 * (0.9 * t).sin());
         assert_eq!(short.0.mean(&short.1).confidence, None);
-        assert!(short.0.unsettled(&short.1).unwrap().contains("needs 20"));
+        assert!(
+            short
+                .0
+                .unsettled(&short.1, NOTHING)
+                .unwrap()
+                .contains("needs 20")
+        );
         for length in [31.0, 50.0, 90.0] {
             let mut covered = 0;
             for trial in 0..300 {
