@@ -13,6 +13,7 @@ mod air;
 mod architecture;
 mod bad_cases;
 mod bodies;
+mod body_settling;
 mod cadence;
 mod canopies;
 mod canopy;
@@ -77,6 +78,7 @@ fn main() -> std::process::ExitCode {
         canopy::trials(),
         canopies::trials(),
         bodies::trials(),
+        body_settling::trials(),
         cadence::trials(),
         adaptive::trials(),
         supports::trials(),

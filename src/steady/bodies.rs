@@ -15,14 +15,18 @@ pub const UNSTEADY_SETTLING: f64 = 30.0;
 /// Shortest window that the results of a steady wake are taken from [L/U].
 pub const STEADY_WINDOW: f64 = 4.0;
 
-/// The same of an unsteady one [L/U]: four batches.
+/// The same of an unsteady one [L/U]: five batches.
 pub const UNSTEADY_WINDOW: f64 = 20.0;
 
 /// Force across the stream over the drag, below which the flow has kept the symmetry of the case.
 const SYMMETRIC: f64 = 1e-6;
 
-/// Length of a batch [L/U]: two thirds of a period at a Strouhal number of 0.13, and a whole one at 0.2.
-const BATCH: f64 = 5.0;
+/// Length of a batch [L/U]: two thirds of a period at a Strouhal number of 0.17. With batches of 5 the interval of 21 L/U covers the mean of
+/// an oscillation at St 0.13 to 0.2 in 88 % of trials, with 4 in 96 %.
+const BATCH: f64 = 4.0;
+
+/// Fewest batches that an interval is taken from.
+const LEAST_BATCHES: usize = 5;
 
 /// Range of the drag over its mean within which a force counts as steady.
 const QUIET: f64 = 0.02;
@@ -119,7 +123,7 @@ impl BodyWindow {
     }
 
     fn has_batches(&self) -> bool {
-        self.end - self.first >= 4 * self.batch
+        self.end - self.first >= LEAST_BATCHES * self.batch
     }
 
     /// True if a wake that may shed vortices has not lost its symmetry.
@@ -133,7 +137,7 @@ impl BodyWindow {
     /// How intervals of means over it are found.
     #[must_use]
     pub const fn how(&self) -> &'static str {
-        if self.end - self.first >= 4 * self.batch {
+        if self.end - self.first >= LEAST_BATCHES * self.batch {
             "batch means, 95 %"
         } else {
             "range and drift of a steady force"
@@ -367,14 +371,20 @@ mod tests {
     fn a_drift_widens_the_interval_up_to_its_limit() {
         for decay in [2.0, 4.0, 8.0] {
             let approach = |t: f64| 1.1 + 0.2 * (-t / decay).exp();
-            let (short, drag) = window(15.0, approach);
-            let (long, later) = window(26.0, approach);
-            let [early, late] = [short.mean(&drag), long.mean(&later)];
-            for mean in [early, late] {
+            let [short, long, longest] = [15.0, 31.0, 70.0].map(|length| {
+                let (window, drag) = window(length, approach);
+                let mean = window.mean(&drag);
+                let Some(half) = mean.confidence else {
+                    // A short record that changes by more than 2 %.
+                    assert!(length < 20.0 && window.unsettled(&drag, NOTHING).is_some());
+                    return f64::NAN;
+                };
                 let off = (mean.value - 1.1).abs();
-                assert!(off <= 1.05 * mean.confidence.unwrap(), "{decay}: {mean:?}");
-            }
-            assert!(late.confidence < early.confidence, "{early:?} {late:?}");
+                assert!(off <= 1.05 * half, "{decay}, {length}: {mean:?}");
+                half
+            });
+            assert!(short.is_nan() == (decay > 5.0), "{decay}: {short}");
+            assert!(longest < long, "{long} {longest}");
         }
         // What goes on rising has an interval wider than all that it rose by, and says so.
         let (window, drag) = window(40.0, |t| 1.0 + 0.01 * t);
@@ -447,7 +457,7 @@ mod tests {
                 let mean = window.mean(&drag);
                 covered += usize::from((mean.value - 1.0).abs() <= mean.confidence.unwrap());
             }
-            assert!(covered >= 270, "{length}: {covered} of 300");
+            assert!(covered >= 276, "{length}: {covered} of 300");
         }
     }
 }
