@@ -108,10 +108,11 @@ fn blockage(scene: &Scene) -> Option<String> {
     (share > BLOCKAGE_LIMIT).then(|| {
         format!(
             "the body blocks {:.0} % of the section, so the walls speed the air up beside it: widen air.wind_tunnel.size_m by {:.1} for {:.0} %, \
-             or compare only the corrected coefficients",
+             or compare only corrected coefficients{}",
             100.0 * share,
             (share / BLOCKAGE_LIMIT).sqrt(),
-            100.0 * BLOCKAGE_LIMIT
+            100.0 * BLOCKAGE_LIMIT,
+            if canopy.is_some() { "" } else { ", where a law is known for the body (docs/rigid-bodies.md)" }
         )
     })
 }
