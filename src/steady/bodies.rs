@@ -392,7 +392,7 @@ mod tests {
         assert!(half > 0.3, "{half}");
         let why = window.unsettled(&drag, NOTHING).unwrap();
         assert!(why.contains("no limit in sight"), "{why}");
-        assert!(why.contains("+16."), "{why}");
+        assert!(why.contains("+14."), "{why}");
     }
 
     /// White noise: the interval is that of theory, 1.96 σ/√n (Student's t of few batches above it), and no drift is seen in more than
