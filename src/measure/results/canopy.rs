@@ -3,14 +3,12 @@
 use super::{canopy_shape, column_max, largest, quantity};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
+use crate::measure::blockage::THREE_DIMENSIONS;
 use crate::measure::record::largest as largest_of;
 use crate::measure::statistics::Mean;
 use crate::measure::{Record, bodies};
 use crate::output::{Quantity, Results};
 use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
-
-/// Factor K of Macha & Buffington.
-const BLOCKAGE_FACTOR: f64 = 1.85;
 
 /// Drag coefficient below which relative differences of forces mean nothing.
 const NO_DRAG: f64 = 1e-3;
@@ -120,7 +118,7 @@ pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, a
 fn blockage_results(results: &mut Results, canopy: &Canopy, air: &Air, drag: Mean, wind: bool) {
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
-    let ratio = 1.0 + BLOCKAGE_FACTOR * drag.value * blockage;
+    let ratio = 1.0 + THREE_DIMENSIONS * drag.value * blockage;
     let corrected = Mean {
         value: drag.value / ratio,
         confidence: drag.confidence.map(|c| c / (ratio * ratio)),
