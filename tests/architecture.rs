@@ -134,7 +134,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "case", "cloth", "frame", "geometry", "measure", "output", "plan", "steady",
         ],
     ),
-    ("sweep", &["output"]),
+    ("sweep", &["measure", "output"]),
     (
         "run",
         &[

@@ -160,6 +160,8 @@ pub struct Resolution {
     pub reference_speed_m_s: Option<f64>,
     pub operator: Operator,
     pub eddy_viscosity: Option<EddyViscosity>,
+    /// Of all that stands in the air, against the lattice.
+    pub shift_cells: Option<[f64; 3]>,
 }
 
 /// `[resolution.eddy_viscosity]`.

@@ -67,6 +67,10 @@ pub(super) fn check(file: &File, scene: &Scene, folder: &Path) -> Result<Vec<Sce
                 if let Some(size) = &mut resolution.cell_size_m {
                     *size *= ratio;
                 }
+                // The structure stays in its place.
+                if let Some(shift) = &mut resolution.shift_cells {
+                    *shift = shift.map(|cells| cells / ratio);
+                }
             }
             scene::check(&coarser, folder).map_err(|problem| Problem {
                 message: format!(

@@ -31,6 +31,7 @@ mod plate;
 mod rigging;
 mod rims;
 pub mod scene;
+mod shift;
 mod specimens;
 pub mod steady;
 mod structure;

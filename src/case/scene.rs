@@ -14,7 +14,9 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{PLAUSIBLE, at_least_one};
 pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
-use super::{Problem, air, bodies, comparison, descent, output, steady, structure, supports, time};
+use super::{
+    Problem, air, bodies, comparison, descent, output, shift, steady, structure, supports, time,
+};
 use crate::cloth::Structure;
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
@@ -479,6 +481,9 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
             "add an [air] table, a [structure] table, or both",
         ));
     }
+    let shift_m = shift::check(file, air.as_ref())?;
+    shift::move_structure(shift_m, body.as_mut(), wing.as_mut());
+    let file = &shift::with_moved_bodies(file, shift_m);
     let solver = check_solver(file)?;
     let time = time::check(file, air.as_ref())?;
     let supports = supports::check(file, body.as_ref(), time.as_ref())?;

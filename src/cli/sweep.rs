@@ -1,4 +1,4 @@
-//! `ripstop sweep CASE.toml --vary key.path=a,b,c`
+//! `ripstop sweep CASE.toml --vary key.path=a,b,c`, `ripstop sweep CASE.toml --ensemble N`
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -34,8 +34,15 @@ pub(super) struct SweepArguments {
     case: CaseArguments,
     /// Key and its values; may be given several times, and then every combination runs. Keys that belong together vary together:
     /// "a=1,2; b=3,4" makes two runs. The value `absent` removes a key or table, `as_written` leaves it.
-    #[arg(long, value_name = "KEY.PATH=A,B,C", required = true)]
+    #[arg(
+        long,
+        value_name = "KEY.PATH=A,B,C",
+        required_unless_present = "ensemble"
+    )]
     vary: Vec<Vary>,
+    /// Starts of every run, each with all that stands in the air moved by other parts of a cell; extremes get an interval from them.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=64))]
+    ensemble: Option<u8>,
     /// Result for the table and a chart; may be given several times.
     #[arg(long, value_name = "NAME")]
     result: Vec<String>,
@@ -49,7 +56,9 @@ pub(super) struct SweepArguments {
 
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     let usage = |why: String| Failure::Other(exit::BAD_CASE, format!("--vary: {why}"));
-    let points = points(&arguments.vary).map_err(usage)?;
+    let starts = arguments.ensemble.map(|n| Vary::ensemble(n.into()));
+    let varies: Vec<Vary> = arguments.vary.iter().cloned().chain(starts).collect();
+    let points = points(&varies).map_err(usage)?;
     // All cases first: a wrong value of the last must not show after hours.
     let mut cases = Vec::new();
     for point in &points {
@@ -66,10 +75,12 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
         title: first.scene.title.clone(),
         case: first.name.clone(),
         variant: first.variant.clone(),
-        leading_keys: Sweep::leading(&arguments.vary),
+        leading_keys: Sweep::leading(&varies),
+        lattice_key: Sweep::lattice_key(&varies),
         runs: (points.iter().zip(&cases))
-            .map(|(point, case)| known(arguments, earlier.as_ref(), point, &case.hash))
+            .map(|(point, case)| known(arguments, earlier.as_ref(), point, case))
             .collect(),
+        ladders: Vec::new(),
     };
     let interrupt = interrupt_flag("the sweep");
     let mut code = 0;
@@ -96,6 +107,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
             }
         }
     }
+    sweep::mark_unresolved(&mut sweep);
     sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
     emit(&sweep::markdown(&sweep, &chosen))?;
     emit(&format!(
@@ -151,12 +163,14 @@ fn known(
     arguments: &SweepArguments,
     earlier: Option<&Sweep>,
     point: &Point,
-    hash: &str,
+    case: &Case,
 ) -> Outcome {
-    let mut outcome = Outcome::waiting(point, hash);
+    let hash = &case.hash;
+    let cell_size_m = case.scene.air.map(|air| air.units.cell_size_m);
+    let mut outcome = Outcome::waiting(point, hash, cell_size_m);
     let before = earlier.and_then(|sweep| {
         let mut runs = sweep.runs.iter();
-        runs.find(|run| run.folder == point.folder && run.hash == hash)
+        runs.find(|run| run.folder == point.folder && run.hash == *hash)
     });
     match before.map(|run| run.status) {
         Some(Status::Done) => {
@@ -164,7 +178,7 @@ fn known(
             let summary: Option<Summary> = std::fs::read(path)
                 .ok()
                 .and_then(|text| serde_json::from_slice(&text).ok());
-            if let Some(summary) = summary.filter(|summary| summary.case.hash == hash) {
+            if let Some(summary) = summary.filter(|summary| summary.case.hash == *hash) {
                 outcome.done(&summary);
             }
         }

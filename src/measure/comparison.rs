@@ -6,7 +6,7 @@ use crate::case::Scene;
 use crate::case::scene::BodyKind;
 use crate::cloth::Structure;
 use crate::frame::{FabricState, StructureFrame};
-use crate::output::{ComparisonRow, Quantity, Results};
+use crate::output::{ComparisonRow, LatticeError, Quantity, Results};
 
 /// Names of all results that a run of the scene will have.
 #[must_use]
@@ -56,27 +56,35 @@ fn at_rest(structure: &Structure) -> StructureFrame {
 /// Rows of the comparison, in the order of the results.
 #[must_use]
 pub fn comparison(scene: &Scene, results: &Results) -> Vec<ComparisonRow> {
-    let cells_per_diameter = match (&scene.body, &scene.air) {
-        (Some(body), Some(air)) => match &body.kind {
-            BodyKind::Canopy(canopy) => Some(canopy.nominal_diameter_m / air.units.cell_size_m),
-            _ => None,
-        },
-        _ => None,
-    };
+    let lattice = lattice_error(scene);
     let row = |(name, quantity): (&str, &Quantity)| {
         let own = scene.comparisons.iter().filter(|c| c.quantity == name);
         own.map(|entry| {
-            let mut row = ComparisonRow::new(
-                name,
-                quantity,
-                entry.range,
-                &entry.source,
-                cells_per_diameter,
-            );
+            let mut row = ComparisonRow::new(name, quantity, entry.range, &entry.source, &lattice);
             row.note.clone_from(&entry.note);
             row
         })
         .collect::<Vec<_>>()
     };
     results.iter().flat_map(row).collect()
+}
+
+/// What a single run knows of the error of its lattice: nothing, if it has one.
+fn lattice_error(scene: &Scene) -> LatticeError {
+    let Some(air) = &scene.air else {
+        return LatticeError::None;
+    };
+    let kind = scene.body.as_ref().map(|body| body.kind);
+    let (cells_per_diameter, key) = match kind {
+        Some(BodyKind::Canopy(canopy)) => (
+            Some(canopy.nominal_diameter_m / air.units.cell_size_m),
+            "cells_per_diameter",
+        ),
+        Some(BodyKind::Wing) => (None, "cells_per_chord"),
+        _ => (None, "cell_size_m"),
+    };
+    LatticeError::OneLattice {
+        cells_per_diameter,
+        key: format!("resolution.{key}"),
+    }
 }

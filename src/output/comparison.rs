@@ -15,6 +15,24 @@ pub const UNRESOLVED_CELLS: f64 = 2.0;
 /// Digits of references and differences.
 const DIGITS: i32 = 4;
 
+/// What is known of the error that the lattice of the air makes in a result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LatticeError {
+    /// There is no air, hence no lattice.
+    None,
+    /// One lattice tells nothing of it.
+    OneLattice {
+        /// Its cells per nominal diameter, of a canopy.
+        cells_per_diameter: Option<f64>,
+        /// Key of the case that sets the size of its cells.
+        key: String,
+    },
+    /// Two lattices tell how far their values lie apart, in the unit of the result.
+    Spread(f64),
+    /// Three or more: half width, in the unit of the result.
+    HalfWidth(f64),
+}
+
 /// One result beside one reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ComparisonRow {
@@ -48,16 +66,17 @@ pub struct ComparisonRow {
 impl ComparisonRow {
     /// Sets a result beside a reference.
     ///
-    /// A difference counts as resolved where it exceeds (1) the half width of our 95 % confidence interval, or the interval between
-    /// samples where the value was read from single samples, and (2) with air on `cells_per_diameter` cells, the share
-    /// [`UNRESOLVED_CELLS`] of these in our value. A value without any uncertainty of its own decides nothing.
+    /// A difference counts as resolved where it exceeds the error of the lattice and, combined with it in quadrature, the half width of our
+    /// 95 % confidence interval (or the interval between samples where the value was read from single samples). With one lattice, or two, that
+    /// error is unknown, and so is the answer, unless the difference lies within what is known: the interval, the spread of two lattices, or
+    /// the share [`UNRESOLVED_CELLS`] of the cells per diameter in our value. A value without any uncertainty of its own decides nothing.
     #[must_use]
     pub fn new(
         name: &str,
         quantity: &Quantity,
         reference: [f64; 2],
         source: &str,
-        cells_per_diameter: Option<f64>,
+        lattice: &LatticeError,
     ) -> Self {
         let nearest = |value: f64| value.clamp(reference[0], reference[1]);
         let difference = quantity.value.map(|value| value - nearest(value));
@@ -80,15 +99,11 @@ impl ComparisonRow {
             why: String::new(),
             note: None,
         };
-        (row.resolved, row.why) = row.judge(quantity, cells_per_diameter);
+        (row.resolved, row.why) = row.judge(quantity, lattice);
         row
     }
 
-    fn judge(
-        &self,
-        quantity: &Quantity,
-        cells_per_diameter: Option<f64>,
-    ) -> (Option<bool>, String) {
+    fn judge(&self, quantity: &Quantity, lattice: &LatticeError) -> (Option<bool>, String) {
         let (Some(value), Some(difference)) = (self.value, self.difference) else {
             let why = quantity.note.clone();
             return (
@@ -96,27 +111,55 @@ impl ComparisonRow {
                 why.unwrap_or_else(|| "the run did not determine it".to_owned()),
             );
         };
-        let share = cells_per_diameter.map(|cells| UNRESOLVED_CELLS / cells);
-        if let Some(share) = share.filter(|share| difference.abs() <= share * value.abs()) {
-            let why = format!(
-                "within {UNRESOLVED_CELLS:.0} cells of D_0, {:.1} %",
-                100.0 * share
-            );
+        let difference = difference.abs();
+        let (own, own_name) = match (self.confidence, self.sampling_error) {
+            (Some(half), _) => (Some(half), "our 95 % interval"),
+            (None, interval) => (interval, "a sample interval"),
+        };
+        if let LatticeError::OneLattice {
+            cells_per_diameter: Some(cells),
+            ..
+        } = lattice
+            && difference <= UNRESOLVED_CELLS / cells * value.abs()
+        {
+            let share = 100.0 * UNRESOLVED_CELLS / cells;
+            let why = format!("within {UNRESOLVED_CELLS:.0} cells of D_0, {share:.1} %");
             return (Some(false), why);
         }
-        match (self.confidence, self.sampling_error) {
-            (Some(half), _) if difference.abs() <= half => {
-                (Some(false), "within our 95 % interval".to_owned())
-            }
-            (None, Some(interval)) if difference.abs() <= interval => {
-                (Some(false), "within a sample interval".to_owned())
-            }
-            (None, None) => (
+        if own.is_some_and(|own| difference <= own) {
+            return (Some(false), format!("within {own_name}"));
+        }
+        let beyond_own = match own {
+            Some(_) => format!("beyond {own_name}"),
+            None => "our value has no interval".to_owned(),
+        };
+        match lattice {
+            LatticeError::None if own.is_none() => (
                 None,
-                "our value has no interval: a single extreme, or too short a run".to_owned(),
+                format!("{beyond_own}: a single extreme, or too short a run"),
             ),
-            (Some(_), _) => (Some(true), "beyond our 95 % interval".to_owned()),
-            (None, Some(_)) => (Some(true), "beyond a sample interval".to_owned()),
+            LatticeError::None => (Some(true), beyond_own),
+            LatticeError::OneLattice { key, .. } => (
+                None,
+                format!("one lattice, {beyond_own}: `ripstop sweep CASE --vary {key}=A,B,C` tells"),
+            ),
+            LatticeError::Spread(spread) | LatticeError::HalfWidth(spread) => {
+                let error = spread.hypot(own.unwrap_or(0.0));
+                let told = format!("±{} of lattice and interval", significant(error, 2));
+                match lattice {
+                    _ if difference <= error => (Some(false), format!("within {told}")),
+                    LatticeError::Spread(_) => {
+                        (None, format!("two lattices, beyond {told}: a third tells"))
+                    }
+                    _ if own.is_none() => (
+                        None,
+                        format!(
+                            "{beyond_own} (`ripstop sweep --ensemble N` gives one); beyond {told}"
+                        ),
+                    ),
+                    _ => (Some(true), format!("beyond {told}")),
+                }
+            }
         }
     }
 
@@ -272,31 +315,66 @@ pub fn write_comparison(folder: &Path, rows: &[ComparisonRow]) -> Result<(), Out
 mod tests {
     use super::*;
 
-    fn judged(quantity: &Quantity, reference: [f64; 2], cells: Option<f64>) -> Option<bool> {
-        ComparisonRow::new("x", quantity, reference, "there", cells).resolved
+    fn judged(quantity: &Quantity, reference: [f64; 2], lattice: &LatticeError) -> Option<bool> {
+        ComparisonRow::new("x", quantity, reference, "there", lattice).resolved
+    }
+
+    fn one(cells: Option<f64>) -> LatticeError {
+        LatticeError::OneLattice {
+            cells_per_diameter: cells,
+            key: "resolution.cells_per_diameter".to_owned(),
+        }
     }
 
     #[test]
-    fn a_difference_counts_only_beyond_interval_and_cells() {
+    fn without_air_a_difference_counts_beyond_the_interval() {
+        let alone = LatticeError::None;
         let mean = Quantity::new(1.0, "1").with_confidence(0.1);
-        assert_eq!(judged(&mean, [1.09, 1.09], None), Some(false));
-        assert_eq!(judged(&mean, [1.11, 1.11], None), Some(true));
-        // Two cells of ten are 20 %.
-        assert_eq!(judged(&mean, [1.11, 1.11], Some(10.0)), Some(false));
-        assert_eq!(judged(&mean, [1.21, 1.21], Some(10.0)), Some(true));
+        assert_eq!(judged(&mean, [1.09, 1.09], &alone), Some(false));
+        assert_eq!(judged(&mean, [1.11, 1.11], &alone), Some(true));
         let time = Quantity::new(0.050, "s").with_sampling_error(0.001);
-        assert_eq!(judged(&time, [0.0505, 0.0505], None), Some(false));
-        assert_eq!(judged(&time, [0.055, 0.055], None), Some(true));
-        assert_eq!(judged(&Quantity::new(1.0, "1"), [2.0, 2.0], None), None);
+        assert_eq!(judged(&time, [0.0505, 0.0505], &alone), Some(false));
+        assert_eq!(judged(&time, [0.055, 0.055], &alone), Some(true));
+        assert_eq!(judged(&Quantity::new(1.0, "1"), [2.0, 2.0], &alone), None);
         let missing = Quantity::missing("1", "too short");
-        let row = ComparisonRow::new("x", &missing, [1.0, 1.0], "there", None);
+        let row = ComparisonRow::new("x", &missing, [1.0, 1.0], "there", &alone);
         assert_eq!((row.resolved, row.why.as_str()), (None, "too short"));
+    }
+
+    #[test]
+    fn one_lattice_resolves_no_difference() {
+        let mean = Quantity::new(1.0, "1").with_confidence(0.1);
+        assert_eq!(judged(&mean, [1.09, 1.09], &one(None)), Some(false));
+        // Two cells of ten are 20 %.
+        assert_eq!(judged(&mean, [1.19, 1.19], &one(Some(10.0))), Some(false));
+        assert_eq!(judged(&mean, [1.21, 1.21], &one(Some(10.0))), None);
+        let row = ComparisonRow::new("x", &mean, [5.0, 5.0], "there", &one(Some(10.0)));
+        assert_eq!(row.resolved, None);
+        assert_eq!(
+            row.why,
+            "one lattice, beyond our 95 % interval: `ripstop sweep CASE --vary resolution.cells_per_diameter=A,B,C` tells"
+        );
+    }
+
+    #[test]
+    fn several_lattices_combine_their_error_with_the_interval() {
+        let mean = Quantity::new(1.0, "1").with_confidence(0.3);
+        let three = LatticeError::HalfWidth(0.4);
+        assert_eq!(judged(&mean, [1.49, 1.49], &three), Some(false));
+        assert_eq!(judged(&mean, [1.51, 1.51], &three), Some(true));
+        let two = LatticeError::Spread(0.4);
+        assert_eq!(judged(&mean, [1.49, 1.49], &two), Some(false));
+        assert_eq!(judged(&mean, [9.0, 9.0], &two), None);
+        // An extreme without an interval may lie within, never beyond.
+        let extreme = Quantity::new(1.0, "1");
+        assert_eq!(judged(&extreme, [1.39, 1.39], &three), Some(false));
+        assert_eq!(judged(&extreme, [9.0, 9.0], &three), None);
     }
 
     #[test]
     fn ranges_count_from_their_nearest_end() {
         let mean = Quantity::new(1.0, "1").with_confidence(0.01);
-        let row = |range| ComparisonRow::new("x", &mean, range, "there", None);
+        let row = |range| ComparisonRow::new("x", &mean, range, "there", &LatticeError::None);
         assert_eq!(row([0.9, 1.2]).difference, Some(0.0));
         assert_eq!(row([0.9, 1.2]).resolved, Some(false));
         assert!((row([1.25, 1.5]).difference.unwrap() + 0.25).abs() < 1e-12);
@@ -308,7 +386,7 @@ mod tests {
     fn files_are_written_with_what_readers_expect() {
         let folder = tempfile::tempdir().unwrap();
         let mean = Quantity::new(0.82, "1").with_confidence(0.07);
-        let mut row = ComparisonRow::new("drag", &mean, [0.7, 0.8], "a | b", Some(24.0));
+        let mut row = ComparisonRow::new("drag", &mean, [0.7, 0.8], "a | b", &one(Some(24.0)));
         row.note = Some("free, \"air\"".to_owned());
         write_comparison(folder.path(), &[row]).unwrap();
         let mut csv = csv::Reader::from_path(folder.path().join("comparison.csv")).unwrap();

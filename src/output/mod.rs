@@ -23,7 +23,8 @@ pub use account::AccountRow;
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
 pub use chart::{Chart, Series};
 pub use comparison::{
-    ComparisonRow, UNRESOLVED_CELLS, comparison_markdown, comparison_text, write_comparison,
+    ComparisonRow, LatticeError, UNRESOLVED_CELLS, comparison_markdown, comparison_text,
+    write_comparison,
 };
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
@@ -32,7 +33,7 @@ pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
     StopInfo, StructureEvery, Summary, write_summary,
 };
-pub use summary_table::value_and_uncertainty;
+pub use summary_table::{significant, value_and_uncertainty};
 pub use table::{write_table, write_text_table};
 pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

@@ -121,7 +121,8 @@ fn exponent(number: f64) -> i32 {
 }
 
 /// `number` rounded to so many digits.
-pub(super) fn significant(number: f64, digits: i32) -> String {
+#[must_use]
+pub fn significant(number: f64, digits: i32) -> String {
     let decimals = |count: i32| usize::try_from(count).unwrap_or(0);
     let rounded = format!("{number:.*e}", decimals(digits - 1));
     // Rounding may have carried into another digit, as in 9.99996.

@@ -5,9 +5,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::ladder::{Ladder, ladder_markdown, ladders, write_ladders};
 use super::vary::{Point, Vary};
 use crate::output::{
-    Chart, OutputError, Quantity, Results, Series, Summary, value_and_uncertainty, write_atomically,
+    Chart, ComparisonRow, OutputError, Quantity, Results, Series, Summary, value_and_uncertainty,
+    write_atomically,
 };
 
 /// How a run of a sweep ended.
@@ -50,21 +52,29 @@ pub struct Outcome {
     pub status: Status,
     /// Why it failed.
     pub message: Option<String>,
+    /// Size of its cells of air [m]; `None` without air.
+    #[serde(default)]
+    pub cell_size_m: Option<f64>,
     /// Its results; empty before it is done.
     pub results: Results,
+    /// Results beside the values of others, as the run alone judges them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub comparison: Vec<ComparisonRow>,
 }
 
 impl Outcome {
     /// A run that has not begun.
     #[must_use]
-    pub fn waiting(point: &Point, hash: &str) -> Self {
+    pub fn waiting(point: &Point, hash: &str, cell_size_m: Option<f64>) -> Self {
         Self {
             folder: point.folder.clone(),
             values: point.values.iter().cloned().collect(),
             hash: hash.to_owned(),
             status: Status::Waiting,
             message: None,
+            cell_size_m,
             results: Results::new(),
+            comparison: Vec::new(),
         }
     }
 
@@ -73,6 +83,7 @@ impl Outcome {
         self.status = Status::Done;
         self.message = None;
         self.results = summary.results.clone();
+        self.comparison.clone_from(&summary.comparison);
     }
 }
 
@@ -89,8 +100,14 @@ pub struct Sweep {
     pub variant: Option<String>,
     /// Keys that lead: one for each `--vary`; those that vary together with them follow from them.
     pub leading_keys: Vec<String>,
+    /// The one of them that changes the size of cells, or leads one that does.
+    #[serde(default)]
+    pub lattice_key: Option<String>,
     /// All runs.
     pub runs: Vec<Outcome>,
+    /// What the lattices tell of the results; empty before it is written, and where neither lattice nor start varies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ladders: Vec<Ladder>,
 }
 
 impl Sweep {
@@ -99,6 +116,13 @@ impl Sweep {
     pub fn leading(varies: &[Vary]) -> Vec<String> {
         let first = |vary: &Vary| vary.keys.first().cloned();
         varies.iter().filter_map(first).collect()
+    }
+
+    /// The leading key of those of `varies` that changes the size of cells.
+    #[must_use]
+    pub fn lattice_key(varies: &[Vary]) -> Option<String> {
+        let vary = varies.iter().find(|vary| vary.changes_lattice())?;
+        vary.keys.first().cloned()
     }
 
     /// What an earlier sweep into the same folder left; `None` if there is nothing readable.
@@ -119,7 +143,8 @@ impl Sweep {
         names
     }
 
-    fn value<'a>(&self, run: &'a Outcome, key: &str) -> &'a str {
+    /// The word that a run has for a key.
+    pub(super) fn value<'a>(&self, run: &'a Outcome, key: &str) -> &'a str {
         run.values.get(key).map_or("", String::as_str)
     }
 
@@ -187,17 +212,23 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
             text += &format!("\n{}: {message}\n", run.folder);
         }
     }
+    text += &ladder_markdown(&ladders(sweep), &chosen.results);
     text
 }
 
-/// Writes all files of a sweep into `folder`; those that cannot be drawn for lack of points are left out.
+/// Writes all files of a sweep into `folder`, with what its lattices tell; those that cannot be drawn for lack of points are left out.
 ///
 /// # Errors
 ///
 /// When a file cannot be drawn or written.
 pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), OutputError> {
+    let told = Sweep {
+        ladders: ladders(sweep),
+        ..sweep.clone()
+    };
+    write_ladders(folder, &told.ladders)?;
     write_atomically(&folder.join("sweep.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, sweep).map_err(std::io::Error::from)?;
+        serde_json::to_writer_pretty(&mut *out, &told).map_err(std::io::Error::from)?;
         out.write_all(b"\n")
     })?;
     write_csv(folder, sweep)?;

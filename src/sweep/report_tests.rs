@@ -11,7 +11,7 @@ fn sweep() -> Sweep {
     let mut runs: Vec<Outcome> = points(&varies)
         .unwrap()
         .iter()
-        .map(|point| Outcome::waiting(point, "00"))
+        .map(|point| Outcome::waiting(point, "00", None))
         .collect();
     for (k, run) in runs.iter_mut().take(3).enumerate() {
         run.status = Status::Done;
@@ -28,6 +28,8 @@ fn sweep() -> Sweep {
         case: "case.toml".to_owned(),
         variant: None,
         leading_keys: Sweep::leading(&varies),
+        lattice_key: Sweep::lattice_key(&varies),
+        ladders: Vec::new(),
         runs,
     }
 }

@@ -1,7 +1,22 @@
 //! What varies in a sweep, from the words of the command line.
 
+use std::collections::BTreeMap;
+
 /// Value that leaves a key as the case has it.
 pub const AS_WRITTEN: &str = "as_written";
+
+/// Key that moves all that stands in the air against the lattice.
+pub const SHIFT_KEY: &str = "resolution.shift_cells";
+
+/// Keys that set the size of cells.
+const LATTICE_KEYS: [&str; 3] = [
+    "resolution.cells_per_diameter",
+    "resolution.cells_per_chord",
+    "resolution.cell_size_m",
+];
+
+/// Roberts' generalised golden ratio in three dimensions, the root of x⁴ = x + 1: multiples of its inverse powers fill a cube evenly, however many.
+const GOLDEN_3: f64 = 1.220_744_084_605_76;
 
 /// Longest name of a folder.
 const LONGEST_NAME: usize = 80;
@@ -90,6 +105,34 @@ impl std::str::FromStr for Vary {
     }
 }
 
+impl Vary {
+    /// The same case from so many places on the lattice, each within half a cell of where it is written; the first is not moved.
+    #[must_use]
+    pub fn ensemble(count: usize) -> Self {
+        let place = |member: usize| {
+            let part = |power: i32| {
+                let turns = 0.5 + member as f64 * GOLDEN_3.powi(-power);
+                format!("{:.4}", turns.fract() - 0.5)
+            };
+            format!("[{}, {}, {}]", part(1), part(2), part(3))
+        };
+        let moved = (1..count).map(|member| vec![place(member)]);
+        Self {
+            keys: vec![SHIFT_KEY.to_owned()],
+            values: std::iter::once(vec![AS_WRITTEN.to_owned()])
+                .chain(moved)
+                .collect(),
+        }
+    }
+
+    /// True if it changes the size of cells.
+    #[must_use]
+    pub fn changes_lattice(&self) -> bool {
+        let mut keys = self.keys.iter();
+        keys.any(|key| LATTICE_KEYS.contains(&key.as_str()))
+    }
+}
+
 impl Point {
     /// Changes of the case, `key.path=value` each.
     #[must_use]
@@ -133,17 +176,30 @@ pub fn points(varies: &[Vary]) -> Result<Vec<Point>, String> {
             })
             .collect();
     }
+    let starts: BTreeMap<&String, usize> = varies
+        .iter()
+        .filter(|vary| vary.keys == [SHIFT_KEY])
+        .flat_map(|vary| &vary.values)
+        .enumerate()
+        .filter_map(|(start, values)| Some((values.first()?, start)))
+        .collect();
     let mut found: Vec<Point> = Vec::new();
     for point in points {
         // The first key of those that vary together tells the run; the others follow from it.
         let words = point
             .iter()
             .filter(|(_, _, leads)| *leads)
-            .map(|(key, value, _)| {
-                let key = key.rsplit('.').next().unwrap_or(key);
-                format!("{key}={value}")
+            .filter_map(|(key, value, _)| match starts.get(value) {
+                // The first start has the folder of a sweep without others.
+                Some(0) if key == SHIFT_KEY => None,
+                Some(start) if key == SHIFT_KEY => Some(format!("start={}", start + 1)),
+                _ => {
+                    let key = key.rsplit('.').next().unwrap_or(key);
+                    Some(format!("{key}={value}"))
+                }
             });
-        let name = folder_name(&words.collect::<Vec<_>>().join(","));
+        let words = words.collect::<Vec<_>>().join(",");
+        let name = folder_name(if words.is_empty() { "start=1" } else { &words });
         let taken = |name: &str| found.iter().any(|p| p.folder == name);
         let mut folder = name.clone();
         let mut number = 2;
@@ -201,6 +257,44 @@ mod tests {
             ["air.wind_tunnel.speed_m_s=20", "time.end_s=1.5"]
         );
         assert_eq!(runs[1].overrides()[2], "belts=absent");
+    }
+
+    #[test]
+    fn starts_of_an_ensemble_fill_a_cell() {
+        let starts = Vary::ensemble(9);
+        assert_eq!(starts.values[0], [AS_WRITTEN]);
+        let places: Vec<Vec<f64>> = starts.values[1..]
+            .iter()
+            .map(|value| {
+                let inside = value[0].trim_matches(['[', ']']);
+                inside.split(", ").map(|x| x.parse().unwrap()).collect()
+            })
+            .collect();
+        for axis in 0..3 {
+            let mut along: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+            along.push(0.0);
+            along.sort_by(f64::total_cmp);
+            assert!(along[0] >= -0.5 && along[8] < 0.5, "{along:?}");
+            // Nine evenly spread points would stand a ninth apart.
+            let widest = along.windows(2).map(|p| p[1] - p[0]).fold(0.0, f64::max);
+            assert!(widest < 0.25, "{along:?}");
+        }
+        let cells = vary("resolution.cells_per_diameter=12,16");
+        assert!(cells.changes_lattice() && !starts.changes_lattice());
+        let runs = points(&[cells, Vary::ensemble(2)]).unwrap();
+        let folders: Vec<&str> = runs.iter().map(|run| run.folder.as_str()).collect();
+        assert_eq!(
+            folders,
+            [
+                "cells_per_diameter=12",
+                "cells_per_diameter=12,start=2",
+                "cells_per_diameter=16",
+                "cells_per_diameter=16,start=2"
+            ]
+        );
+        assert_eq!(runs[0].overrides(), ["resolution.cells_per_diameter=12"]);
+        assert!(runs[1].overrides()[1].starts_with("resolution.shift_cells=["));
+        assert_eq!(points(&[Vary::ensemble(2)]).unwrap()[0].folder, "start=1");
     }
 
     #[test]

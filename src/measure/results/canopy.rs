@@ -82,7 +82,7 @@ pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, a
         "projected_diameter_ratio_at_release",
         Quantity::new(ratios[released], "1"),
     );
-    canopy_shape::results(results, record, &window, released);
+    canopy_shape::results(results, record, &window, (released, unit_s));
     largest(results, record, released, "line_tension_max_n", "N");
     let force = 0.5
         * air.units.density_kg_m3

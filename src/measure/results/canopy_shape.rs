@@ -1,5 +1,6 @@
 //! Results of a canopy's shape and stresses, times of its inflation, breathing and flapping.
 
+use super::filling::{FULL_SHARE, filling};
 use super::{column_max, largest, quantity};
 use crate::measure::Record;
 use crate::measure::spectrum::{Spectrum, oscillation, periodogram};
@@ -64,9 +65,15 @@ const EXTREMES: [(&str, &str, &str); 12] = [
     ("slot_width_max_m", "slot_width_max_steady_m", "m"),
 ];
 
-pub(super) fn results(results: &mut Results, record: &Record, window: &Window, released: usize) {
+/// Everything of the shape; from the sample of the release on, with D₀/U [s].
+pub(super) fn results(
+    results: &mut Results,
+    record: &Record,
+    window: &Window,
+    (released, unit_s): (usize, f64),
+) {
     let has = |name: &str| record.columns().contains(&name);
-    inflation(results, record, window, released);
+    inflation(results, record, released, unit_s);
     for (name, unit) in MEANS.into_iter().filter(|(name, _)| has(name)) {
         results.insert(name, quantity(steady::mean(record, name, window), unit));
     }
@@ -93,46 +100,34 @@ pub(super) fn results(results: &mut Results, record: &Record, window: &Window, r
     oscillations(results, record, window);
 }
 
-/// First time from `released` on at which a column reaches the mean of its window.
-fn reached(record: &Record, name: &str, window: &Window, released: usize) -> Option<f64> {
-    let mean = steady::mean(record, name, window).value;
-    let column = record.column(name);
-    let first = (released..column.len()).find(|&i| column[i] >= mean)?;
-    Some(record.column("time_s")[first])
-}
-
 /// Times of the stages of inflation. Each is known to the interval between samples.
-fn inflation(results: &mut Results, record: &Record, window: &Window, released: usize) {
+fn inflation(results: &mut Results, record: &Record, released: usize, unit_s: f64) {
     let times = record.column("time_s");
     let ratios = record.column("projected_diameter_ratio");
     let interval = (times[times.len() - 1] - times[released]) / (times.len() - 1 - released) as f64;
     let at = |time: f64| Quantity::new(time, "s").with_sampling_error(interval);
     let unseen = "no peak of the projected diameter yet: the canopy was not seen full";
-    let known = |time: Option<f64>, what: &str| match time {
-        _ if window.peak.is_none() => Quantity::missing("s", unseen),
+    let of = |diameters: &[f64]| filling(&times[released..], &diameters[released..], unit_s);
+    let filled = of(&ratios);
+    let known = |time: Option<f64>| match time.filter(|_| filled.is_some()) {
         Some(time) => at(time),
-        None => Quantity::missing("s", what),
+        None => Quantity::missing("s", unseen),
     };
+    let share = 100.0 * FULL_SHARE;
     results.insert(
         "fill_time_s",
-        known(
-            reached(record, "projected_diameter_ratio", window, released),
-            "the projected diameter never reached its mean",
-        ),
+        known(filled.map(|filled| filled.time_s))
+            .with_note(&format!("projected area at {share:.0} % of its first peak")),
     );
+    let top = of(&record.column("top_projected_diameter_ratio"));
     results.insert(
         "top_open_time_s",
-        known(
-            reached(record, "top_projected_diameter_ratio", window, released),
-            "the top's projected diameter never reached its mean",
-        )
-        .with_note("inner half of the canopy first at the mean of its later projected diameter"),
+        known(top.map(|top| top.time_s)).with_note(&format!(
+            "projected area of the inner half of the canopy at {share:.0} % of its first peak"
+        )),
     );
-    let peak = window.peak;
-    results.insert(
-        "first_peak_time_s",
-        known(peak.map(|peak| times[peak]), unseen),
-    );
+    let peak = filled.map(|filled| released + filled.peak);
+    results.insert("first_peak_time_s", known(peak.map(|peak| times[peak])));
     results.insert(
         "first_peak_projected_diameter_ratio",
         peak.map_or_else(
@@ -141,10 +136,7 @@ fn inflation(results: &mut Results, record: &Record, window: &Window, released: 
         ),
     );
     let (time, ratio) = column_max(record, "projected_diameter_ratio", released);
-    results.insert(
-        "largest_projected_diameter_time_s",
-        known(Some(time), unseen),
-    );
+    results.insert("largest_projected_diameter_time_s", known(Some(time)));
     results.insert(
         "largest_projected_diameter_ratio",
         Quantity::new(ratio, "1").with_note("largest of the run"),
@@ -171,7 +163,7 @@ fn inflation(results: &mut Results, record: &Record, window: &Window, released: 
         "apex_dent_max_m",
         Quantity::new(depth, "m").with_note(&format!("largest of the run, at {time:.4} s")),
     );
-    results.insert("apex_dent_max_time_s", known(Some(time), unseen));
+    results.insert("apex_dent_max_time_s", known(Some(time)));
 }
 
 /// Mean tension of the lines of both sides: first and second half of the lines in the order of their azimuth.

@@ -5,6 +5,7 @@ mod canopy;
 mod canopy_shape;
 mod fabric;
 mod fall;
+mod filling;
 
 pub use canopy::averaging;
 
