@@ -9,6 +9,8 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("sweep::one_run_fails_and_the_others_are_kept", one_fails),
         plain("sweep::usage_errors", usage_errors),
+        plain("sweep::three_lattices_tell_their_error", three_lattices),
+        plain("sweep::starts_of_an_ensemble_tell_an_interval", ensemble),
     ]
     .into_iter()
     .flatten()
@@ -16,6 +18,154 @@ pub fn trials() -> Vec<Trial> {
 }
 
 const CHAIN: &str = "cases/cloth/hanging-chain.toml";
+
+/// A small sphere that the wind has hardly reached, on lattices that are all too coarse for it.
+const SPHERE: [&str; 9] = [
+    "sweep",
+    "cases/sphere.toml",
+    "--variant",
+    "quick",
+    "--set",
+    "time.end_s=4.0",
+    "--engine",
+    "cpu",
+    "--out",
+];
+
+fn read_json(path: &std::path::Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+fn rung<'a>(ladder: &'a serde_json::Value, name: &str) -> &'a serde_json::Value {
+    let rungs = ladder["rungs"].as_array().unwrap();
+    let found = rungs.iter().find(|rung| rung["result"] == name);
+    found.unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn three_lattices() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("sweep");
+    let arguments = |cells: &'static str| {
+        let mut all = SPHERE.to_vec();
+        all.extend([
+            out.to_str().unwrap(),
+            "--vary",
+            cells,
+            "--result",
+            "drag_coefficient",
+        ]);
+        all
+    };
+    let two = ripstop(&arguments("resolution.cells_per_diameter=5,8"));
+    assert_eq!(two.code, 0, "{}", two.errors);
+    assert!(
+        two.printed.contains("unknown: two lattices, spread "),
+        "{}",
+        two.printed
+    );
+    let three = ripstop(&arguments("resolution.cells_per_diameter=5,8,6"));
+    assert_eq!(three.code, 0, "{}", three.errors);
+    assert_eq!(
+        three.errors.matches("kept, it is done").count(),
+        2,
+        "{}",
+        three.errors
+    );
+    assert!(
+        three.printed.contains("| 5 | 6 | 8 | order |"),
+        "{}",
+        three.printed
+    );
+    let row = three
+        .printed
+        .lines()
+        .find(|line| line.contains("unresolved: "));
+    assert!(
+        row.is_some_and(|row| row.contains("drag_coefficient")),
+        "{}",
+        three.printed
+    );
+    let json = read_json(&out.join("sweep.json"));
+    let ladder = &json["ladders"][0];
+    let drag = rung(ladder, "drag_coefficient");
+    assert_eq!(drag["resolved"], false);
+    let values: Vec<f64> = (0..3)
+        .map(|k| drag["values"][k].as_f64().unwrap())
+        .collect();
+    let spread = values.iter().copied().fold(f64::MIN, f64::max)
+        - values.iter().copied().fold(f64::MAX, f64::min);
+    // An error of at least a good part of what the lattices differ by, and more than 5 % of the value.
+    let error = drag["lattice_error"].as_f64().unwrap();
+    assert!(error > 0.2 * spread && error > 0.05 * values[2], "{drag}");
+    // The mark stands beside the result of every run, and reads back.
+    for run in json["runs"].as_array().unwrap() {
+        let why = run["results"]["drag_coefficient"]["unresolved"].as_str();
+        assert!(
+            why.is_some_and(|why| why.contains("finest lattice")),
+            "{run}"
+        );
+    }
+    let text = std::fs::read_to_string(out.join("ladder.csv")).unwrap();
+    assert!(
+        text.starts_with("series,result,unit,lattice_1,cell_size_m_1,"),
+        "{text}"
+    );
+}
+
+fn ensemble() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("sweep");
+    let mut arguments = SPHERE.to_vec();
+    arguments.extend([out.to_str().unwrap(), "--ensemble", "3"]);
+    arguments.extend(["--set", "resolution.cells_per_diameter=5"]);
+    let first = ripstop(&arguments);
+    assert_eq!(first.code, 0, "{}", first.errors);
+    assert!(
+        first.printed.contains("unknown: one lattice"),
+        "{}",
+        first.printed
+    );
+    let json = read_json(&out.join("sweep.json"));
+    let drag = |start: usize| {
+        let run = &json["runs"][start];
+        assert_eq!(run["folder"], format!("start={}", start + 1));
+        run["results"]["drag_coefficient"]["value"]
+            .as_f64()
+            .unwrap()
+    };
+    let drags = [drag(0), drag(1), drag(2)];
+    let mean = drags.iter().sum::<f64>() / 3.0;
+    for own in drags {
+        // The same sphere, elsewhere on the lattice.
+        assert!((own / mean - 1.0).abs() < 0.1, "{drags:?}");
+    }
+    assert!(drags[0] != drags[1] && drags[1] != drags[2], "{drags:?}");
+    let told = rung(&json["ladders"][0], "drag_coefficient");
+    assert!((told["values"][0].as_f64().unwrap() - mean).abs() < 1e-12);
+    let squares: f64 = drags.iter().map(|own| (own - mean).powi(2)).sum();
+    let one_run = 4.303 * (0.5 * squares).sqrt();
+    let half = told["intervals"][0].as_f64().unwrap();
+    let shrunk = match told["interval_of"].as_str().unwrap() {
+        "one of 3 starts" => 1.0,
+        "mean of 3 starts" => 3_f64.sqrt(),
+        other => panic!("{other}"),
+    };
+    assert!((half * shrunk / one_run - 1.0).abs() < 1e-9, "{told}");
+    let again = ripstop(&arguments);
+    assert_eq!(
+        again.errors.matches("kept, it is done").count(),
+        3,
+        "{}",
+        again.errors
+    );
+    let refused = ripstop(&["sweep", "cases/taylor-green.toml", "--ensemble", "2"]);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.errors.contains("neither a structure nor a body"),
+        "{}",
+        refused.errors
+    );
+}
 
 /// A chain whose equilibrium needs more evaluations than one run is allowed.
 fn one_fails() {

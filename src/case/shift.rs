@@ -88,3 +88,100 @@ pub(super) fn with_moved_bodies(file: &File, by_m: DVec3) -> File {
     }
     file
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::case::{Case, Choices, SHIPPED, parse};
+
+    fn load(name: &str, changes: &[&str]) -> Case {
+        let (_, text) = SHIPPED.iter().find(|(known, _)| *known == name).unwrap();
+        let choices = Choices {
+            variant: None,
+            overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+        };
+        parse(name, text, Path::new("cases"), &choices).unwrap()
+    }
+
+    const SHIFT: &str = "resolution.shift_cells=[0.5, -0.25, 0.125]";
+
+    fn assert_moved(before: &[DVec3], after: &[DVec3], by_m: DVec3) {
+        assert_eq!(before.len(), after.len());
+        for (a, b) in before.iter().zip(after) {
+            assert!((*a + by_m).distance(*b) < 1e-12, "{a} {b} {by_m}");
+        }
+    }
+
+    #[test]
+    fn structures_move_with_what_holds_and_guides_them() {
+        for name in ["flat-circular-tunnel", "flexible-plate", "parafoil-brake"] {
+            let (before, after) = (load(name, &[]).scene, load(name, &[SHIFT]).scene);
+            let by_m = DVec3::new(0.5, -0.25, 0.125) * after.air.unwrap().units.cell_size_m;
+            let [a, b] = [&before, &after].map(|scene| scene.body.as_ref().unwrap());
+            assert_moved(&a.structure.positions_m, &b.structure.positions_m, by_m);
+            let anchors = |body: &Body| -> Vec<DVec3> {
+                body.structure.guides.iter().map(|g| g.anchor_m).collect()
+            };
+            assert_moved(&anchors(a), &anchors(b), by_m);
+            if let (BodyKind::Plate(a), BodyKind::Plate(b)) = (a.kind, b.kind) {
+                assert_moved(&[a.flat_tip_m()], &[b.flat_tip_m()], by_m);
+            }
+            if let (Some(a), Some(b)) = (&before.wing, &after.wing) {
+                let [a, b] = [a, b].map(|wing| wing.tunnel.as_ref().unwrap());
+                assert_moved(&a.designed_m, &b.designed_m, by_m);
+            }
+        }
+    }
+
+    #[test]
+    fn bodies_move_with_the_centres_of_their_motions() {
+        let turning = [
+            "bodies.sphere.motion.constant_rotation={ axis = [0.0, 0.0, 1.0], rate_rad_s = 1e-3, centre_m = [0.45, 0.5, 0.5] }",
+            "bodies.sphere.reference.moment_point_m=[0.4, 0.5, 0.5]",
+        ];
+        let before = load("sphere", &turning).scene;
+        let after = load("sphere", &[turning[0], turning[1], SHIFT]).scene;
+        let by_m = DVec3::new(0.5, -0.25, 0.125) * after.air.unwrap().units.cell_size_m;
+        let [a, b] = [&before, &after].map(|scene| &scene.rigid_bodies[0]);
+        assert_moved(&a.surface.positions_m, &b.surface.positions_m, by_m);
+        assert_moved(
+            &[a.motion.centre_m, a.moment_point_m],
+            &[b.motion.centre_m, b.moment_point_m],
+            by_m,
+        );
+    }
+
+    #[test]
+    fn on_coarser_grids_the_structure_stays_in_its_place() {
+        let case = load(
+            "flat-circular-tunnel",
+            &["steady.grid_sequence=[2.0]", SHIFT],
+        );
+        let [a, b] = [&case.scene, &case.coarser[0]].map(|scene| scene.body.as_ref().unwrap());
+        assert_moved(
+            &a.structure.positions_m,
+            &b.structure.positions_m,
+            DVec3::ZERO,
+        );
+    }
+
+    #[test]
+    fn whole_cells_and_empty_air_are_refused() {
+        let refused = |name: &str, change: &str| {
+            let (_, text) = SHIPPED.iter().find(|(known, _)| *known == name).unwrap();
+            let choices = Choices {
+                variant: None,
+                overrides: vec![change.to_owned()],
+            };
+            parse(name, text, Path::new("cases"), &choices)
+                .unwrap_err()
+                .to_string()
+        };
+        let far = refused("sphere", "resolution.shift_cells=[0.0, 1.0, 0.0]");
+        assert!(far.contains("out of range"), "{far}");
+        let empty = refused("taylor-green", SHIFT);
+        assert!(empty.contains("neither a structure nor a body"), "{empty}");
+    }
+}

@@ -357,12 +357,12 @@ fn judge(
             ),
         );
     }
-    let within = if share > 0.0 {
-        format!("±{} %", significant(share, DIGITS))
+    let verdict = if same && interval.is_none() {
+        format!("resolved: {basis}")
     } else {
-        "±0".to_owned()
+        format!("resolved: ±{} % ({basis})", significant(share, DIGITS))
     };
-    (Some(true), format!("resolved: {within} ({basis})"))
+    (Some(true), verdict)
 }
 
 /// The ladders in Markdown, with the results of those names; empty without ladders.
