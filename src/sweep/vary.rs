@@ -15,8 +15,9 @@ const LATTICE_KEYS: [&str; 3] = [
     "resolution.cell_size_m",
 ];
 
-/// Roberts' generalised golden ratio in three dimensions, the root of x⁴ = x + 1: multiples of its inverse powers fill a cube evenly, however many.
-const GOLDEN_3: f64 = 1.220_744_084_605_76;
+/// Steps along x, y, z from one start of an ensemble to the next [cells]: the golden ratio, √2 and √3 without their whole parts. Multiples of
+/// numbers that are so badly approximated by fractions lie evenly within a cell, however many there are.
+const START_STEPS: [f64; 3] = [0.618_034, std::f64::consts::SQRT_2 - 1.0, 0.732_051];
 
 /// Longest name of a folder.
 const LONGEST_NAME: usize = 80;
@@ -110,11 +111,11 @@ impl Vary {
     #[must_use]
     pub fn ensemble(count: usize) -> Self {
         let place = |member: usize| {
-            let part = |power: i32| {
-                let turns = 0.5 + member as f64 * GOLDEN_3.powi(-power);
+            let parts = START_STEPS.map(|step| {
+                let turns = 0.5 + member as f64 * step;
                 format!("{:.4}", turns.fract() - 0.5)
-            };
-            format!("[{}, {}, {}]", part(1), part(2), part(3))
+            });
+            format!("[{}]", parts.join(", "))
         };
         let moved = (1..count).map(|member| vec![place(member)]);
         Self {
