@@ -36,7 +36,7 @@ pub struct OnLattice {
 pub struct Convergence {
     /// Observed order of the three finest lattices; `None` where there is none.
     pub order: Option<f64>,
-    /// What the value tends to with that order.
+    /// What the value tends to with that order, if that is no farther from the finest lattice's value than the three lie apart.
     pub tends_to: Option<f64>,
     /// Error of the lattice on the finest one, a half width; `None` with a single lattice.
     pub error: Option<f64>,
@@ -99,9 +99,10 @@ pub fn convergence(values: &[OnLattice]) -> Convergence {
         Some(order) => {
             let ratio = middle.cell / fine.cell;
             let error = SAFETY * second.abs() / (ratio.powf(order.min(FORMAL_ORDER)) - 1.0);
+            let beyond = second / (ratio.powf(order) - 1.0);
             Convergence {
                 order: Some(order),
-                tends_to: Some(fine.value + second / (ratio.powf(order) - 1.0)),
+                tends_to: (beyond.abs() <= spread * (1.0 + SAME)).then_some(fine.value + beyond),
                 error: Some(error),
                 basis: format!("order {order:.1}"),
             }
@@ -150,7 +151,8 @@ mod tests {
                 let found = convergence(&on(&cells, |h| 3.0 - 5.0 * h.powf(order), None));
                 let own = found.order.unwrap();
                 assert!((own - order).abs() < 1e-6, "{cells:?}, {order}: {own}");
-                let limit = found.tends_to.unwrap();
+                assert!(found.tends_to.is_some() || order < 1.0);
+                let limit = found.tends_to.unwrap_or(3.0);
                 assert!((limit - 3.0).abs() < 1e-6, "{cells:?}, {order}: {limit}");
                 let own_error = 5.0 * (1.0 / cells[2]).powf(order);
                 let error = found.error.unwrap();
@@ -209,6 +211,15 @@ mod tests {
         assert!(noise.order.is_none() && noise.basis.contains("within the intervals"));
         assert!((noise.error.unwrap() - 0.15).abs() < 1e-12);
         assert!(told([1.0, 1.1, 1.15], Some(0.01)).order.is_some());
+        // What lies farther off than anything that was seen is no limit.
+        let far = [(16.0, 28.0), (24.0, 18.2), (32.0, 12.7)].map(|(n, value)| OnLattice {
+            cell: 1.0 / n,
+            value,
+            interval: None,
+        });
+        let far = convergence(&far);
+        assert!(far.order.is_some() && far.tends_to.is_none(), "{far:?}");
+        assert!(far.error.unwrap() > 5.5);
         let same = told([0.2; 3], None);
         assert_eq!((same.error, same.order), (Some(0.0), None));
     }
