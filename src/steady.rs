@@ -161,7 +161,9 @@ pub fn mean(record: &Record, name: &str, window: &Window) -> Mean {
     )
 }
 
-fn mean_of(series: &[f64], batch: usize) -> Mean {
+/// Mean of a series, with the wider of the intervals from batches of `batch` samples and from long ones.
+#[must_use]
+pub fn mean_of(series: &[f64], batch: usize) -> Mean {
     let short = batch_mean(series, batch);
     let long = batch_mean(series, series.len() / LONG_BATCHES);
     Mean {

@@ -53,7 +53,17 @@ impl<'a> Laws<'a> {
     }
 }
 
+/// Share of compressive stiffness below which fabric counts as tension-only: what keeps more is meant to push, as a plate is.
+pub const TENSION_ONLY: f64 = 0.1;
+
 impl Structure {
+    /// True of a structure of membranes all of which are tension-only.
+    #[must_use]
+    pub fn is_tension_only(&self) -> bool {
+        self.laws()
+            .is_some_and(|laws| laws.all().all(|law| law.residual() < TENSION_ONLY))
+    }
+
     /// Laws of the triangles; `None` where they have none.
     #[inline]
     #[must_use]

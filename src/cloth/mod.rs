@@ -14,7 +14,7 @@ mod waves;
 use glam::DVec3;
 
 pub use elements::{Bending, CableSegment, Spring, Triangle};
-pub use fabrics::{Laws, SewnFabric};
+pub use fabrics::{Laws, SewnFabric, TENSION_ONLY};
 
 use contact::Contact;
 use openings::Opening;

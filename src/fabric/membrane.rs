@@ -184,6 +184,18 @@ impl Membrane {
         }
     }
 
+    /// What the residual stiffness adds to the tension at a strain: r times what relaxing takes away [N/m]; nothing where the sheet is taut.
+    #[must_use]
+    pub fn residual_tension(&self, strain: &[f64; 3]) -> [f64; 3] {
+        let relaxed = self.relax(strain);
+        if relaxed.state == FabricState::Taut {
+            return [0.0; 3];
+        }
+        let (_, tension) = self.energy_and_tension(strain);
+        let (_, left) = self.energy_and_tension(&relaxed.strain);
+        std::array::from_fn(|k| self.residual * (tension[k] - left[k]))
+    }
+
     /// Tension of the sheet as it is, without wrinkles, and its tangent stiffness in shear.
     fn tension_and_shear_tangent(&self, shear: &CubicShear, strain: &[f64; 3]) -> ([f64; 3], f64) {
         let mut tension = times(&self.stiffness, strain);

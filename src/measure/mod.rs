@@ -5,13 +5,16 @@ pub mod bodies;
 mod canopy_shape;
 pub mod catenary;
 mod comparison;
+mod falling;
 mod flown_ballooning;
 mod imported_wing;
 mod load_test;
 mod outline;
 mod payload_bodies;
 mod plate;
+mod read_out;
 mod record;
+mod residual;
 mod results;
 mod sail_support;
 mod skirt;
@@ -25,6 +28,7 @@ mod wing_trim;
 mod wing_wind;
 
 pub use comparison::{comparison, history_columns, result_names};
+pub use falling::unsettled_fall;
 pub use flown_ballooning::{
     differences as ballooning_differences, flown_ballooning, width_ratios as cell_width_ratios,
 };

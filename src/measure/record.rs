@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-use super::{bodies, payload_bodies, plate, solver, supports, wing_wind};
+use super::{bodies, falling, payload_bodies, plate, residual, solver, supports, wing_wind};
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Canopy};
+use crate::case::scene::{BodyKind, Canopy, Carrier};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::frame::CableKind;
 use crate::geometry::parachute::shape;
@@ -23,6 +23,8 @@ pub struct Record {
     last: Option<LastImpulses>,
     /// Impulse and angular impulse of every rigid body at the last two samples.
     body_impulses: [Vec<BodyImpulse>; 2],
+    /// Impulse of all markers along x at the last two samples [N s].
+    markers_x: [Option<f64>; 2],
     /// Time between the last two samples [s].
     interval_s: f64,
     /// When the run went on on a finer grid; `None` if it never did [s].
@@ -97,9 +99,6 @@ const AIR: [&str; 4] = [
 /// Mean velocity of the air through permeable surfaces, and what residual slip adds to it.
 const THROUGH: [&str; 2] = ["through_velocity_m_s", "through_velocity_of_slip_m_s"];
 
-/// Speed of what falls, height fallen, and mean load factor since the last sample.
-const FALL: [&str; 3] = ["descent_speed_m_s", "height_fallen_m", "load_factor_g"];
-
 impl Record {
     /// Record for a scene: its columns follow from what the scene holds.
     #[must_use]
@@ -137,10 +136,8 @@ impl Record {
         if permeable && scene.air.is_some() {
             columns.extend(THROUGH.map(str::to_owned));
         }
-        if scene.descent.is_some() {
-            columns.extend(FALL.map(str::to_owned));
-            columns.extend(payload_bodies::columns(scene));
-        }
+        columns.extend(falling::columns(scene));
+        columns.extend(payload_bodies::columns(scene));
         if structure.is_some_and(|s| s.line_drag.is_some()) {
             columns.push("line_drag_n".to_owned());
         }
@@ -148,6 +145,7 @@ impl Record {
         if structure.is_some_and(|s| s.contact.is_some()) {
             columns.extend(CONTACT.map(str::to_owned));
         }
+        columns.extend(residual::columns(scene));
         columns.extend(solver::columns(scene));
         for body in &scene.rigid_bodies {
             let prefix = bodies::prefix(scene, body);
@@ -262,7 +260,13 @@ impl Record {
             )?);
         }
         row.extend(simulation.through_velocities_m_s().into_iter().flatten());
-        row.extend(self.fall_columns(simulation).into_iter().flatten());
+        let last = self.latest("time_s").zip(self.latest("descent_speed_m_s"));
+        let drag_n = self.drag_of_what_falls_n(simulation);
+        row.extend(falling::values(
+            simulation,
+            last.map(<[f64; 2]>::from),
+            drag_n,
+        ));
         row.extend(payload_bodies::values(simulation));
         row.extend(simulation.line_drag_n().map(|force| force.x));
         row.extend(supports::values(simulation));
@@ -271,6 +275,7 @@ impl Record {
             let gap_m = if gap_m.is_finite() { gap_m } else { f64::NAN };
             row.extend([gap_m, contact.energy_j]);
         }
+        row.extend(residual::values(simulation));
         row.extend(solver::values(simulation));
         if has_bodies {
             row.extend(self.body_columns(simulation));
@@ -310,6 +315,7 @@ impl Record {
             force(|i| i.supports),
         ];
         self.last = sample.as_ref().map(|_| now);
+        self.markers_x = [last.map(|last| last.markers.x), Some(now.markers.x)];
         let mass_defect = sample.as_ref().map_or(f64::NAN, |s| s.mass_defect);
         let bodies = sample.map_or_else(Vec::new, |sample| sample.bodies);
         self.body_impulses = [std::mem::take(&mut self.body_impulses[1]), bodies];
@@ -338,15 +344,19 @@ impl Record {
         ])
     }
 
-    /// The load factor is what an accelerometer on the falling mass would show along −gravity: 0 in free fall, 1 at constant speed.
-    fn fall_columns(&self, simulation: &Simulation) -> Option<[f64; 3]> {
-        let fall = simulation.fall()?;
-        let gravity = simulation.scene().descent.as_ref()?.gravity_m_s2;
-        let last = self.latest("time_s").zip(self.latest(FALL[0]));
-        let load_factor = last.map_or(f64::NAN, |(time, speed)| {
-            1.0 - (fall.speed_m_s - speed) / (simulation.time_s() - time) / gravity
-        });
-        Some([fall.speed_m_s, fall.fallen_m, load_factor])
+    /// Mean force along x of the air on what falls since the last sample [N].
+    fn drag_of_what_falls_n(&self, simulation: &Simulation) -> f64 {
+        let descent = simulation.scene().descent.as_ref();
+        let [before, now] = match descent.map(|descent| descent.carrier) {
+            Some(Carrier::RigidBody { number, .. }) => {
+                let impulse = |all: &Vec<BodyImpulse>| all.get(number).map(|body| body.force.x);
+                [0, 1].map(|sample| impulse(&self.body_impulses[sample]))
+            }
+            Some(Carrier::Confluence { .. }) => self.markers_x,
+            None => [None; 2],
+        };
+        let gained = now.zip(before).map(|(now, before)| now - before);
+        gained.unwrap_or(f64::NAN) / self.interval_s
     }
 
     /// Mean forces on every rigid body since the last sample.

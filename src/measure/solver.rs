@@ -1,5 +1,6 @@
 //! Read-outs of the fabric's solver: what it did since the last sample, and the account of the whole run.
 
+use super::residual;
 use crate::case::scene::Scene;
 use crate::output::{AccountRow, Results};
 use crate::simulation::{Interval, LAST, Simulation, SolverAccount, UNSOLVED_SHARE};
@@ -119,6 +120,7 @@ pub fn account(simulation: &Simulation, results: &Results) -> Vec<AccountRow> {
             rows.push(AccountRow::at_most(name, meaning, "1", found, limit));
         }
     }
+    rows.extend(residual::account(results));
     rows
 }
 

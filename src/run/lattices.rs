@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Run, RunError};
-use crate::case::scene::{BodyKind, Flow};
+use crate::case::scene::BodyKind;
 use crate::case::{Case, Scene};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::Device;
@@ -35,6 +35,10 @@ pub(super) struct Lattice {
     coarser: u64,
     /// Time step over the scene's, as a power of [`STEP_RATIO`].
     exponent: i64,
+    /// Changes of the time step so far.
+    changes: u64,
+    /// Least and largest exponent so far.
+    exponents: [i64; 2],
 }
 
 impl Lattice {
@@ -42,8 +46,20 @@ impl Lattice {
     pub(super) fn first(case: &Case) -> Self {
         Self {
             coarser: case.coarser.len() as u64,
-            exponent: 0,
+            ..Self::default()
         }
+    }
+
+    /// How often the time step followed the speed of a fall, and from where to where; `None` if it never did.
+    pub(super) fn note(self, case: &Case) -> Option<String> {
+        let step_s = case.scene.time.filter(|_| self.changes > 0)?.step_s;
+        let [shortest, longest, last] = [self.exponents[0], self.exponents[1], self.exponent]
+            .map(|exponent| step_s * STEP_RATIO.powi(exponent as i32));
+        Some(format!(
+            "the time step followed the speed of the fall: {} changes, from {step_s:.3e} s at release to {last:.3e} s at the end, between \
+             {shortest:.3e} and {longest:.3e} s",
+            self.changes
+        ))
     }
 
     /// True on the case's own grid.
@@ -76,7 +92,7 @@ impl Lattice {
         plan: Plan,
         device: Option<Arc<Device>>,
     ) -> Result<Simulation, Failure> {
-        if self == Self::default() {
+        if self.coarser == 0 && self.exponent == 0 {
             return Simulation::new(case.scene.clone(), plan, device);
         }
         let scene = self.scene(case);
@@ -85,27 +101,42 @@ impl Lattice {
     }
 
     pub(super) fn save(self, out: &mut Writer) -> std::io::Result<()> {
-        out.put("lattice", &[self.coarser as i64, self.exponent])
+        let [least, most] = self.exponents;
+        out.put(
+            "lattice",
+            &[
+                self.coarser as i64,
+                self.exponent,
+                self.changes as i64,
+                least,
+                most,
+            ],
+        )
     }
 
     pub(super) fn restore(case: &Case, from: &Reader) -> Result<Self, CheckpointError> {
-        let numbers: Vec<i64> = from.take_exactly("lattice", 2)?;
+        let numbers: Vec<i64> = from.take_exactly("lattice", 5)?;
         let known = usize::try_from(numbers[0]).is_ok_and(|grid| grid <= case.coarser.len());
-        if !known || numbers[1].abs() > EXPONENT_LIMIT {
+        let exponents = [numbers[3], numbers[4]];
+        let in_order = exponents[0] <= numbers[1] && numbers[1] <= exponents[1];
+        let reach = exponents.iter().any(|e| e.abs() > EXPONENT_LIMIT);
+        if !known || !in_order || reach || numbers[2] < 0 {
             return Err(from.damaged("it names a lattice that the case does not have".to_owned()));
         }
         Ok(Self {
             coarser: numbers[0] as u64,
             exponent: numbers[1],
+            changes: numbers[2] as u64,
+            exponents,
         })
     }
 
-    /// The lattice to go on on after a sample, and why; `None` to stay.
+    /// The lattice to go on on after a sample, and why if its cells are others; `None` to stay.
     fn next(
         self,
         simulation: &Simulation,
         record: &Record,
-    ) -> Result<Option<(Self, String)>, Failure> {
+    ) -> Result<Option<(Self, Option<&'static str>)>, Failure> {
         let scene = simulation.scene();
         let (Some(air), true) = (&scene.air, simulation.spans_are_over()) else {
             return Ok(None);
@@ -120,19 +151,12 @@ impl Lattice {
                     coarser: self.coarser - 1,
                     ..self
                 };
-                (finer, "the flow has settled on the coarser grid".to_owned())
+                (finer, Some("the flow has settled on the coarser grid"))
             }));
         }
         if scene.descent.is_none() {
             return Ok(None);
         }
-        let Flow::WindTunnel {
-            speed_m_s: release_m_s,
-            ..
-        } = air.flow
-        else {
-            return Ok(None);
-        };
         let speed_m_s = simulation.wind_speed_m_s();
         // `lattice_speed` grows with the time step: what the case asked for is that of the first.
         let asked = air.lattice_speed / STEP_RATIO.powi(self.exponent as i32);
@@ -148,15 +172,15 @@ impl Lattice {
         } else {
             return Ok(None);
         };
+        let exponent = self.exponent + change;
+        let [least, most] = self.exponents;
         let next = Self {
-            exponent: self.exponent + change,
+            exponent,
+            changes: self.changes + 1,
+            exponents: [least.min(exponent), most.max(exponent)],
             ..self
         };
-        Ok((next.exponent.abs() <= EXPONENT_LIMIT).then(|| {
-            let why =
-                format!("the air comes at {speed_m_s:.3} m/s, after {release_m_s} m/s at release");
-            (next, why)
-        }))
+        Ok((exponent.abs() <= EXPONENT_LIMIT).then_some((next, None)))
     }
 }
 
@@ -172,8 +196,9 @@ pub(super) fn detector(scene: &Scene) -> Option<Detector> {
 }
 
 impl Run<'_> {
-    /// After a sample: goes on on another lattice if it is time to.
-    pub(super) fn follow_lattice(&mut self) -> Result<Option<String>, RunError> {
+    /// After a sample: goes on on another lattice if it is time to; returns what is to be said of it, which of a mere change of the time step is
+    /// nothing: [`Lattice::note`] sums those up.
+    pub(super) fn follow_lattice(&mut self) -> Result<Option<Option<String>>, RunError> {
         let Some((next, why)) = self.lattice.next(&self.simulation, &self.record)? else {
             return Ok(None);
         };
@@ -182,19 +207,20 @@ impl Run<'_> {
         let plan = Plan::new(&scene, placement);
         let (cells, units) = (scene.air.map(|a| a.cells), scene.air.map(|a| a.units));
         self.simulation.change_lattice(scene, plan)?;
-        if next.coarser != self.lattice.coarser {
-            self.record.grid_changes(self.simulation.time_s());
-        }
         self.lattice = next;
+        let Some(why) = why else {
+            return Ok(Some(None));
+        };
+        self.record.grid_changes(self.simulation.time_s());
         let text = match (cells, units) {
             (Some([nx, ny, nz]), Some(units)) => format!(
                 "t = {:.4} s: {why}; {nx} x {ny} x {nz} cells, steps of {:.3e} s from here",
                 self.simulation.time_s(),
                 units.time_step_s
             ),
-            _ => why,
+            _ => why.to_owned(),
         };
         self.notes.push(text.clone());
-        Ok(Some(text))
+        Ok(Some(Some(text)))
     }
 }

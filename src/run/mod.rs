@@ -1,6 +1,7 @@
 //! A complete run: advances a simulation to its end, samples it, and writes everything into one folder.
 
 mod animation;
+mod cadence;
 mod equilibrium;
 mod files;
 mod lattices;
@@ -16,8 +17,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::case::scene::BodyKind;
-use crate::case::{Case, Scene};
+use crate::case::Case;
+use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{self, CheckpointError};
 use crate::frame::Frame;
 use crate::gpu::{Device, DeviceError};
@@ -29,6 +30,7 @@ use crate::output::{
 use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
+use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
 use files::Files;
 use lattices::Lattice;
 
@@ -70,7 +72,7 @@ impl From<Failure> for RunError {
 
 /// Who watches a run.
 pub trait Observer {
-    /// Called now and then with steps done, steps planned and a short status.
+    /// Called now and then with parts done, parts planned and a short status. What is planned stays the same until another phase begins.
     fn progress(&mut self, done: u64, planned: u64, status: &str);
     /// Called with single events worth a line.
     fn note(&mut self, line: &str);
@@ -169,6 +171,12 @@ pub fn run(
     };
     run.history.flush()?;
     let interrupted = diverged.is_none() && reason == INTERRUPTED;
+    if let Some(note) = run.lattice.note(run.case) {
+        if !interrupted {
+            observer.note(&note);
+        }
+        run.notes.push(note);
+    }
     if diverged.is_some() {
         if let Some(structure) = &run.good.structure {
             write_canopy_vtp(
@@ -254,50 +262,6 @@ pub fn without_files(
     }
     record.add(&mut simulation)?;
     Ok((simulation, record))
-}
-
-/// Steps in an interval of time, at least one.
-fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
-    let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
-    ((interval_s / step_s).round() as u64).max(1)
-}
-
-/// When what is written, in steps of the present lattice.
-struct Cadence {
-    step_s: f64,
-    /// Step that cadences count from.
-    origin: u64,
-    /// Step after which the run ends.
-    planned: u64,
-    start_steps: u64,
-    sample: u64,
-    canopy: Option<u64>,
-    flow: Option<u64>,
-    bodies: Option<u64>,
-    animation: Option<u64>,
-}
-
-impl Cadence {
-    fn new(simulation: &Simulation) -> Self {
-        let (scene, plan) = (simulation.scene(), simulation.plan());
-        let every = |interval_s| steps_per(scene, interval_s);
-        Self {
-            step_s: scene.time.map_or(f64::INFINITY, |t| t.step_s),
-            origin: simulation.origin().step,
-            planned: plan.start_steps.saturating_add(plan.steps),
-            start_steps: plan.start_steps,
-            sample: every(scene.output.sample_interval_s),
-            canopy: scene.output.canopy_interval_s.map(every),
-            flow: scene.output.flow_interval_s.map(every),
-            bodies: scene.output.bodies_interval_s.map(every),
-            animation: scene.output.animation_interval_s.map(every),
-        }
-    }
-
-    /// True at the very change of the lattice, other than at release.
-    fn just_changed(&self, simulation: &Simulation) -> bool {
-        self.origin > self.start_steps && simulation.step_count() == self.origin
-    }
 }
 
 /// What a checkpoint must agree with to be resumed from: case and precision.
@@ -445,6 +409,11 @@ impl<'a> Run<'a> {
         picture_times.sort_by(f64::total_cmp);
         let began = Instant::now();
         let first_step = self.simulation.step_count();
+        let start_s = scene.air.map_or(0.0, |air| match air.flow {
+            Flow::WindTunnel { start_time_s, .. } => -start_time_s,
+            Flow::TaylorGreen { .. } => 0.0,
+        });
+        let span_s = [start_s, scene.time.map_or(0.0, |time| time.end_s)];
         let mut last_checkpoint = Instant::now();
         let mut detector = lattices::detector(scene);
         // Windows that were looked at before an interrupt.
@@ -492,8 +461,10 @@ impl<'a> Run<'a> {
                     self.files.picture(&self.simulation, &self.record)?;
                     self.files.timed_pictures += 1;
                 }
-                if sampled && let Some(note) = self.follow_lattice()? {
-                    observer.note(&note);
+                if sampled && let Some(changed) = self.follow_lattice()? {
+                    if let Some(note) = changed {
+                        observer.note(&note);
+                    }
                     cadence = Cadence::new(&self.simulation);
                     continue;
                 }
@@ -511,7 +482,8 @@ impl<'a> Run<'a> {
             let done = self.simulation.step_count();
             if done.is_multiple_of(PROGRESS_INTERVAL) || done == cadence.planned {
                 let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
-                observer.progress(done, cadence.planned, &self.status(rate));
+                let parts = parts_done(self.simulation.time_s(), span_s);
+                observer.progress(parts, PROGRESS_PARTS, &self.status(rate));
             }
         }
         if !self.lattice.is_finest() {

@@ -1,7 +1,7 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
-use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results};
+use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
     Summary, mark,
@@ -110,6 +110,7 @@ pub(super) fn summarise(
             quality.smallest_shape, quality.mean_shape
         ));
     }
+    notes.extend(unsettled_fall(scene, record));
     let placement = &plan.placement;
     let fabric = scene.body.is_some().then(|| match placement.cloth {
         ClothPlacement::Host => processor(placement, false, "f64"),

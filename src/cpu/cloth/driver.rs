@@ -13,9 +13,6 @@ use crate::solve::Step;
 use crate::solve::lbfgs::{self, Options, Outcome, Watch};
 use crate::solve::newton::{self, Curvature, Trial};
 
-/// Share of compressive stiffness below which fabric counts as tension-only.
-const TENSION_ONLY: f64 = 0.1;
-
 /// True where Newton's method is faster than L-BFGS: tension-only membranes that seek their equilibrium with multigrid.
 ///
 /// Measured (`cargo bench --bench cloth -- peers`): a cold sheet of 50² to 200² cells takes a half to a quarter of the time. Springs that
@@ -25,9 +22,7 @@ fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -
     kind == InitialHessian::Multigrid
         && input.time_step_s.is_none()
         && structure.springs.is_empty()
-        && structure
-            .laws()
-            .is_some_and(|laws| laws.all().all(|law| law.residual() < TENSION_ONLY))
+        && structure.is_tension_only()
 }
 
 /// Minimises the objective with the driver that suits it.

@@ -8,6 +8,7 @@
 //! * [`line_drag`]: drag of suspension lines;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
+//! * `residual`: what the residual stiffness carries;
 //! * [`contact`]: fabric that meets itself;
 //! * `driver`: which minimiser drives a solve;
 //! * [`probe`]: one trial, for comparing engines;
@@ -28,6 +29,7 @@ pub mod permeable;
 pub mod pressure;
 pub mod probe;
 pub mod read_outs;
+mod residual;
 pub mod settings;
 pub mod solve_cloth;
 pub mod stiffness;

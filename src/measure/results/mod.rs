@@ -4,7 +4,6 @@ mod air;
 mod canopy;
 mod canopy_shape;
 mod fabric;
-mod fall;
 mod filling;
 
 pub use canopy::averaging;
@@ -13,8 +12,8 @@ use glam::DVec3;
 
 use super::statistics::Mean;
 use super::{
-    Record, bodies, flown_ballooning, imported_wing, load_test, payload_bodies, plate,
-    sail_support, supports, wing, wing_trim, wing_wind,
+    Record, bodies, falling, flown_ballooning, imported_wing, load_test, payload_bodies, plate,
+    residual, sail_support, supports, wing, wing_trim, wing_wind,
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
@@ -106,11 +105,12 @@ pub(super) fn of_scene(
     }
     through_results(&mut results, record);
     if scene.descent.is_some() {
-        fall::results(&mut results, record);
+        falling::results(&mut results, record, scene);
         payload_bodies::results(&mut results, record, scene);
     }
     line_drag_results(&mut results, record);
     contact_results(&mut results, record);
+    residual::results(&mut results, record, scene);
     supports::results(&mut results, record, scene);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);

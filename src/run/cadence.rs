@@ -1,0 +1,83 @@
+//! When what is written in a run, and how far it has come.
+
+use crate::case::Scene;
+use crate::simulation::Simulation;
+
+/// Parts of the simulated time that progress is told in: steps may change their length, and with it their number.
+pub(super) const PROGRESS_PARTS: u64 = 10_000;
+
+/// Parts of [`PROGRESS_PARTS`] that are done at `time_s` of what began at `start_s`.
+pub(super) fn parts_done(time_s: f64, [start_s, end_s]: [f64; 2]) -> u64 {
+    let share = (time_s - start_s) / (end_s - start_s);
+    // Not a number, of a run without length, becomes nothing.
+    (share.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64
+}
+
+/// Steps in an interval of time, at least one.
+pub(super) fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
+    let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
+    ((interval_s / step_s).round() as u64).max(1)
+}
+
+/// When what is written, in steps of the present lattice.
+pub(super) struct Cadence {
+    pub(super) step_s: f64,
+    /// Step that cadences count from.
+    pub(super) origin: u64,
+    /// Step after which the run ends.
+    pub(super) planned: u64,
+    pub(super) start_steps: u64,
+    pub(super) sample: u64,
+    pub(super) canopy: Option<u64>,
+    pub(super) flow: Option<u64>,
+    pub(super) bodies: Option<u64>,
+    pub(super) animation: Option<u64>,
+}
+
+impl Cadence {
+    pub(super) fn new(simulation: &Simulation) -> Self {
+        let (scene, plan) = (simulation.scene(), simulation.plan());
+        let every = |interval_s| steps_per(scene, interval_s);
+        Self {
+            step_s: scene.time.map_or(f64::INFINITY, |t| t.step_s),
+            origin: simulation.origin().step,
+            planned: plan.start_steps.saturating_add(plan.steps),
+            start_steps: plan.start_steps,
+            sample: every(scene.output.sample_interval_s),
+            canopy: scene.output.canopy_interval_s.map(every),
+            flow: scene.output.flow_interval_s.map(every),
+            bodies: scene.output.bodies_interval_s.map(every),
+            animation: scene.output.animation_interval_s.map(every),
+        }
+    }
+
+    /// True at the very change of the lattice, other than at release.
+    pub(super) fn just_changed(&self, simulation: &Simulation) -> bool {
+        self.origin > self.start_steps && simulation.step_count() == self.origin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps that grow and shrink: what is done never becomes less, and ends where the run ends.
+    #[test]
+    fn progress_goes_with_simulated_time() {
+        let span_s = [-1.0, 3.0];
+        let (mut time_s, mut last) = (span_s[0], 0);
+        assert_eq!(parts_done(time_s, span_s), 0);
+        for step in 0..400 {
+            time_s += if step % 100 < 50 { 0.004 } else { 0.016 };
+            let done = parts_done(time_s, span_s);
+            assert!(
+                done >= last && done <= PROGRESS_PARTS,
+                "{done} after {last}"
+            );
+            last = done;
+        }
+        assert_eq!(last, PROGRESS_PARTS);
+        assert_eq!(parts_done(1.0, span_s), PROGRESS_PARTS / 2);
+        assert_eq!(parts_done(0.0, [0.0, 0.0]), 0);
+    }
+}
