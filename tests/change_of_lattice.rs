@@ -182,12 +182,12 @@ struct AtChange<'a> {
 impl Observer for AtChange<'_> {
     fn progress(&mut self, _: u64, _: u64, _: &str) {}
 
-    fn note(&mut self, line: &str) {
-        if line.contains("from here") {
-            self.changes += 1;
-            if self.changes == self.wanted {
-                self.interrupt.store(true, Ordering::Relaxed);
-            }
+    fn note(&mut self, _: &str) {}
+
+    fn lattice_changed(&mut self) {
+        self.changes += 1;
+        if self.changes == self.wanted {
+            self.interrupt.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -228,13 +228,25 @@ fn run_in(
 fn resumed(source: &str, changes: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let [whole, broken] = ["whole", "broken"].map(|name| folder.path().join(name));
-    let (_, all) = run_in(&whole, source, changes, usize::MAX, false);
+    let (unbroken, all) = run_in(&whole, source, changes, usize::MAX, false);
     assert!(all > 0, "the lattice never changed");
     let (report, before) = run_in(&broken, source, changes, all.div_ceil(2), false);
     assert!(report.interrupted);
     let (report, after) = run_in(&broken, source, changes, usize::MAX, true);
     assert!(!report.interrupted);
     assert_eq!(before + after, all);
+    // However often the time step followed the speed, one note tells, of all changes.
+    let followed = |report: &Report| {
+        let notes = report.summary.notes.iter();
+        let followed = notes.filter(|note| note.contains("time step followed"));
+        followed.cloned().collect::<Vec<_>>()
+    };
+    let notes = followed(&unbroken);
+    assert_eq!(notes, followed(&report));
+    assert!(notes.len() <= 1, "{notes:?}");
+    if let Some(note) = notes.first() {
+        assert!(note.contains(&format!(" {all} change")), "{note}");
+    }
     for name in ["history.csv", "canopy.pvd", "snapshot_000.png"] {
         let [a, b] = [&whole, &broken].map(|folder| std::fs::read(folder.join(name)).unwrap());
         assert!(a == b, "{name} differs");

@@ -1,7 +1,10 @@
 //! Fabric and cables alone: exact equilibria, gradients, patch tests, implicit Euler's own dissipation, hostile starts.
 
+use std::path::Path;
+
 use glam::{DVec2, DVec3};
 use libtest_mimic::Trial;
+use ripstop::case::{self, Choices};
 use ripstop::cloth::{Guide, Structure, Triangle};
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
@@ -12,10 +15,12 @@ use ripstop::fabric::membrane::Membrane;
 use ripstop::geometry::cable;
 use ripstop::geometry::sheet::FabricModel;
 use ripstop::lines::Cable;
-use ripstop::measure::catenary;
+use ripstop::measure::{self, catenary};
+use ripstop::plan::Plan;
+use ripstop::run;
 use ripstop::solve::lbfgs::Stop;
 
-use crate::engines::plain;
+use crate::engines::{Engine, plain};
 use crate::sheets::{self, HOSTILE, hostile, noise};
 use crate::tolerances;
 
@@ -28,6 +33,7 @@ pub fn trials() -> Vec<Trial> {
         plain("cloth::free_fall", free_fall),
         plain("cloth::backward_euler_damping", backward_euler_damping),
         plain("cloth::hanging_sheet_carries_its_weight", hanging_sheet),
+        plain("cloth::slack_fabric_carries_next_to_nothing", stiff_airbag),
         plain("cloth::pressure_follows_open_edges", open_edges),
         plain(
             "cloth::network_and_membrane_agree_in_small_stretch",
@@ -42,6 +48,47 @@ pub fn trials() -> Vec<Trial> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// A stiff airbag of little pressure, with the share of compressive stiffness that fabric keeps if the case says nothing: as thick as one that
+/// keeps a hundredth of it, and the share of the load that slack fabric carries is read out and below a hundredth.
+fn stiff_airbag() {
+    let solved = |changes: &[&str]| {
+        let source = "version = 1\ntitle = \"stiff airbag\"\n[structure.airbag]\nside_m = 0.85\ncells_per_side = 12\n\
+            [fabric]\nthickness_m = 1e-4\ndensity_kg_m3 = 500.0\nyoungs_modulus_pa = 4e9\npoisson_ratio = 0.2\n\
+            [equilibrium]\ntolerance = 1e-3\nevaluation_limit = 2000\npressure_pa = 1000.0\n";
+        let choices = Choices {
+            overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+            ..Choices::default()
+        };
+        let case = case::parse("airbag", source, Path::new("."), &choices).unwrap();
+        let plan = Plan::new(&case.scene, Engine::CpuF64.plan_placement());
+        let (mut simulation, mut record) = run::without_files(&case, plan, None).unwrap();
+        let outcome = simulation.equilibrate(&mut |_| true).unwrap().unwrap();
+        assert_eq!(outcome.stop, Stop::Converged);
+        record.add(&mut simulation).unwrap();
+        let results = measure::results(&simulation, &record);
+        let value = |name: &str| results.get(name).unwrap().value.unwrap();
+        let account = measure::account(&simulation, &results);
+        let row = account
+            .into_iter()
+            .find(|row| row.name == "residual stiffness");
+        (
+            value("half_height_m"),
+            value("residual_stiffness_load_share"),
+            row.unwrap().reached.unwrap(),
+        )
+    };
+    let (height, share, fine) = solved(&[]);
+    let (exact, ..) = solved(&["fabric.residual_stiffness=1e-7"]);
+    assert!((height / exact - 1.0).abs() < 2e-3, "{height} {exact}");
+    assert!(share > 1e-4 && share < 1e-2 && fine, "{share}");
+    // A thousandth carries a tenth of the load, and is told of.
+    let (thin, share, fine) = solved(&["fabric.residual_stiffness=1e-3"]);
+    assert!(
+        thin / exact < 0.98 && share > 0.05 && !fine,
+        "{thin} {share}"
+    );
 }
 
 const SETTINGS: SolverSettings = SolverSettings {

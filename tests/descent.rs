@@ -14,8 +14,9 @@ use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::lines::drag::LineDrag;
 use ripstop::lines::{Cable, CableLaw};
-use ripstop::measure::Record;
+use ripstop::measure::{self, Record};
 use ripstop::plan::Plan;
+use ripstop::run;
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain, states};
@@ -27,6 +28,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("descent::still_air_stays_still", StillAir),
         on_every_engine("descent::a_payload_under_a_canopy", Drop),
         plain("descent::bodies_below_a_payload", bodies_below),
+        plain("descent::a_disk_at_terminal_speed", falling_disk),
         plain("descent::a_taut_line_in_wind", taut_line),
         plain("descent::an_inclined_line", inclined_line),
     ]
@@ -72,6 +74,49 @@ impl Body for StillAir {
             }
         }
     }
+}
+
+/// A disk that falls until its drag is its weight: measured speed, that of its drag area and that of the last drag coefficient agree; a fall
+/// that is cut short says that it has not settled.
+fn falling_disk() {
+    let fallen = |end_s: f64| {
+        let source = format!(
+            "version = 1\n[air]\ndensity_kg_m3 = 1.2\nkinematic_viscosity_m2_s = 0.01\n\
+             [air.descent]\nrelease_speed_m_s = 1.2\nsize_m = [5.0, 4.0, 4.0]\nstart_time_s = 1.0\nsponge_length_m = 1.0\n\
+             [gravity]\nacceleration_m_s2 = [-0.5, 0.0, 0.0]\n\
+             [resolution]\ncells_per_diameter = 5.0\nreference_speed_m_s = 1.0\nlattice_speed = 0.1\noperator = \"recursive_regularised\"\n\
+             [bodies.disk]\nposition_m = [2.0, 2.0, 2.0]\ndisk.diameter_m = 1.0\nmotion.free_fall.mass_kg = 1.2\n\
+             [coupling]\nover_relaxation = 1.6\n[time]\nend_s = {end_s:?}\n[output]\nsample_interval_s = 0.1\n"
+        );
+        let case = case::parse("disk", &source, Path::new("."), &Choices::default()).unwrap();
+        let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+        let (simulation, record) = run::without_files(&case, plan, None).unwrap();
+        (measure::results(&simulation, &record), record, case)
+    };
+    let (results, record, case) = fallen(32.0);
+    assert_eq!(measure::unsettled_fall(&case.scene, &record), None);
+    let found = |name: &str| results.get(name).unwrap();
+    let value = |name: &str| found(name).value.unwrap();
+    let speed = value("terminal_speed_m_s");
+    let of_area = value("terminal_speed_of_drag_area_m_s");
+    let apart = (speed / of_area - 1.0).abs();
+    assert!(apart < tolerances::TERMINAL_SPEEDS, "{speed} {of_area}");
+    assert!(found("terminal_speed_m_s").confidence.unwrap() < 0.01 * speed);
+    let area_m2 = 0.25 * std::f64::consts::PI;
+    // Weight over ½ ρ v² S.
+    let balance = 1.2 * 0.5 / (0.5 * 1.2 * of_area * of_area * area_m2);
+    let coefficient = value("drag_coefficient_terminal");
+    assert!((coefficient / balance - 1.0).abs() < 1e-9);
+    let present = record.latest("drag_coefficient_present").unwrap();
+    let area = record.latest("drag_area_m2").unwrap();
+    assert!((area / present / area_m2 - 1.0).abs() < 1e-9);
+    assert!((present / coefficient - 1.0).abs() < 0.02, "{present}");
+    assert!(results.get("riser_force_n").is_none() && record.latest("riser_force_n").is_none());
+    let (results, record, case) = fallen(8.0);
+    let why = measure::unsettled_fall(&case.scene, &record).unwrap();
+    assert!(why.contains("not settled"), "{why}");
+    let note = results.get("terminal_speed_m_s").unwrap().note.clone();
+    assert!(note.unwrap().contains("not settled"));
 }
 
 const TETHER: &str =
@@ -208,6 +253,25 @@ impl Body for Drop {
         let factor = record.latest("load_factor_g").unwrap();
         assert!(factor.is_finite() && factor > -1.0, "{factor}");
         assert!(record.latest("line_drag_n").unwrap() > 0.0);
+        let [present, area, riser_n, tension_n] = [
+            "drag_coefficient_present",
+            "drag_area_m2",
+            "riser_force_n",
+            "line_tension_mean_n",
+        ]
+        .map(|name| record.latest(name).unwrap());
+        assert!(
+            (area / present / 0.78 - 1.0).abs() < 1e-9,
+            "{area} {present}"
+        );
+        // Mean drag of the last 40 steps over the mean dynamic pressure at their ends.
+        let [drags, speeds] = ["drag_coefficient", "descent_speed_m_s"].map(|n| record.column(n));
+        let mean_square = 0.5 * (speeds[0].powi(2) + speeds[1].powi(2));
+        let expected = drags[1] * 25.0_f64.powi(2) / mean_square;
+        assert!((present / expected - 1.0).abs() < 1e-9, "{present}");
+        // Eight lines lean towards the payload.
+        let leaning = riser_n / (8.0 * tension_n);
+        assert!(leaning > 0.8 && leaning < 1.0, "{leaning}");
     }
 }
 

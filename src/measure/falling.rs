@@ -208,7 +208,7 @@ impl Window {
             self.lengths
         ));
         match &self.unsettled {
-            Some(why) => quantity.with_note(&format!("the fall has not settled: {why}")),
+            Some(_) => quantity.with_note("not settled"),
             None => quantity,
         }
     }

@@ -56,9 +56,10 @@ impl Lattice {
         let [shortest, longest, last] = [self.exponents[0], self.exponents[1], self.exponent]
             .map(|exponent| step_s * STEP_RATIO.powi(exponent as i32));
         Some(format!(
-            "the time step followed the speed of the fall: {} changes, from {step_s:.3e} s at release to {last:.3e} s at the end, between \
+            "the time step followed the speed of the fall: {} change{}, from {step_s:.3e} s at release to {last:.3e} s at the end, between \
              {shortest:.3e} and {longest:.3e} s",
-            self.changes
+            self.changes,
+            if self.changes == 1 { "" } else { "s" }
         ))
     }
 

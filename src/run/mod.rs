@@ -76,6 +76,8 @@ pub trait Observer {
     fn progress(&mut self, done: u64, planned: u64, status: &str);
     /// Called with single events worth a line.
     fn note(&mut self, line: &str);
+    /// Called when the run goes on on other cells, or with another time step.
+    fn lattice_changed(&mut self) {}
 }
 
 /// How a run ended.
@@ -462,6 +464,7 @@ impl<'a> Run<'a> {
                     self.files.timed_pictures += 1;
                 }
                 if sampled && let Some(changed) = self.follow_lattice()? {
+                    observer.lattice_changed();
                     if let Some(note) = changed {
                         observer.note(&note);
                     }
