@@ -6,7 +6,7 @@ use super::Problem;
 use super::file::{self, File};
 pub use super::file::{FrictionName, HeldName};
 use super::scene::{Body, BodyKind, positive, vector, within};
-use super::structure::check_fabric_at;
+use super::structure::{USUAL_RESIDUAL, check_fabric_at};
 use super::trim;
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
@@ -484,7 +484,7 @@ fn check_fabrics(written: &file::WingFabrics) -> Result<PartFabrics, Problem> {
                 "remove the table",
             ));
         }
-        check_fabric_at(&key, fabric, 1e-3)
+        check_fabric_at(&key, fabric, USUAL_RESIDUAL)
     };
     let optional = |name: &str, fabric: &Option<file::Fabric>| {
         fabric.as_ref().map(|fabric| of(name, fabric)).transpose()
