@@ -1,8 +1,8 @@
 //! What the walls of a tunnel add to the drag of a bluff rigid body, where a correction is known.
 //!
 //! A wake that separates at edges: q_corrected/q = 1 + K C_D S/C (Maskell 1963, ARC R&M 3400). In three dimensions K is that of canopies,
-//! 1.85 (Macha & Buffington 1990): it leaves a disk at Re 1000 within 2 % of its drag without walls, Maskell's 5/2 within 4 %. Of a plate
-//! across the whole tunnel it is Maskell's 0.96. A circular cylinder across the tunnel: Allen & Vincenti 1944 (NACA Report 782) as in
+//! 1.85 (Macha & Buffington 1990): it leaves a disk at Re 1000 within 2 % of its drag without walls, Maskell's 5/2 within 4 %. Of a sphere
+//! it is Maskell's, which leaves 2 % at Re 1000; of a plate across the whole tunnel his 0.96. A circular cylinder across the tunnel: Allen & Vincenti 1944 (NACA Report 782) as in
 //! Roshko 1961 (J. Fluid Mech. 10), C_D/C_D' = 1 − ½ C_D' d/h − 2.5 (d/h)². Other bodies have none: of a sphere at Re 100 Maskell's law takes
 //! off twice of what the walls add. Ladders: `docs/results/2026-11-23-bodies-settling-and-walls.md`.
 
@@ -17,6 +17,9 @@ use crate::rigid::Motion;
 
 /// Factor K of bodies about as wide as high, by Macha & Buffington.
 pub(super) const THREE_DIMENSIONS: f64 = 1.85;
+
+/// Maskell's of a sphere.
+const SPHERE: f64 = 2.5;
 
 /// Maskell's of a plate across the whole tunnel.
 const TWO_DIMENSIONS: f64 = 0.96;
@@ -33,7 +36,7 @@ const NORMAL: f64 = 0.966;
 /// Reynolds number from which on the wake of an edge is what the theory holds for.
 const SEPARATED: f64 = 1e3;
 
-/// Reynolds numbers of cylinders whose boundary layer separates before it is turbulent.
+/// Reynolds numbers of spheres and cylinders whose boundary layer separates before it is turbulent.
 const SUBCRITICAL: std::ops::RangeInclusive<f64> = 1e3..=2e5;
 
 /// How the drag is corrected.
@@ -66,11 +69,11 @@ impl Law {
     fn note(self) -> String {
         match self {
             Self::Maskell(factor) => format!(
-                "{}, factor {factor} on C_D S / section; holds for wakes that separate at edges, up to a tenth of the section",
-                if factor == TWO_DIMENSIONS {
-                    "Maskell 1963"
-                } else {
+                "{}, factor {factor} on C_D S / section; holds for separated wakes, up to a tenth of the section",
+                if factor == THREE_DIMENSIONS {
                     "Macha & Buffington 1990"
+                } else {
+                    "Maskell 1963"
                 }
             ),
             Self::Cylinder(_) => {
@@ -165,7 +168,8 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
             Err("it holds for a cylinder across the tunnel at Re 1e3 to 2e5 only")
         }
         Shape::Cylinder { .. } => Ok(Law::Cylinder(width.min(height))),
-        Shape::Sphere { .. } => Err("the flow past a sphere separates without an edge"),
+        Shape::Sphere { .. } if SUBCRITICAL.contains(&reynolds) => Ok(Law::Maskell(SPHERE)),
+        Shape::Sphere { .. } => Err("it holds for a sphere at Re 1e3 to 2e5 only"),
         Shape::Mesh => Err("the body is a mesh"),
     }
 }
