@@ -8,6 +8,7 @@ use crate::engines::plain;
 pub fn trials() -> Vec<Trial> {
     [
         plain("body_settling::a_steady_sphere_stops_by_itself", stops),
+        plain("body_settling::all_bodies_must_be_known", two),
         plain("body_settling::a_short_run_says_so", short),
         plain("body_settling::a_disk_is_corrected_for_walls", disk),
     ]
@@ -76,6 +77,27 @@ fn stops() {
             .contains("no correction"),
         "{corrected}"
     );
+}
+
+/// The run waits for the larger of two spheres, whose D/U is longer, and says whose drag is known least.
+fn two() {
+    let (printed, summary) = run(&[
+        "resolution.cells_per_diameter=absent",
+        "resolution.cell_size_m=0.02",
+        "air.wind_tunnel.size_m=[0.5, 0.7, 0.4]",
+        "bodies.other.position_m=[0.2, 0.5, 0.2]",
+        "bodies.other.sphere.diameter_m=0.08",
+        "steady.drag_confidence=0.05",
+        "time.end_s=400.0",
+    ]);
+    assert!(printed.contains(", known least, "), "{printed}");
+    let when = summary["stop"]["when_s"].as_f64().unwrap();
+    assert!((93.0..200.0).contains(&when), "{when}");
+    for name in ["sphere_drag_coefficient", "other_drag_coefficient"] {
+        let drag = &summary["results"][name];
+        let half = drag["confidence"].as_f64().unwrap();
+        assert!(half <= 0.05 * drag["value"].as_f64().unwrap(), "{drag}");
+    }
 }
 
 fn short() {
