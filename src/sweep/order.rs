@@ -8,6 +8,10 @@
 /// Factor of safety of the grid convergence index on three lattices.
 const SAFETY: f64 = 1.25;
 
+/// Without an order the error is the spread of three lattices times this: the next lattice often lies outside of what three have shown. The filling
+/// time of `cases/flat-circular-tunnel.toml` spreads over 1.8 ms at 12, 16 and 24 cells, and falls by another 2.4 ms at 32.
+const BEYOND_SPREAD: f64 = 1.5;
+
 /// Orders that are believed. Slower convergence says nothing of its limit; a faster one than that is a change of sign nearby.
 const ORDERS: [f64; 2] = [0.5, 4.0];
 
@@ -65,34 +69,32 @@ pub fn convergence(values: &[OnLattice]) -> Convergence {
     if spread <= SAME * fine.value.abs() {
         return told(Some(spread), "the same on all lattices");
     }
+    let unordered = Some(BEYOND_SPREAD * spread);
     let [first, second] = [middle.value - coarse.value, fine.value - middle.value];
     let noise = |a: OnLattice, b: OnLattice| {
         let [a, b] = [a, b].map(|on| on.interval.unwrap_or(0.0));
         a.hypot(b)
     };
     if first.abs() <= noise(coarse, middle) || second.abs() <= noise(middle, fine) {
-        return told(
-            Some(spread),
-            "no order: differences lie within the intervals",
-        );
+        return told(unordered, "no order: differences lie within the intervals");
     }
     if first * second <= 0.0 {
-        return told(Some(spread), "no order: it swings");
+        return told(unordered, "no order: it swings");
     }
     let cells = three.map(|on| on.cell);
     match observed_order(cells, first / second) {
-        None => told(Some(spread), "no order: differences do not shrink"),
+        None => told(unordered, "no order: differences do not shrink"),
         Some(order) if order < ORDERS[0] => Convergence {
             order: Some(order),
             ..told(
-                Some(spread),
+                unordered,
                 &format!("order {order:.1} is too low to tell a limit"),
             )
         },
         Some(order) if order > ORDERS[1] => Convergence {
             order: Some(order),
             ..told(
-                Some(spread),
+                unordered,
                 &format!("order {order:.1} is too high to be one"),
             )
         },
@@ -181,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn without_an_order_the_spread_is_the_error() {
+    fn without_an_order_the_error_follows_from_the_spread() {
         let told = |values: [f64; 3], interval: Option<f64>| {
             let cells = [1.0 / 12.0, 1.0 / 16.0, 1.0 / 24.0];
             let values: Vec<OnLattice> = (cells.into_iter().zip(values))
@@ -195,21 +197,21 @@ mod tests {
         };
         let swings = told([14.1, 28.0, 18.2], None);
         assert_eq!((swings.order, swings.tends_to), (None, None));
-        assert!((swings.error.unwrap() - 13.9).abs() < 1e-12);
+        assert!((swings.error.unwrap() - 1.5 * 13.9).abs() < 1e-12);
         assert!(swings.basis.contains("swings"), "{}", swings.basis);
         let grows = told([1.0, 1.1, 1.4], None);
         assert!(grows.order.is_none() && grows.basis.contains("shrink"));
-        assert!((grows.error.unwrap() - 0.4).abs() < 1e-12);
+        assert!((grows.error.unwrap() - 1.5 * 0.4).abs() < 1e-12);
         // Order 0.2.
         let slow = told([12.0, 16.0, 24.0].map(|n: f64| 1.0 + n.powf(-0.2)), None);
         assert!(slow.tends_to.is_none() && slow.basis.contains("too low"));
         let fast = told([1.2, 1.001, 1.0], None);
         assert!(fast.tends_to.is_none() && fast.basis.contains("too high"));
-        assert!((fast.error.unwrap() - 0.2).abs() < 1e-12);
+        assert!((fast.error.unwrap() - 1.5 * 0.2).abs() < 1e-12);
         // Monotone, but within the noise.
         let noise = told([1.0, 1.1, 1.15], Some(0.2));
         assert!(noise.order.is_none() && noise.basis.contains("within the intervals"));
-        assert!((noise.error.unwrap() - 0.15).abs() < 1e-12);
+        assert!((noise.error.unwrap() - 1.5 * 0.15).abs() < 1e-12);
         assert!(told([1.0, 1.1, 1.15], Some(0.01)).order.is_some());
         // What lies farther off than anything that was seen is no limit.
         let far = [(16.0, 28.0), (24.0, 18.2), (32.0, 12.7)].map(|(n, value)| OnLattice {
