@@ -5,7 +5,7 @@
 
 use super::read_out::{self, ReadOut};
 use super::results::column_max;
-use super::statistics::{Mean, first_peak};
+use super::statistics::{Mean, first_peak, slope};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Descent};
 use crate::measure::Record;
@@ -254,14 +254,14 @@ fn window(
             )
         }),
     };
-    let speed = window.mean(speeds);
-    let middle = first.midpoint(end);
-    let half = |range: std::ops::Range<usize>| {
-        let count = range.len() as f64;
-        speeds[range].iter().sum::<f64>() / count
-    };
-    let change = half(middle..end) - half(first..middle);
-    let allowed = (STEADY * speed.value.abs()).max(2.0 * speed.confidence.unwrap_or(0.0));
+    // Of a straight line through the speeds; what they scatter about it is what hides a change.
+    let per_s = slope(&times[first..end], &speeds[first..end]);
+    let change = 0.5 * per_s * (times[end - 1] - times[first]);
+    let scatter: Vec<f64> = (times.iter().zip(speeds))
+        .map(|(time, speed)| speed - per_s * (time - times[first]))
+        .collect();
+    let scatter = window.mean(&scatter).confidence.unwrap_or(0.0);
+    let allowed = (STEADY * window.mean(speeds).value.abs()).max(2.0 * scatter);
     if change.abs() > allowed && window.unsettled.is_none() {
         window.unsettled = Some(format!(
             "between the halves of the window the speed changes by {change:.3} m/s"
