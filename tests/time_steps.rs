@@ -26,7 +26,8 @@ const TIME_STEPS_S: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 const ON_THE_HOST_S: [f64; 1] = [1e-7];
 
 pub fn trials() -> Vec<Trial> {
-    let tests: [(&str, fn(Solver)); 5] = [
+    type Test = fn(Solver);
+    let tests: [(&str, Test); 5] = [
         ("time_steps::a_sheet_falls", falling_sheet),
         ("time_steps::a_flat_sheet_leaves_its_corners", held_corners),
         ("time_steps::a_payload_falls_against_drag", falling_payload),

@@ -10,6 +10,9 @@ use crate::measure::{Record, bodies};
 use crate::output::{Quantity, Results};
 use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 
+/// As close as times of samples come [D₀/U].
+const ROUND_OFF: f64 = 1e-6;
+
 /// Drag coefficient below which relative differences of forces mean nothing.
 const NO_DRAG: f64 = 1e-3;
 
@@ -44,7 +47,7 @@ pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, a
         );
         return;
     };
-    let indicative = (!window.settled || window.length < SHORTEST_WINDOW).then(|| {
+    let indicative = (!window.settled || window.length < SHORTEST_WINDOW - ROUND_OFF).then(|| {
         format!(
             "window of {:.1} D_0/U{}; {SHORTEST_WINDOW} after settling are needed: means of this run are indicative only",
             window.length,
