@@ -25,7 +25,7 @@ use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// What `--help` says about them.
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails, 2 bad case or usage, 3 no usable device, \
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
     20 diverged or not in balance, 74 output failed, 75 interrupted";
 
 /// Exit codes.

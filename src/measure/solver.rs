@@ -60,6 +60,9 @@ pub const FORCE_IMBALANCE_LIMIT: f64 = 0.02;
 /// Slip of the air past a surface, over the reference speed, beyond which the forcing has not done what it is for: usual runs show 0.02.
 const SLIP_LIMIT: f64 = 0.05;
 
+/// Share of the contact thickness that fabric may enter: beyond, its barrier has become so stiff that solves stall.
+const CONTACT_LIMIT: f64 = 0.9;
+
 /// Defect of the mass balance of a box of air, over its mass.
 const MASS_DEFECT_LIMIT: f64 = 1e-3;
 
@@ -91,6 +94,7 @@ pub fn account(simulation: &Simulation, results: &Results) -> Vec<AccountRow> {
     rows.extend(equilibrium(simulation));
     rows.extend(trim(simulation));
     rows.extend(load_test(simulation));
+    rows.extend(contact(simulation, results));
     let coupling = simulation.scene().coupling;
     if let (Some(slip), Some(coupling)) = (value(results, "slip_mean"), coupling) {
         let row = AccountRow::at_most(
@@ -202,6 +206,21 @@ fn trim(simulation: &Simulation) -> Option<AccountRow> {
             if solved { "" } else { ", not its tolerance" }
         )),
     )
+}
+
+/// Contact of fabric with itself; `None` where none came near.
+fn contact(simulation: &Simulation, results: &Results) -> Option<AccountRow> {
+    let body = simulation.scene().body.as_ref()?;
+    let thickness_m = body.structure.contact?.thickness_m;
+    let gap_m = value(results, "smallest_gap_m")?;
+    let row = AccountRow::at_most(
+        "contact of fabric",
+        "how far the nearest fabric came into the contact thickness (1 = touching)",
+        "1",
+        1.0 - gap_m / thickness_m,
+        CONTACT_LIMIT,
+    );
+    Some(row.with_detail(format!("smallest gap {gap_m:.2e} m")))
 }
 
 /// Loads of a load test that were not balanced.

@@ -104,7 +104,7 @@ const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
     ]
 }
 
-const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 19] {
+const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 20] {
     [
         Rule {
             name: "cells across D_0",
@@ -281,6 +281,16 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 19] {
                 let end_s = of.scene.time.as_ref()?.end_s;
                 canopy.then(|| end_s * of.speed_m_s() / of.length_m)
             },
+        },
+        Rule {
+            name: "length of the run over settling",
+            unit: "1",
+            meaning: "time from t = 0 to the end over what a rigid body's flow takes to settle and its mean needs",
+            bound: Bound::AtLeast,
+            limit: 1.0,
+            supports: Supports::Means,
+            remedy: "lengthen time.end_s",
+            value: |of| Some(of.scene.time.as_ref()?.end_s / of.settling_s?),
         },
         Rule {
             name: "Reynolds number of a smooth round body",

@@ -6,6 +6,7 @@ use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
 use crate::geometry::wing::section::Side;
+use crate::measure::bodies;
 
 /// Projected diameter of an inflated canopy over its nominal one.
 pub const INFLATED: f64 = 0.7;
@@ -57,6 +58,8 @@ pub struct Subject<'a> {
     pub mouth_m: Option<f64>,
     /// Held in the stream.
     pub held: bool,
+    /// How long a rigid body takes to settle and to be averaged, from t = 0 [s].
+    pub settling_s: Option<f64>,
 }
 
 /// Corners of the box around points [m].
@@ -79,7 +82,7 @@ pub fn subjects(scene: &Scene) -> Vec<Subject<'_>> {
     let mut found: Vec<Subject> = fabric(scene, air).into_iter().collect();
     let several = scene.body.is_some() || scene.rigid_bodies.len() > 1;
     found.extend(scene.rigid_bodies.iter().map(|body| {
-        let prefix = crate::measure::bodies::prefix(scene, body);
+        let prefix = bodies::prefix(scene, body);
         let subject = rigid(scene, air, body, prefix);
         Subject {
             name: if several {
@@ -115,6 +118,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
         opening_m,
         mouth_m: None,
         held: scene.descent.is_none(),
+        settling_s: None,
     };
     Some(match &body.kind {
         BodyKind::Canopy(canopy) => Subject {
@@ -185,6 +189,7 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         Shape::Sphere { .. } | Shape::Cylinder { .. } => Kind::Round,
         _ => Kind::Rigid,
     };
+    let settling = bodies::settling(scene, air, body).ok();
     Subject {
         scene,
         air,
@@ -199,6 +204,10 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         opening_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
+        settling_s: settling.map(|settling| {
+            let [begin, least] = settling.times();
+            settling.risen_s.max(0.0) + (begin + least) * settling.unit_s
+        }),
     }
 }
 
