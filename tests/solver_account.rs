@@ -150,6 +150,9 @@ fn allowed() {
         ],
     );
     assert_eq!(told.code, 0, "{}", told.text);
+    let result = &told.summary["results"]["lowest_point_m"];
+    let why = result["unresolved"].as_str().unwrap();
+    assert!(why.contains("missed their tolerance"), "{why}");
     // The result is taken, the account is not embellished.
     assert_eq!(told.account("steps of the fabric")["reached"], false);
     // No shipped case takes the allowance.

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
-    Summary, mark,
+    Summary, Supports, mark,
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
@@ -130,6 +130,13 @@ pub(super) fn summarise(
     let structure = simulation.structure_frame().structure;
     let validity = validity::of_run(scene, plan, structure.as_ref(), record);
     mark(&mut results, &validity);
+    if simulation.solver_account().out_of_balance() {
+        for (name, quantity) in results.iter_mut() {
+            if Supports::Everything.covers(name) {
+                quantity.mark_unresolved("solves of the fabric missed their tolerance");
+            }
+        }
+    }
     if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
         && imbalance > FORCE_IMBALANCE_LIMIT
     {
