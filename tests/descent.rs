@@ -84,16 +84,16 @@ fn falling_disk() {
             "version = 1\n[air]\ndensity_kg_m3 = 1.2\nkinematic_viscosity_m2_s = 0.01\n\
              [air.descent]\nrelease_speed_m_s = 1.2\nsize_m = [5.0, 4.0, 4.0]\nstart_time_s = 1.0\nsponge_length_m = 1.0\n\
              [gravity]\nacceleration_m_s2 = [-0.5, 0.0, 0.0]\n\
-             [resolution]\ncells_per_diameter = 5.0\nreference_speed_m_s = 1.0\nlattice_speed = 0.1\noperator = \"recursive_regularised\"\n\
+             [resolution]\ncells_per_diameter = 4.0\nreference_speed_m_s = 1.0\nlattice_speed = 0.1\noperator = \"recursive_regularised\"\n\
              [bodies.disk]\nposition_m = [2.0, 2.0, 2.0]\ndisk.diameter_m = 1.0\nmotion.free_fall.mass_kg = 1.2\n\
-             [coupling]\nover_relaxation = 1.6\n[time]\nend_s = {end_s:?}\n[output]\nsample_interval_s = 0.1\n"
+             [coupling]\nover_relaxation = 1.6\n[time]\nend_s = {end_s:?}\n[output]\nsample_interval_s = 0.25\n"
         );
         let case = case::parse("disk", &source, Path::new("."), &Choices::default()).unwrap();
         let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
         let (simulation, record) = run::without_files(&case, plan, None).unwrap();
         (measure::results(&simulation, &record), record, case)
     };
-    let (results, record, case) = fallen(32.0);
+    let (results, record, case) = fallen(34.0);
     assert_eq!(measure::unsettled_fall(&case.scene, &record), None);
     let found = |name: &str| results.get(name).unwrap();
     let value = |name: &str| found(name).value.unwrap();

@@ -77,7 +77,7 @@ pub const TUNNEL_START: f64 = 1e-5;
 /// from the second cell, as in [`TUNNEL_START`].
 pub const FALLING_BOX: f64 = 2e-5;
 
-/// Terminal speed of a disk of five cells against that of its drag area and weight: what is left of its deceleration.
+/// Terminal speed of a disk of four cells against that of its drag area and weight: what is left of its deceleration.
 pub const TERMINAL_SPEEDS: f64 = 5e-3;
 
 /// Kinetic energy of that wind: the density's excess, and twice as much from the speed that goes with it (2.4e-5).
