@@ -163,7 +163,10 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
             ];
             Subject {
                 length_m: plate.size_m[0],
-                across_m: across[0].reject_from(DVec3::X).length(),
+                across_m: across
+                    .map(|side| side.reject_from(DVec3::X).length())
+                    .into_iter()
+                    .fold(0.0, f64::max),
                 area_m2: across[0].cross(across[1]).x.abs(),
                 ..rest
             }
