@@ -239,8 +239,8 @@ fn pendulum(angle: f64, length_m: f64) -> Structure {
         held: vec![true, false],
         ..Structure::default()
     };
-    // Its weight stretches the line by 2e-6.
-    let line = Cable::linear(1e-6, 1e-3, 1e12);
+    // Its weight stretches the line by 1e-4; a device tells strains of 6e-8 apart.
+    let line = Cable::linear(1e-6, 1e-3, 2e10);
     structure.add_cable(&[0, 1], &[length_m], &line, CableKind::Cable);
     structure
 }
