@@ -79,7 +79,7 @@ fn three_lattices() {
     let row = three
         .printed
         .lines()
-        .find(|line| line.contains("unresolved: "));
+        .find(|line| line.starts_with('|') && line.contains("unresolved: "));
     assert!(
         row.is_some_and(|row| row.contains("drag_coefficient")),
         "{}",

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic::{OutputError, write_atomically};
 use super::summary::Quantity;
-use super::summary_table::{NOTHING, significant, value_and_uncertainty};
+use super::summary_table::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
 
 /// Cells of the nominal diameter within which nothing that air does to a sheet is resolved: half the width of the kernel through
 /// which the two meet.
@@ -58,6 +58,9 @@ pub struct ComparisonRow {
     pub resolved: Option<bool>,
     /// Why, in a few words.
     pub why: String,
+    /// The run does not support our value ([`Quantity::unresolved`]).
+    #[serde(default)]
+    pub unresolved: bool,
     /// Remark of the case on the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -97,6 +100,7 @@ impl ComparisonRow {
             relative_difference,
             resolved: None,
             why: String::new(),
+            unresolved: quantity.unresolved.is_some(),
             note: None,
         };
         (row.resolved, row.why) = row.judge(quantity, lattice);
@@ -183,6 +187,11 @@ impl ComparisonRow {
             value
         } else {
             format!("{value} {uncertainty}")
+        };
+        let ours = if self.unresolved {
+            format!("{ours} ({UNRESOLVED})")
+        } else {
+            ours
         };
         let difference = match (self.difference, self.relative_difference) {
             (Some(0.0), _) => "0".to_owned(),

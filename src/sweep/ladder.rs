@@ -287,6 +287,7 @@ impl Rung {
             &lattice,
         );
         own.note.clone_from(&row.note);
+        own.unresolved = row.unresolved;
         own
     }
 

@@ -185,6 +185,7 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let mut text = line(&header);
     text += &format!("|{}\n", "---|".repeat(header.len()));
+    let mut unsupported = false;
     for run in &sweep.runs {
         let mut cells: Vec<String> = sweep
             .leading_keys
@@ -193,19 +194,25 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
             .collect();
         cells.push(run.status.name().to_owned());
         cells.extend(chosen.results.iter().map(|name| {
-            let [value, uncertainty] = value_and_uncertainty(
-                &run.results
-                    .get(name)
-                    .cloned()
-                    .unwrap_or_else(|| Quantity::missing("1", "")),
-            );
-            if uncertainty == "-" {
-                value
+            let known = run.results.get(name).cloned();
+            let quantity = known.unwrap_or_else(|| Quantity::missing("1", ""));
+            let [value, uncertainty] = value_and_uncertainty(&quantity);
+            let mark = if quantity.unresolved.is_some() {
+                unsupported = true;
+                " \\*"
             } else {
-                format!("{value} {uncertainty}")
+                ""
+            };
+            if uncertainty == "-" {
+                format!("{value}{mark}")
+            } else {
+                format!("{value} {uncertainty}{mark}")
             }
         }));
         text += &line(&cells);
+    }
+    if unsupported {
+        text += "\n\\* unresolved: the set-up of that run does not support it; the validity in its summary.json says why\n";
     }
     for run in &sweep.runs {
         if let Some(message) = &run.message {
