@@ -1,56 +1,50 @@
 //! Read-outs of the fabric's solver: what it did since the last sample, and the account of the whole run.
 
+use super::read_out::{self, ReadOut};
 use super::residual;
 use crate::case::scene::Scene;
 use crate::output::{AccountRow, Results};
 use crate::simulation::{Interval, LAST, Simulation, SolverAccount, UNSOLVED_SHARE};
 
-/// A column of the history.
-struct ReadOut {
-    /// Its name, unit included.
-    name: &'static str,
-    /// Its value of the solves since the last sample.
-    of: fn(&Interval) -> f64,
-}
-
-/// In scenes whose fabric moves in time. `docs/case-files.md` says what they mean.
-const COLUMNS: [ReadOut; 3] = [
-    // Solves of the fabric since the last sample that missed their tolerance.
-    ReadOut {
-        name: "unsolved_solves",
-        of: |interval| interval.unsolved as f64,
-    },
-    // Energy norm that the worst of them left, over what the tolerance allows: above 1 it is unsolved.
-    ReadOut {
-        name: "solver_residual",
-        of: |interval| interval.worst_residual,
-    },
-    // Evaluations of the objective in a solve, mean since the last sample.
-    ReadOut {
-        name: "evaluations_per_solve",
-        of: |interval| interval.evaluations as f64 / interval.solves as f64,
-    },
-];
-
-fn has_solves(scene: &Scene) -> bool {
+const fn has_solves(scene: &Scene) -> bool {
     scene.body.is_some() && scene.time.is_some()
 }
 
+/// Columns of the history, of the solves since the last sample.
+const COLUMNS: [ReadOut<Interval>; 3] = [
+    ReadOut {
+        name: "unsolved_solves",
+        unit: "1",
+        meaning: "solves that missed their tolerance: at the limit of evaluations, or stalled",
+        when: has_solves,
+        how: |interval| interval.unsolved as f64,
+    },
+    ReadOut {
+        name: "solver_residual",
+        unit: "1",
+        meaning: "energy norm that the worst of them left, over what the tolerance allows; above 1 it is unsolved",
+        when: has_solves,
+        how: |interval| interval.worst_residual,
+    },
+    ReadOut {
+        name: "evaluations_per_solve",
+        unit: "1",
+        meaning: "evaluations of the energy and its gradient, mean",
+        when: has_solves,
+        how: |interval| interval.evaluations as f64 / interval.solves as f64,
+    },
+];
+
 /// Names of the columns.
 pub(super) fn columns(scene: &Scene) -> Vec<String> {
-    let columns = COLUMNS.iter().filter(|_| has_solves(scene));
-    columns.map(|column| column.name.to_owned()).collect()
+    read_out::columns(&COLUMNS, scene)
 }
 
 /// Their values, and a new interval.
 pub(super) fn values(simulation: &mut Simulation) -> Vec<f64> {
-    if !has_solves(simulation.scene()) {
-        return Vec::new();
-    }
     let interval = simulation.take_solver_interval();
-    COLUMNS
-        .iter()
-        .map(|column| (column.of)(&interval))
+    read_out::of_scene(&COLUMNS, simulation.scene())
+        .map(|row| (row.how)(&interval))
         .collect()
 }
 
