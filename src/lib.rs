@@ -50,7 +50,7 @@
 //! | [`simulation`] | runs the plan | plan, cpu, gpu |
 //! | [`frame`] | host snapshot in SI units | – |
 //! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
-//! | [`validity`] | whether a set-up supports its results, and the error to expect | case, plan, measure, output |
+//! | [`validity`] | whether a set-up supports its results, and the error to expect | case, geometry, plan, measure, frame, output |
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`run`] | a whole run into one folder | all |

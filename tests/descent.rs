@@ -115,8 +115,8 @@ fn falling_disk() {
     let (results, record, case) = fallen(8.0);
     let why = measure::unsettled_fall(&case.scene, &record).unwrap();
     assert!(why.contains("not settled"), "{why}");
-    let note = results.get("terminal_speed_m_s").unwrap().note.clone();
-    assert!(note.unwrap().contains("not settled"));
+    let terminal = results.get("terminal_speed_m_s").unwrap();
+    assert!(terminal.unresolved.clone().unwrap().contains("not settled"));
 }
 
 const TETHER: &str =

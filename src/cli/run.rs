@@ -122,7 +122,7 @@ pub(super) fn validity_text(validity: &[ValidityRow], expected: &[ExpectedError]
         lines.extend(validity.iter().map(|row| format!("  {}", row.line())));
     }
     if !expected.is_empty() {
-        lines.push("error to be expected, within a factor of two:".to_owned());
+        lines.push("error to be expected (bodies: within a factor of two; canopies, wings: from one case each):".to_owned());
         lines.extend(expected.iter().map(|error| format!("  {}", error.line())));
     }
     lines.join("\n")

@@ -203,14 +203,14 @@ impl Window {
             Some(confidence) => quantity.with_confidence(confidence),
             None => quantity,
         };
-        let quantity = quantity.with_note(&format!(
+        let mut quantity = quantity.with_note(&format!(
             "{note}; mean over the last {:.1} lengths of the fall",
             self.lengths
         ));
-        match &self.unsettled {
-            Some(_) => quantity.with_note("not settled"),
-            None => quantity,
+        if self.unsettled.is_some() {
+            quantity.mark_unresolved("the fall has not settled");
         }
+        quantity
     }
 }
 

@@ -35,6 +35,8 @@ const CLOSED: Ladders = Ladders {
         [5.0, 0.0007],
     ],
     sponge: &[
+        [-1.0, 2.15],
+        [-0.5, 1.09],
         [0.0, 0.866],
         [0.5, 0.186],
         [1.0, 0.069],
@@ -43,9 +45,9 @@ const CLOSED: Ladders = Ladders {
     ],
 };
 
-/// A disk across the stream at Reynolds number 1000; its drag hardly depends on cells from 6 on.
+/// A disk across the stream at Reynolds number 1000; from 6 cells on its drag keeps within 3 %.
 const FLAT: Ladders = Ladders {
-    cells: &[[4.0, 0.18], [6.0, 0.03], [12.0, 0.015], [24.0, 0.005]],
+    cells: &[[4.0, 0.18], [6.0, 0.03], [24.0, 0.03]],
     inlet: &[
         [0.8, 0.583],
         [1.2, 0.226],
@@ -88,8 +90,9 @@ const WALLS_OF_CANOPIES: f64 = 1.85 * 0.8;
 /// Over the cells across D_0: what they add to the mean drag of a canopy.
 const CELLS_OF_CANOPIES: f64 = 1.2;
 
-/// Cells across the chord, and what they take off the slope of the lift.
-const LIFT: [[f64; 2]; 3] = [[16.0, -0.76], [24.0, -0.68], [48.0, -0.6]];
+/// What is missing of the lift over the angle, seen at 24 cells per chord alone, and the cells up to which nothing better was seen.
+const LIFT: f64 = -0.68;
+const LIFT_CELLS: f64 = 48.0;
 
 /// Logarithms of both, between two points and on beyond the first and the last as between the nearest two.
 fn interpolated(points: &[[f64; 2]], at: f64, log_places: bool) -> f64 {
@@ -138,14 +141,10 @@ pub fn expected_errors(scene: &Scene) -> Vec<ExpectedError> {
     let of_subject = |of: &Subject| {
         let (quantity, parts) = match of.kind {
             Kind::Canopy | Kind::Round | Kind::Rigid if of.held => ("mean drag", parts_of_drag(of)),
-            Kind::Wing => {
-                let cells = of.cells().min(LIFT[LIFT.len() - 1][0]);
-                let lost = -interpolated(&LIFT.map(|[x, y]| [x, -y]), cells, true);
-                (
-                    "lift over the angle",
-                    vec![("trailing edge within the kernel".to_owned(), lost.max(-1.0))],
-                )
-            }
+            Kind::Wing if of.cells() <= LIFT_CELLS => (
+                "lift over the angle",
+                vec![("trailing edge within the kernel".to_owned(), LIFT)],
+            ),
             _ => return None,
         };
         let quantity = if of.name.is_empty() {

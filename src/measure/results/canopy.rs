@@ -7,7 +7,7 @@ use crate::measure::blockage::THREE_DIMENSIONS;
 use crate::measure::record::largest as largest_of;
 use crate::measure::statistics::Mean;
 use crate::measure::{Record, bodies};
-use crate::output::{Quantity, Results};
+use crate::output::{Quantity, Results, Supports};
 use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 
 /// As close as times of samples come [D₀/U].
@@ -113,6 +113,12 @@ pub(super) fn results(results: &mut Results, record: &Record, canopy: &Canopy, a
         );
     }
     insert_balances(results, record, &window, released, drag.value);
+    if indicative.is_some() {
+        let means = results.iter_mut();
+        for (_, mean) in means.filter(|(name, _)| Supports::Means.covers(name)) {
+            mean.mark_unresolved("the wake has not settled");
+        }
+    }
 }
 
 /// Drag coefficient without the walls of the tunnel, by Macha & Buffington (1990), "Wall-interference corrections for parachutes in a
