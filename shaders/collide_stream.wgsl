@@ -15,6 +15,8 @@ const SPONGE_RELAXATION_TIME: f32 = 1.0;
 override OUTLET_RELAXATION: f32 = 0.0;
 // Delay of sound between the last cell and the outlet's ghost [steps].
 override OUTLET_DELAY: f32 = 0.0;
+// Threads of a workgroup of this stage; all others have WORKGROUP.
+override COLLIDE_WORKGROUP: u32 = WORKGROUP;
 const SOUND_SPEED: f32 = 0.57735026919;
 
 struct StepParameters {
@@ -43,7 +45,7 @@ struct Place {
 }
 
 fn place(group: vec3<u32>, local: u32) -> Place {
-    let in_plane = group.x * WORKGROUP + local;
+    let in_plane = group.x * COLLIDE_WORKGROUP + local;
     let row = in_plane / STRIDE_Y;
     let column = in_plane - row * STRIDE_Y;
     let plane = step.first_plane + group.y;
@@ -103,7 +105,7 @@ fn send_ghosts(p: Place, out: Populations) {
     }
 }
 
-@compute @workgroup_size(WORKGROUP)
+@compute @workgroup_size(COLLIDE_WORKGROUP)
 fn collide_stream(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let p = place(group, local);
     if p.inside {
@@ -111,7 +113,7 @@ fn collide_stream(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     }
 }
 
-@compute @workgroup_size(WORKGROUP)
+@compute @workgroup_size(COLLIDE_WORKGROUP)
 fn collide_stream_accelerated(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let p = place(group, local);
     if p.inside {
@@ -119,7 +121,7 @@ fn collide_stream_accelerated(@builtin(workgroup_id) group: vec3<u32>, @builtin(
     }
 }
 
-@compute @workgroup_size(WORKGROUP)
+@compute @workgroup_size(COLLIDE_WORKGROUP)
 fn collide_stream_forced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let p = place(group, local);
     if !p.inside {

@@ -48,6 +48,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     } = arguments.case.prepare()?;
     let interrupt = interrupt_flag("the run");
     let mut progress = Progress::new();
+    if let (true, Some(device)) = (arguments.profile, &device) {
+        device.measure_latencies(profile::LATENCY_TIME)?;
+        device.time_passes();
+    }
     let result = run::run(
         Order {
             case: &case,
@@ -66,7 +70,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Ok(report) => {
             emit(&report_text(&report, &arguments.out))?;
             if arguments.profile {
-                emit(&profile::table(&report.summary))?;
+                emit(&profile::text(&report.summary))?;
             }
             if let Some(what) = &report.unbalanced {
                 return Err(Failure::Other(

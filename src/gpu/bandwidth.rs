@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use super::device::Device;
 use super::error::DeviceError;
-use super::pipeline::compute_pass;
 use super::shaders;
 
 /// Bytes read and written per second when a shader copies `bytes` `repeats` times; the best of three.
@@ -20,7 +19,7 @@ pub fn copy_bandwidth(device: &Device, bytes: u64, repeats: u32) -> Result<f64, 
     let copy = |count: u32| -> Result<(), DeviceError> {
         let mut commands = device.record("copy");
         {
-            let mut pass = compute_pass(&mut commands, "copy");
+            let mut pass = commands.pass("copy");
             for _ in 0..count {
                 bound.dispatch(&mut pass, groups);
             }

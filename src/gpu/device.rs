@@ -5,13 +5,18 @@
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::time::{Duration, Instant};
 
 use bytemuck::Pod;
 
 use super::adapters::{self, AdapterChoice, AdapterInfo};
+use super::commands::Commands;
 use super::error::DeviceError;
+use super::latency::Latencies;
+use super::meter::{DeviceWork, Meter};
+use super::tuning::Tuning;
 
 /// Submissions in flight before the host waits for the oldest: enough to keep a device busy, few enough that what they hold is
 /// released soon.
@@ -21,7 +26,11 @@ const IN_FLIGHT: usize = 3;
 pub(super) const TRANSFER_BYTES: u64 = 32 << 20;
 
 /// How long the host waits for a submission before it declares the device lost.
-const TIMEOUT: Duration = Duration::from_secs(120);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(120);
+
+/// Features taken where an adapter offers them: populations in 16 bits, and the clock of `--profile`.
+const WANTED_FEATURES: wgpu::Features =
+    wgpu::Features::SHADER_F16.union(wgpu::Features::TIMESTAMP_QUERY);
 
 type Fault = Arc<Mutex<Option<DeviceError>>>;
 
@@ -34,6 +43,9 @@ pub struct Device {
     limits: wgpu::Limits,
     fault: Fault,
     in_flight: Mutex<VecDeque<wgpu::SubmissionIndex>>,
+    pub(super) meter: Arc<Meter>,
+    pub(super) latencies: OnceLock<Latencies>,
+    tuning: Tuning,
 }
 
 fn note(fault: &Fault, error: DeviceError) {
@@ -49,11 +61,16 @@ fn note(fault: &Fault, error: DeviceError) {
 impl Device {
     /// Opens an adapter with all the limits it offers.
     pub fn open(choice: &AdapterChoice) -> Result<Arc<Self>, DeviceError> {
+        Self::open_tuned(choice, Tuning::default())
+    }
+
+    /// The same, with choices that a benchmark compares.
+    pub fn open_tuned(choice: &AdapterChoice, tuning: Tuning) -> Result<Arc<Self>, DeviceError> {
         let (adapter, info) = adapters::take(choice)?;
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("ripstop"),
-            required_features: adapter.features() & wgpu::Features::SHADER_F16,
+            required_features: adapter.features() & WANTED_FEATURES,
             required_limits: limits.clone(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..wgpu::DeviceDescriptor::default()
@@ -81,6 +98,9 @@ impl Device {
             limits,
             fault,
             in_flight: Mutex::default(),
+            meter: Arc::default(),
+            latencies: OnceLock::new(),
+            tuning,
         }))
     }
 
@@ -88,6 +108,18 @@ impl Device {
     #[must_use]
     pub const fn info(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// What a benchmark chose otherwise.
+    #[must_use]
+    pub const fn tuning(&self) -> Tuning {
+        self.tuning
+    }
+
+    /// All that was asked of the device so far.
+    #[must_use]
+    pub fn work(&self) -> DeviceWork {
+        self.meter.work()
     }
 
     /// Largest width and height of a texture [px].
@@ -223,23 +255,20 @@ impl Device {
         let mut done = 0;
         for chunk in bytes.chunks(TRANSFER_BYTES as usize) {
             self.queue.write_buffer(buffer, start + done, chunk);
+            self.meter.wrote(chunk.len() as u64);
             done += chunk.len() as u64;
             if done < bytes.len() as u64 {
                 // A staging buffer each; they are released once submitted.
                 self.queue.submit([]);
+                self.meter.submitted();
             }
         }
     }
 
-    /// Starts recording commands.
-    pub(super) fn record(&self, label: &str) -> wgpu::CommandEncoder {
-        self.raw
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
-    }
-
     /// Submits commands, waiting for older ones if too many are in flight.
-    pub(super) fn submit(&self, commands: wgpu::CommandEncoder) {
-        let index = self.queue.submit([commands.finish()]);
+    pub(super) fn submit_raw(&self, commands: wgpu::CommandBuffer) {
+        self.meter.submitted();
+        let index = self.queue.submit([commands]);
         let oldest = {
             let mut in_flight = self
                 .in_flight
@@ -253,12 +282,19 @@ impl Device {
             }
         };
         if oldest.is_some() {
-            self.poll(oldest);
+            self.poll_counted(oldest);
         }
     }
 
+    /// [`Device::poll`], its time counted as time that the host waited.
+    fn poll_counted(&self, submission_index: Option<wgpu::SubmissionIndex>) {
+        let start = Instant::now();
+        self.poll(submission_index);
+        self.meter.waited(start.elapsed());
+    }
+
     /// Waits for a submission (the last one if `None`); a failure is kept for [`Device::check`].
-    fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) {
+    pub(super) fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) {
         if self.check().is_err() {
             // A device that has failed is not asked again: every answer would take the whole timeout.
             return;
@@ -285,7 +321,7 @@ impl Device {
 
     /// Waits until everything submitted is done.
     pub fn wait(&self) -> Result<(), DeviceError> {
-        self.poll(None);
+        self.poll_counted(None);
         self.in_flight
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
@@ -339,19 +375,19 @@ impl Staging {
     /// Records a copy of `bytes` from `source` at byte `from` to byte `to` here.
     pub(super) fn copy(
         &self,
-        commands: &mut wgpu::CommandEncoder,
+        commands: &mut Commands,
         source: &wgpu::Buffer,
         from: u64,
         to: u64,
         bytes: u64,
     ) {
-        commands.copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
+        commands.raw.copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
     }
 
     /// Records a copy of rows of pixels from a texture, each padded to `bytes_per_row`, a multiple of 256.
     pub(super) fn copy_rows(
         &self,
-        commands: &mut wgpu::CommandEncoder,
+        commands: &mut Commands,
         source: &wgpu::Texture,
         rows: std::ops::Range<u32>,
         bytes_per_row: u32,
@@ -371,7 +407,7 @@ impl Staging {
             height: rows.end - rows.start,
             depth_or_array_layers: 1,
         };
-        commands.copy_texture_to_buffer(from, to, size);
+        commands.raw.copy_texture_to_buffer(from, to, size);
     }
 
     /// Waits for what was submitted and shows the bytes.
@@ -387,12 +423,35 @@ impl Staging {
                 let _ = sender.send(result.is_ok());
             });
         device.wait()?;
+        device.meter.mapped(self.bytes);
         // Another thread that polls at the same time may be the one that brings the answer, a little later.
         if receiver.recv_timeout(TIMEOUT) != Ok(true) {
             return Err(DeviceError::Lost(
                 "results could not be read back".to_owned(),
             ));
         }
+        self.show(device, show)
+    }
+
+    /// The same, but `spin` waits for the flag that is set as soon as the bytes are there.
+    pub(super) fn read_spinning(
+        &self,
+        device: &Device,
+        spin: impl FnOnce(&AtomicBool) -> Result<(), DeviceError>,
+    ) -> Result<(), DeviceError> {
+        let done = Arc::new(AtomicBool::new(false));
+        let set = Arc::clone(&done);
+        // A failure is on record with the device.
+        self.buffer
+            .map_async(wgpu::MapMode::Read, 0..self.bytes, move |_| {
+                set.store(true, Ordering::Release);
+            });
+        spin(&done)?;
+        device.meter.mapped(self.bytes);
+        self.show(device, |_| {})
+    }
+
+    fn show(&self, device: &Device, show: impl FnOnce(&[u8])) -> Result<(), DeviceError> {
         {
             let view = self
                 .buffer

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`adapters`] | the adapters of this machine, which one a run takes |
 //! | [`device`] | an open device: buffers, transfers, submissions, late faults |
+//! | `commands`, `meter`, `pass_clock` | commands as they are recorded, counted, and timed on request |
+//! | [`bandwidth`], [`latency`], `tuning` | what a device can do, and choices that a benchmark compares |
 //! | [`fluid`] | the air: collide–stream, boundaries, fields and balances |
 //! | [`immersed`] | markers: interpolate, spread |
 //! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
@@ -14,16 +16,24 @@
 
 pub mod adapters;
 pub mod bandwidth;
+mod commands;
 pub mod cloth;
 pub mod device;
 mod error;
 pub mod fluid;
 pub mod immersed;
+pub mod latency;
+mod meter;
 pub mod multigrid;
+mod pass_clock;
 pub mod pipeline;
 pub mod raster;
 pub mod shaders;
+mod tuning;
 
 pub use adapters::{AdapterChoice, AdapterInfo, AdapterKind};
 pub use device::Device;
 pub use error::DeviceError;
+pub use meter::DeviceWork;
+pub use pass_clock::PassTime;
+pub use tuning::{Padding, Tuning};

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
+use super::commands::Pass;
 use super::device::Device;
 use super::error::DeviceError;
 use super::shaders::Shader;
@@ -88,7 +89,7 @@ impl Device {
             .collect();
         let raw_module = self
             .guarded(shader.name, || {
-                self.raw.create_shader_module(wgpu::ShaderModuleDescriptor {
+                self.shader_module(wgpu::ShaderModuleDescriptor {
                     label: Some(shader.name),
                     source: wgpu::ShaderSource::Wgsl(shader.source().into()),
                 })
@@ -126,6 +127,23 @@ impl Device {
         }
         made.try_into()
             .map_err(|_| refused(shader.name, "entry points are missing".to_owned()))
+    }
+
+    /// A module that checks the bounds of its buffers, unless a benchmark wants to know what the checks cost.
+    #[allow(
+        unsafe_code,
+        reason = "what bounds checks cost can be measured in no other way; no run takes this path (src/gpu/tuning.rs)"
+    )]
+    fn shader_module(&self, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
+        if self.tuning().bounds_checks {
+            return self.raw.create_shader_module(descriptor);
+        }
+        // SAFETY: every index in `shaders/` is a cell, marker or node of the arrays bound beside it; the same set-ups run with the checks
+        // on in the tests of all engines, with the same bits.
+        unsafe {
+            self.raw
+                .create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
+        }
     }
 
     /// Gives a pipeline its buffers by name; names that the entry point does not use are left out.
@@ -172,20 +190,7 @@ impl Device {
 
 impl Bound {
     /// Records a dispatch of workgroups along x and y.
-    pub(super) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, [x, y]: [u32; 2]) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
-        pass.dispatch_workgroups(x, y, 1);
+    pub(super) fn dispatch(&self, pass: &mut Pass<'_>, groups: [u32; 2]) {
+        pass.dispatch(&self.pipeline, &self.group, groups);
     }
-}
-
-/// Begins a compute pass.
-pub(super) fn compute_pass<'a>(
-    commands: &'a mut wgpu::CommandEncoder,
-    label: &'a str,
-) -> wgpu::ComputePass<'a> {
-    commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
-        label: Some(label),
-        timestamp_writes: None,
-    })
 }

@@ -124,7 +124,7 @@ impl Rasteriser {
             let [colours, depths, resolved] = [&colours, &depths, &target]
                 .map(|texture| texture.create_view(&Default::default()));
             let mut commands = device.record("picture");
-            let mut pass = commands.begin_render_pass(&wgpu::RenderPassDescriptor {
+            let mut pass = commands.raw.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("picture"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &colours,

@@ -70,6 +70,7 @@ stored_shaders! {
 shaders! {
     SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
     REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "repeat_forcing.wgsl";
+    EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     RASTER = "raster": "raster.wgsl";
     NODAL_FORCES = "nodal_forces":

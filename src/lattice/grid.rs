@@ -172,9 +172,18 @@ impl Grid {
     /// The same grid with rows padded, so that the element of the first cell (x = 0) of every row is a multiple of `alignment`.
     #[must_use]
     pub const fn aligned(cells: [usize; 3], alignment: usize) -> Self {
-        let stride_y = (cells[0] + 2).next_multiple_of(alignment);
-        let stride_z = stride_y * (cells[1] + 2);
-        let lead = alignment - 1;
+        Self::with_strides(cells, [alignment, 1], alignment - 1)
+    }
+
+    /// The same grid with rows and planes padded to multiples of so many elements each, from the first ghost cell on.
+    #[must_use]
+    pub const fn padded(cells: [usize; 3], multiples: [usize; 2]) -> Self {
+        Self::with_strides(cells, multiples, 0)
+    }
+
+    const fn with_strides(cells: [usize; 3], [rows, planes]: [usize; 2], lead: usize) -> Self {
+        let stride_y = (cells[0] + 2).next_multiple_of(rows);
+        let stride_z = (stride_y * (cells[1] + 2)).next_multiple_of(planes);
         let mut pair_shifts = [0; 9];
         let mut pair = 0;
         while pair < 9 {
@@ -198,12 +207,15 @@ impl Grid {
         let Self {
             cells,
             stride_y,
+            stride_z,
             lead,
             ..
         } = *self;
-        (0..(cells[1] + 2) * (cells[2] + 2)).map(move |row| {
-            let first = lead + row * stride_y;
-            first..first + cells[0] + 2
+        (0..cells[2] + 2).flat_map(move |z| {
+            (0..cells[1] + 2).map(move |y| {
+                let first = lead + y * stride_y + z * stride_z;
+                first..first + cells[0] + 2
+            })
         })
     }
 

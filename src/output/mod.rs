@@ -9,6 +9,7 @@ mod account;
 mod atomic;
 mod chart;
 mod comparison;
+mod device_use;
 mod history;
 mod patterns;
 mod pvd;
@@ -26,6 +27,7 @@ pub use comparison::{
     ComparisonRow, LatticeError, UNRESOLVED_CELLS, comparison_markdown, comparison_text,
     write_comparison,
 };
+pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, DeviceUse};
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};

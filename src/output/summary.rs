@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::account::AccountRow;
 use super::atomic::{OutputError, write_atomically};
 use super::comparison::ComparisonRow;
+use super::device_use::DeviceUse;
 use super::validity::{ExpectedError, ValidityRow};
 
 /// Version of the layout of `summary.json`; raised when a field changes its meaning or goes away.
@@ -68,6 +69,9 @@ pub struct Summary {
     /// Where the time of the steps went, stage by stage in the order of a step.
     #[serde(default)]
     pub stages: Vec<StageTime>,
+    /// What the run asked of its device; `None` where none computes.
+    #[serde(default)]
+    pub device_use: Option<DeviceUse>,
     /// Why and when the run ended.
     pub stop: StopInfo,
     /// What was asked for but not done, one sentence each.

@@ -40,6 +40,7 @@ fn summary() -> Summary {
         milliseconds_per_step: MillisecondsPerStep::default(),
         structure_every: None,
         stages: Vec::new(),
+        device_use: None,
         stop: StopInfo {
             reason: "end time reached".to_owned(),
             when_s: 1.5,

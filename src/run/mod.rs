@@ -2,6 +2,7 @@
 
 mod animation;
 mod cadence;
+mod device_use;
 mod equilibrium;
 mod files;
 mod lattices;

@@ -199,6 +199,7 @@ pub(super) fn summarise(
                 seconds: cost.of(planned.stage).time.as_secs_f64(),
             })
             .collect(),
+        device_use: super::device_use::of(simulation),
         stop: StopInfo {
             reason,
             when_s: simulation.time_s(),

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::gpu::DeviceWork;
 use crate::plan::Stage;
 
 /// Wall time per stage and work done.
@@ -31,7 +32,11 @@ pub struct Cost {
     pub timed_cells: u64,
     /// Steps whose stages were timed: all, or some where a device works while the host goes on.
     pub timed_steps: u64,
-    /// What every stage took in those steps, in the order of [`Stage::ALL`].
+    /// Steps done.
+    pub steps: u64,
+    /// What had been asked of the device before the first.
+    pub device_before: DeviceWork,
+    /// What every stage took in the timed steps, in the order of [`Stage::ALL`].
     pub stages: [StageCost; Stage::ALL.len()],
 }
 
@@ -42,6 +47,8 @@ pub struct StageCost {
     pub calls: u64,
     /// Wall time.
     pub time: Duration,
+    /// What it asked of the device, in all steps.
+    pub device: DeviceWork,
 }
 
 impl Cost {

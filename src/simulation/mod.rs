@@ -117,6 +117,7 @@ pub struct Simulation {
 impl Simulation {
     /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
     pub fn new(scene: Scene, plan: Plan, device: Option<Arc<Device>>) -> Result<Self, Failure> {
+        let device_before = device.as_ref().map(|d| d.work()).unwrap_or_default();
         let air = scene
             .air
             .as_ref()
@@ -137,6 +138,7 @@ impl Simulation {
             );
         }
         let mut simulation = Self::assemble(scene, plan, device, air, cloth)?;
+        simulation.cost.device_before = device_before;
         simulation.opening = opening;
         if simulation.plan.start_steps == 0 {
             simulation.start_impulses()?;
@@ -250,6 +252,7 @@ impl Simulation {
             // What earlier steps left in the queue is not this step's.
             device.wait()?;
         }
+        let mut asked = self.device_work();
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
             let due = self.is_due(planned);
@@ -271,11 +274,15 @@ impl Simulation {
                 // Files belong to the caller, which sees frames.
                 Stage::Output => {}
             }
+            let asked_before = asked;
+            asked = self.device_work();
+            self.cost.stages[planned.stage as usize].device += asked.since(&asked_before);
             if !timed {
                 continue;
             }
             if let Some(device) = &self.device {
                 device.wait()?;
+                asked = device.work();
             }
             let elapsed = start.elapsed();
             let cost = &mut self.cost.stages[planned.stage as usize];
@@ -308,6 +315,7 @@ impl Simulation {
             descent.end_step();
         }
         self.step += 1;
+        self.cost.steps += 1;
         if self.step == self.plan.start_steps {
             self.start_impulses()?;
         }

@@ -1,5 +1,7 @@
 //! What others read of a simulation: its scene and plan, time, speed of the wind, and the engines' states.
 
+use std::sync::Arc;
+
 use super::{
     AirEngine, Cadence, Cost, Coupled, Impulses, Interval, Opening, Origin, Simulation,
     SolverAccount,
@@ -7,7 +9,7 @@ use super::{
 use crate::case::Scene;
 use crate::case::scene::Flow;
 use crate::cpu::cloth::Cloth;
-use crate::gpu::DeviceError;
+use crate::gpu::{Device, DeviceError, DeviceWork};
 use crate::plan::Plan;
 use crate::solve::lbfgs::Outcome;
 
@@ -110,6 +112,17 @@ impl Simulation {
     #[must_use]
     pub const fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// The device that computes, if one does.
+    #[must_use]
+    pub const fn device(&self) -> Option<&Arc<Device>> {
+        self.device.as_ref()
+    }
+
+    /// All that was asked of the device so far.
+    pub(super) fn device_work(&self) -> DeviceWork {
+        self.device.as_ref().map(|d| d.work()).unwrap_or_default()
     }
 
     /// How the solves of the fabric ended, from the start of the run.

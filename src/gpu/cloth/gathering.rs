@@ -3,6 +3,7 @@
 //!
 //! One dispatch per kind of element that the structure has, then one over the nodes; nothing is added atomically.
 
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline};
@@ -77,7 +78,7 @@ impl Gathering {
 
 impl BoundGathering {
     /// Records all dispatches.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>) {
+    pub fn dispatch(&self, pass: &mut Pass<'_>) {
         for (bound, groups) in &self.0 {
             bound.dispatch(pass, *groups);
         }

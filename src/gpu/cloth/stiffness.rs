@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use crate::cloth::Structure;
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::sliced::Sliced;
@@ -145,7 +146,7 @@ impl Stiffness {
     }
 
     /// Records all dispatches; the matrix must have been cleared.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, moving: bool) {
+    pub fn dispatch(&self, pass: &mut Pass<'_>, moving: bool) {
         for (bound, groups) in self
             .dispatches
             .iter()

@@ -7,7 +7,7 @@
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::Multigrid;
-use crate::gpu::pipeline::compute_pass;
+use crate::gpu::commands::{Commands, Pass};
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 use super::gathering::BoundGathering;
@@ -124,7 +124,7 @@ impl<'a> Space<'a> {
         &mut self,
         stage: ClothStage,
         rows: &[[u32; 4]],
-        dispatches: impl FnOnce(&Self, &mut wgpu::CommandEncoder) -> Result<(), DeviceError>,
+        dispatches: impl FnOnce(&Self, &mut Commands) -> Result<(), DeviceError>,
     ) -> Result<(f64, Vec<Product>), DeviceError> {
         let workspace = self.workspace;
         self.upload(stage);
@@ -133,7 +133,7 @@ impl<'a> Space<'a> {
         self.combine_now(&mut commands);
         dispatches(self, &mut commands)?;
         {
-            let mut pass = compute_pass(&mut commands, "cloth");
+            let mut pass = commands.pass("cloth products");
             workspace
                 .products
                 .dispatch(&mut pass, [workspace.product_strides, rows.len() as u32]);
@@ -154,14 +154,14 @@ impl<'a> Space<'a> {
     }
 
     /// Records the program that was uploaded.
-    fn combine_now(&self, commands: &mut wgpu::CommandEncoder) {
-        let mut pass = compute_pass(commands, "cloth combine");
+    fn combine_now(&self, commands: &mut Commands) {
+        let mut pass = commands.pass("cloth combine");
         let groups = [self.workspace.strides, 1];
         self.workspace.combine.dispatch(&mut pass, groups);
     }
 
     /// Energy and gradient of the point; and H₀ times the gradient where H₀ is block-Jacobi.
-    fn evaluate(&self, pass: &mut wgpu::ComputePass<'_>) {
+    fn evaluate(&self, pass: &mut Pass<'_>) {
         match &self.multigrid {
             Some(hessian) => hessian.gradient.dispatch(pass),
             None => self.workspace.forces.dispatch(pass),
@@ -171,7 +171,7 @@ impl<'a> Space<'a> {
     /// H₀ times vectors, (from, to).
     fn precondition(
         &self,
-        commands: &mut wgpu::CommandEncoder,
+        commands: &mut Commands,
         transforms: &[[u32; 2]],
     ) -> Result<(), DeviceError> {
         let workspace = self.workspace;
@@ -185,7 +185,7 @@ impl<'a> Space<'a> {
             return Ok(());
         }
         self.device.write(&workspace.transforms, 0, transforms);
-        let mut pass = compute_pass(commands, "cloth precondition");
+        let mut pass = commands.pass("cloth precondition");
         workspace
             .precondition
             .dispatch(&mut pass, [workspace.strides, transforms.len() as u32]);
@@ -203,9 +203,9 @@ impl<'a> Space<'a> {
         let Some(hessian) = &self.multigrid else {
             return Ok(());
         };
-        commands.clear_buffer(hessian.multigrid.finest()?.0, 0, None);
+        commands.raw.clear_buffer(hessian.multigrid.finest()?.0, 0, None);
         {
-            let mut pass = compute_pass(&mut commands, "cloth stiffness");
+            let mut pass = commands.pass("cloth stiffness");
             hessian
                 .stiffness
                 .dispatch(&mut pass, self.stage.inertia > 0.0);
@@ -216,7 +216,7 @@ impl<'a> Space<'a> {
     }
 
     /// Records block-Jacobi around the point, where it is H₀.
-    fn rebuild_blocks(&self, pass: &mut wgpu::ComputePass<'_>) {
+    fn rebuild_blocks(&self, pass: &mut Pass<'_>) {
         if self.multigrid.is_none() {
             self.workspace.blocks.dispatch(pass);
         }
@@ -301,7 +301,7 @@ impl VectorSpace for Space<'_> {
         self.rebuild(stage, true)?;
         let (_, products) = self.run(stage, &rows, |space, commands| {
             {
-                let mut pass = compute_pass(commands, "cloth start");
+                let mut pass = commands.pass("cloth start");
                 space.rebuild_blocks(&mut pass);
                 space.evaluate(&mut pass);
             }
@@ -355,7 +355,7 @@ impl VectorSpace for Space<'_> {
         let (length, products) = self.run(stage, &rows, |space, commands| {
             let workspace = space.workspace;
             {
-                let mut pass = compute_pass(commands, "cloth attempt");
+                let mut pass = commands.pass("cloth attempt");
                 workspace
                     .advance
                     .dispatch(&mut pass, [workspace.strides, 1]);
@@ -412,7 +412,7 @@ impl VectorSpace for Space<'_> {
         }
         self.rebuild(stage, false)?;
         let (_, products) = self.run(stage, &rows, |space, commands| {
-            space.rebuild_blocks(&mut compute_pass(commands, "cloth blocks"));
+            space.rebuild_blocks(&mut commands.pass("cloth blocks"));
             space.precondition(commands, &transforms)
         })?;
         let [norm, drive, ref rest @ ..] = products[..] else {

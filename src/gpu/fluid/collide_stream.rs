@@ -6,9 +6,9 @@
 use std::time::{Duration, Instant};
 
 use super::eddy_viscosity::HeldEddyViscosity;
-use super::{Bound, Fluid, ForceBox, compute_pass};
+use super::{Bound, Fluid, ForceBox};
+use crate::gpu::commands::{Commands, Pass};
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::WORKGROUP;
 use crate::gpu::shaders::parameters;
 
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
@@ -82,7 +82,7 @@ impl Fluid {
             self.device.write(&self.step_parameters, 0, &[parameters]);
             let mut commands = self.device.record("collide_stream");
             {
-                let mut pass = compute_pass(&mut commands, "collide_stream");
+                let mut pass = commands.pass("collide_stream");
                 bound.dispatch(&mut pass, [self.groups_per_plane(), count as u32]);
                 if first + count == planes {
                     self.record_boundaries(&mut pass, parity);
@@ -117,7 +117,7 @@ impl Fluid {
             let count = at_once.min(left).min(32);
             let mut commands = self.device.record("collide_stream");
             {
-                let mut pass = compute_pass(&mut commands, "collide_stream");
+                let mut pass = commands.pass("collide_stream");
                 for _ in 0..count {
                     self.record_eddy_viscosity(&mut pass, cells);
                     let parity = usize::from(self.odd);
@@ -134,7 +134,7 @@ impl Fluid {
     }
 
     /// Recorded after the sweep of a step of the given parity.
-    fn record_boundaries(&self, pass: &mut wgpu::ComputePass<'_>, parity: usize) {
+    fn record_boundaries(&self, pass: &mut Pass<'_>, parity: usize) {
         if let Some(boundaries) = &self.boundaries {
             let (bound, groups) = &boundaries[1 - parity];
             bound.dispatch(pass, *groups);
@@ -142,7 +142,9 @@ impl Fluid {
     }
 
     fn groups_per_plane(&self) -> u32 {
-        self.grid.stride_z.div_ceil(WORKGROUP as usize) as u32
+        self.grid
+            .stride_z
+            .div_ceil(self.device.tuning().workgroup as usize) as u32
     }
 
     /// Planes that one submission may hold.
@@ -160,7 +162,7 @@ impl Fluid {
     /// also compile, or find a device still asleep, take longer.
     fn submit_timed(
         &mut self,
-        commands: wgpu::CommandEncoder,
+        commands: Commands,
         planes: usize,
     ) -> Result<(), DeviceError> {
         if self.timed_submissions >= TIMED_SUBMISSIONS {

@@ -1,7 +1,7 @@
 //! What crosses the faces of a box of cells, step by step, on the device. The sums of a step stay there in a ring, so that keeping
 //! the balance costs no wait; the host adds them up in double precision when it asks, or when the ring is full.
 
-use super::{Bound, Fluid, by_number, compute_pass};
+use super::{Bound, Fluid, by_number};
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::{self, parameters};
 use crate::lattice::DIRECTIONS;
@@ -110,7 +110,7 @@ impl Fluid {
         self.device.write(&watch.ring, 0, &[place]);
         let mut commands = self.device.record("outflow");
         {
-            let mut pass = compute_pass(&mut commands, "outflow");
+            let mut pass = commands.pass("outflow");
             side.bound
                 .dispatch(&mut pass, self.device.workgroups(64 * portions as u64));
         }

@@ -3,7 +3,8 @@
 //!
 //! A thread reads the populations of its cell and of six neighbours; the caches serve six of the seven, so that no velocity is stored.
 
-use super::{Bound, Fluid, by_parity, compute_pass};
+use super::{Bound, Fluid, by_parity};
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::{self, parameters};
@@ -121,7 +122,7 @@ impl Fluid {
             self.write_eddy_parameters(first, at_once);
             let mut commands = self.device.record("eddy_viscosity");
             {
-                let mut pass = compute_pass(&mut commands, "eddy_viscosity");
+                let mut pass = commands.pass("eddy_viscosity");
                 self.record_eddy_viscosity(&mut pass, at_once.min(count - first));
             }
             self.device.submit(commands);
@@ -155,7 +156,7 @@ impl Fluid {
     }
 
     /// Records the stage for `cells` cells from the first of the parameters, if the step to come asks for it.
-    pub(super) fn record_eddy_viscosity(&mut self, pass: &mut wgpu::ComputePass<'_>, cells: u64) {
+    pub(super) fn record_eddy_viscosity(&mut self, pass: &mut Pass<'_>, cells: u64) {
         let (step, parity) = (self.steps, usize::from(self.odd));
         let groups = self.device.workgroups(cells);
         if let Some(held) = &mut self.held_eddy_viscosity

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Bound, Fluid, by_parity, compute_pass};
+use super::{Bound, Fluid, by_parity};
 use crate::gpu::device::{Device, TRANSFER_BYTES};
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::WORKGROUP;
@@ -131,12 +131,12 @@ impl Fluid {
         (cells / group).max(1) * group
     }
 
-    fn dispatch(&self, bound: &Bound, mut region: Region, threads: u64, label: &str) {
+    fn dispatch(&self, bound: &Bound, mut region: Region, threads: u64, label: &'static str) {
         region.at_once = threads as u32;
         self.device.write(&self.macroscopic.region, 0, &[region]);
         let mut commands = self.device.record(label);
         {
-            let mut pass = compute_pass(&mut commands, label);
+            let mut pass = commands.pass(label);
             bound.dispatch(&mut pass, self.device.workgroups(threads));
         }
         self.device.submit(commands);

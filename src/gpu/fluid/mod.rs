@@ -17,8 +17,9 @@ use rayon::prelude::*;
 use super::device::Device;
 use super::error::DeviceError;
 use super::immersed::ForceBox;
-use super::pipeline::{Bound, Pipeline, WORKGROUP, compute_pass};
+use super::pipeline::{Bound, Pipeline};
 use super::shaders::{self, parameters};
+use super::tuning::{Padding, Tuning};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::grid::{Grid, Initial, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
@@ -31,6 +32,9 @@ use macroscopic::Macroscopic;
 
 /// Scale of populations in 16 bits (`storage_f16.wgsl`).
 const F16_SCALE: f32 = 32768.0;
+
+/// Elements that padded rows or planes are multiples of: a warp, and a line of 128 bytes.
+const PADDED_ELEMENTS: usize = 32;
 
 /// A pipeline with the workgroups that it needs.
 type Counted = (Bound, [u32; 2]);
@@ -85,12 +89,12 @@ impl Fluid {
         storage: Storage,
         initial: Option<&Initial>,
     ) -> Result<Self, DeviceError> {
-        let grid = Grid::new(setup.cells);
+        let grid = padded(setup.cells, device.tuning().padding);
         if storage == Storage::F16 {
             device.require_f16()?;
         }
         let bytes = storage.bytes() * grid.total as u64;
-        let groups = grid.stride_z.div_ceil(WORKGROUP as usize) as u64;
+        let groups = grid.stride_z.div_ceil(device.tuning().workgroup as usize) as u64;
         if groups > u64::from(device.workgroup_limit()) {
             return Err(DeviceError::Limit {
                 what: "a plane of cells".to_owned(),
@@ -105,7 +109,7 @@ impl Fluid {
             .map(|direction| device.storage(&format!("populations {direction}"), bytes))
             .collect::<Result<Vec<_>, _>>()?;
         let step_parameters = device.uniform::<StepParameters>("step")?;
-        let constants = constants(&setup, &grid);
+        let constants = constants(device.tuning(), &setup, &grid);
         let held_eddy_viscosity =
             HeldEddyViscosity::new(device, &setup, &grid, storage, &populations, &constants)?;
         let shaders = match held_eddy_viscosity {
@@ -247,16 +251,26 @@ impl Fluid {
 
     /// Pipeline constants of the scene.
     pub(super) fn constants(&self) -> Vec<(&'static str, f64)> {
-        constants(&self.setup, &self.grid)
+        constants(self.device.tuning(), &self.setup, &self.grid)
+    }
+}
+
+/// The grid of the device; without padding it is that of checkpoints, too.
+fn padded(cells: [usize; 3], padding: Padding) -> Grid {
+    match padding {
+        Padding::None => Grid::new(cells),
+        Padding::Planes => Grid::padded(cells, [1, PADDED_ELEMENTS]),
+        Padding::Rows => Grid::padded(cells, [PADDED_ELEMENTS, 1]),
     }
 }
 
 /// Numbers that the scene fixes, by their names in the shaders.
-fn constants(setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
+fn constants(tuning: Tuning, setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
     let smagorinsky = setup
         .eddy_viscosity
         .and_then(|eddy_viscosity| eddy_viscosity.smagorinsky_constant());
     vec![
+        ("COLLIDE_WORKGROUP", tuning.workgroup.into()),
         ("CELLS_X", grid.cells[0] as f64),
         ("CELLS_Y", grid.cells[1] as f64),
         ("CELLS_Z", grid.cells[2] as f64),

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::{Immersed, Marker, MarkerParameters};
 use crate::gpu::error::DeviceError;
 use crate::gpu::fluid::Fluid;
-use crate::gpu::pipeline::compute_pass;
 use crate::immersed::kernel::WIDTH;
 use crate::immersed::strength::LARGEST_OVER_RELAXATION_RATIO;
 use crate::immersed::touched::{OutOfDomain, bounding_box};
@@ -21,7 +20,7 @@ impl Immersed {
         let device = &self.device;
         let mut commands = device.record("interpolate");
         {
-            let mut pass = compute_pass(&mut commands, "interpolate");
+            let mut pass = commands.pass("interpolate");
             let parity = usize::from(fluid.odd());
             boxed.touched_cells[parity].dispatch(&mut pass, device.workgroups(cells));
             boxed
@@ -120,9 +119,9 @@ impl Immersed {
         self.device.write(&self.parameters, 0, &[parameters]);
         self.device.write(&self.markers, 0, &sorted);
         let mut commands = self.device.record("place_markers");
-        commands.clear_buffer(&boxed.marks, 0, Some(4 * box_count));
+        commands.raw.clear_buffer(&boxed.marks, 0, Some(4 * box_count));
         {
-            let mut pass = compute_pass(&mut commands, "place_markers");
+            let mut pass = commands.pass("place_markers");
             boxed
                 .place_markers
                 .dispatch(&mut pass, self.device.workgroups(sorted.len() as u64));

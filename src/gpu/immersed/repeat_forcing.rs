@@ -3,7 +3,6 @@
 
 use super::Immersed;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::compute_pass;
 
 impl Immersed {
     /// Forces again what slip is left at markers moving with `velocities` [cells per step].
@@ -23,7 +22,7 @@ impl Immersed {
         self.device.write(&self.target_velocities, 0, &sorted);
         let mut commands = self.device.record("repeat_forcing");
         {
-            let mut pass = compute_pass(&mut commands, "repeat_forcing");
+            let mut pass = commands.pass("repeat_forcing");
             boxed
                 .repeat_forcing
                 .dispatch(&mut pass, self.device.workgroups(count as u64));

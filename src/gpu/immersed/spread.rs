@@ -5,7 +5,6 @@
 
 use super::Immersed;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::compute_pass;
 use crate::immersed::strength::length;
 
 impl Immersed {
@@ -35,7 +34,7 @@ impl Immersed {
         let cells: u64 = boxed.forces.size.iter().map(|&n| u64::from(n)).product();
         let mut commands = self.device.record("spread");
         {
-            let mut pass = compute_pass(&mut commands, "spread");
+            let mut pass = commands.pass("spread");
             boxed
                 .spread
                 .dispatch(&mut pass, self.device.workgroups(cells));
@@ -53,7 +52,7 @@ impl Immersed {
         };
         let mut commands = self.device.record("half_forced_velocity");
         {
-            let mut pass = compute_pass(&mut commands, "half_forced_velocity");
+            let mut pass = commands.pass("half_forced_velocity");
             boxed
                 .half_forced_velocity
                 .dispatch(&mut pass, self.device.workgroups(count as u64));

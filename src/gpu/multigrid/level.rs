@@ -1,5 +1,6 @@
 //! One level on the device: buffers, and the dispatches of the cycle and of a refresh.
 
+use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::{Bound, Pipeline, WORKGROUP};
@@ -162,7 +163,7 @@ impl Buffers {
 #[derive(Debug)]
 struct Dispatch(Bound, [u32; 2]);
 
-fn record(dispatches: &[Dispatch], pass: &mut wgpu::ComputePass<'_>) {
+fn record(dispatches: &[Dispatch], pass: &mut Pass<'_>) {
     for Dispatch(bound, groups) in dispatches {
         bound.dispatch(pass, *groups);
     }
@@ -274,7 +275,7 @@ impl Level {
     }
 
     /// Smooths and restricts; on the coarsest level solves, with the inverse if `direct`.
-    pub fn down(&self, pass: &mut wgpu::ComputePass<'_>, direct: bool) {
+    pub fn down(&self, pass: &mut Pass<'_>, direct: bool) {
         match &self.direct {
             Some(Dispatch(bound, groups)) if direct => bound.dispatch(pass, *groups),
             _ => record(&self.down, pass),
@@ -282,12 +283,12 @@ impl Level {
     }
 
     /// Corrects and smooths.
-    pub fn up(&self, pass: &mut wgpu::ComputePass<'_>) {
+    pub fn up(&self, pass: &mut Pass<'_>) {
         record(&self.up, pass);
     }
 
     /// Inverse diagonal, polynomial of the smoother and the next coarser matrix.
-    pub fn refresh(&self, pass: &mut wgpu::ComputePass<'_>, power_iterations: usize) {
+    pub fn refresh(&self, pass: &mut Pass<'_>, power_iterations: usize) {
         self.invert_diagonal
             .0
             .dispatch(pass, self.invert_diagonal.1);

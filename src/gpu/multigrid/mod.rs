@@ -15,7 +15,8 @@ use std::cell::Cell;
 
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::{Pipeline, compute_pass};
+use crate::gpu::commands::Commands;
+use crate::gpu::pipeline::Pipeline;
 use crate::gpu::shaders;
 use crate::solve::multigrid::blocks::BlockMatrix;
 use crate::solve::multigrid::hierarchy::{DIRECT_NODES, Shape, coarsest_inverse};
@@ -197,17 +198,17 @@ impl Multigrid {
     /// a solve forgets the eigenvectors of the one before, so that a solve does not depend on others.
     pub(super) fn refresh(
         &self,
-        commands: &mut wgpu::CommandEncoder,
+        commands: &mut Commands,
         first: bool,
     ) -> Result<(), DeviceError> {
         if first {
             for level in &self.buffers {
                 let (from, to) = (level.get("eigenvector_guess")?, level.get("eigenvector")?);
-                commands.copy_buffer_to_buffer(from, 0, to, 0, level.vector_bytes);
+                commands.raw.copy_buffer_to_buffer(from, 0, to, 0, level.vector_bytes);
             }
         }
         {
-            let mut pass = compute_pass(commands, "multigrid_refresh");
+            let mut pass = commands.pass("multigrid_refresh");
             for level in &self.levels {
                 level.refresh(&mut pass, POWER_ITERATIONS[usize::from(!first)]);
             }
@@ -246,15 +247,15 @@ impl Multigrid {
     /// Records one V-cycle for the vector at byte `from` of `vectors`; the result goes to byte `to`.
     pub(super) fn cycle(
         &self,
-        commands: &mut wgpu::CommandEncoder,
+        commands: &mut Commands,
         vectors: &wgpu::Buffer,
         [from, to]: [u64; 2],
     ) -> Result<(), DeviceError> {
         let finest = self.level(0)?;
         let bytes = finest.vector_bytes;
-        commands.copy_buffer_to_buffer(vectors, from, finest.get("right")?, 0, bytes);
+        commands.raw.copy_buffer_to_buffer(vectors, from, finest.get("right")?, 0, bytes);
         {
-            let mut pass = compute_pass(commands, "multigrid");
+            let mut pass = commands.pass("multigrid");
             for level in &self.levels {
                 level.down(&mut pass, self.direct.get());
             }
@@ -262,7 +263,7 @@ impl Multigrid {
                 level.up(&mut pass);
             }
         }
-        commands.copy_buffer_to_buffer(finest.get("solution")?, 0, vectors, to, bytes);
+        commands.raw.copy_buffer_to_buffer(finest.get("solution")?, 0, vectors, to, bytes);
         Ok(())
     }
 

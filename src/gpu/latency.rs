@@ -1,0 +1,235 @@
+//! What asking a device costs, whatever it computes: a dispatch, a pass, a submission, a write, a wait, a map.
+//!
+//! A step of a small canopy is bounded by these, not by bandwidth or arithmetic. Times are medians, by the host's clock unless they say
+//! otherwise.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::commands::Commands;
+use super::device::{Device, Staging, TIMEOUT};
+use super::error::DeviceError;
+use super::pipeline::Bound;
+use super::shaders;
+
+/// Latencies of a device \[s\].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Latencies {
+    /// One more empty dispatch in a pass.
+    pub dispatch_s: f64,
+    /// The same by the device's clock; `None` where it has none.
+    pub dispatch_on_device_s: Option<f64>,
+    /// One more pass with an empty dispatch in a submission.
+    pub pass_s: f64,
+    /// The host records and submits an empty dispatch, and does not wait.
+    pub submit_s: f64,
+    /// The host writes 64 bytes to a buffer.
+    pub write_s: f64,
+    /// An empty dispatch is submitted, and the host sleeps until it is done.
+    pub wait_s: f64,
+    /// The same, but the host asks again and again.
+    pub spin_s: f64,
+    /// As `wait_s`, and 16 bytes are mapped and read.
+    pub map_s: f64,
+    /// The same, but the host asks again and again.
+    pub map_spin_s: f64,
+}
+
+impl Latencies {
+    /// Name, value \[s\] and meaning of every latency.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(&'static str, f64, &'static str)> {
+        let mut rows = vec![("dispatch", self.dispatch_s, "one more empty dispatch in a pass")];
+        if let Some(seconds) = self.dispatch_on_device_s {
+            rows.push(("dispatch on device", seconds, "the same by the device's clock"));
+        }
+        rows.extend([
+            ("pass", self.pass_s, "one more pass with an empty dispatch"),
+            ("submit", self.submit_s, "record and submit, without waiting"),
+            ("write", self.write_s, "64 bytes to a buffer"),
+            ("wait", self.wait_s, "submit, and sleep until it is done"),
+            ("spin", self.spin_s, "submit, and ask until it is done"),
+            ("map", self.map_s, "submit, sleep, map and read 16 bytes"),
+            ("map spinning", self.map_spin_s, "submit, ask, map and read 16 bytes"),
+        ]);
+        rows
+    }
+}
+
+/// Dispatches or passes whose number a latency is the slope over.
+const MANY: usize = 256;
+
+/// Median time of one of many runs of `work`, which take `limit` together.
+fn median(
+    limit: Duration,
+    mut work: impl FnMut() -> Result<Duration, DeviceError>,
+) -> Result<f64, DeviceError> {
+    work()?;
+    let mut times = Vec::new();
+    let start = Instant::now();
+    while times.len() < 5 || (times.len() < 1000 && start.elapsed() < limit) {
+        times.push(work()?);
+    }
+    times.sort_unstable();
+    Ok(times[times.len() / 2].as_secs_f64())
+}
+
+fn timed(work: impl FnOnce() -> Result<(), DeviceError>) -> Result<Duration, DeviceError> {
+    let start = Instant::now();
+    work()?;
+    Ok(start.elapsed())
+}
+
+impl Device {
+    /// Measures the latencies, `limit` for each, and keeps them.
+    pub fn measure_latencies(self: &Arc<Self>, limit: Duration) -> Result<&Latencies, DeviceError> {
+        let measured = measure(self, limit)?;
+        Ok(self.latencies.get_or_init(|| measured))
+    }
+
+    /// The latencies, if they were measured.
+    #[must_use]
+    pub fn latencies(&self) -> Option<&Latencies> {
+        self.latencies.get()
+    }
+}
+
+fn measure(device: &Arc<Device>, limit: Duration) -> Result<Latencies, DeviceError> {
+    let untouched = device.storage("untouched", 64)?;
+    let [pipeline] = device.pipelines(&shaders::EMPTY, ["empty"], &[])?;
+    let empty = device.bind(&pipeline, &[("untouched", &untouched)])?;
+    let staging = Staging::new(device, 16)?;
+    let submit = |passes: usize, dispatches: usize| {
+        let mut commands = device.record("empty");
+        record(&mut commands, &empty, passes, dispatches);
+        device.submit(commands);
+    };
+    let whole = |passes: usize, dispatches: usize| {
+        median(limit / 2, || {
+            timed(|| {
+                submit(passes, dispatches);
+                device.wait()
+            })
+        })
+    };
+    let one = whole(1, 1)?;
+    let slope = |many: f64| ((many - one) / (MANY - 1) as f64).max(0.0);
+    let dispatch_s = slope(whole(1, MANY)?);
+    let pass_s = slope(whole(MANY, 1)?);
+    let submit_s = median(limit, || {
+        let took = timed(|| {
+            submit(1, 1);
+            Ok(())
+        })?;
+        device.wait()?;
+        Ok(took)
+    })?;
+    let write_s = median(limit, || {
+        let took = timed(|| {
+            for _ in 0..16 {
+                device.write(&untouched, 0, &[0u32; 16]);
+            }
+            Ok(())
+        })?;
+        submit(1, 1);
+        device.wait()?;
+        Ok(took / 16)
+    })?;
+    let wait_s = median(limit, || {
+        timed(|| {
+            submit(1, 1);
+            device.wait()
+        })
+    })?;
+    let spin_s = median(limit, || {
+        timed(|| {
+            submit(1, 1);
+            let done = flag();
+            let set = Arc::clone(&done);
+            device
+                .queue
+                .on_submitted_work_done(move || set.store(true, Ordering::Release));
+            spin(device, &done)
+        })
+    })?;
+    let copy = || {
+        let mut commands = device.record("empty");
+        record(&mut commands, &empty, 1, 1);
+        staging.copy(&mut commands, &untouched, 0, 0, 16);
+        device.submit(commands);
+    };
+    let map_s = median(limit, || {
+        timed(|| {
+            copy();
+            staging.read(device, |_| {})
+        })
+    })?;
+    let map_spin_s = median(limit, || {
+        timed(|| {
+            copy();
+            staging.read_spinning(device, |done| spin(device, done))
+        })
+    })?;
+    let dispatch_on_device_s = on_device(device, &empty)?;
+    Ok(Latencies {
+        dispatch_s,
+        dispatch_on_device_s,
+        pass_s,
+        submit_s,
+        write_s,
+        wait_s,
+        spin_s,
+        map_s,
+        map_spin_s,
+    })
+}
+
+fn record(commands: &mut Commands, empty: &Bound, passes: usize, dispatches: usize) {
+    for _ in 0..passes {
+        let mut pass = commands.pass("empty");
+        for _ in 0..dispatches {
+            empty.dispatch(&mut pass, [1, 1]);
+        }
+    }
+}
+
+fn flag() -> Arc<AtomicBool> {
+    Arc::default()
+}
+
+/// Asks the device again and again until `done`.
+fn spin(device: &Device, done: &AtomicBool) -> Result<(), DeviceError> {
+    let start = Instant::now();
+    while !done.load(Ordering::Acquire) {
+        device.check()?;
+        if start.elapsed() > TIMEOUT || device.raw.poll(wgpu::PollType::Poll).is_err() {
+            return Err(DeviceError::Lost("no answer to a poll".to_owned()));
+        }
+        std::hint::spin_loop();
+    }
+    Ok(())
+}
+
+/// One more dispatch by the device's clock, which starts from zero.
+fn on_device(device: &Device, empty: &Bound) -> Result<Option<f64>, DeviceError> {
+    let mut seconds = [0.0; 2];
+    for (seconds, dispatches) in seconds.iter_mut().zip([1, MANY]) {
+        if !device.time_passes() {
+            return Ok(None);
+        }
+        for _ in 0..32 {
+            let mut commands = device.record("empty");
+            record(&mut commands, empty, 1, dispatches);
+            device.submit(commands);
+        }
+        let times = device.pass_times()?.unwrap_or_default();
+        *seconds = times.iter().map(|t| t.seconds / t.passes as f64).sum();
+    }
+    device.stop_timing_passes();
+    Ok(Some(
+        ((seconds[1] - seconds[0]) / (MANY - 1) as f64).max(0.0),
+    ))
+}

@@ -1,0 +1,37 @@
+//! Choices about the kernel of the air that change its speed, not its formulas; `ripstop bench device` compares them.
+
+use super::pipeline::WORKGROUP;
+
+/// How the arrays of populations are padded.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Padding {
+    /// Not at all.
+    #[default]
+    None,
+    /// Planes to multiples of 32 elements, so that the threads of a plane begin on a cache line.
+    Planes,
+    /// Rows to multiples of 32 elements, so that neighbours along y and z begin on one too.
+    Rows,
+}
+
+/// The choices; the default is what runs take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Tuning {
+    /// Threads of a workgroup of `collide_stream`.
+    pub workgroup: u32,
+    /// Padding of the arrays.
+    pub padding: Padding,
+    /// Whether shaders check that they stay inside their buffers.
+    pub bounds_checks: bool,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self {
+            workgroup: WORKGROUP,
+            padding: Padding::None,
+            bounds_checks: true,
+        }
+    }
+}
