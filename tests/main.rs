@@ -29,6 +29,7 @@ mod device;
 mod device_cloth;
 mod device_cloth_steps;
 mod device_multigrid;
+mod device_work;
 mod eddy_viscosity;
 mod engines;
 mod interrupts;
@@ -75,6 +76,7 @@ fn main() -> std::process::ExitCode {
         device_cloth::trials(),
         device_cloth_steps::trials(),
         device_multigrid::trials(),
+        device_work::trials(),
         canopy::trials(),
         canopies::trials(),
         bodies::trials(),

@@ -5,12 +5,13 @@
 //! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`coupling`] compares schemes of
 //! coupling air and fabric, and follows the default one down to sheets much lighter than the air around them. [`aerodynamics`] measures
 //! panels, and draws a measured wing's polar beside the computed one. [`fabric`] solves equilibria with known answers over mesh size, model and
-//! arithmetic.
+//! arithmetic. [`device`] measures a device: latencies, bandwidth, air, canopies and fabric.
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
 pub mod aerodynamics;
 pub mod coupling;
+pub mod device;
 mod drag;
 pub mod fabric;
 mod front;

@@ -1,6 +1,7 @@
 //! `ripstop bench [FILTER]`
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
@@ -8,7 +9,9 @@ use clap::builder::NonEmptyStringValueParser;
 use super::engine::Engine;
 use super::progress::Progress;
 use super::{Failure, emit, exit, interrupt_flag};
-use crate::bench::{self, Stop, Watch, aerodynamics, coupling, fabric, stability, work_precision};
+use crate::bench::{
+    self, Stop, Watch, aerodynamics, coupling, device, fabric, stability, work_precision,
+};
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
@@ -16,7 +19,7 @@ use crate::plan::{AirPlacement, Precision, Storage};
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
     /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `aerodynamics` measures
-    /// panels, `fabric` solves Hencky's disc and an airbag, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
+    /// panels, `fabric` solves Hencky's disc and an airbag, `device` measures a device, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -27,6 +30,9 @@ pub(super) struct BenchArguments {
     /// Take the adapter whose name contains this text (see `ripstop devices`).
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     adapter: Option<String>,
+    /// Of `device`: no row begins that would not end within this time [default: 60, with --full 480].
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    seconds: Option<u64>,
     /// Folder for tables and plots.
     #[arg(long, default_value = "bench")]
     out: PathBuf,
@@ -35,6 +41,7 @@ pub(super) struct BenchArguments {
 const STABILITY: &str = "stability";
 const AERODYNAMICS: &str = "aerodynamics";
 const FABRIC: &str = "fabric";
+const DEVICE: &str = "device";
 
 type Comparison =
     fn(bool, &bench::Engine, &Path, &mut Watch) -> Result<(Vec<coupling::Point>, String), Stop>;
@@ -66,9 +73,10 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
     let flies_wings = named(AERODYNAMICS);
     let loads_fabric = named(FABRIC);
-    if !maps_stability && !flies_wings && !loads_fabric && !measures && comparisons.is_empty() {
+    let measures_device = named(DEVICE);
+    if !maps_stability && !flies_wings && !loads_fabric && !measures_device && !measures && comparisons.is_empty() {
         let names: Vec<&str> = work_precision::names()
-            .chain([STABILITY, AERODYNAMICS, FABRIC])
+            .chain([STABILITY, AERODYNAMICS, FABRIC, DEVICE])
             .chain(COUPLING.map(|(name, _)| name))
             .collect();
         return Err(Failure::Other(
@@ -106,6 +114,9 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         let points = fabric::measure(arguments.full, &engines, &arguments.out, &mut watch)?;
         text.push_str(&fabric::table(&points));
     }
+    if measures_device {
+        text.push_str(&measure_device(arguments, &engines, &mut watch)?);
+    }
     // Schemes are compared in single precision, on CPU threads if they take part.
     let engine = engines.iter().find(|engine| {
         !matches!(
@@ -123,6 +134,26 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     text.push_str(&format!("tables and plots: {}\n", arguments.out.display()));
     emit(&text)?;
     Ok(0)
+}
+
+fn measure_device(
+    arguments: &BenchArguments,
+    engines: &[bench::Engine],
+    watch: &mut Watch,
+) -> Result<String, Failure> {
+    let Some(opened) = engines.iter().find_map(|engine| engine.device.as_ref()) else {
+        return Err(Failure::Other(
+            exit::NO_DEVICE,
+            "the benchmark `device` needs one, and there is no GPU; --engine gpu or --adapter NAME takes a software adapter, too"
+                .to_owned(),
+        ));
+    };
+    let usual = if arguments.full { 480 } else { 60 };
+    let extent = device::Extent {
+        full: arguments.full,
+        limit: Duration::from_secs(arguments.seconds.unwrap_or(usual)),
+    };
+    Ok(device::measure(opened, extent, &arguments.out, watch)?)
 }
 
 /// Every precision of every engine asked for.

@@ -62,6 +62,7 @@ stored_shaders! {
         "held_eddy_viscosity.wgsl", "collide_stream.wgsl";
     EDDY_VISCOSITY = "eddy_viscosity": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "eddy_viscosity.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
+    REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
@@ -128,6 +129,7 @@ pub fn layouts() -> Vec<Layout> {
         super::fluid::control_volume::OWN_LAYOUTS,
         super::fluid::eddy_viscosity::OWN_LAYOUTS,
         super::fluid::macroscopic::OWN_LAYOUTS,
+        super::fluid::repeat_plane::OWN_LAYOUTS,
         super::fluid::OWN_LAYOUTS,
         super::immersed::OWN_LAYOUTS,
         super::multigrid::parameters::OWN_LAYOUTS,

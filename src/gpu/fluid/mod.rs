@@ -7,6 +7,7 @@ pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
 pub mod macroscopic;
+pub mod repeat_plane;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -168,35 +169,45 @@ impl Fluid {
 
     /// Takes the populations of a start, before the first step.
     pub fn fill(&mut self, start: &Start) {
-        let grid = self.grid;
-        let [nx, ny, _] = grid.cells;
         for array in 0..DIRECTION_COUNT {
             // In an even step array i holds what comes from the local slot of i − 1 or from the far slot of i + 1.
             let direction = crate::lattice::opposite(array);
-            let mut data = vec![0f32; grid.total];
-            let (_, origin) = grid.slot(grid.index([0; 3]), direction, false);
-            let shift = origin as i64 - grid.index([0; 3]) as i64;
-            let first = (grid.index([0; 3]) as i64 - 1 + shift) as usize;
-            data[first..]
-                .par_chunks_mut(grid.stride_z)
-                .enumerate()
-                .take(grid.cells[2])
-                .for_each(|(z, plane)| {
-                    for y in 0..ny {
-                        for x in 0..nx {
-                            let cell = [x, y, z];
-                            plane[1 + x + y * grid.stride_y] =
-                                start.population(cell, direction) as f32;
-                            if direction == 0 && x + 1 == nx {
-                                // An outlet's ghost remembers the density excess of the last cell.
-                                plane[2 + x + y * grid.stride_y] =
-                                    start.density_excess(cell) as f32;
-                            }
-                        }
-                    }
-                });
+            let (_, data) = self.first_planes(start, direction, self.grid.cells[2]);
             self.write_populations(array, &data);
         }
+    }
+
+    /// Populations of the first `planes` of a start as their array holds them before an even step, from its first element on, and the
+    /// element at which the first plane begins. A multiple of two elements, as transfers need in 16 bits.
+    fn first_planes(&self, start: &Start, direction: usize, planes: usize) -> (usize, Vec<f32>) {
+        let grid = self.grid;
+        let [nx, ny, nz] = grid.cells;
+        let (_, origin) = grid.slot(grid.index([0; 3]), direction, false);
+        let first = origin - 1;
+        let end = if planes == nz {
+            grid.total
+        } else {
+            (first + planes * grid.stride_z).next_multiple_of(2)
+        };
+        let mut data = vec![0f32; end];
+        data[first..]
+            .par_chunks_mut(grid.stride_z)
+            .enumerate()
+            .take(planes)
+            .for_each(|(z, plane)| {
+                for y in 0..ny {
+                    for x in 0..nx {
+                        let cell = [x, y, z];
+                        plane[1 + x + y * grid.stride_y] =
+                            start.population(cell, direction) as f32;
+                        if direction == 0 && x + 1 == nx {
+                            // An outlet's ghost remembers the density excess of the last cell.
+                            plane[2 + x + y * grid.stride_y] = start.density_excess(cell) as f32;
+                        }
+                    }
+                }
+            });
+        (first, data)
     }
 
     fn write_populations(&self, array: usize, data: &[f32]) {

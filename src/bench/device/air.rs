@@ -1,0 +1,249 @@
+//! Bare air: Taylor–Green vortices in a periodic box, over size, operator, storage, and the choices of [`Tuning`].
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::{BYTES_PER_CELL, Rows, Stop, Tuning};
+use crate::gpu::fluid::Fluid;
+use crate::gpu::{AdapterChoice, Device, DeviceError, Padding};
+use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::start::Start;
+use crate::lattice::{Operator, Storage};
+
+const RELAXATION_TIME: f64 = 0.6;
+
+/// Steps before any is timed.
+const WARM_UP: usize = 4;
+
+/// What is varied everywhere.
+const VARIANTS: [(Operator, Storage, &str); 4] = [
+    (
+        Operator::TwoRelaxationTimes,
+        Storage::F32,
+        "two_relaxation_times",
+    ),
+    (
+        Operator::TwoRelaxationTimes,
+        Storage::F16,
+        "two_relaxation_times 16-bit",
+    ),
+    (
+        Operator::RecursiveRegularised,
+        Storage::F32,
+        "recursive_regularised",
+    ),
+    (
+        Operator::RecursiveRegularised,
+        Storage::F16,
+        "recursive_regularised 16-bit",
+    ),
+];
+
+/// The sizes, as runs take them.
+pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
+    rows.title("bare air, periodic, no eddy viscosity: 152 B per cell and step at most, 76 B with 16-bit storage");
+    head(rows);
+    let sides: &[usize] = if rows.extent.full {
+        &[128, 192, 256, 384, 512]
+    } else {
+        &[12, 16]
+    };
+    let mut pace = Pace::default();
+    for &side in sides {
+        for variant in VARIANTS {
+            one(device, copy, side, variant, &mut pace, rows)?;
+        }
+    }
+    Ok(())
+}
+
+/// The choices: all combinations at several sizes, or with small sizes one at a time.
+pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
+    rows.title("bare air again, by threads of a workgroup, padding of the arrays, and bounds checks");
+    head(rows);
+    let full = rows.extent.full;
+    let usual = Tuning::default();
+    let tunings: Vec<Tuning> = if full {
+        let mut all = Vec::new();
+        for workgroup in [64, 128, 256] {
+            for padding in [Padding::None, Padding::Planes, Padding::Rows] {
+                for bounds_checks in [true, false] {
+                    all.push(Tuning {
+                        workgroup,
+                        padding,
+                        bounds_checks,
+                    });
+                }
+            }
+        }
+        all
+    } else {
+        let (workgroup, bounds_checks) = (128, false);
+        let padding = |padding| Tuning { padding, ..usual };
+        vec![
+            usual,
+            Tuning { workgroup, ..usual },
+            padding(Padding::Planes),
+            padding(Padding::Rows),
+            Tuning {
+                bounds_checks,
+                ..usual
+            },
+        ]
+    };
+    let sides: &[usize] = if full { &[256, 512, 128, 384] } else { &[12] };
+    let choice = AdapterChoice::Named(device.info().name.clone());
+    let mut pace = Pace::default();
+    for &side in sides {
+        for &tuning in &tunings {
+            let tuned = Device::open_tuned(&choice, tuning)?;
+            for variant in VARIANTS {
+                one(&tuned, copy, side, variant, &mut pace, rows)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn head(rows: &mut Rows) {
+    let line = format!(
+        "{:>5} {:>28} {:>9} {:>8} {:>7} {:>9} {:>9} {:>9} {:>13}",
+        "side", "operator", "workgroup", "padding", "checks", "MLUPS", "GB/s", "of copy", "energy error"
+    );
+    rows.watch.observer.note(&line);
+}
+
+/// What rows took so far, to foretell the next.
+struct Pace {
+    /// Updates per second.
+    rate: f64,
+    /// Seconds besides the steps, at most.
+    set_up: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            rate: 5e6,
+            set_up: 0.2,
+        }
+    }
+}
+
+fn one(
+    device: &Arc<Device>,
+    copy: f64,
+    side: usize,
+    (operator, storage, name): (Operator, Storage, &str),
+    pace: &mut Pace,
+    rows: &mut Rows,
+) -> Result<(), Stop> {
+    let cells = (side as f64).powi(3);
+    let aim_s = if rows.extent.full { 0.3 } else { 0.02 };
+    let tuning = device.tuning();
+    let what = format!("bare air {side}^3 {name} {tuning:?}");
+    let expected_s = aim_s + 12.0 * cells / pace.rate + pace.set_up;
+    if !rows.allows(&what, expected_s) {
+        return Ok(());
+    }
+    let start = Instant::now();
+    let padding = format!("{:?}", tuning.padding).to_lowercase();
+    let checks = if tuning.bounds_checks { "on" } else { "off" };
+    let labels = format!(
+        "{side:>5} {name:>28} {:>9} {padding:>8} {checks:>7}",
+        tuning.workgroup
+    );
+    let mut row = json!({
+        "side": side, "operator": name, "workgroup": tuning.workgroup, "padding": padding, "bounds_checks": tuning.bounds_checks,
+    });
+    match vortices(device, side, operator, storage, aim_s) {
+        Ok(timed) => {
+            let rate = cells * timed.steps as f64 / timed.seconds;
+            pace.rate = rate;
+            pace.set_up = pace.set_up.max(start.elapsed().as_secs_f64() - timed.seconds);
+            let bytes = rate * BYTES_PER_CELL / 4.0 * storage.bytes() as f64;
+            row["steps"] = timed.steps.into();
+            row["million_lattice_updates_per_s"] = (1e-6 * rate).into();
+            row["gigabytes_per_s"] = (1e-9 * bytes).into();
+            row["share_of_copy_bandwidth"] = (bytes / copy).into();
+            row["energy_error"] = timed.energy_error.into();
+            let text = format!(
+                "{labels} {:>9.0} {:>9.1} {:>8.1}% {:>13.1e}",
+                1e-6 * rate,
+                1e-9 * bytes,
+                100.0 * bytes / copy,
+                timed.energy_error
+            );
+            rows.add("bare_air", &text, row)
+        }
+        Err(error) => {
+            row["error"] = error.to_string().into();
+            rows.add("bare_air", &format!("{labels} not possible: {error}"), row)
+        }
+    }
+}
+
+struct Timed {
+    steps: usize,
+    seconds: f64,
+    /// Of the kinetic energy after the steps, against its exact decay.
+    energy_error: f64,
+}
+
+fn vortices(
+    device: &Arc<Device>,
+    side: usize,
+    operator: Operator,
+    storage: Storage,
+    aim_s: f64,
+) -> Result<Timed, DeviceError> {
+    let setup = Setup {
+        cells: [side; 3],
+        ends: StreamwiseEnds::Periodic,
+        sides: Sides::Periodic,
+        relaxation_time: RELAXATION_TIME,
+        sponge_cells: None,
+        operator,
+        eddy_viscosity: None,
+    };
+    let k = std::f64::consts::TAU / side as f64;
+    let speed = 0.02;
+    let initial = move |[x, y, _]: [usize; 3]| {
+        let (x, y) = (k * (x as f64 + 0.5), k * (y as f64 + 0.5));
+        let excess = 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
+        (
+            excess,
+            [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
+        )
+    };
+    let plane = Setup {
+        cells: [side, side, 1],
+        ..setup.clone()
+    };
+    let mut fluid = Fluid::new(device, setup, storage, None)?;
+    fluid.fill_planes_alike(&Start::new(&plane, &initial))?;
+    // Energy falls by exp(−4 ν k² t); over more than one of these times what is left is too little to measure.
+    let decay = 4.0 * (RELAXATION_TIME - 0.5) / 3.0 * k * k;
+    let most = (1.0 / decay) as usize;
+    fluid.collide_stream_steps(WARM_UP)?;
+    device.wait()?;
+    let (_, before) = fluid.mass_and_energy()?;
+    let start = Instant::now();
+    fluid.collide_stream_steps(WARM_UP)?;
+    device.wait()?;
+    let per_step = start.elapsed().as_secs_f64() / WARM_UP as f64;
+    let steps = ((aim_s / per_step) as usize).clamp(8, most.max(8));
+    let start = Instant::now();
+    fluid.collide_stream_steps(steps)?;
+    device.wait()?;
+    let seconds = start.elapsed().as_secs_f64();
+    let (_, after) = fluid.mass_and_energy()?;
+    let exact = (-decay * (steps + WARM_UP) as f64).exp();
+    Ok(Timed {
+        steps,
+        seconds,
+        energy_error: after / before / exact - 1.0,
+    })
+}

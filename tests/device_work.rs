@@ -1,0 +1,262 @@
+//! What is asked of a device, and choices about its kernels that must not change a bit.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices};
+use ripstop::gpu::fluid::Fluid;
+use ripstop::gpu::{AdapterChoice, Device, DeviceWork, Padding, Tuning};
+use ripstop::lattice::eddy_viscosity::EddyViscosity;
+use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::start::Start;
+use ripstop::lattice::{Operator, Storage};
+use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan};
+use ripstop::simulation::Simulation;
+
+use crate::engines::needs_device;
+
+pub fn trials() -> Vec<Trial> {
+    vec![
+        needs_device(
+            "device_work::a_step_with_fabric_on_the_host".to_owned(),
+            || step(ClothPlacement::Host),
+        ),
+        needs_device(
+            "device_work::a_step_with_fabric_on_the_device".to_owned(),
+            || step(ClothPlacement::Device),
+        ),
+        needs_device("device_work::passes_are_timed".to_owned(), passes),
+        needs_device("device_work::latencies".to_owned(), latencies),
+        needs_device("device_work::tuned_kernels_same_bits".to_owned(), tunings),
+        needs_device("device_work::planes_alike".to_owned(), planes_alike),
+    ]
+}
+
+/// A device of its own: others would be counted with it.
+fn own_device(tuning: Tuning) -> Arc<Device> {
+    Device::open_tuned(&AdapterChoice::Any, tuning).unwrap()
+}
+
+const CANOPY: &str = include_str!("../benches/uniform-canopy.toml");
+
+/// Fewer than the steps after which the sums of the momentum box are fetched.
+const STEPS: u64 = 40;
+
+/// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
+fn step(cloth: ClothPlacement) {
+    let device = own_device(Tuning::default());
+    let choices = Choices {
+        variant: None,
+        overrides: [
+            "resolution.cells_per_diameter=10.0",
+            "air.wind_tunnel.start_time_s=0.002",
+            "structure.flat_circular.rings=8",
+            "time.end_s=0.1",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+    };
+    let case = case::parse("canopy", CANOPY, Path::new("."), &choices).unwrap();
+    let placement = Placement {
+        air: AirPlacement::Gpu(Storage::F32),
+        cloth,
+        device: Some(device.info().name.clone()),
+        shared_memory: true,
+    };
+    let plan = Plan::new(&case.scene, placement);
+    let stages: Vec<_> = plan.stages.iter().map(|planned| planned.stage).collect();
+    let start_steps = plan.start_steps;
+    let mut simulation =
+        Simulation::new(case.scene.clone(), plan, Some(Arc::clone(&device))).unwrap();
+    for _ in 0..start_steps {
+        simulation.advance().unwrap();
+    }
+    let asked = |simulation: &Simulation| {
+        let mut sum = DeviceWork::default();
+        for &stage in &stages {
+            sum += simulation.cost().of(stage).device;
+        }
+        (sum, simulation.cost().solves, simulation.cost().evaluations)
+    };
+    let before = asked(&simulation);
+    let all_before = device.work();
+    for _ in 0..STEPS {
+        simulation.advance().unwrap();
+    }
+    let after = asked(&simulation);
+    let (work, solves, evaluations) = (
+        after.0.since(&before.0),
+        after.1 - before.1,
+        after.2 - before.2,
+    );
+    assert_eq!(solves, STEPS);
+    // Nothing is asked for outside the stages but one search for a breakdown, at most.
+    let besides = device.work().since(&all_before).since(&work);
+    assert!(besides.submits <= 2 && besides.maps <= 1, "{besides:?}");
+    let counts = (work.submits, work.maps, work.dispatches, work.writes);
+    match cloth {
+        // collide_stream, send_markers, interpolate, spread and outflow; one map of the air's velocities.
+        ClothPlacement::Host => {
+            assert_eq!(counts, (5 * STEPS, STEPS, 7 * STEPS, 5 * STEPS), "{work:?}");
+        }
+        // Besides: one submit and one map per evaluation, the prediction, and the nodes that are fetched.
+        ClothPlacement::Device => {
+            assert_eq!(work.submits, 7 * STEPS + evaluations, "{work:?}");
+            assert_eq!(work.maps, 2 * STEPS + evaluations, "{work:?}");
+            assert!(
+                work.dispatches <= 12 * STEPS + 9 * evaluations,
+                "{work:?}, {evaluations} evaluations"
+            );
+            assert!(
+                work.writes <= 12 * STEPS + 4 * evaluations,
+                "{work:?}, {evaluations} evaluations"
+            );
+        }
+    }
+    // Velocities of the markers, 16 bytes each, come back in every step.
+    let markers = simulation.plan().sizes.markers;
+    assert!(work.mapped_bytes >= 16 * markers * STEPS, "{work:?}");
+    assert!(work.waited_ns > 0);
+}
+
+fn vortex(cells: [usize; 3], ends: StreamwiseEnds) -> Setup {
+    Setup {
+        cells,
+        ends,
+        sides: Sides::Periodic,
+        relaxation_time: 0.52,
+        sponge_cells: None,
+        operator: Operator::RecursiveRegularised,
+        eddy_viscosity: None,
+    }
+}
+
+fn initial([x, y, z]: [usize; 3]) -> (f64, [f64; 3]) {
+    let phase = |k: usize| (0.4 * k as f64).sin();
+    (
+        1e-3 * phase(x + 2 * y),
+        [0.05 * phase(y + z), 0.04 * phase(x + 3), 0.03 * phase(x + y)],
+    )
+}
+
+/// Every pass that was counted is timed, also where timestamps have to be fetched in between; none takes longer than all took by
+/// the host's clock.
+fn passes() {
+    let device = own_device(Tuning::default());
+    if !device.time_passes() {
+        eprintln!("{} has no timestamps", device.info().name);
+        return;
+    }
+    let setup = vortex([8, 8, 8], StreamwiseEnds::Periodic);
+    let mut fluid = Fluid::new(&device, setup, Storage::F32, Some(&initial)).unwrap();
+    device.time_passes();
+    let before = device.work();
+    let start = Instant::now();
+    for _ in 0..1500 {
+        fluid.collide_stream(None, None).unwrap();
+    }
+    let times = device.pass_times().unwrap().unwrap();
+    let whole = start.elapsed().as_secs_f64();
+    let counted = device.work().since(&before).passes;
+    assert!(counted >= 1500, "{counted}");
+    assert_eq!(times.len(), 1, "{times:?}");
+    assert_eq!((times[0].pass.as_str(), times[0].passes), ("collide_stream", counted));
+    assert!(
+        times[0].seconds > 0.0 && times[0].seconds < whole,
+        "{times:?} in {whole} s"
+    );
+    device.stop_timing_passes();
+    assert!(device.pass_times().unwrap().is_none());
+}
+
+fn latencies() {
+    let device = own_device(Tuning::default());
+    assert!(device.latencies().is_none());
+    let measured = device.measure_latencies(Duration::from_millis(5)).unwrap();
+    for (name, seconds, _) in measured.rows() {
+        assert!((0.0..1.0).contains(&seconds), "{name} {seconds}");
+    }
+    // A wait holds a submission.
+    assert!(measured.submit_s > 0.0 && measured.map_s > 0.0);
+    assert!(measured.spin_s > measured.submit_s / 4.0);
+}
+
+/// Threads of a workgroup, padding and bounds checks decide where and when a cell is computed, not what comes out.
+fn tunings() {
+    let ends = [StreamwiseEnds::Periodic, StreamwiseEnds::InletOutlet];
+    let usual = Tuning::default();
+    let mut reference = Vec::new();
+    for tuning in [
+        usual,
+        Tuning {
+            workgroup: 128,
+            ..usual
+        },
+        Tuning {
+            workgroup: 256,
+            padding: Padding::Rows,
+            bounds_checks: false,
+        },
+        Tuning {
+            padding: Padding::Planes,
+            ..usual
+        },
+        Tuning {
+            bounds_checks: false,
+            ..usual
+        },
+    ] {
+        let device = own_device(tuning);
+        assert_eq!(device.tuning(), tuning);
+        for (k, ends) in ends.into_iter().enumerate() {
+            let mut setup = vortex([21, 10, 11], ends);
+            setup.eddy_viscosity = Some(EddyViscosity::Smagorinsky { constant: 0.15 });
+            let mut fluid = Fluid::new(&device, setup, Storage::F32, Some(&initial)).unwrap();
+            fluid.set_inlet_velocity([0.05, 0.01, 0.0]);
+            for _ in 0..7 {
+                fluid.collide_stream(None, None).unwrap();
+            }
+            let states = fluid.macroscopic().unwrap();
+            assert!(states.iter().any(|(_, u)| u[0].abs() > 1e-3));
+            if reference.len() <= k {
+                reference.push(states);
+            } else {
+                assert!(reference[k] == states, "{tuning:?} {ends:?}");
+            }
+        }
+    }
+}
+
+/// A plane repeated on the device is the start that the host would have sent.
+fn planes_alike() {
+    let device = own_device(Tuning::default());
+    let plane = |[x, y, _]: [usize; 3]| initial([x, y, 0]);
+    for storage in [Storage::F32, Storage::F16] {
+        if storage == Storage::F16 && device.require_f16().is_err() {
+            eprintln!("{} has no numbers of 16 bits", device.info().name);
+            continue;
+        }
+        let setup = vortex([9, 6, 8], StreamwiseEnds::Periodic);
+        let one = Setup {
+            cells: [9, 6, 1],
+            ..setup.clone()
+        };
+        let mut sent = Fluid::new(&device, setup.clone(), storage, Some(&plane)).unwrap();
+        let mut repeated = Fluid::new(&device, setup, storage, None).unwrap();
+        repeated
+            .fill_planes_alike(&Start::new(&one, &plane))
+            .unwrap();
+        for steps in [0, 3] {
+            for _ in 0..steps {
+                sent.collide_stream(None, None).unwrap();
+                repeated.collide_stream(None, None).unwrap();
+            }
+            assert!(
+                sent.macroscopic().unwrap() == repeated.macroscopic().unwrap(),
+                "{storage:?} after {steps} steps"
+            );
+        }
+    }
+}
