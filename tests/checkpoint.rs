@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use libtest_mimic::Trial;
 
-use crate::command_line::{CANOPY, command, files, finished, root};
+use crate::command_line::{CANOPY, command, files, finished, program, root};
 use crate::engines::{needs_device, plain};
 use crate::tolerances;
 
@@ -23,7 +23,7 @@ pub fn trials() -> Vec<Trial> {
     .flatten()
     .collect();
     trials.push(needs_device(
-        "checkpoint::goes_on_elsewhere".to_owned(),
+        "checkpoint::goes_on_elsewhere::gpu".to_owned(),
         elsewhere,
     ));
     trials
@@ -140,7 +140,7 @@ fn damaged() {
     // Larger files than the tables of a run fail from now on: the checkpoint is the first.
     let script = format!(
         "trap '' XFSZ; ulimit -f 200; exec '{}' {} --resume",
-        env!("CARGO_BIN_EXE_ripstop"),
+        program().display(),
         arguments(&out, end_s)
             .iter()
             .map(|a| format!("'{a}'"))

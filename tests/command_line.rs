@@ -41,14 +41,23 @@ pub fn trials() -> Vec<Trial> {
     trials
 }
 
-/// Root of the repository, as cargo names it when the tests run: a machine without the sources gets `cases/` alone
-/// (`benches/accelerator.sh`).
+/// Root of the repository, as cargo names it when the tests run: a machine without the sources gets `cases/` alone and names their
+/// folder itself (`benches/accelerator.sh`).
 pub fn root() -> &'static Path {
     static ROOT: LazyLock<PathBuf> = LazyLock::new(|| {
         std::env::var_os("CARGO_MANIFEST_DIR")
             .map_or_else(|| env!("CARGO_MANIFEST_DIR").into(), PathBuf::from)
     });
     &ROOT
+}
+
+/// The program under test: `RIPSTOP_PROGRAM` where the tests run on another machine than that which built them, else cargo's.
+pub fn program() -> &'static Path {
+    static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
+        std::env::var_os("RIPSTOP_PROGRAM")
+            .map_or_else(|| env!("CARGO_BIN_EXE_ripstop").into(), PathBuf::from)
+    });
+    &PROGRAM
 }
 
 /// What a finished process left.
@@ -59,7 +68,7 @@ pub struct Finished {
 }
 
 pub fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ripstop"));
+    let mut command = Command::new(program());
     command
         .args(arguments)
         .current_dir(root())
@@ -338,7 +347,7 @@ fn full_disk() {
     let out = folder.path().join("out");
     let script = format!(
         "trap '' XFSZ; ulimit -f 8; exec '{}' {} --out '{}'",
-        env!("CARGO_BIN_EXE_ripstop"),
+        program().display(),
         QUICK_SHEET.join(" "),
         out.display()
     );
@@ -438,7 +447,7 @@ fn equilibrium_not_reached() {
 /// A reader that goes away is no failure, a full disk behind the redirection is; neither is a panic.
 fn standard_output() {
     let shell = |script: &str| {
-        let script = script.replace("RIPSTOP", env!("CARGO_BIN_EXE_ripstop"));
+        let script = script.replace("RIPSTOP", &format!("'{}'", program().display()));
         finished(
             Command::new("sh")
                 .args(["-c", &script])

@@ -111,8 +111,12 @@ fn gpu_required() -> bool {
 }
 
 /// A trial that needs a device: where there is none it shows as 'ignored', its kind says why, and `RIPSTOP_REQUIRE_GPU=1` turns
-/// that into a failure.
+/// that into a failure. By its name `benches/accelerator.sh` finds it.
 pub fn needs_device(name: String, body: impl FnOnce() + Send + 'static) -> Trial {
+    assert!(
+        name.contains("device") || name.contains("::gpu"),
+        "{name}: trials that need a device have `device` or `::gpu` in their names"
+    );
     let absent = device().is_err();
     let trial = Trial::test(name, move || {
         if let Err(error) = device() {

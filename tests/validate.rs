@@ -1,10 +1,12 @@
 //! `ripstop validate` as a user meets it, and its fastest problems on every engine.
 
+use std::collections::BTreeSet;
 use std::process::{Command, Stdio};
 
 use libtest_mimic::Trial;
+use ripstop::validate::PROBLEMS;
 
-use crate::command_line::{ripstop, root};
+use crate::command_line::{program, ripstop, root};
 use crate::engines::{needs_device, plain};
 use crate::tolerances;
 
@@ -75,11 +77,29 @@ pub fn trials() -> Vec<Trial> {
     }));
     trials.extend(plain("validate::bench_of_fabric::cpu", bench_of_fabric));
     trials.extend(plain("validate::usage_errors", usage));
+    trials.extend(plain(
+        "validate::accelerators_compute_every_problem",
+        accelerator_script,
+    ));
     trials.extend(plain("validate::sphere", sphere));
     if cfg!(unix) {
         trials.extend(plain("validate::interrupt", interrupt));
     }
     trials
+}
+
+/// `benches/accelerator.sh` names each problem but those of panels, which no device takes part in.
+fn accelerator_script() {
+    let script = std::fs::read_to_string(root().join("benches/accelerator.sh")).unwrap();
+    let (_, list) = script.split_once("\nproblems=(").unwrap();
+    let (list, _) = list.split_once(')').unwrap();
+    let named: BTreeSet<&str> = list.split_whitespace().collect();
+    let computed: BTreeSet<&str> = PROBLEMS
+        .iter()
+        .map(|problem| problem.name)
+        .filter(|name| !AERODYNAMICS.contains(name))
+        .collect();
+    assert_eq!(named, computed);
 }
 
 fn problems(names: &[&str], engine: &str) {
@@ -163,7 +183,7 @@ fn usage() {
 fn interrupt() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("rows.json");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_ripstop"))
+    let mut child = Command::new(program())
         .args([
             "validate",
             "beltrami",
