@@ -194,6 +194,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "fabric",
             "geometry",
             "gpu",
+            "immersed",
             "lattice",
             "measure",
             "output",

@@ -48,7 +48,7 @@ pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<
     let sides: &[usize] = if rows.extent.full {
         &[128, 192, 256, 384, 512]
     } else {
-        &[12, 16]
+        &[12]
     };
     let mut pace = Pace::default();
     for &side in sides {
@@ -99,7 +99,7 @@ pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Resul
     for &side in sides {
         for &tuning in &tunings {
             let tuned = Device::open_tuned(&choice, tuning)?;
-            for variant in VARIANTS {
+            for &variant in if full { &VARIANTS[..] } else { &VARIANTS[..1] } {
                 one(&tuned, copy, side, variant, &mut pace, rows)?;
             }
         }

@@ -22,7 +22,7 @@ const CPU_RATE: f64 = 2e7;
 /// Cells per D_0, duration of the start and of what follows \[s\].
 type Size = (f64, f64, f64);
 
-const SMALL: &[Size] = &[(8.0, 0.001, 0.001), (10.0, 0.001, 0.001)];
+const SMALL: &[Size] = &[(8.0, 0.001, 0.001)];
 const FULL: &[Size] = &[
     (24.0, 0.0222, 0.02),
     (48.0, 0.0222, 0.02),
