@@ -98,7 +98,7 @@ begin() {
     out=$(cd "${1:-.}" && pwd)
     results=$(mktemp -d)
     mkdir "$results/$call"
-    failed=()
+    failed=() left_out=()
     running=
     trap 'rm -rf "$results"' EXIT
     trap 'interrupted' TERM INT HUP
@@ -125,6 +125,8 @@ interrupted() {
 }
 
 finish() {
+    local verdict
+    if [ ${#left_out[@]} -gt 0 ]; then failed+=("left out for want of time: ${left_out[*]}"); fi
     if [ ${#failed[@]} -gt 0 ]; then verdict="failed: $(printf '%s; ' "${failed[@]}" | sed 's/; $//')"; else verdict="failed: nothing"; fi
     echo "$SECONDS s, $verdict" >"$results/$call/verdict.txt"
     bundle
@@ -142,7 +144,7 @@ part() {
     if [ "$limit" -gt "$left" ]; then limit=$left; fi
     if [ "$limit" -lt 3 ]; then
         echo "== $name: left out, the time is over" | tee -a "$text"
-        failed+=("$name was left out")
+        left_out+=("$name")
         return
     fi
     echo "== $name, at most $limit s: $*" | tee -a "$text"
@@ -195,13 +197,15 @@ find_device() {
 
 measure() {
     begin measure "$@"
-    local folder=$results/measure table count size=(--full --seconds 400)
+    local folder=$results/measure table rows count size=(--full --seconds 400)
     if [ -n "$small" ]; then size=(--seconds 120); fi
     part "bench device" bench 440 ./ripstop bench device "${size[@]}" "${engine[@]}" --out "$folder"
     for table in "${tables[@]}"; do
-        count=$(grep -cE "\"table\": ?\"$table\"" "$folder/device.jsonl" 2>/dev/null || true)
-        echo "== rows of $table: ${count:-0}" | tee -a "$folder/bench.txt"
-        if [ "${count:-0}" = 0 ]; then failed+=("no rows of $table"); fi
+        # What is beyond a device has a row too, which says why in `error`.
+        rows=$(grep -E "\"table\": ?\"$table\"" "$folder/device.jsonl" 2>/dev/null || true)
+        count=$(grep -vcE '^$|"error":' <<<"$rows" || true)
+        echo "== rows of $table: $count, and $(grep -c '"error":' <<<"$rows" || true) that the device cannot have" | tee -a "$folder/bench.txt"
+        if [ "$count" = 0 ]; then failed+=("no rows of $table"); fi
     done
     # The canopy of the README to its stop.
     size=()
