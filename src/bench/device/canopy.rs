@@ -129,7 +129,7 @@ fn one(
         _ => BYTES_PER_CELL,
     };
     let bound_ms = on_device.then(|| 1e3 * bytes * cells as f64 / copy);
-    let mut asked = [f64::NAN; 2];
+    let mut asked = [None; 2];
     let mut clocked = None;
     if on_device {
         let clocked_steps = CLOCKED_STEPS[usize::from(rows.extent.full)];
@@ -143,10 +143,11 @@ fn one(
         let host_ms = 1e3 * start.elapsed().as_secs_f64() / f64::from(clocked_steps);
         let work = device.work().since(&before);
         let per_step = |count: u64| count as f64 / f64::from(clocked_steps);
-        asked = [per_step(work.submits), per_step(work.maps)];
+        let (submits, maps) = (per_step(work.submits), per_step(work.maps));
+        asked = [Some(submits), Some(maps)];
         row["clocked"] = json!({
             "steps": clocked_steps, "ms_per_step": host_ms, "dispatches_per_step": per_step(work.dispatches),
-            "submits_per_step": asked[0], "writes_per_step": per_step(work.writes), "maps_per_step": asked[1],
+            "submits_per_step": submits, "writes_per_step": per_step(work.writes), "maps_per_step": maps,
             "bytes_written_per_step": per_step(work.written_bytes), "bytes_mapped_per_step": per_step(work.mapped_bytes),
             "ms_waited_per_step": 1e-6 * per_step(work.waited_ns),
         });
@@ -167,12 +168,13 @@ fn one(
     row["projected_diameter_ratio"] = diameter.into();
     row["difference_to_first"] = difference.into();
     let or_dash = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.3}"));
+    let short = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.1}"));
     let text = format!(
-        "{labels} {steps:>9} {name:>28} {ms:>9.3} {:>9} {:>9} {:>7.1} {:>5.1} {diameter:>9.5} {difference:>+10.1e}",
+        "{labels} {steps:>9} {name:>28} {ms:>9.3} {:>9} {:>9} {:>7} {:>5} {diameter:>9.5} {difference:>+10.1e}",
         or_dash(bound_ms),
         or_dash(clocked),
-        asked[0],
-        asked[1],
+        short(asked[0]),
+        short(asked[1]),
     );
     rows.add("canopy", &text, row)
 }

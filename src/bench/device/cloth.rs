@@ -11,7 +11,6 @@ use crate::case::SHIPPED;
 use crate::gpu::Device;
 use crate::plan::{AirPlacement, ClothPlacement, Plan, Precision};
 use crate::simulation::Simulation;
-use crate::solve::lbfgs::Progress;
 
 /// Evaluations after which the equilibrium is left, reached or not, with small and with full sizes: what one costs is what is asked.
 const EQUILIBRIUM_EVALUATIONS: [u32; 2] = [15, 60];
@@ -112,10 +111,6 @@ fn one(
     let on_device = place == ClothPlacement::Device && device.time_passes();
     let before = simulation.cost().evaluations;
     let mut norm = None;
-    let mut watch = |progress: &Progress| {
-        norm = Some(progress.relative_norm);
-        true
-    };
     let start = Instant::now();
     let (solves, evaluations, reached) = match problem {
         Problem::Steps(steps) => {
@@ -129,9 +124,10 @@ fn one(
                 cost.unconverged == 0,
             )
         }
-        Problem::Equilibrium => match simulation.equilibrate(&mut watch) {
+        Problem::Equilibrium => match simulation.equilibrate(&mut |_| true) {
             Some(outcome) => {
                 let outcome = outcome?;
+                norm = Some(outcome.relative_norm);
                 (1.0, outcome.evaluations as f64, outcome.stop.reached())
             }
             None => return Err(Stop::Refused("the sheet has no equilibrium".to_owned())),
