@@ -74,7 +74,13 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let flies_wings = named(AERODYNAMICS);
     let loads_fabric = named(FABRIC);
     let measures_device = named(DEVICE);
-    if !maps_stability && !flies_wings && !loads_fabric && !measures_device && !measures && comparisons.is_empty() {
+    if !maps_stability
+        && !flies_wings
+        && !loads_fabric
+        && !measures_device
+        && !measures
+        && comparisons.is_empty()
+    {
         let names: Vec<&str> = work_precision::names()
             .chain([STABILITY, AERODYNAMICS, FABRIC, DEVICE])
             .chain(COUPLING.map(|(name, _)| name))

@@ -381,7 +381,9 @@ impl Staging {
         to: u64,
         bytes: u64,
     ) {
-        commands.raw.copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
+        commands
+            .raw
+            .copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
     }
 
     /// Records a copy of rows of pixels from a texture, each padded to `bytes_per_row`, a multiple of 256.

@@ -42,18 +42,34 @@ impl Latencies {
     /// Name, value \[s\] and meaning of every latency.
     #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, f64, &'static str)> {
-        let mut rows = vec![("dispatch", self.dispatch_s, "one more empty dispatch in a pass")];
+        let mut rows = vec![(
+            "dispatch",
+            self.dispatch_s,
+            "one more empty dispatch in a pass",
+        )];
         if let Some(seconds) = self.dispatch_on_device_s {
-            rows.push(("dispatch on device", seconds, "the same by the device's clock"));
+            rows.push((
+                "dispatch on device",
+                seconds,
+                "the same by the device's clock",
+            ));
         }
         rows.extend([
             ("pass", self.pass_s, "one more pass with an empty dispatch"),
-            ("submit", self.submit_s, "record and submit, without waiting"),
+            (
+                "submit",
+                self.submit_s,
+                "record and submit, without waiting",
+            ),
             ("write", self.write_s, "64 bytes to a buffer"),
             ("wait", self.wait_s, "submit, and sleep until it is done"),
             ("spin", self.spin_s, "submit, and ask until it is done"),
             ("map", self.map_s, "submit, sleep, map and read 16 bytes"),
-            ("map spinning", self.map_spin_s, "submit, ask, map and read 16 bytes"),
+            (
+                "map spinning",
+                self.map_spin_s,
+                "submit, ask, map and read 16 bytes",
+            ),
         ]);
         rows
     }

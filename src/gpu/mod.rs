@@ -16,8 +16,8 @@
 
 pub mod adapters;
 pub mod bandwidth;
-mod commands;
 pub mod cloth;
+mod commands;
 pub mod device;
 mod error;
 pub mod fluid;

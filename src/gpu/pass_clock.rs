@@ -42,7 +42,11 @@ pub(super) struct PassClock {
 impl PassClock {
     /// `None` where the device has no timestamps.
     fn new(device: &Device) -> Option<Self> {
-        if !device.raw.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        if !device
+            .raw
+            .features()
+            .contains(wgpu::Features::TIMESTAMP_QUERY)
+        {
             return None;
         }
         let size = 2 * PASSES as u64 * u64::from(wgpu::QUERY_SIZE);

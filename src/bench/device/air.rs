@@ -61,7 +61,9 @@ pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<
 
 /// The choices: all combinations at several sizes, or with small sizes one at a time.
 pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
-    rows.title("bare air again, by threads of a workgroup, padding of the arrays, and bounds checks");
+    rows.title(
+        "bare air again, by threads of a workgroup, padding of the arrays, and bounds checks",
+    );
     head(rows);
     let full = rows.extent.full;
     let usual = Tuning::default();
@@ -110,7 +112,15 @@ pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Resul
 fn head(rows: &mut Rows) {
     let line = format!(
         "{:>5} {:>28} {:>9} {:>8} {:>7} {:>9} {:>9} {:>9} {:>13}",
-        "side", "operator", "workgroup", "padding", "checks", "MLUPS", "GB/s", "of copy", "energy error"
+        "side",
+        "operator",
+        "workgroup",
+        "padding",
+        "checks",
+        "MLUPS",
+        "GB/s",
+        "of copy",
+        "energy error"
     );
     rows.watch.observer.note(&line);
 }
@@ -162,7 +172,9 @@ fn one(
         Ok(timed) => {
             let rate = cells * timed.steps as f64 / timed.seconds;
             pace.rate = rate;
-            pace.set_up = pace.set_up.max(start.elapsed().as_secs_f64() - timed.seconds);
+            pace.set_up = pace
+                .set_up
+                .max(start.elapsed().as_secs_f64() - timed.seconds);
             let bytes = rate * BYTES_PER_CELL / 4.0 * storage.bytes() as f64;
             row["steps"] = timed.steps.into();
             row["million_lattice_updates_per_s"] = (1e-6 * rate).into();

@@ -57,7 +57,16 @@ pub(super) fn rows(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(
     rows.title("canopy, ms per step: by the host's clock, at the bound of copying, by the device's clock (of further steps); submits and maps per step");
     let line = format!(
         "{:>5} {:>9} {:>28} {:>9} {:>9} {:>9} {:>7} {:>5} {:>9} {:>10}",
-        "cells", "steps", "placement", "ms", "bound", "on device", "submits", "maps", "D_p/D_0", "difference"
+        "cells",
+        "steps",
+        "placement",
+        "ms",
+        "bound",
+        "on device",
+        "submits",
+        "maps",
+        "D_p/D_0",
+        "difference"
     );
     rows.watch.observer.note(&line);
     let sizes = if rows.extent.full { FULL } else { SMALL };
@@ -113,7 +122,11 @@ fn one(
         Ok(done) => done,
         Err(error) => {
             row["error"] = error.to_string().into();
-            return rows.add("canopy", &format!("{labels} {name:>38} not possible: {error}"), row);
+            return rows.add(
+                "canopy",
+                &format!("{labels} {name:>38} not possible: {error}"),
+                row,
+            );
         }
     };
     let seconds = start.elapsed().as_secs_f64();
@@ -122,7 +135,9 @@ fn one(
         // Latencies count apart.
         *rate = cells as f64 / (seconds / steps - 1e-3).max(0.2 * seconds / steps);
     }
-    let diameter = record.latest("projected_diameter_ratio").unwrap_or(f64::NAN);
+    let diameter = record
+        .latest("projected_diameter_ratio")
+        .unwrap_or(f64::NAN);
     let difference = diameter / *reference.get_or_insert(diameter) - 1.0;
     let bytes = match air {
         AirPlacement::Gpu(Storage::F16) => 0.5 * BYTES_PER_CELL,

@@ -59,7 +59,8 @@ pub(super) fn rows(device: &Arc<Device>, rows: &mut Rows) -> Result<(), Stop> {
             {
                 let nodes = f64::from((divisions + 1) * (divisions + 1));
                 let solves = f64::from(if equilibrium { 1 } else { steps });
-                let expected_s = 1e-3 * pace[k] * nodes * solves * (2.0 * evaluations) + 2e-6 * nodes;
+                let expected_s =
+                    1e-3 * pace[k] * nodes * solves * (2.0 * evaluations) + 2e-6 * nodes;
                 let what = format!("hanging sheet of {nodes} nodes, {problem:?} on {place:?}");
                 if !rows.allows(&what, expected_s) {
                     continue;
@@ -163,7 +164,9 @@ fn one(
     let text = format!(
         "{name:>12} {nodes:>8} {place:>8} {:>12.1} {ms_solve:>12.2} {ms_evaluation:>12.4} {:>12} {:>12} {difference:>15.1e}",
         evaluations / solves,
-        passes.as_ref().map_or("–".to_owned(), |(_, sum)| format!("{sum:.4}")),
+        passes
+            .as_ref()
+            .map_or("–".to_owned(), |(_, sum)| format!("{sum:.4}")),
         norm.map_or("–".to_owned(), |norm| format!("{norm:.1e}")),
     );
     let mut row = json!({

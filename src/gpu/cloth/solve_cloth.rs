@@ -359,7 +359,9 @@ impl Cloth {
             ("predicted_remainder", "remainder"),
         ] {
             let (from, to) = (self.buffer(from)?, self.buffer(to)?);
-            commands.raw.copy_buffer_to_buffer(from, 0, to, u64::from(point.0) * bytes, bytes);
+            commands
+                .raw
+                .copy_buffer_to_buffer(from, 0, to, u64::from(point.0) * bytes, bytes);
         }
         self.device.submit(commands);
         Ok(())

@@ -4,10 +4,10 @@
 //! node by node before the step. Sums come back as one number per workgroup and are added on the host in `f64`, always in the
 //! same order.
 
+use crate::gpu::commands::{Commands, Pass};
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::Multigrid;
-use crate::gpu::commands::{Commands, Pass};
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 use super::gathering::BoundGathering;
@@ -203,7 +203,9 @@ impl<'a> Space<'a> {
         let Some(hessian) = &self.multigrid else {
             return Ok(());
         };
-        commands.raw.clear_buffer(hessian.multigrid.finest()?.0, 0, None);
+        commands
+            .raw
+            .clear_buffer(hessian.multigrid.finest()?.0, 0, None);
         {
             let mut pass = commands.pass("cloth stiffness");
             hessian

@@ -160,11 +160,7 @@ impl Fluid {
 
     /// Submits a run of planes; the first ones are waited for, to learn how long a plane takes. The shortest counts: dispatches that
     /// also compile, or find a device still asleep, take longer.
-    fn submit_timed(
-        &mut self,
-        commands: Commands,
-        planes: usize,
-    ) -> Result<(), DeviceError> {
+    fn submit_timed(&mut self, commands: Commands, planes: usize) -> Result<(), DeviceError> {
         if self.timed_submissions >= TIMED_SUBMISSIONS {
             self.device.submit(commands);
             return self.device.check();

@@ -198,8 +198,7 @@ impl Fluid {
                 for y in 0..ny {
                     for x in 0..nx {
                         let cell = [x, y, z];
-                        plane[1 + x + y * grid.stride_y] =
-                            start.population(cell, direction) as f32;
+                        plane[1 + x + y * grid.stride_y] = start.population(cell, direction) as f32;
                         if direction == 0 && x + 1 == nx {
                             // An outlet's ghost remembers the density excess of the last cell.
                             plane[2 + x + y * grid.stride_y] = start.density_excess(cell) as f32;

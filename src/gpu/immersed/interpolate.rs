@@ -119,7 +119,9 @@ impl Immersed {
         self.device.write(&self.parameters, 0, &[parameters]);
         self.device.write(&self.markers, 0, &sorted);
         let mut commands = self.device.record("place_markers");
-        commands.raw.clear_buffer(&boxed.marks, 0, Some(4 * box_count));
+        commands
+            .raw
+            .clear_buffer(&boxed.marks, 0, Some(4 * box_count));
         {
             let mut pass = commands.pass("place_markers");
             boxed

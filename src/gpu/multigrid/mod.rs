@@ -13,9 +13,9 @@ pub mod sliced;
 
 use std::cell::Cell;
 
+use crate::gpu::commands::Commands;
 use crate::gpu::device::{Device, Staging};
 use crate::gpu::error::DeviceError;
-use crate::gpu::commands::Commands;
 use crate::gpu::pipeline::Pipeline;
 use crate::gpu::shaders;
 use crate::solve::multigrid::blocks::BlockMatrix;
@@ -196,15 +196,13 @@ impl Multigrid {
 
     /// Records what follows from a new finest matrix; [`Multigrid::invert_coarsest`] must come after the submission. The first refresh of
     /// a solve forgets the eigenvectors of the one before, so that a solve does not depend on others.
-    pub(super) fn refresh(
-        &self,
-        commands: &mut Commands,
-        first: bool,
-    ) -> Result<(), DeviceError> {
+    pub(super) fn refresh(&self, commands: &mut Commands, first: bool) -> Result<(), DeviceError> {
         if first {
             for level in &self.buffers {
                 let (from, to) = (level.get("eigenvector_guess")?, level.get("eigenvector")?);
-                commands.raw.copy_buffer_to_buffer(from, 0, to, 0, level.vector_bytes);
+                commands
+                    .raw
+                    .copy_buffer_to_buffer(from, 0, to, 0, level.vector_bytes);
             }
         }
         {
@@ -253,7 +251,9 @@ impl Multigrid {
     ) -> Result<(), DeviceError> {
         let finest = self.level(0)?;
         let bytes = finest.vector_bytes;
-        commands.raw.copy_buffer_to_buffer(vectors, from, finest.get("right")?, 0, bytes);
+        commands
+            .raw
+            .copy_buffer_to_buffer(vectors, from, finest.get("right")?, 0, bytes);
         {
             let mut pass = commands.pass("multigrid");
             for level in &self.levels {
@@ -263,7 +263,9 @@ impl Multigrid {
                 level.up(&mut pass);
             }
         }
-        commands.raw.copy_buffer_to_buffer(finest.get("solution")?, 0, vectors, to, bytes);
+        commands
+            .raw
+            .copy_buffer_to_buffer(finest.get("solution")?, 0, vectors, to, bytes);
         Ok(())
     }
 
