@@ -16,6 +16,9 @@ const CASE: &str = include_str!("../../../benches/uniform-canopy.toml");
 /// Steps timed by the device's clock, after the others, with small and with full sizes.
 const CLOCKED_STEPS: [u32; 2] = [8, 64];
 
+/// The finest canopy that the CPU is given, too [cells per D_0].
+const CPU_CELLS_PER_DIAMETER: f64 = 48.0;
+
 /// Updates per second of a thread of the CPU engine, as a forecast.
 const CPU_RATE: f64 = 2e7;
 
@@ -75,6 +78,11 @@ pub(super) fn rows(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(
     for &size in sizes {
         let mut reference = None;
         for place in PLACES {
+            // The finer ones would take the CPU longer than the device takes for everything.
+            let on_cpu = matches!(place.1, AirPlacement::Cpu(_));
+            if on_cpu && size.0 > CPU_CELLS_PER_DIAMETER {
+                continue;
+            }
             one(device, copy, size, place, (&mut rate, &mut reference), rows)?;
         }
     }

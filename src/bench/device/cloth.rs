@@ -17,9 +17,16 @@ const EQUILIBRIUM_EVALUATIONS: [u32; 2] = [15, 60];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Problem {
-    Steps(u32),
+    /// So many, each left after so many evaluations, solved or not.
+    Steps {
+        steps: u32,
+        limit: u32,
+    },
     Equilibrium,
 }
+
+/// Cells along a side, steps, and most evaluations of a step: what one costs is what is asked of the largest.
+type Size = (u32, u32, u32);
 
 pub(super) fn rows(device: &Arc<Device>, rows: &mut Rows) -> Result<(), Stop> {
     rows.title("hanging sheet: implicit steps of 0.1 ms, and the static equilibrium with multigrid; fabric on host (f64) and device");
@@ -36,21 +43,20 @@ pub(super) fn rows(device: &Arc<Device>, rows: &mut Rows) -> Result<(), Stop> {
         "difference [m]"
     );
     rows.watch.observer.note(&line);
-    // Cells along a side, and steps.
-    let sizes: &[(u32, u32)] = if rows.extent.full {
-        &[(100, 10), (316, 3), (999, 1)]
+    let sizes: &[Size] = if rows.extent.full {
+        &[(100, 10, 2000), (316, 3, 200), (999, 1, 40)]
     } else {
-        &[(6, 1), (12, 1)]
+        &[(6, 1, 100), (12, 1, 100)]
     };
     for equilibrium in [false, true] {
         // Milliseconds per evaluation and node, host and device.
         let mut pace = [2e-3; 2];
         let mut evaluations = 40.0;
-        for &(divisions, steps) in sizes {
+        for &(divisions, steps, limit) in sizes {
             let problem = if equilibrium {
                 Problem::Equilibrium
             } else {
-                Problem::Steps(steps)
+                Problem::Steps { steps, limit }
             };
             let mut reference = None;
             for (k, place) in [ClothPlacement::Host, ClothPlacement::Device]
@@ -88,6 +94,10 @@ fn one(
         .iter()
         .find(|(name, _)| *name == "hanging-sheet")
         .ok_or_else(|| Stop::Refused("no shipped case is called hanging-sheet".to_owned()))?;
+    let step_limit = match problem {
+        Problem::Steps { limit, .. } => limit,
+        Problem::Equilibrium => 100,
+    };
     let case = load(
         "hanging-sheet",
         source,
@@ -95,6 +105,7 @@ fn one(
             format!("structure.sheet.divisions=[{divisions}, {divisions}]"),
             "time.step_s=0.0001".to_owned(),
             "time.end_s=0.001".to_owned(),
+            format!("solver.evaluation_limit={step_limit}"),
             "equilibrium.tolerance=1e-2".to_owned(),
             format!(
                 "equilibrium.evaluation_limit={}",
@@ -105,7 +116,7 @@ fn one(
     let air = AirPlacement::Cpu(Precision::F32);
     let plan = Plan::new(&case.scene, placement(air, place, device));
     let mut simulation = Simulation::new(case.scene.clone(), plan, Some(Arc::clone(device)))?;
-    if let Problem::Steps(_) = problem {
+    if matches!(problem, Problem::Steps { .. }) {
         // What is compiled at its first use is not timed.
         simulation.advance()?;
     }
@@ -114,7 +125,7 @@ fn one(
     let mut norm = None;
     let start = Instant::now();
     let (solves, evaluations, reached) = match problem {
-        Problem::Steps(steps) => {
+        Problem::Steps { steps, .. } => {
             for _ in 0..steps {
                 simulation.advance()?;
             }
@@ -152,7 +163,7 @@ fn one(
             .fold(0.0, f64::max)
     });
     let name = match problem {
-        Problem::Steps(_) => "steps",
+        Problem::Steps { .. } => "steps",
         Problem::Equilibrium => "equilibrium",
     };
     let place = match place {
