@@ -43,7 +43,7 @@ fn stages(summary: &Summary) -> String {
 /// What every stage asks of the device, per step.
 fn counts(device: &DeviceUse) -> String {
     let mut text = format!(
-        "\nasked of the device, per step of {}\n{:<22} {:>10} {:>8} {:>8} {:>8} {:>9} {:>6} {:>9} {:>10}\n",
+        "\nasked of the device, per step, over {} steps since release\n{:<22} {:>10} {:>8} {:>8} {:>8} {:>9} {:>6} {:>9} {:>10}\n",
         device.steps,
         "stage",
         "dispatches",

@@ -24,7 +24,7 @@ pub(super) struct RunArguments {
     /// Seconds of wall time between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint_every: f64,
-    /// Print what every stage of a step took.
+    /// Print what every stage of a step took; with a device also what it was asked for, its own clock, and its latencies.
     #[arg(long)]
     profile: bool,
     /// End with exit code 1 where the set-up does not support its results, or a solver or balance misses its limit.

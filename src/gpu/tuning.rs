@@ -22,7 +22,7 @@ pub struct Tuning {
     pub workgroup: u32,
     /// Padding of the arrays.
     pub padding: Padding,
-    /// Whether shaders check that they stay inside their buffers.
+    /// Whether `collide_stream` checks that it stays inside its buffers, as all other shaders do.
     pub bounds_checks: bool,
 }
 

@@ -53,7 +53,7 @@ impl std::ops::AddAssign for DeviceCounts {
     }
 }
 
-/// What one stage asked for, in all steps.
+/// What one stage asked for, in all steps counted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeviceStage {
     /// Name of the stage.
@@ -88,13 +88,13 @@ pub struct DeviceLatency {
 /// A run's use of its device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeviceUse {
-    /// Steps that were counted: those of this process.
+    /// Steps that were counted: those of this process since release.
     pub steps: u64,
     /// What the stages of one step asked for, on average.
     pub per_step: DeviceCounts,
-    /// What every stage asked for, in all steps.
+    /// What every stage asked for, in all of them.
     pub stages: Vec<DeviceStage>,
-    /// What was asked for besides: at the start, for samples and pictures, and to look for a breakdown.
+    /// What was asked for besides: while the wind rises, for samples, pictures and searches for a breakdown, and waits of steps that are timed.
     pub besides_the_stages: DeviceCounts,
     /// Passes by the device's own clock, the longest first; only with `--profile`, on a device that has one.
     pub passes: Option<Vec<DevicePass>>,

@@ -32,7 +32,7 @@ pub struct Cost {
     pub timed_cells: u64,
     /// Steps whose stages were timed: all, or some where a device works while the host goes on.
     pub timed_steps: u64,
-    /// Steps done.
+    /// Steps done since release.
     pub steps: u64,
     /// What had been asked of the device before the first.
     pub device_before: DeviceWork,
@@ -47,7 +47,7 @@ pub struct StageCost {
     pub calls: u64,
     /// Wall time.
     pub time: Duration,
-    /// What it asked of the device, in all steps.
+    /// What it asked of the device, in all steps since release.
     pub device: DeviceWork,
 }
 

@@ -252,6 +252,8 @@ impl Simulation {
             // What earlier steps left in the queue is not this step's.
             device.wait()?;
         }
+        // While the wind rises no fabric is solved, which is not what a step asks for.
+        let counted = self.released();
         let mut asked = self.device_work();
         for i in 0..self.plan.stages.len() {
             let planned = self.plan.stages[i];
@@ -276,7 +278,9 @@ impl Simulation {
             }
             let asked_before = asked;
             asked = self.device_work();
-            self.cost.stages[planned.stage as usize].device += asked.since(&asked_before);
+            if counted {
+                self.cost.stages[planned.stage as usize].device += asked.since(&asked_before);
+            }
             if !timed {
                 continue;
             }
@@ -315,7 +319,7 @@ impl Simulation {
             descent.end_step();
         }
         self.step += 1;
-        self.cost.steps += 1;
+        self.cost.steps += u64::from(counted);
         if self.step == self.plan.start_steps {
             self.start_impulses()?;
         }

@@ -14,6 +14,9 @@ use crate::lattice::{Operator, Storage};
 
 const RELAXATION_TIME: f64 = 0.6;
 
+/// Opening another device, as a forecast \[s\].
+const OPENING_S: f64 = 1.0;
+
 /// Steps before any is timed.
 const WARM_UP: usize = 4;
 
@@ -44,7 +47,7 @@ const VARIANTS: [Variant; 4] = [
 ];
 
 /// The sizes, as runs take them.
-pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
+pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<Pace, Stop> {
     rows.title("bare air, periodic, no eddy viscosity: 152 B per cell and step at most, 76 B with 16-bit storage");
     head(rows);
     let sides: &[usize] = if rows.extent.full {
@@ -58,11 +61,16 @@ pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<
             one(device, copy, side, variant, &mut pace, rows)?;
         }
     }
-    Ok(())
+    Ok(pace)
 }
 
 /// The choices: all combinations at several sizes, or with small sizes one at a time.
-pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
+pub(super) fn tunings(
+    device: &Arc<Device>,
+    copy: f64,
+    mut pace: Pace,
+    rows: &mut Rows,
+) -> Result<(), Stop> {
     rows.title(
         "bare air again, by threads of a workgroup, padding of the arrays, and bounds checks",
     );
@@ -97,21 +105,44 @@ pub(super) fn tunings(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Resul
             },
         ]
     };
-    let sides: &[usize] = if full { &[256, 512, 128, 384] } else { &[12] };
+    // The operator of canopies first; sizes between with the operators alone.
+    let [trt, trt_16, regularised, regularised_16] = VARIANTS;
+    let order: Vec<(usize, Variant)> = if full {
+        [
+            (256, regularised),
+            (512, regularised),
+            (256, regularised_16),
+            (256, trt),
+            (512, regularised_16),
+            (512, trt),
+            (256, trt_16),
+            (512, trt_16),
+            (128, regularised),
+            (384, regularised),
+            (128, trt),
+            (384, trt),
+        ]
+        .to_vec()
+    } else {
+        vec![(12, regularised)]
+    };
     let choice = AdapterChoice::Named(device.info().name.clone());
-    let mut pace = Pace::default();
-    for &side in sides {
-        // Of the sizes between, one storage tells enough; of small ones, one operator, too.
-        let variants: &[Variant] = match side {
-            256 | 512 => &VARIANTS,
-            _ if full => &[VARIANTS[0], VARIANTS[2]],
-            _ => &VARIANTS[..1],
-        };
+    let mut opened: Vec<(Tuning, Arc<Device>)> = Vec::new();
+    for (side, variant) in order {
         for &tuning in &tunings {
-            let tuned = Device::open_tuned(&choice, tuning)?;
-            for &variant in variants {
-                one(&tuned, copy, side, variant, &mut pace, rows)?;
-            }
+            let known = opened.iter().position(|(of, _)| *of == tuning);
+            let tuned = match known {
+                Some(index) => Arc::clone(&opened[index].1),
+                None => {
+                    if !rows.allows(&format!("a device with {tuning:?}"), OPENING_S)? {
+                        continue;
+                    }
+                    let tuned = Device::open_tuned(&choice, tuning)?;
+                    opened.push((tuning, Arc::clone(&tuned)));
+                    tuned
+                }
+            };
+            one(&tuned, copy, side, variant, &mut pace, rows)?;
         }
     }
     Ok(())
@@ -134,10 +165,11 @@ fn head(rows: &mut Rows) {
 }
 
 /// What rows took so far, to foretell the next.
-struct Pace {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pace {
     /// Updates per second.
     rate: f64,
-    /// Seconds besides the steps, at most.
+    /// Seconds besides the steps, of the row before.
     set_up: f64,
 }
 
@@ -163,46 +195,38 @@ fn one(
     let tuning = device.tuning();
     let what = format!("bare air {side}^3 {name} {tuning:?}");
     let expected_s = aim_s + 12.0 * cells / pace.rate + pace.set_up;
-    if !rows.allows(&what, expected_s) {
+    if !rows.allows(&what, expected_s)? {
         return Ok(());
     }
-    let start = Instant::now();
     let padding = format!("{:?}", tuning.padding).to_lowercase();
     let checks = if tuning.bounds_checks { "on" } else { "off" };
     let labels = format!(
         "{side:>5} {name:>28} {:>9} {padding:>8} {checks:>7}",
         tuning.workgroup
     );
-    let mut row = json!({
+    let row = json!({
         "side": side, "operator": name, "workgroup": tuning.workgroup, "padding": padding, "bounds_checks": tuning.bounds_checks,
     });
-    match vortices(device, side, operator, storage, aim_s) {
-        Ok(timed) => {
-            let rate = cells * timed.steps as f64 / timed.seconds;
-            pace.rate = rate;
-            pace.set_up = pace
-                .set_up
-                .max(start.elapsed().as_secs_f64() - timed.seconds);
-            let bytes = rate * BYTES_PER_CELL / 4.0 * storage.bytes() as f64;
-            row["steps"] = timed.steps.into();
-            row["million_lattice_updates_per_s"] = (1e-6 * rate).into();
-            row["gigabytes_per_s"] = (1e-9 * bytes).into();
-            row["share_of_copy_bandwidth"] = (bytes / copy).into();
-            row["energy_error"] = timed.energy_error.into();
-            let text = format!(
-                "{labels} {:>9.0} {:>9.1} {:>8.1}% {:>13.1e}",
-                1e-6 * rate,
-                1e-9 * bytes,
-                100.0 * bytes / copy,
-                timed.energy_error
-            );
-            rows.add("bare_air", &text, row)
-        }
-        Err(error) => {
-            row["error"] = error.to_string().into();
-            rows.add("bare_air", &format!("{labels} not possible: {error}"), row)
-        }
-    }
+    let start = Instant::now();
+    let measured = vortices(device, side, operator, storage, aim_s).map(|timed| {
+        let rate = cells * timed.steps as f64 / timed.seconds;
+        pace.rate = rate;
+        pace.set_up = start.elapsed().as_secs_f64() - timed.seconds;
+        let bytes = rate * BYTES_PER_CELL / 4.0 * storage.bytes() as f64;
+        let text = format!(
+            "{:>9.0} {:>9.1} {:>8.1}% {:>13.1e}",
+            1e-6 * rate,
+            1e-9 * bytes,
+            100.0 * bytes / copy,
+            timed.energy_error
+        );
+        let entries = json!({
+            "steps": timed.steps, "million_lattice_updates_per_s": 1e-6 * rate, "gigabytes_per_s": 1e-9 * bytes,
+            "share_of_copy_bandwidth": bytes / copy, "energy_error": timed.energy_error,
+        });
+        Some((text, entries))
+    });
+    rows.add_measured("bare_air", &labels, row, measured.map_err(Stop::from))
 }
 
 struct Timed {

@@ -1,20 +1,21 @@
-//! The canopy of `benches/uniform-canopy.toml`: milliseconds per step, by the host's clock and by the device's, and how far results lie apart.
+//! The canopy of `benches/uniform-canopy.toml`: milliseconds of a coupled step, by the host's clock and by the device's, and how far results
+//! lie apart.
+//!
+//! The start is short, since no fabric is solved in it; neither it nor the set-up is part of the time of a step.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
 
-use super::{BYTES_PER_CELL, Rows, Stop, load, pass_milliseconds, placement};
+use super::{BYTES_PER_CELL, Rows, Stop, load, pass_milliseconds, placement, short};
 use crate::gpu::Device;
 use crate::lattice::Storage;
+use crate::measure::Record;
 use crate::plan::{AirPlacement, ClothPlacement, Plan, Precision};
-use crate::run::without_files;
+use crate::simulation::Simulation;
 
 const CASE: &str = include_str!("../../../benches/uniform-canopy.toml");
-
-/// Steps timed by the device's clock, after the others, with small and with full sizes.
-const CLOCKED_STEPS: [u32; 2] = [8, 64];
 
 /// The finest canopy that the CPU is given, too [cells per D_0].
 const CPU_CELLS_PER_DIAMETER: f64 = 48.0;
@@ -22,18 +23,21 @@ const CPU_CELLS_PER_DIAMETER: f64 = 48.0;
 /// Updates per second of a thread of the CPU engine, as a forecast.
 const CPU_RATE: f64 = 2e7;
 
-/// Cells per D_0, duration of the start and of what follows \[s\].
-type Size = (f64, f64, f64);
+/// Cells per D_0, duration of the start \[s\], and steps: after the start before any is timed, timed by the host's clock, timed by the
+/// device's.
+type Size = (f64, f64, [u32; 3]);
 
-const SMALL: &[Size] = &[(8.0, 0.001, 0.001)];
+const SMALL: &[Size] = &[(8.0, 0.001, [1, 4, 4])];
 const FULL: &[Size] = &[
-    (24.0, 0.0222, 0.02),
-    (48.0, 0.0222, 0.02),
-    (96.0, 0.0222, 0.01),
-    (192.0, 0.0222, 0.004),
+    (24.0, 0.0222, [20, 200, 64]),
+    (48.0, 0.0111, [20, 200, 64]),
+    (96.0, 0.0055, [20, 150, 64]),
+    (192.0, 0.0028, [10, 60, 32]),
 ];
 
-const PLACES: [(&str, AirPlacement, ClothPlacement); 4] = [
+type Place = (&'static str, AirPlacement, ClothPlacement);
+
+const PLACES: [Place; 4] = [
     (
         "cpu",
         AirPlacement::Cpu(Precision::F32),
@@ -56,10 +60,16 @@ const PLACES: [(&str, AirPlacement, ClothPlacement); 4] = [
     ),
 ];
 
+/// What earlier rows tell of the next: updates per second of the air on the device, and D_p/D_0 of the first row of a size.
+struct Earlier {
+    rate: f64,
+    diameter: Option<f64>,
+}
+
 pub(super) fn rows(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(), Stop> {
-    rows.title("canopy, ms per step: by the host's clock, at the bound of copying, by the device's clock (of further steps); submits and maps per step");
+    rows.title("canopy, ms of a coupled step: by the host's clock, at the bound of copying, by the device's clock (of further steps); submits and maps per step");
     let line = format!(
-        "{:>5} {:>9} {:>28} {:>9} {:>9} {:>9} {:>7} {:>5} {:>9} {:>10}",
+        "{:>5} {:>6} {:>28} {:>9} {:>9} {:>9} {:>7} {:>5} {:>9} {:>10}",
         "cells",
         "steps",
         "placement",
@@ -73,131 +83,131 @@ pub(super) fn rows(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<(
     );
     rows.watch.observer.note(&line);
     let sizes = if rows.extent.full { FULL } else { SMALL };
-    // Updates per second of the air on the device, and seconds per step besides.
-    let mut rate = 2e7;
+    let mut earlier = Earlier {
+        rate: 2e7,
+        diameter: None,
+    };
     for &size in sizes {
-        let mut reference = None;
+        earlier.diameter = None;
         for place in PLACES {
             // The finer ones would take the CPU longer than the device takes for everything.
             let on_cpu = matches!(place.1, AirPlacement::Cpu(_));
             if on_cpu && size.0 > CPU_CELLS_PER_DIAMETER {
                 continue;
             }
-            one(device, copy, size, place, (&mut rate, &mut reference), rows)?;
+            let labels = format!("{:>5} {:>6} {:>28}", size.0, size.2[1], place.0);
+            let row =
+                json!({"cells_per_diameter": size.0, "placement": place.0, "steps": size.2[1]});
+            let measured = one(device, copy, size, place, &mut earlier, rows);
+            rows.add_measured("canopy", &labels, row, measured)?;
         }
     }
     Ok(())
 }
 
+/// Text and entries of a row; `None` where it was left out.
 fn one(
     device: &Arc<Device>,
     copy: f64,
-    (cells_per_diameter, start_s, end_s): Size,
-    (name, air, cloth): (&str, AirPlacement, ClothPlacement),
-    (rate, reference): (&mut f64, &mut Option<f64>),
+    (cells_per_diameter, start_s, [before, timed, clocked]): Size,
+    (name, air, cloth): Place,
+    earlier: &mut Earlier,
     rows: &mut Rows,
-) -> Result<(), Stop> {
+) -> Result<Option<(String, serde_json::Value)>, Stop> {
     let case = load(
         "uniform-canopy",
         CASE,
         &[
             format!("resolution.cells_per_diameter={cells_per_diameter:?}"),
             format!("air.wind_tunnel.start_time_s={start_s:?}"),
-            format!("time.end_s={end_s:?}"),
         ],
     )?;
     let on_device = matches!(air, AirPlacement::Gpu(_));
     let plan = Plan::new(&case.scene, placement(air, cloth, device));
-    let cells = plan.sizes.cells;
-    let planned = (plan.start_steps + plan.steps) as f64;
-    // A step costs latencies, too.
+    let (cells, start_steps) = (plan.sizes.cells, plan.start_steps);
+    let planned = start_steps as f64 + f64::from(before + timed + clocked);
+    // A step costs latencies, too, and the set-up compiles and opens the canopy.
     let expected_s = if on_device {
-        planned * (cells as f64 / *rate + 2e-3)
+        3.0 + planned * (cells as f64 / earlier.rate + 2e-3)
     } else {
-        planned * cells as f64 / (CPU_RATE * rayon::current_num_threads() as f64)
+        1.0 + planned * cells as f64 / (CPU_RATE * rayon::current_num_threads() as f64)
     };
     let what = format!("canopy {cells_per_diameter} cells per D_0, {name}");
-    if !rows.allows(&what, 1.3 * expected_s) {
-        return Ok(());
+    if !rows.allows(&what, 1.3 * expected_s)? {
+        return Ok(None);
     }
-    let labels = format!("{cells_per_diameter:>5}");
-    let start = Instant::now();
+    let wait = || if on_device { device.wait() } else { Ok(()) };
     let taken = on_device.then(|| Arc::clone(device));
-    let mut row = json!({
-        "cells_per_diameter": cells_per_diameter, "placement": name, "cells": cells,
-    });
-    let (mut simulation, record) = match without_files(&case, plan, taken) {
-        Ok(done) => done,
-        Err(error) => {
-            row["error"] = error.to_string().into();
-            return rows.add(
-                "canopy",
-                &format!("{labels} {name:>38} not possible: {error}"),
-                row,
-            );
-        }
-    };
-    let seconds = start.elapsed().as_secs_f64();
-    let steps = simulation.step_count() as f64;
-    if air == AirPlacement::Gpu(Storage::F32) {
-        // Latencies count apart.
-        *rate = cells as f64 / (seconds / steps - 1e-3).max(0.2 * seconds / steps);
+    let start = Instant::now();
+    let mut simulation = Simulation::new(case.scene.clone(), plan, taken)?;
+    for _ in 0..start_steps + u64::from(before) {
+        simulation.advance()?;
     }
+    wait()?;
+    let set_up_s = start.elapsed().as_secs_f64();
+    let (cost, work) = (*simulation.cost(), device.work());
+    let start = Instant::now();
+    for _ in 0..timed {
+        simulation.advance()?;
+    }
+    wait()?;
+    let milliseconds = 1e3 * start.elapsed().as_secs_f64() / f64::from(timed);
+    let work = device.work().since(&work);
+    let evaluations = (simulation.cost().evaluations - cost.evaluations) as f64 / f64::from(timed);
+    let mut record = Record::new(&simulation);
+    record.add(&mut simulation)?;
     let diameter = record
         .latest("projected_diameter_ratio")
         .unwrap_or(f64::NAN);
-    let difference = diameter / *reference.get_or_insert(diameter) - 1.0;
-    let bytes = match air {
-        AirPlacement::Gpu(Storage::F16) => 0.5 * BYTES_PER_CELL,
-        _ => BYTES_PER_CELL,
-    };
-    let bound_ms = on_device.then(|| 1e3 * bytes * cells as f64 / copy);
-    let mut asked = [None; 2];
-    let mut clocked = None;
+    let difference = diameter / *earlier.diameter.get_or_insert(diameter) - 1.0;
+    if air == AirPlacement::Gpu(Storage::F32) {
+        // Latencies count apart.
+        let of_air_s = 1e-3 * (milliseconds - 1.0).max(0.2 * milliseconds);
+        earlier.rate = cells as f64 / of_air_s;
+    }
+    let mut row = json!({
+        "cells": cells, "markers": simulation.plan().sizes.markers, "start_steps": start_steps, "set_up_and_start_s": set_up_s,
+        "ms_per_step": milliseconds, "evaluations_per_step": evaluations,
+        "projected_diameter_ratio": diameter, "difference_to_first": difference,
+    });
+    let (mut bound_ms, mut sum_ms, mut asked) = (None, None, [None; 2]);
     if on_device {
-        let clocked_steps = CLOCKED_STEPS[usize::from(rows.extent.full)];
-        let before = device.work();
+        let bytes = match air {
+            AirPlacement::Gpu(Storage::F16) => 0.5 * BYTES_PER_CELL,
+            _ => BYTES_PER_CELL,
+        };
+        bound_ms = Some(1e3 * bytes * cells as f64 / copy);
+        row["bound_ms_per_step"] = bound_ms.into();
+        let per_step = |count: u64| count as f64 / f64::from(timed);
+        asked = [Some(per_step(work.submits)), Some(per_step(work.maps))];
+        row["asked_per_step"] = json!({
+            "dispatches": per_step(work.dispatches), "submits": asked[0], "writes": per_step(work.writes), "maps": asked[1],
+            "written_bytes": per_step(work.written_bytes), "mapped_bytes": per_step(work.mapped_bytes),
+            "ms_waited": 1e-6 * per_step(work.waited_ns),
+        });
         device.time_passes();
         let start = Instant::now();
-        for _ in 0..clocked_steps {
+        for _ in 0..clocked {
             simulation.advance()?;
         }
         device.wait()?;
-        let host_ms = 1e3 * start.elapsed().as_secs_f64() / f64::from(clocked_steps);
-        let work = device.work().since(&before);
-        let per_step = |count: u64| count as f64 / f64::from(clocked_steps);
-        let (submits, maps) = (per_step(work.submits), per_step(work.maps));
-        asked = [Some(submits), Some(maps)];
-        row["clocked"] = json!({
-            "steps": clocked_steps, "ms_per_step": host_ms, "dispatches_per_step": per_step(work.dispatches),
-            "submits_per_step": submits, "writes_per_step": per_step(work.writes), "maps_per_step": maps,
-            "bytes_written_per_step": per_step(work.written_bytes), "bytes_mapped_per_step": per_step(work.mapped_bytes),
-            "ms_waited_per_step": 1e-6 * per_step(work.waited_ns),
-        });
-        if let Some((passes, sum_ms)) = pass_milliseconds(device, f64::from(clocked_steps))? {
-            row["clocked"]["ms_on_device_per_step"] = sum_ms.into();
-            row["clocked"]["share_of_time_that_device_works"] = (sum_ms / host_ms).into();
-            row["clocked"]["ms_per_step_of_passes"] = passes;
-            clocked = Some(sum_ms);
-        }
+        let clocked_ms = 1e3 * start.elapsed().as_secs_f64() / f64::from(clocked);
+        let passes = pass_milliseconds(device, f64::from(clocked))?;
         device.stop_timing_passes();
+        if let Some((passes, sum)) = passes {
+            sum_ms = Some(sum);
+            row["clocked"] = json!({
+                "steps": clocked, "ms_per_step": clocked_ms, "ms_on_device_per_step": sum,
+                "share_of_time_that_device_works": sum / clocked_ms, "ms_per_step_of_passes": passes,
+            });
+        }
     }
-    let ms = 1e3 * seconds / steps;
-    row["markers"] = simulation.plan().sizes.markers.into();
-    row["steps"] = steps.into();
-    row["seconds"] = seconds.into();
-    row["ms_per_step"] = ms.into();
-    row["bound_ms_per_step"] = bound_ms.into();
-    row["projected_diameter_ratio"] = diameter.into();
-    row["difference_to_first"] = difference.into();
-    let or_dash = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.3}"));
-    let short = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.1}"));
     let text = format!(
-        "{labels} {steps:>9} {name:>28} {ms:>9.3} {:>9} {:>9} {:>7} {:>5} {diameter:>9.5} {difference:>+10.1e}",
-        or_dash(bound_ms),
-        or_dash(clocked),
-        short(asked[0]),
-        short(asked[1]),
+        "{milliseconds:>9.3} {:>9} {:>9} {:>7} {:>5} {diameter:>9.5} {difference:>+10.1e}",
+        short(bound_ms, 3),
+        short(sum_ms, 3),
+        short(asked[0], 1),
+        short(asked[1], 1),
     );
-    rows.add("canopy", &text, row)
+    Ok(Some((text, row)))
 }

@@ -1,9 +1,13 @@
 //! What a device does: latencies, copying, bare air, a canopy, fabric; every speed beside its error, and beside the bound of copying.
 //!
 //! Rows are printed and appended to `device.jsonl` as they are measured, so that a call that is cut off keeps what it has; `device.json`
-//! holds them all. Small sizes, which a software adapter goes through in seconds, or with `full` those of a graphics card: bare air of 128³
-//! to 512³ cells over operator, storage and the choices of [`Tuning`]; the canopy of `benches/uniform-canopy.toml` at 24 to 192 cells per D_0;
-//! fabric of 10⁴ to 10⁶ nodes. A row that would not end in time is left out and named.
+//! holds them all. A row that would not end in time is left out and named.
+//!
+//! Sizes are small, so that a software adapter goes through them in seconds, or with `full` those of a graphics card:
+//!
+//! * bare air of 128³ to 512³ cells, over operator, storage and the choices of [`Tuning`];
+//! * the canopy of `benches/uniform-canopy.toml` at 24 to 192 cells per D_0;
+//! * fabric of 10⁴ to 10⁶ nodes.
 
 mod air;
 mod asking;
@@ -56,25 +60,51 @@ impl Rows<'_, '_> {
 
     /// Prints a row, and appends it to the file.
     fn add(&mut self, table: &str, text: &str, mut row: Value) -> Result<(), Stop> {
-        go_on(self.watch.interrupt)?;
         self.watch.observer.note(text);
         row["table"] = table.into();
         let line = format!("{row}\n");
         let written = self.file.write_all(line.as_bytes());
         written.map_err(|cause| OutputError::new("write", &self.path, cause))?;
         self.rows.push(row);
-        Ok(())
+        go_on(self.watch.interrupt)
+    }
+
+    /// The same of a row with labels and what was measured: its text and entries, `None` where it was left out. A device that cannot have it
+    /// gets a row that says why, and the others go on.
+    fn add_measured(
+        &mut self,
+        table: &str,
+        labels: &str,
+        mut row: Value,
+        measured: Result<Option<(String, Value)>, Stop>,
+    ) -> Result<(), Stop> {
+        let text = match measured {
+            Ok(None) => return Ok(()),
+            Ok(Some((text, mut entries))) => {
+                if let (Some(row), Some(entries)) = (row.as_object_mut(), entries.as_object_mut()) {
+                    row.append(entries);
+                }
+                text
+            }
+            Err(stop @ (Stop::Interrupted | Stop::Output(_))) => return Err(stop),
+            Err(stop) => {
+                row["error"] = stop.to_string().into();
+                format!("not possible: {stop}")
+            }
+        };
+        self.add(table, &format!("{labels} {text}"), row)
     }
 
     /// True if a row of so many seconds still fits; else it is named.
-    fn allows(&mut self, what: &str, seconds: f64) -> bool {
+    fn allows(&mut self, what: &str, seconds: f64) -> Result<bool, Stop> {
+        go_on(self.watch.interrupt)?;
         let fits = self.began.elapsed().as_secs_f64() + seconds < self.extent.limit.as_secs_f64();
         if !fits {
             let line = format!("left out: {what}, about {seconds:.0} s");
             self.watch.observer.note(&line);
             self.left_out.push(what.to_owned());
         }
-        fits
+        Ok(fits)
     }
 }
 
@@ -103,13 +133,8 @@ pub fn measure(
         info.kind.name(),
         info.driver
     ));
-    asking::latencies(device, &mut rows)?;
-    let copy = asking::copy(device, &mut rows)?;
-    air::sizes(device, copy, &mut rows)?;
-    canopy::rows(device, copy, &mut rows)?;
-    cloth::rows(device, &mut rows)?;
-    asking::marker_lists(device, &mut rows)?;
-    air::tunings(device, copy, &mut rows)?;
+    let mut copy = None;
+    let ended = all_tables(device, &mut copy, &mut rows);
     let report = json!({
         "benchmark": "device", "ripstop": env!("CARGO_PKG_VERSION"),
         "device": info.name, "kind": info.kind.name(), "driver": info.driver,
@@ -117,18 +142,31 @@ pub fn measure(
         "machine": std::env::var("RIPSTOP_MACHINE").ok(), "commit": std::env::var("RIPSTOP_COMMIT").ok(),
         "date": std::env::var("RIPSTOP_DATE").ok(),
         "full": extent.full, "seconds": rows.began.elapsed().as_secs_f64(),
-        "bytes_per_cell_and_step": BYTES_PER_CELL, "copy_gigabytes_per_s": 1e-9 * copy,
+        "bytes_per_cell_and_step": BYTES_PER_CELL, "copy_gigabytes_per_s": copy.map(|copy: f64| 1e-9 * copy),
+        "ended_by": ended.as_ref().err().map(ToString::to_string),
         "rows": rows.rows, "left_out": rows.left_out,
     });
     write_atomically(&folder.join("device.json"), |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
         writeln!(out)
     })?;
+    ended?;
     Ok(format!(
         "{} rows measured, {} left out for want of time\n",
         rows.rows.len(),
         rows.left_out.len()
     ))
+}
+
+/// All tables, the most telling first; `copy` is known as soon as it is measured.
+fn all_tables(device: &Arc<Device>, copy: &mut Option<f64>, rows: &mut Rows) -> Result<(), Stop> {
+    asking::latencies(device, rows)?;
+    let rate = *copy.insert(asking::copy(device, rows)?);
+    let pace = air::sizes(device, rate, rows)?;
+    canopy::rows(device, rate, rows)?;
+    cloth::rows(device, rows)?;
+    asking::marker_lists(device, rows)?;
+    air::tunings(device, rate, pace, rows)
 }
 
 /// A case with other values.
@@ -148,6 +186,11 @@ fn placement(air: AirPlacement, cloth: ClothPlacement, device: &Device) -> Place
         device: Some(device.info().name.clone()),
         shared_memory: false,
     }
+}
+
+/// A number with so many digits, or a dash.
+fn short(value: Option<f64>, digits: usize) -> String {
+    value.map_or("–".to_owned(), |value| format!("{value:.digits$}"))
 }
 
 /// Milliseconds that every pass took per step, by the device's own clock, the longest first, and their sum.

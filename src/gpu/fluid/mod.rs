@@ -187,9 +187,9 @@ impl Fluid {
         let end = if planes == nz {
             grid.total
         } else {
-            (first + planes * grid.stride_z).next_multiple_of(2)
+            first + planes * grid.stride_z
         };
-        let mut data = vec![0f32; end];
+        let mut data = vec![0f32; end.next_multiple_of(2)];
         data[first..]
             .par_chunks_mut(grid.stride_z)
             .enumerate()
