@@ -53,6 +53,7 @@
 //! | [`validity`] | whether a set-up supports its results, and the error to expect | case, geometry, plan, measure, frame, output |
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
+//! | [`ledger`] | what a folder holds and who works in it: `run.json` and the lock | output |
 //! | [`run`] | a whole run into one folder | all |
 //! | [`sweep`] | which runs a sweep has, its tables and charts, what its lattices tell | measure, output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
@@ -100,6 +101,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod immersed;
 pub mod lattice;
+pub mod ledger;
 pub mod lines;
 pub mod measure;
 pub mod output;

@@ -29,7 +29,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 31] = [
+const ALLOWED: [(&str, &[&str]); 32] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -43,6 +43,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
     ("output", &["frame"]),
     ("render", &["frame"]),
     ("checkpoint", &["output"]),
+    ("ledger", &["output"]),
     ("cloth", &["fabric", "frame", "immersed", "lines"]),
     (
         "geometry",
@@ -143,6 +144,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "frame",
             "geometry",
             "gpu",
+            "ledger",
             "measure",
             "output",
             "plan",

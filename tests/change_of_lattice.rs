@@ -8,7 +8,7 @@ use libtest_mimic::Trial;
 use ripstop::case::{self, Case, Choices};
 use ripstop::measure::Record;
 use ripstop::plan::{Plan, Precision};
-use ripstop::run::{self, Observer, Order, Report};
+use ripstop::run::{self, Observer, Order, Report, Start};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
@@ -217,7 +217,7 @@ fn run_in(
         device: None,
         fallback: None,
         folder,
-        resume,
+        start: if resume { Start::Resume } else { Start::New },
         checkpoint_interval: Duration::from_secs(1000),
     };
     let report = run::run(order, &interrupt, &mut observer).unwrap();

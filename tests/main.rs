@@ -32,6 +32,7 @@ mod device_multigrid;
 mod device_work;
 mod eddy_viscosity;
 mod engines;
+mod folders;
 mod interrupts;
 mod lep_sim;
 mod permeability;
@@ -93,6 +94,7 @@ fn main() -> std::process::ExitCode {
         command_line::trials(),
         interrupts::trials(),
         checkpoint::trials(),
+        folders::trials(),
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),

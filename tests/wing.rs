@@ -499,7 +499,7 @@ fn noses_stand() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let shares = |arguments: &[&str]| -> [f64; 3] {
-        let mut all = vec!["run", "cases/wing-school.toml", "--out"];
+        let mut all = vec!["run", "cases/wing-school.toml", "--overwrite", "--out"];
         all.push(out.to_str().unwrap());
         all.extend(arguments);
         let output = ripstop(&all);

@@ -19,6 +19,7 @@ mod file_trim;
 mod file_wing;
 mod file_wing_design;
 mod grid_sequence;
+mod identity;
 pub mod lep_sim;
 pub mod locate;
 mod mesh;
@@ -48,6 +49,7 @@ use std::path::Path;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
+pub use identity::{changed_physics, number_in};
 pub use scene::Scene;
 
 use file::File;
@@ -220,8 +222,14 @@ pub struct Case {
     pub name: String,
     /// CRC-32, in hexadecimal, of the text with variant and overrides applied and of the files that it names.
     pub hash: String,
+    /// The same of what acts on the state alone: without title, length, outputs and comparisons.
+    pub physics: String,
+    /// The case as it is run, with variant and overrides applied.
+    pub text: String,
     /// Variant taken, if any.
     pub variant: Option<String>,
+    /// Overrides applied.
+    pub overrides: Vec<String>,
     /// The checked scene.
     pub scene: Scene,
     /// The same scene on the coarser grids that a run begins on, coarsest first; empty without `steady.grid_sequence`.
@@ -254,20 +262,6 @@ pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
         path.parent().unwrap_or_else(|| Path::new(".")),
         choices,
     )
-}
-
-/// What tells a case from others: its text, and meshes, profiles and tables of lines that it names.
-fn hash(text: &str, file: &File, folder: &Path) -> String {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(text.as_bytes());
-    for name in file.named_files() {
-        // Those that cannot be read have been refused before.
-        let content = std::fs::read(folder.join(name)).unwrap_or_default();
-        hasher.update(name.as_bytes());
-        hasher.update(&content.len().to_le_bytes());
-        hasher.update(&content);
-    }
-    format!("{:08x}", hasher.finalize())
 }
 
 /// Checks the text of a case; mesh files are looked up relative to `folder`.
@@ -344,6 +338,7 @@ pub fn parse(
         CaseError::located(name, source, span, &label, problem)
     };
     let text = toml::to_string(&table).unwrap_or_default();
+    let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
     let file: File = serde_path_to_error::deserialize(table).map_err(|error| {
         let path = error.path().to_string();
         let message = plain_words(error.inner().message());
@@ -371,8 +366,11 @@ pub fn parse(
     let coarser = grid_sequence::check(&file, &scene, folder).map_err(in_file)?;
     Ok(Case {
         name: name.to_owned(),
-        hash: hash(&text, &file, folder),
+        hash: identity::hash(&text, &file, folder),
+        physics: identity::hash(&physics, &file, folder),
+        text,
         variant: choices.variant.clone(),
+        overrides: choices.overrides.clone(),
         scene,
         coarser,
         source: source.to_owned(),

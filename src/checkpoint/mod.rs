@@ -26,6 +26,9 @@ const PREVIOUS_NAME: &str = "checkpoint.previous";
 /// A complete checkpoint about to take its place.
 const NEXT_NAME: &str = "checkpoint.next";
 
+/// All of them, newest first: the next one is left where a run was killed just before it took its place.
+pub const NAMES: [&str; 3] = [NEXT_NAME, FILE_NAME, PREVIOUS_NAME];
+
 /// Why a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
@@ -102,10 +105,16 @@ pub fn write(
 
 /// Removes the checkpoints of a finished run.
 pub fn remove(folder: &Path) {
-    for name in [FILE_NAME, PREVIOUS_NAME, NEXT_NAME] {
+    for name in NAMES {
         // There may be none.
         let _ = std::fs::remove_file(folder.join(name));
     }
+}
+
+/// True if `folder` holds a checkpoint, usable or not.
+#[must_use]
+pub fn exists(folder: &Path) -> bool {
+    NAMES.iter().any(|name| folder.join(name).exists())
 }
 
 /// All sections of a checkpoint.
@@ -126,10 +135,9 @@ pub struct Found {
 
 /// Reads and verifies the newest usable checkpoint in `folder`.
 pub fn open(folder: &Path, identity: &str) -> Result<Found, CheckpointError> {
-    // Newest first: the next one is left where a run was killed just before it took its place.
     let mut passed_over = Vec::new();
     let mut first_error = None;
-    for name in [NEXT_NAME, FILE_NAME, PREVIOUS_NAME] {
+    for name in NAMES {
         let path = folder.join(name);
         match Reader::open(&path, identity) {
             Ok(reader) => {

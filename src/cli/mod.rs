@@ -26,7 +26,7 @@ use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// What `--help` says about them.
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
-    20 diverged or not in balance, 74 output failed, 75 interrupted";
+    20 diverged or not in balance, 73 the folder holds another run, 74 output failed, 75 interrupted";
 
 /// Exit codes.
 pub mod exit {
@@ -38,6 +38,8 @@ pub mod exit {
     pub const NO_DEVICE: u8 = 3;
     /// The run diverged, its static equilibrium was not reached, or steps of the fabric were not solved.
     pub const DIVERGED: u8 = 20;
+    /// The folder holds another run, one that is not over, or one that goes on.
+    pub const OCCUPIED: u8 = 73;
     /// A file could not be written.
     pub const OUTPUT_FAILED: u8 = 74;
     /// Interrupted; what was computed is written and can be resumed.

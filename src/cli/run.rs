@@ -9,7 +9,7 @@ use super::profile;
 use super::progress::Progress;
 use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
 use crate::output::{AccountRow, ExpectedError, ValidityRow, comparison_text};
-use crate::run::{self, Order, Report, RunError};
+use crate::run::{self, Order, Report, RunError, Start};
 
 #[derive(Debug, Args)]
 pub(super) struct RunArguments {
@@ -21,6 +21,9 @@ pub(super) struct RunArguments {
     /// Continue an interrupted run from the checkpoint in its folder.
     #[arg(long)]
     resume: bool,
+    /// Begin anew in a folder that holds another run, or one that is not over: its files are removed, those of others stay.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Seconds of wall time between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint_every: f64,
@@ -59,7 +62,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             device,
             fallback,
             folder: &arguments.out,
-            resume: arguments.resume,
+            start: match (arguments.resume, arguments.overwrite) {
+                (true, _) => Start::Resume,
+                (false, true) => Start::Overwrite,
+                (false, false) => Start::New,
+            },
             checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_every),
         },
         &interrupt,
@@ -135,6 +142,7 @@ pub(super) fn validity_text(validity: &[ValidityRow], expected: &[ExpectedError]
 pub(super) const fn exit_code(error: &RunError) -> u8 {
     match error {
         RunError::Diverged(_) => exit::DIVERGED,
+        RunError::Occupied(_) => exit::OCCUPIED,
         RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
         RunError::Device(_) => exit::NO_DEVICE,
         RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,

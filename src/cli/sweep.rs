@@ -11,7 +11,7 @@ use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
 use crate::case::Case;
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
-use crate::run::{self, Observer, Order};
+use crate::run::{self, Observer, Order, Start};
 use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
 
 /// Wall time between checkpoints of a run.
@@ -195,7 +195,10 @@ fn one(
     outcome: &mut Outcome,
     interrupt: &AtomicBool,
 ) -> u8 {
-    let resume = outcome.status == Status::Interrupted;
+    let start = match outcome.status {
+        Status::Interrupted => Start::Resume,
+        _ => Start::Overwrite,
+    };
     let folder = arguments.out.join(&outcome.folder);
     let mut fail = |code: u8, message: String| {
         outcome.status = Status::Failed;
@@ -221,7 +224,7 @@ fn one(
             device,
             fallback,
             folder: &folder,
-            resume,
+            start,
             checkpoint_interval: CHECKPOINT_INTERVAL,
         },
         interrupt,

@@ -10,7 +10,7 @@ use super::{RunError, animation};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::frame::{FabricQuantity, FlowQuantity, Frame};
+use crate::frame::{FlowQuantity, Frame};
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
@@ -75,69 +75,6 @@ fn bodies_name(index: usize) -> String {
 
 fn flow_name(index: usize) -> String {
     format!("flow_{index:05}.vti")
-}
-
-/// Removes what an earlier run left in the folder under the names that this run will use; mixing two runs would mislead.
-pub(super) fn remove_stale(folder: &Path) {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return;
-    };
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let numbered = |prefix: &str, suffix: &str| {
-            name.strip_prefix(prefix)
-                .and_then(|rest| rest.strip_suffix(suffix))
-                .is_some_and(|digits| {
-                    digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())
-                })
-        };
-        let ours = numbered("canopy_", ".vtp")
-            || numbered("bodies_", ".vtp")
-            || numbered("flow_", ".vti")
-            || numbered("snapshot_", ".png")
-            || numbered("animation_", ".png")
-            || FlowQuantity::ALL.iter().any(|quantity| {
-                numbered("snapshot_", &format!("_{}.png", quantity.name()))
-                    || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
-            })
-            || FabricQuantity::ALL
-                .iter()
-                .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
-            || [
-                "summary.json",
-                "canopy_last_good.vtp",
-                "canopy.pvd",
-                "bodies.pvd",
-                "flow.pvd",
-                "animation.png",
-            ]
-            .contains(&name.as_str())
-            || super::tables::NAMES.contains(&name.as_str())
-            || super::trim::TABLES.contains(&name.as_str())
-            || super::load_test::TABLES.contains(&name.as_str())
-            || super::panel_shaping::TABLES.contains(&name.as_str())
-            || [
-                super::load_test::PICTURE,
-                super::load_test::SHAPE,
-                super::panel_shaping::PATTERNS,
-            ]
-            .contains(&name.as_str())
-            || super::tables::WING_CHARTS
-                .iter()
-                .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
-            || super::trim::CHARTS
-                .iter()
-                .chain(&super::load_test::CHARTS)
-                .chain(&super::panel_shaping::CHARTS)
-                .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
-            || super::tables::CHARTS.iter().any(|(column, _)| {
-                name == format!("history_{column}.svg") || name == format!("history_{column}.png")
-            });
-        if ours {
-            // What cannot be removed will be overwritten or reported then.
-            let _ = std::fs::remove_file(entry.path());
-        }
-    }
 }
 
 fn drawn_in_software(error: &DeviceError) -> String {

@@ -3,10 +3,13 @@
 mod animation;
 mod cadence;
 mod device_use;
+mod ending;
 mod equilibrium;
 mod files;
+mod folder;
 mod lattices;
 mod load_test;
+mod names;
 mod panel_shaping;
 mod summary;
 mod tables;
@@ -23,16 +26,15 @@ use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::{self, CheckpointError};
 use crate::frame::Frame;
 use crate::gpu::{Device, DeviceError};
+use crate::ledger::{CaseEntry, Holder, Ledger, Lock, LockError, Reached, State, take_stock};
 use crate::measure::{Record, sail_warnings};
-use crate::output::{
-    HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers, write_canopy_vtp,
-    write_summary,
-};
+use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
 use crate::render;
 use crate::simulation::{Diverged, Failure, Simulation};
 use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
 use files::Files;
+pub use folder::Start;
 use lattices::Lattice;
 
 /// Steps between reports of progress.
@@ -59,6 +61,18 @@ pub enum RunError {
     /// There is nothing to resume from.
     #[error("{0}")]
     Checkpoint(#[from] CheckpointError),
+    /// The folder holds another run, or one that is not over.
+    #[error("{0}")]
+    Occupied(String),
+}
+
+impl From<LockError> for RunError {
+    fn from(error: LockError) -> Self {
+        match error {
+            LockError::Output(error) => Self::Output(error),
+            held @ LockError::Held { .. } => Self::Occupied(held.to_string()),
+        }
+    }
 }
 
 impl From<Failure> for RunError {
@@ -107,8 +121,8 @@ pub struct Order<'a> {
     pub fallback: Option<Plan>,
     /// Folder for all results.
     pub folder: &'a Path,
-    /// Continue from the checkpoint in the folder.
-    pub resume: bool,
+    /// Anew, or from what lies in the folder.
+    pub start: Start,
     /// Wall time between checkpoints.
     pub checkpoint_interval: Duration,
 }
@@ -116,6 +130,7 @@ pub struct Order<'a> {
 struct Run<'a> {
     case: &'a Case,
     folder: &'a Path,
+    ledger: Ledger,
     identity: String,
     computed_by: String,
     checkpoint_interval: Duration,
@@ -142,12 +157,19 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Report, RunError> {
     prepare_directory(order.folder)?;
+    let lock = Lock::acquire(order.folder, &Holder::this(&order.case.name))?;
+    if !lock.is_held() {
+        observer.note(
+            "this file system has no locks: two runs in one folder would not notice each other",
+        );
+    }
+    let earlier = folder::admit(&order)?;
     remove_leftovers(order.folder);
     let began = Instant::now();
     let fallback = order.fallback.take();
-    let (case, folder, resume) = (order.case, order.folder, order.resume);
+    let (case, folder, start) = (order.case, order.folder, order.start);
     let checkpoint_interval = order.checkpoint_interval;
-    let mut run = match (Run::prepare(order, observer), fallback) {
+    let mut run = match (Run::prepare(order, earlier.clone(), observer), fallback) {
         // A device that the program chose by itself is no reason to fail.
         (Err(RunError::Device(error)), Some(plan)) => {
             observer.note(&format!("the CPU computes, since {error}"));
@@ -157,10 +179,10 @@ pub fn run(
                 device: None,
                 fallback: None,
                 folder,
-                resume,
+                start,
                 checkpoint_interval,
             };
-            Run::prepare(on_cpu, observer)?
+            Run::prepare(on_cpu, earlier, observer)?
         }
         (prepared, _) => prepared?,
     };
@@ -168,80 +190,21 @@ pub fn run(
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
         Err(other) => {
-            run.history.flush()?;
+            // What failed is the cause, whatever fails now.
+            let _ = run.history.flush();
+            run.ledger.end_session(State::Failed, &other.to_string());
+            account(&mut run.ledger, run.folder, &run.simulation);
+            let _ = run.ledger.write(run.folder);
             return Err(other);
         }
     };
-    run.history.flush()?;
-    let interrupted = diverged.is_none() && reason == INTERRUPTED;
     if let Some(note) = run.lattice.note(run.case) {
-        if !interrupted {
+        if diverged.is_some() || reason != INTERRUPTED {
             observer.note(&note);
         }
         run.notes.push(note);
     }
-    if diverged.is_some() {
-        if let Some(structure) = &run.good.structure {
-            write_canopy_vtp(
-                &run.folder.join("canopy_last_good.vtp"),
-                structure,
-                run.good.time_s,
-            )?;
-        }
-        run.notes.push(format!(
-            "last good state, at t = {:.6} s, in canopy_last_good.vtp",
-            run.good.time_s
-        ));
-    } else {
-        run.files.canopy(&run.simulation)?;
-        run.files.bodies(&run.simulation)?;
-        run.files.flow(&run.simulation)?;
-        run.files.picture(&run.simulation, &run.record)?;
-    }
-    if !interrupted {
-        animation::join(run.folder, run.files.animation_frames)?;
-    }
-    run.notes.append(&mut run.files.notes);
-    let wall_s = began.elapsed().as_secs_f64();
-    if !interrupted && diverged.is_none() && !run.unbalanced {
-        run.warn_of_the_sail();
-    }
-    let unbalanced = run.out_of_balance();
-    let summary = summary::summarise(
-        run.case,
-        &run.simulation,
-        &run.record,
-        reason,
-        run.notes,
-        wall_s,
-        run.resumed_at_step,
-    );
-    run.history.finish()?;
-    let frame = run.simulation.structure_frame();
-    tables::write(
-        run.folder,
-        run.simulation.scene(),
-        (&run.record, frame.structure.as_ref()),
-        &summary,
-    )?;
-    trim::write(run.folder, &run.simulation)?;
-    load_test::write(run.folder, &case.scene, &run.simulation)?;
-    panel_shaping::write(run.folder, &case.scene, &run.simulation)?;
-    write_summary(&run.folder.join("summary.json"), &summary)?;
-    // Last: a run that is killed before it is complete can still be resumed.
-    if diverged.is_none() && !interrupted {
-        checkpoint::remove(run.folder);
-        animation::remove_frames(run.folder, run.files.animation_frames);
-    }
-    match diverged {
-        Some(diverged) => Err(RunError::Diverged(diverged)),
-        None => Ok(Report {
-            summary,
-            interrupted,
-            unbalanced: if interrupted { None } else { unbalanced },
-            last_picture: run.files.last_picture,
-        }),
-    }
+    run.end(reason, diverged, began)
 }
 
 /// Runs a case to its end without writing anything; samples at the case's cadence, and once at the end.
@@ -286,25 +249,54 @@ fn computed_by(plan: &Plan) -> String {
     )
 }
 
+fn case_entry(case: &Case) -> CaseEntry {
+    CaseEntry {
+        title: case.scene.title.clone(),
+        file: case.name.clone(),
+        variant: case.variant.clone(),
+        overrides: case.overrides.clone(),
+        hash: case.hash.clone(),
+        physics: case.physics.clone(),
+        text: case.text.clone(),
+    }
+}
+
+fn reached(simulation: &Simulation) -> Reached {
+    Reached {
+        step: simulation.step_count(),
+        time_s: simulation.time_s(),
+    }
+}
+
+/// Brings the list of files in a ledger up to date, and how far the run has come.
+fn account(ledger: &mut Ledger, folder: &Path, simulation: &Simulation) {
+    ledger.files = take_stock(folder, &ledger.files, names::is_result);
+    ledger.reached = reached(simulation);
+}
+
 /// Section that tells who computed a checkpoint.
 const COMPUTED_BY: &str = "computed_by";
 
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
 impl<'a> Run<'a> {
-    fn prepare(order: Order<'a>, observer: &mut dyn Observer) -> Result<Self, RunError> {
+    fn prepare(
+        order: Order<'a>,
+        earlier: Option<Ledger>,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, RunError> {
         let Order {
             case,
             plan,
             device,
             folder,
-            resume,
+            start,
             checkpoint_interval,
             fallback: _,
         } = order;
         let (identity, computed_by) = (identity(case, &plan), computed_by(&plan));
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
-        let found = resume
+        let found = (start == Start::Resume)
             .then(|| checkpoint::open(folder, &identity))
             .transpose()?;
         let (stored, mut notes) = match found {
@@ -320,6 +312,7 @@ impl<'a> Run<'a> {
         {
             observer.note("opening the folded canopy by loading pressure");
         }
+        let precision = plan.placement.precision_name();
         let lattice = match &stored {
             Some(stored) => Lattice::restore(case, stored)?,
             None => Lattice::first(case),
@@ -351,7 +344,7 @@ impl<'a> Run<'a> {
                 }
             }
             None => {
-                files::remove_stale(folder);
+                names::remove_earlier(folder);
                 if let Some(opening) = simulation.opening() {
                     observer.note(&format!(
                         "canopy opened by loading pressure: D_p/D_0 {:.3} -> {:.3} in {} steps",
@@ -365,12 +358,27 @@ impl<'a> Run<'a> {
             history.push(row)?;
         }
         let files = Files::create(folder, &case.scene, &written, device)?;
+        let entry = case_entry(case);
+        let sample_s = case.scene.output.sample_interval_s;
+        let mut ledger = match earlier {
+            Some(earlier) => Ledger {
+                case: entry,
+                precision: precision.to_owned(),
+                sample_interval_s: sample_s,
+                ..earlier
+            },
+            None => Ledger::new(entry, precision, sample_s),
+        };
+        ledger.begin_session(simulation.step_count(), &computed_by);
+        ledger.reached = reached(&simulation);
+        ledger.write(folder)?;
         let resumed_at_step = stored.is_some().then(|| simulation.step_count());
         let good = simulation.structure_frame();
         let sampled = good.clone();
         Ok(Self {
             case,
             folder,
+            ledger,
             identity,
             computed_by,
             checkpoint_interval,
@@ -388,6 +396,10 @@ impl<'a> Run<'a> {
     }
 
     fn save(&mut self) -> Result<(), RunError> {
+        // The ledger first: whatever a checkpoint says was written is then listed.
+        self.history.flush()?;
+        account(&mut self.ledger, self.folder, &self.simulation);
+        self.ledger.write(self.folder)?;
         let written = checkpoint::write(self.folder, &self.identity, |out| {
             out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
             self.lattice.save(out)?;

@@ -1,0 +1,130 @@
+//! The end of a run: everything that it leaves, the summary whatever else fails, and the last word in the ledger.
+
+use std::time::Instant;
+
+use super::{INTERRUPTED, Report, Run, RunError, animation, load_test, panel_shaping};
+use super::{summary, tables, trim};
+use crate::checkpoint;
+use crate::ledger::State;
+use crate::output::{write_canopy_vtp, write_summary};
+use crate::simulation::Diverged;
+
+/// What could not be delivered: the first error ends the run at last, all of them stand in its notes.
+#[derive(Default)]
+struct Undelivered {
+    first: Option<RunError>,
+    notes: Vec<String>,
+}
+
+impl Undelivered {
+    fn note<E: Into<RunError>>(&mut self, delivered: Result<(), E>) {
+        if let Err(error) = delivered {
+            let error = error.into();
+            self.notes.push(format!("warning: {error}"));
+            self.first.get_or_insert(error);
+        }
+    }
+}
+
+impl Run<'_> {
+    /// Writes what a run leaves that ended for `reason`.
+    pub(super) fn end(
+        mut self,
+        reason: String,
+        diverged: Option<Diverged>,
+        began: Instant,
+    ) -> Result<Report, RunError> {
+        let mut undelivered = Undelivered::default();
+        undelivered.note(self.history.flush());
+        let interrupted = diverged.is_none() && reason == INTERRUPTED;
+        if diverged.is_some() {
+            undelivered.note(self.last_good_state());
+        } else {
+            undelivered.note(self.files.canopy(&self.simulation));
+            undelivered.note(self.files.bodies(&self.simulation));
+            undelivered.note(self.files.flow(&self.simulation));
+            undelivered.note(self.files.picture(&self.simulation, &self.record));
+        }
+        if !interrupted {
+            undelivered.note(animation::join(self.folder, self.files.animation_frames));
+        }
+        self.notes.append(&mut self.files.notes);
+        if !interrupted && diverged.is_none() && !self.unbalanced {
+            self.warn_of_the_sail();
+        }
+        let unbalanced = self.out_of_balance();
+        let last_picture = self.files.last_picture.take();
+        let frames = self.files.animation_frames;
+        self.notes.append(&mut undelivered.notes);
+        let mut summary = summary::summarise(
+            self.case,
+            &self.simulation,
+            &self.record,
+            reason.clone(),
+            std::mem::take(&mut self.notes),
+            began.elapsed().as_secs_f64(),
+            self.resumed_at_step,
+        );
+        let path = self.folder.join("summary.json");
+        // Before what may still fail: results that were computed can then be read.
+        undelivered.note(write_summary(&path, &summary));
+        undelivered.note(self.history.finish());
+        let (folder, scene) = (self.folder, &self.case.scene);
+        let frame = self.simulation.structure_frame();
+        undelivered.note(tables::write(
+            folder,
+            self.simulation.scene(),
+            (&self.record, frame.structure.as_ref()),
+            &summary,
+        ));
+        undelivered.note(trim::write(folder, &self.simulation));
+        undelivered.note(load_test::write(folder, scene, &self.simulation));
+        undelivered.note(panel_shaping::write(folder, scene, &self.simulation));
+        if !undelivered.notes.is_empty() {
+            summary.notes.append(&mut undelivered.notes);
+            undelivered.note(write_summary(&path, &summary));
+        }
+        let delivered = undelivered.first.is_none();
+        if delivered && !interrupted {
+            animation::remove_frames(folder, frames);
+        }
+        let state = match &diverged {
+            Some(_) => State::Diverged,
+            None if interrupted => State::Interrupted,
+            None if !delivered => State::Failed,
+            None => State::Finished,
+        };
+        let told = undelivered.first.as_ref().map(ToString::to_string);
+        self.ledger
+            .end_session(state, told.as_deref().unwrap_or(&reason));
+        super::account(&mut self.ledger, folder, &self.simulation);
+        undelivered.note(self.ledger.write(folder));
+        // Last: a run that is killed before it is complete can still be resumed.
+        if state == State::Finished && undelivered.first.is_none() {
+            checkpoint::remove(folder);
+        }
+        match (undelivered.first, diverged) {
+            (Some(error), _) => Err(error),
+            (None, Some(diverged)) => Err(RunError::Diverged(diverged)),
+            (None, None) => Ok(Report {
+                summary,
+                interrupted,
+                unbalanced: if interrupted { None } else { unbalanced },
+                last_picture,
+            }),
+        }
+    }
+
+    /// Writes the structure as it was last known to be sound.
+    fn last_good_state(&mut self) -> Result<(), RunError> {
+        if let Some(structure) = &self.good.structure {
+            let path = self.folder.join("canopy_last_good.vtp");
+            write_canopy_vtp(&path, structure, self.good.time_s)?;
+        }
+        self.notes.push(format!(
+            "last good state, at t = {:.6} s, in canopy_last_good.vtp",
+            self.good.time_s
+        ));
+        Ok(())
+    }
+}

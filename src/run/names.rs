@@ -1,0 +1,91 @@
+//! Names of the files that a run writes.
+
+use std::path::Path;
+
+use super::{load_test, panel_shaping, tables, trim};
+use crate::checkpoint;
+use crate::frame::{FabricQuantity, FlowQuantity};
+use crate::ledger::{self, Ledger};
+
+/// True for names of results; ledger and checkpoints are not among them.
+pub(super) fn is_result(name: &str) -> bool {
+    let numbered = |prefix: &str, suffix: &str| {
+        name.strip_prefix(prefix)
+            .and_then(|rest| rest.strip_suffix(suffix))
+            .is_some_and(|digits| digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit()))
+    };
+    numbered("canopy_", ".vtp")
+        || numbered("bodies_", ".vtp")
+        || numbered("flow_", ".vti")
+        || numbered("snapshot_", ".png")
+        || numbered("animation_", ".png")
+        || FlowQuantity::ALL.iter().any(|quantity| {
+            numbered("snapshot_", &format!("_{}.png", quantity.name()))
+                || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
+        })
+        || FabricQuantity::ALL
+            .iter()
+            .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
+        || [
+            "summary.json",
+            "history.csv",
+            "canopy_last_good.vtp",
+            "canopy.pvd",
+            "bodies.pvd",
+            "flow.pvd",
+            "animation.png",
+        ]
+        .contains(&name)
+        || tables::NAMES.contains(&name)
+        || trim::TABLES.contains(&name)
+        || load_test::TABLES.contains(&name)
+        || panel_shaping::TABLES.contains(&name)
+        || [
+            load_test::PICTURE,
+            load_test::SHAPE,
+            panel_shaping::PATTERNS,
+        ]
+        .contains(&name)
+        || tables::WING_CHARTS
+            .iter()
+            .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
+        || trim::CHARTS
+            .iter()
+            .chain(&load_test::CHARTS)
+            .chain(&panel_shaping::CHARTS)
+            .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
+        || tables::CHARTS.iter().any(|(column, _)| {
+            name == format!("history_{column}.svg") || name == format!("history_{column}.png")
+        })
+}
+
+/// Name of a result or a checkpoint in `folder`, if there is one.
+pub(super) fn first_in(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| is_result(name) || checkpoint::NAMES.contains(&name.as_str()))
+        .collect();
+    names.sort();
+    names.into_iter().next()
+}
+
+/// Removes what an earlier run left in the folder: mixing two runs would mislead. Other files stay.
+pub(super) fn remove_earlier(folder: &Path) {
+    // The ledger last: a folder that is only half empty is still that run's.
+    checkpoint::remove(folder);
+    let listed = Ledger::read(folder).ok().flatten();
+    let listed = listed.iter().flat_map(|ledger| &ledger.files);
+    let listed: Vec<&str> = listed.map(|entry| entry.name.as_str()).collect();
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if is_result(&name) || listed.contains(&name.as_str()) {
+            // What cannot be removed will be overwritten or reported then.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+    let _ = std::fs::remove_file(folder.join(ledger::FILE_NAME));
+}
