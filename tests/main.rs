@@ -39,6 +39,7 @@ mod permeability;
 mod plates;
 mod ram_air;
 mod resumed;
+mod resumption;
 mod sail_support;
 mod sheets;
 mod solver_account;
@@ -95,6 +96,7 @@ fn main() -> std::process::ExitCode {
         interrupts::trials(),
         checkpoint::trials(),
         folders::trials(),
+        resumption::trials(),
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),

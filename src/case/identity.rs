@@ -45,10 +45,27 @@ pub(super) fn physics(case: &toml::Table) -> toml::Table {
 /// Keys of the physics that differ between two cases as they were run, with both values; empty if none does.
 #[must_use]
 pub fn changed_physics(before: &str, now: &str) -> Vec<String> {
+    changed(before, now, physics)
+}
+
+/// Keys that differ and are not physics; variants are applied already.
+#[must_use]
+pub fn changed_outputs(before: &str, now: &str) -> Vec<String> {
+    let physical = changed_physics(before, now);
+    let mut others = changed(before, now, |table| {
+        let mut table = table.clone();
+        table.remove("variants");
+        table
+    });
+    others.retain(|line| !physical.contains(line));
+    others
+}
+
+fn changed(before: &str, now: &str, part: fn(&toml::Table) -> toml::Table) -> Vec<String> {
     let [before, now] = [before, now].map(|text| {
         let table: toml::Table = toml::from_str(text).unwrap_or_default();
         let mut keys = BTreeMap::new();
-        flatten("", &toml::Value::Table(physics(&table)), &mut keys);
+        flatten("", &toml::Value::Table(part(&table)), &mut keys);
         keys
     });
     let all = before
@@ -111,6 +128,15 @@ mod tests {
     fn length_outputs_and_titles_are_not_physics() {
         let other = "[air]\nspeed = 20.0\n[time]\nend_s = 2.0\nstep_s = 0.1\n[comparison.drag]\nvalue = 1\n";
         assert!(changed_physics(CASE, other).is_empty());
+        assert_eq!(
+            changed_outputs(CASE, other),
+            [
+                "comparison.drag.value was absent, is now 1",
+                "output.flow was 2, is now absent",
+                "time.end_s was 1.0, is now 2.0",
+                "title was \"a\", is now absent"
+            ]
+        );
         let faster = CASE.replace("20.0", "30.0").replace("step_s", "steps");
         assert_eq!(
             changed_physics(CASE, &faster),

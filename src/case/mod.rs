@@ -49,7 +49,7 @@ use std::path::Path;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
-pub use identity::{changed_physics, number_in};
+pub use identity::{changed_outputs, changed_physics, number_in};
 pub use scene::Scene;
 
 use file::File;

@@ -1,6 +1,6 @@
 //! Checkpoints: the whole state of a run in one file, so that a resumed run continues with the same bits.
 //!
-//! Layout, little-endian: magic, format version, identity (case hash and precision), who computed it, then sections
+//! Layout, little-endian: magic, format version, identity (hash of the physics, and precision), who computed it, then sections
 //! `name length · name · data length · CRC-32 · data`, and a trailer that proves the file is whole. Files are written beside
 //! their final place, synced and renamed; the one before is kept as `checkpoint.previous`, and taken where the newer one is damaged.
 
@@ -15,7 +15,7 @@ use crate::output::{OutputError, write_atomically};
 
 const MAGIC: [u8; 8] = *b"RIPSTOP\0";
 const TRAILER: [u8; 8] = *b"WHOLE\0\0\0";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Name of the file in a run's folder.
 pub const FILE_NAME: &str = "checkpoint";
@@ -48,7 +48,7 @@ pub enum CheckpointError {
         /// What is wrong.
         what: String,
     },
-    /// It belongs to another case, variant, override or precision.
+    /// It belongs to other physics, or another precision.
     #[error(
         "the checkpoint {path} belongs to another run ({found}, this is {expected}); give the same case, --variant, --set and --precision"
     )]

@@ -143,7 +143,7 @@ pub(super) const fn exit_code(error: &RunError) -> u8 {
     match error {
         RunError::Diverged(_) => exit::DIVERGED,
         RunError::Occupied(_) => exit::OCCUPIED,
-        RunError::Checkpoint(_) | RunError::Start(_) => exit::BAD_CASE,
+        RunError::Checkpoint(_) | RunError::Resume(_) | RunError::Start(_) => exit::BAD_CASE,
         RunError::Device(_) => exit::NO_DEVICE,
         RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
     }

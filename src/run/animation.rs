@@ -1,10 +1,12 @@
 //! `animation.png`: the frames of a run as one animated PNG.
 //!
 //! While the run goes on, every frame is a file of its own, so that an interrupted run keeps them. At its end they become one file,
-//! written whole or not at all, and go.
+//! written whole or not at all, and go. Frames that were lost meanwhile are missing in it.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
 
 use crate::output::{OutputError, write_atomically};
 
@@ -19,14 +21,15 @@ pub(super) fn frame_name(number: usize) -> String {
     format!("animation_{number:05}.png")
 }
 
-/// Joins the first `count` frames of a folder; nothing without any.
-pub(super) fn join(folder: &Path, count: usize) -> Result<(), OutputError> {
-    let Ok(frames) = u32::try_from(count) else {
-        return Ok(());
+/// Joins those of the first `count` frames of a folder that are there and whole; returns how many are not. Nothing is written without any.
+pub(super) fn join(folder: &Path, count: usize) -> Result<usize, OutputError> {
+    let paths = (0..count).map(|number| folder.join(frame_name(number)));
+    let whole: Vec<PathBuf> = paths.filter(|path| read(path).is_some()).collect();
+    let lost = count - whole.len();
+    let frames = match u32::try_from(whole.len()) {
+        Ok(frames) if frames > 0 => frames,
+        _ => return Ok(lost),
     };
-    if frames == 0 {
-        return Ok(());
-    }
     let [width, height] = SIZE_PX;
     write_atomically(&folder.join("animation.png"), |out| {
         let mut encoder = png::Encoder::new(out, width, height);
@@ -35,14 +38,22 @@ pub(super) fn join(folder: &Path, count: usize) -> Result<(), OutputError> {
         encoder.set_animated(frames, 0)?;
         encoder.set_frame_delay(FRAME_MS, 1000)?;
         let mut writer = encoder.write_header()?;
-        for number in 0..count {
-            let bytes = std::fs::read(folder.join(frame_name(number)))?;
-            let frame = image::load_from_memory(&bytes).map_err(io::Error::other)?;
-            writer.write_image_data(&frame.to_rgb8())?;
+        for path in &whole {
+            let frame = read(path).ok_or_else(|| io::Error::other("a frame has gone"))?;
+            writer.write_image_data(&frame)?;
         }
         writer.finish()?;
         Ok(())
-    })
+    })?;
+    Ok(lost)
+}
+
+/// Pixels of a frame; `None` if the file is not there, or not what was written.
+fn read(path: &Path) -> Option<RgbImage> {
+    let bytes = std::fs::read(path).ok()?;
+    let frame = image::load_from_memory(&bytes).ok()?.to_rgb8();
+    let [width, height] = SIZE_PX;
+    (frame.dimensions() == (width, height)).then_some(frame)
 }
 
 /// Removes the files of the first `count` frames.
@@ -67,12 +78,12 @@ mod tests {
                 .save(folder.path().join(frame_name(usize::from(number))))
                 .unwrap();
         }
-        // The fourth is missing: the file is not written, the frames stay.
-        assert!(join(folder.path(), 4).is_err());
-        assert!(!folder.path().join("animation.png").exists());
+        // The fourth is cut short, the fifth is missing: the others become one.
+        let third = std::fs::read(folder.path().join(frame_name(2))).unwrap();
+        std::fs::write(folder.path().join(frame_name(3)), &third[..third.len() / 2]).unwrap();
+        assert_eq!(join(folder.path(), 5).unwrap(), 2);
         assert!(folder.path().join(frame_name(0)).exists());
-        join(folder.path(), 3).unwrap();
-        remove_frames(folder.path(), 3);
+        remove_frames(folder.path(), 5);
         assert!(!folder.path().join(frame_name(0)).exists());
         let file = std::fs::File::open(folder.path().join("animation.png")).unwrap();
         let mut reader = png::Decoder::new(io::BufReader::new(file))
@@ -84,6 +95,8 @@ mod tests {
             reader.next_frame(&mut pixels).unwrap();
             assert_eq!(pixels[..3], [number * 80, 9, 7]);
         }
-        join(folder.path(), 0).unwrap();
+        std::fs::remove_file(folder.path().join("animation.png")).unwrap();
+        assert_eq!(join(folder.path(), 2).unwrap(), 2);
+        assert!(!folder.path().join("animation.png").exists());
     }
 }

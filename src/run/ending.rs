@@ -46,7 +46,14 @@ impl Run<'_> {
             undelivered.note(self.files.picture(&self.simulation, &self.record));
         }
         if !interrupted {
-            undelivered.note(animation::join(self.folder, self.files.animation_frames));
+            match animation::join(self.folder, self.files.animation_frames) {
+                Ok(0) => {}
+                Ok(lost) => self.notes.push(format!(
+                    "warning: {lost} of {} frames of the animation are not there any more",
+                    self.files.animation_frames
+                )),
+                Err(error) => undelivered.note(Err(error)),
+            }
         }
         self.notes.append(&mut self.files.notes);
         if !interrupted && diverged.is_none() && !self.unbalanced {

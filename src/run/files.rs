@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use image::RgbImage;
 
+use super::verify::Lost;
 use super::{RunError, animation};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
@@ -36,7 +37,40 @@ pub(super) struct Written {
     animation_frames: usize,
 }
 
+/// Number of a picture that is named so.
+fn picture_number(name: &str) -> Option<usize> {
+    let digits = name.strip_prefix("snapshot_")?.get(..3)?;
+    digits.parse().ok()
+}
+
 impl Written {
+    /// Takes the case's picture times for others than those that were drawn at: all before the present step count as drawn.
+    pub(super) fn expect_pictures(&mut self, simulation: &Simulation) {
+        let scene = simulation.scene();
+        let step_s = scene.time.map_or(0.0, |time| time.step_s);
+        let before_s = simulation.time_s() - 0.5 * step_s;
+        let times = &scene.output.picture_times_s;
+        self.timed_pictures = times.iter().filter(|t| **t <= before_s).count();
+    }
+
+    /// Names of all files.
+    pub(super) fn names(&self) -> Vec<String> {
+        let count = |length: usize, name: fn(usize) -> String| (0..length).map(name);
+        count(self.canopy_times_s.len(), canopy_name)
+            .chain(count(self.bodies_times_s.len(), bodies_name))
+            .chain(count(self.flow_times_s.len(), flow_name))
+            .chain(count(self.animation_frames, animation::frame_name))
+            .chain(count(self.timed_pictures, |n| {
+                format!("snapshot_{n:03}.png")
+            }))
+            .collect()
+    }
+
+    /// True for any picture of an instant that has been drawn.
+    pub(super) fn has_picture(&self, name: &str) -> bool {
+        picture_number(name).is_some_and(|number| number < self.timed_pictures)
+    }
+
     pub(super) fn restore(from: &Reader) -> Result<Self, CheckpointError> {
         Ok(Self {
             canopy_times_s: from.take("canopy_times")?,
@@ -48,6 +82,54 @@ impl Written {
     }
 }
 
+/// Files of one kind, numbered, and the collection that lists them.
+struct Frames {
+    collection: Pvd,
+    /// Times of all that were written, also of those that were lost since [s].
+    times_s: Vec<f64>,
+    name: fn(usize) -> String,
+}
+
+impl Frames {
+    /// Goes on behind those that were written at `times_s`; lost ones keep their numbers, but are not listed.
+    fn create(
+        path: &Path,
+        times_s: &[f64],
+        name: fn(usize) -> String,
+        lost: &Lost,
+    ) -> Result<Self, OutputError> {
+        let mut collection = Pvd::create(path)?;
+        for (index, &time_s) in times_s.iter().enumerate() {
+            let name = name(index);
+            if !lost.has(&name) {
+                collection.append(time_s, &name)?;
+            }
+        }
+        Ok(Self {
+            collection,
+            times_s: times_s.to_vec(),
+            name,
+        })
+    }
+
+    /// True if the last one shows that time.
+    fn shows(&self, time_s: f64) -> bool {
+        self.times_s.last() == Some(&time_s)
+    }
+
+    /// Name of the next one.
+    fn next(&self) -> String {
+        (self.name)(self.times_s.len())
+    }
+
+    /// Lists the next one, which is written.
+    fn add(&mut self, time_s: f64) -> Result<(), OutputError> {
+        self.collection.append(time_s, &self.next())?;
+        self.times_s.push(time_s);
+        Ok(())
+    }
+}
+
 /// Files of a run.
 pub(super) struct Files<'a> {
     folder: &'a Path,
@@ -55,9 +137,9 @@ pub(super) struct Files<'a> {
     painter: Option<(Arc<Device>, Rasteriser)>,
     /// What went wrong without ending the run.
     pub(super) notes: Vec<String>,
-    canopies: Option<Pvd>,
-    flows: Option<Pvd>,
-    bodies: Option<Pvd>,
+    canopies: Option<Frames>,
+    flows: Option<Frames>,
+    bodies: Option<Frames>,
     /// Pictures drawn at the times that the case asks for.
     pub(super) timed_pictures: usize,
     pub(super) last_picture: Option<PathBuf>,
@@ -85,18 +167,11 @@ impl<'a> Files<'a> {
     pub(super) fn create(
         folder: &'a Path,
         scene: &Scene,
-        written: &Written,
+        (written, lost): (&Written, &Lost),
         device: Option<Arc<Device>>,
     ) -> Result<Self, OutputError> {
-        let collection = |name: &str,
-                          times: &[f64],
-                          file_name: fn(usize) -> String|
-         -> Result<Pvd, OutputError> {
-            let mut collection = Pvd::create(&folder.join(name))?;
-            for (index, &time_s) in times.iter().enumerate() {
-                collection.append(time_s, &file_name(index))?;
-            }
-            Ok(collection)
+        let frames = |name: &str, times_s: &[f64], file_name: fn(usize) -> String| {
+            Frames::create(&folder.join(name), times_s, file_name, lost)
         };
         let mut notes = Vec::new();
         let painter = device.and_then(|device| match Rasteriser::new(&device) {
@@ -111,25 +186,17 @@ impl<'a> Files<'a> {
             painter,
             notes,
             canopies: match scene.body {
-                Some(_) => Some(collection(
-                    "canopy.pvd",
-                    &written.canopy_times_s,
-                    canopy_name,
-                )?),
+                Some(_) => Some(frames("canopy.pvd", &written.canopy_times_s, canopy_name)?),
                 None => None,
             },
             flows: match scene.air {
-                Some(_) => Some(collection("flow.pvd", &written.flow_times_s, flow_name)?),
+                Some(_) => Some(frames("flow.pvd", &written.flow_times_s, flow_name)?),
                 None => None,
             },
             bodies: if scene.rigid_bodies.is_empty() {
                 None
             } else {
-                Some(collection(
-                    "bodies.pvd",
-                    &written.bodies_times_s,
-                    bodies_name,
-                )?)
+                Some(frames("bodies.pvd", &written.bodies_times_s, bodies_name)?)
             },
             timed_pictures: written.timed_pictures,
             last_picture: None,
@@ -138,11 +205,8 @@ impl<'a> Files<'a> {
     }
 
     pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
-        let times = |collection: &Option<Pvd>| -> Vec<f64> {
-            collection
-                .iter()
-                .flat_map(|c| c.entries().iter().map(|e| e.time_s))
-                .collect()
+        let times = |frames: &Option<Frames>| -> Vec<f64> {
+            frames.iter().flat_map(|f| f.times_s.clone()).collect()
         };
         out.put("canopy_times", &times(&self.canopies))?;
         out.put("flow_times", &times(&self.flows))?;
@@ -152,57 +216,44 @@ impl<'a> Files<'a> {
     }
 
     pub(super) fn canopy(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        let Some(collection) = &mut self.canopies else {
+        let Some(frames) = &mut self.canopies else {
             return Ok(());
         };
         let frame = simulation.structure_frame();
         // The last state may have been written at its cadence already.
-        let written = simulation.scene().equilibrium.is_none()
-            && collection
-                .entries()
-                .last()
-                .is_some_and(|e| e.time_s == frame.time_s);
+        let written = simulation.scene().equilibrium.is_none() && frames.shows(frame.time_s);
         if let Some(structure) = frame.structure.as_ref().filter(|_| !written) {
-            let name = canopy_name(collection.entries().len());
-            write_canopy_vtp(&self.folder.join(&name), structure, frame.time_s)?;
-            collection.append(frame.time_s, &name)?;
+            let path = self.folder.join(frames.next());
+            write_canopy_vtp(&path, structure, frame.time_s)?;
+            frames.add(frame.time_s)?;
         }
         Ok(())
     }
 
     pub(super) fn bodies(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        let Some(collection) = &mut self.bodies else {
+        let Some(frames) = &mut self.bodies else {
             return Ok(());
         };
         let frame = simulation.structure_frame();
-        let written = collection
-            .entries()
-            .last()
-            .is_some_and(|e| e.time_s == frame.time_s);
+        let written = frames.shows(frame.time_s);
         if let Some(bodies) = frame.bodies.as_ref().filter(|_| !written) {
-            let name = bodies_name(collection.entries().len());
-            write_bodies_vtp(&self.folder.join(&name), bodies, frame.time_s)?;
-            collection.append(frame.time_s, &name)?;
+            write_bodies_vtp(&self.folder.join(frames.next()), bodies, frame.time_s)?;
+            frames.add(frame.time_s)?;
         }
         Ok(())
     }
 
     pub(super) fn flow(&mut self, simulation: &Simulation) -> Result<(), RunError> {
-        let Some(collection) = &mut self.flows else {
+        let Some(frames) = &mut self.flows else {
             return Ok(());
         };
-        if collection
-            .entries()
-            .last()
-            .is_some_and(|e| e.time_s == simulation.time_s())
-        {
+        if frames.shows(simulation.time_s()) {
             return Ok(());
         }
         let frame = simulation.frame(true)?;
         if let Some(fluid) = &frame.fluid {
-            let name = flow_name(collection.entries().len());
-            write_flow_vti(&self.folder.join(&name), fluid, frame.time_s)?;
-            collection.append(frame.time_s, &name)?;
+            write_flow_vti(&self.folder.join(frames.next()), fluid, frame.time_s)?;
+            frames.add(frame.time_s)?;
         }
         Ok(())
     }

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::{Order, RunError, names};
-use crate::case::{Case, changed_physics};
+use crate::case::{Case, changed_outputs, changed_physics};
 use crate::checkpoint;
-use crate::ledger::{Ledger, State};
+use crate::ledger::{Ledger, Machine, Program, State};
+use crate::simulation::Simulation;
 
 /// How a run begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,8 +29,21 @@ pub(super) fn admit(order: &Order) -> Result<Option<Ledger>, RunError> {
     match order.start {
         Start::New => refuse_others(order.folder, order.case, precision, found).map(|()| None),
         Start::Overwrite => Ok(None),
-        // One that cannot be read is no reason to lose the checkpoint.
-        Start::Resume => Ok(found.ok().flatten()),
+        Start::Resume => {
+            // One that cannot be read is no reason to lose the checkpoint.
+            let ledger = found.ok().flatten();
+            match &ledger {
+                Some(ledger) => refuse_other_physics(ledger, order)?,
+                None if checkpoint::exists(order.folder) => {}
+                None => {
+                    return Err(RunError::Resume(format!(
+                        "{} holds no run to resume: start without --resume",
+                        order.folder.display()
+                    )));
+                }
+            }
+            Ok(ledger)
+        }
     }
 }
 
@@ -88,6 +102,97 @@ pub(super) fn is_unfinished(folder: &Path, ledger: &Ledger) -> bool {
     !matches!(ledger.state, State::Finished | State::Diverged) && checkpoint::exists(folder)
 }
 
+/// Refuses to go on with a run of other physics, one that is over, and one that was killed before its first checkpoint.
+fn refuse_other_physics(ledger: &Ledger, order: &Order) -> Result<(), RunError> {
+    let folder = order.folder.display();
+    let mut changed = changed_physics(&ledger.case.text, &order.case.text);
+    if changed.is_empty() && ledger.case.physics != order.case.physics {
+        changed.push("a file that the case names has changed".to_owned());
+    }
+    if !changed.is_empty() {
+        return Err(RunError::Resume(format!(
+            "{folder} belongs to another run: {}; a run goes on with its own physics: only titles, time.end_s, [output] and [comparison] may change",
+            shortened(changed)
+        )));
+    }
+    if checkpoint::exists(order.folder) {
+        return Ok(());
+    }
+    Err(RunError::Resume(match ledger.state {
+        State::Finished | State::Diverged => format!(
+            "the run in {folder} is over ({} at t = {:.6} s): there is nothing to resume",
+            ledger.state.name(),
+            ledger.reached.time_s
+        ),
+        _ => {
+            format!("the run in {folder} ended before its first checkpoint: start without --resume")
+        }
+    }))
+}
+
+/// Refuses a state that lies behind the end that the case asks for.
+pub(super) fn refuse_past_the_end(simulation: &Simulation) -> Result<(), RunError> {
+    let planned = simulation.plan().start_steps + simulation.plan().steps;
+    let Some(time) = simulation.scene().time else {
+        return Ok(());
+    };
+    if simulation.step_count() <= planned {
+        return Ok(());
+    }
+    Err(RunError::Resume(format!(
+        "the run has come to t = {:.6} s, behind time.end_s = {} s: raise it, as with --set time.end_s={}",
+        simulation.time_s(),
+        time.end_s,
+        // With room to go on.
+        (1.25 * simulation.time_s() * 1e3).ceil() / 1e3
+    )))
+}
+
+/// True if pictures are asked for at other times than the run was begun with.
+pub(super) fn has_other_pictures(ledger: &Ledger, case: &Case) -> bool {
+    let changed = changed_outputs(&ledger.case.text, &case.text);
+    changed
+        .iter()
+        .any(|line| line.starts_with("output.picture_times_s "))
+}
+
+/// What is not as it was when the run was worked on last: notes for who resumes it.
+pub(super) fn what_changed(ledger: &Ledger, case: &Case) -> Vec<String> {
+    let mut notes = Vec::new();
+    let outputs = changed_outputs(&ledger.case.text, &case.text);
+    if !outputs.is_empty() {
+        notes.push(format!("since before: {}", shortened(outputs)));
+    }
+    let sampled_s = case.scene.output.sample_interval_s;
+    if ledger.sample_interval_s != sampled_s {
+        notes.push(format!(
+            "warning: samples before lie {} s apart, those from here on {sampled_s} s: spectra and intervals count on one distance",
+            ledger.sample_interval_s
+        ));
+    }
+    if let Some(session) = ledger.session() {
+        let (program, machine) = (Program::this(), Machine::this());
+        let before = (&session.program, session.machine.to_string());
+        if before != (&program, machine.to_string()) {
+            notes.push(format!(
+                "before, the run was computed by {} on {}, now by {program} on {machine}: the bits may differ from those of one run on either",
+                before.0, before.1
+            ));
+        }
+    }
+    notes
+}
+
+/// The first of many lines.
+fn shortened(mut lines: Vec<String>) -> String {
+    if lines.len() > TOLD {
+        let more = lines.len() - TOLD;
+        lines.truncate(TOLD);
+        lines.push(format!("and {more} more"));
+    }
+    lines.join(", ")
+}
+
 /// Case file, variant and overrides of a run, as they were given.
 fn name_of(ledger: &Ledger) -> String {
     let case = &ledger.case;
@@ -118,10 +223,5 @@ fn differences(ledger: &Ledger, case: &Case, precision: &str) -> String {
             format!("precision was {}, is now {precision}", ledger.precision)
         });
     }
-    if told.len() > TOLD {
-        let more = told.len() - TOLD;
-        told.truncate(TOLD);
-        told.push(format!("and {more} more"));
-    }
-    format!(": {}", told.join(", "))
+    format!(": {}", shortened(told))
 }

@@ -15,6 +15,7 @@ mod summary;
 mod tables;
 mod trim;
 mod verdict;
+mod verify;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -36,6 +37,7 @@ use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
 use files::Files;
 pub use folder::Start;
 use lattices::Lattice;
+use verify::Lost;
 
 /// Steps between reports of progress.
 const PROGRESS_INTERVAL: u64 = 20;
@@ -61,6 +63,9 @@ pub enum RunError {
     /// There is nothing to resume from.
     #[error("{0}")]
     Checkpoint(#[from] CheckpointError),
+    /// What is to be gone on with is a run of another case, or over.
+    #[error("{0}")]
+    Resume(String),
     /// The folder holds another run, or one that is not over.
     #[error("{0}")]
     Occupied(String),
@@ -230,9 +235,13 @@ pub fn without_files(
     Ok((simulation, record))
 }
 
-/// What a checkpoint must agree with to be resumed from: case and precision.
+/// What a checkpoint must agree with to be resumed from: the physics of the case, and precision.
 fn identity(case: &Case, plan: &Plan) -> String {
-    format!("case {} in {}", case.hash, plan.placement.precision_name())
+    format!(
+        "case {} in {}",
+        case.physics,
+        plan.placement.precision_name()
+    )
 }
 
 /// Who computes what: where it differs, a resumed run does not deliver the bits of one that was never interrupted.
@@ -303,6 +312,11 @@ impl<'a> Run<'a> {
             Some(found) => (Some(found.reader), found.passed_over),
             None => (None, Vec::new()),
         };
+        if stored.is_some()
+            && let Some(earlier) = &earlier
+        {
+            notes.extend(folder::what_changed(earlier, case));
+        }
         notes.iter().for_each(|note| observer.note(note));
         if case
             .scene
@@ -320,11 +334,24 @@ impl<'a> Run<'a> {
         let mut simulation = lattice.start(case, plan, device.clone())?;
         let mut record = Record::new(&simulation);
         let mut written = files::Written::default();
+        let mut lost = Lost::default();
         match &stored {
             Some(stored) => {
                 simulation.restore(stored)?;
+                folder::refuse_past_the_end(&simulation)?;
                 record.restore(stored)?;
                 written = files::Written::restore(stored)?;
+                if earlier
+                    .as_ref()
+                    .is_some_and(|e| folder::has_other_pictures(e, case))
+                {
+                    written.expect_pictures(&simulation);
+                }
+                lost = Lost::find(folder, &written, earlier.as_ref());
+                if let Some(note) = lost.note() {
+                    observer.note(&note);
+                    notes.push(note);
+                }
                 let text = format!(
                     "resumed at t = {:.6} s, step {}",
                     simulation.time_s(),
@@ -357,7 +384,7 @@ impl<'a> Run<'a> {
         for row in record.history_rows() {
             history.push(row)?;
         }
-        let files = Files::create(folder, &case.scene, &written, device)?;
+        let files = Files::create(folder, &case.scene, (&written, &lost), device)?;
         let entry = case_entry(case);
         let sample_s = case.scene.output.sample_interval_s;
         let mut ledger = match earlier {

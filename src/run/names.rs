@@ -63,6 +63,7 @@ pub(super) fn is_result(name: &str) -> bool {
 pub(super) fn first_in(folder: &Path) -> Option<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries
+        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()))
         .filter_map(|entry| entry.file_name().into_string().ok())
         .filter(|name| is_result(name) || checkpoint::NAMES.contains(&name.as_str()))
         .collect();
