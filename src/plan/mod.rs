@@ -2,6 +2,7 @@
 
 mod cadence;
 mod descent;
+mod disk;
 mod estimate;
 mod forecast;
 mod initial_hessian;
@@ -15,6 +16,7 @@ mod wing;
 
 pub use crate::lattice::Storage;
 pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
+pub use disk::Disk;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use forecast::Evaluations;
 pub use initial_hessian::multigrid_from_s;

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, openings, permeability, wing,
+    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, openings,
+    permeability, wing,
 };
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
@@ -218,6 +219,7 @@ impl Plan {
             "  host memory in all  {}",
             megabytes(sizes.host_bytes())
         )?;
+        disk::write(out, self, scene)?;
         writeln!(out, "\nskipped")?;
         for skip in &self.skips {
             writeln!(out, "  {:<45} {}", skip.what, skip.why)?;
