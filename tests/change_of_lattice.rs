@@ -8,7 +8,7 @@ use libtest_mimic::Trial;
 use ripstop::case::{self, Case, Choices};
 use ripstop::measure::Record;
 use ripstop::plan::{Plan, Precision};
-use ripstop::run::{self, Observer, Order, Report, Start};
+use ripstop::run::{self, Observer, Order, Report, Requests, Start};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
@@ -205,9 +205,9 @@ fn run_in(
         overrides: changes.iter().map(|&change| change.to_owned()).collect(),
     };
     let case = case::parse("case", source, Path::new("."), &choices).unwrap();
-    let interrupt = AtomicBool::new(false);
+    let requests = Requests::default();
     let mut observer = AtChange {
-        interrupt: &interrupt,
+        interrupt: &requests.stop,
         changes: 0,
         wanted,
     };
@@ -218,9 +218,11 @@ fn run_in(
         fallback: None,
         folder,
         start: if resume { Start::Resume } else { Start::New },
+        overwrite: false,
+        keep_final: false,
         checkpoint_interval: Duration::from_secs(1000),
     };
-    let report = run::run(order, &interrupt, &mut observer).unwrap();
+    let report = run::run(order, &requests, &mut observer).unwrap();
     (report, observer.changes)
 }
 

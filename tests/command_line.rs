@@ -466,11 +466,9 @@ fn standard_output() {
     assert!(output.errors.contains("code 0"), "{}", output.errors);
 }
 
-/// A coarse canopy in a small tunnel, asked for no more than 40 % of confidence, must stop by itself and say when and why.
-fn steady_state() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let output = ripstop(&[
+/// A coarse canopy in a small tunnel.
+fn steady_canopy(out: &Path) -> Vec<&str> {
+    vec![
         "run",
         CANOPY,
         "--set",
@@ -489,7 +487,14 @@ fn steady_state() {
         "time.end_s=2.0",
         "--out",
         out.to_str().unwrap(),
-    ]);
+    ]
+}
+
+/// A coarse canopy in a small tunnel, asked for no more than 40 % of confidence, must stop by itself and say when and why.
+fn steady_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = ripstop(&steady_canopy(&out));
     assert_eq!(output.code, 0, "{}", output.errors);
     assert!(
         output
@@ -503,6 +508,20 @@ fn steady_state() {
     let when = summary["stop"]["when_s"].as_f64().unwrap();
     // Not before the wake has settled (18 D_0/U, 0.6 s, after the first peak) and 6 D_0/U of averaging, and well before the end.
     assert!((0.8..1.5).contains(&when), "{when}");
+    // Made longer it goes on although it is steady; the sample that it stopped after is not there twice.
+    let mut longer = steady_canopy(&out);
+    longer.extend(["--extend", "0.01"]);
+    let output = ripstop(&longer);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let times: Vec<f64> = history
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').next().unwrap().parse().unwrap())
+        .collect();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    let last = times[times.len() - 1];
+    assert!(last > when && last < when + 0.011, "{last} after {when}");
     // The mean drag and the impulse of the markers are of the same interval.
     let result = |name: &str| summary["results"][name]["value"].as_f64().unwrap();
     assert!((result("drag_n") / result("drag_markers_n") - 1.0).abs() < 1e-9);

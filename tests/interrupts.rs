@@ -7,6 +7,7 @@ use libtest_mimic::Trial;
 
 use crate::command_line::{CANOPY, command, files, finished};
 use crate::engines::{needs_device, plain};
+use crate::folders::{canopy, json, start, wait_for};
 
 pub fn trials() -> Vec<Trial> {
     // Signals are sent by a shell's `kill`.
@@ -15,6 +16,8 @@ pub fn trials() -> Vec<Trial> {
     }
     let mut trials = [
         plain("interrupts::of_an_equilibrium", of_an_equilibrium),
+        plain("interrupts::that_come_twice", twice),
+        plain("interrupts::that_ask_for_a_checkpoint", checkpoint_now),
         plain("interrupts::of_a_run", || {
             of_a_run(&[], &["--precision", "f64"]);
         }),
@@ -73,6 +76,83 @@ fn of_an_equilibrium() {
         let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
         assert!(summary.contains("interrupted"), "{summary}");
     }
+}
+
+/// Sends signals to a process, one right after the other.
+fn send(child: &std::process::Child, signals: &[&str]) {
+    let script: Vec<String> = signals
+        .iter()
+        .map(|signal| format!("kill -{signal} {}", child.id()))
+        .collect();
+    let sent = Command::new("sh").args(["-c", &script.join("; ")]).status();
+    assert!(sent.unwrap().success());
+}
+
+/// Signals that come together, as to a group of processes, are one: there is a checkpoint. A later one ends the run at once, and the code tells
+/// whether there is one.
+fn twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let seldom = ["--set", "time.end_s=1.0", "--checkpoint-every", "1000"];
+    let mut child = start(canopy(&out, &seldom));
+    wait_for(&mut child, &out.join("canopy_00001.vtp"));
+    send(&child, &["TERM", "INT", "TERM"]);
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    assert!(out.join("checkpoint").exists());
+    assert_eq!(json(&out.join("run.json"))["state"], "interrupted");
+
+    // Steps that take longer than who interrupts is willing to wait.
+    let mut codes = Vec::new();
+    for attempt in 0..4 {
+        let out = folder.path().join(format!("slow-{attempt}"));
+        let mut command = command(&["run", CANOPY, "--engine", "cpu", "--threads", "1"]);
+        command.args(["--set", "resolution.cells_per_diameter=32.0", "--out"]);
+        let mut child = start({
+            command.arg(&out);
+            command
+        });
+        wait_for(&mut child, &out.join("run.json"));
+        let wait = |milliseconds| {
+            std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        };
+        wait(300);
+        send(&child, &["INT"]);
+        wait(3);
+        // A process that is stopped computes nothing, but time passes for it.
+        send(&child, &["STOP"]);
+        wait(700);
+        send(&child, &["INT", "CONT"]);
+        let code = child.wait().unwrap().code().unwrap();
+        let there = out.join("checkpoint").exists();
+        assert_eq!(code, if there { 75 } else { 130 });
+        codes.push(code);
+        if code == 130 {
+            return;
+        }
+    }
+    panic!("no run ended without a checkpoint: {codes:?}");
+}
+
+/// SIGUSR1, as schedulers send it before their own end, writes a checkpoint; the run goes on.
+fn checkpoint_now() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let seldom = ["--set", "time.end_s=0.2", "--checkpoint-every", "1000"];
+    let mut child = start(canopy(&out, &seldom));
+    wait_for(&mut child, &out.join("canopy_00001.vtp"));
+    assert!(!out.join("checkpoint").exists());
+    send(&child, &["USR1"]);
+    wait_for(&mut child, &out.join("checkpoint"));
+    wait_for(&mut child, &out.join("canopy_00004.vtp"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let resumed = finished(
+        canopy(&out, &[&seldom[..], &["--resume"]].concat())
+            .output()
+            .unwrap(),
+    );
+    assert_eq!(resumed.code, 0, "{}", resumed.errors);
+    assert!(resumed.printed.contains("resumed at t = "));
 }
 
 /// An interrupted run ends with code 75, and the resumed one delivers the same bits as one that was never interrupted.
@@ -150,7 +230,9 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
     };
     assert_eq!(names(&whole), names(&out));
     for name in names(&whole) {
-        if name != "summary.json" && name != "run.json" {
+        // What a device keeps beside the state may differ.
+        let of_device = name == "final.checkpoint" && !engine.is_empty();
+        if name != "summary.json" && name != "run.json" && !of_device {
             let same = std::fs::read(whole.join(&name)).unwrap()
                 == std::fs::read(out.join(&name)).unwrap();
             assert!(same, "{} differs", name.display());

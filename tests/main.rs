@@ -32,6 +32,7 @@ mod device_multigrid;
 mod device_work;
 mod eddy_viscosity;
 mod engines;
+mod extension;
 mod folders;
 mod interrupts;
 mod lep_sim;
@@ -97,6 +98,7 @@ fn main() -> std::process::ExitCode {
         checkpoint::trials(),
         folders::trials(),
         resumption::trials(),
+        extension::trials(),
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),

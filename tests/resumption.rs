@@ -39,7 +39,7 @@ fn end_at(end_s: &str) -> [String; 2] {
     ["--set".to_owned(), format!("time.end_s={end_s}")]
 }
 
-fn run(out: &Path, end_s: &str, more: &[&str]) -> Finished {
+pub fn run(out: &Path, end_s: &str, more: &[&str]) -> Finished {
     let end = end_at(end_s);
     let all: Vec<&str> = end
         .iter()
@@ -79,7 +79,7 @@ fn results(out: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
-fn same(a: &Path, b: &Path) {
+pub fn same(a: &Path, b: &Path) {
     let [a, b] = [a, b].map(results);
     assert!(a.keys().eq(b.keys()), "{:?} {:?}", a.keys(), b.keys());
     for (name, bytes) in &a {
@@ -113,10 +113,7 @@ fn lost_files() {
     for needle in ["canopy_00001.vtp is not there", "animation_00001.png has "] {
         assert!(summary.contains(needle), "{needle}: {summary}");
     }
-    assert!(
-        summary.contains("1 of 13 frames of the animation"),
-        "{summary}"
-    );
+    assert!(summary.contains("warning: 1 of "), "{summary}");
     assert!(out.join("animation.png").exists());
 }
 
@@ -135,16 +132,16 @@ fn no_old_checkpoint() {
     let seldom = ["--checkpoint-every", "1000"];
     let more = ["--overwrite", "--set", "time.end_s=0.2"];
     let mut child = start(canopy(&out, &[&more[..], &seldom].concat()));
-    while out.join("checkpoint").exists() || !out.join("run.json").exists() {
+    // The files of the run before go as the new one begins.
+    while out.join("canopy_00001.vtp").exists() {
         assert!(child.try_wait().unwrap().is_none(), "ended too early");
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(!out.join("canopy_00001.vtp").exists());
     let resumed = run(&out, "0.2", &["--resume"]);
     assert_eq!(resumed.code, 2, "{}", resumed.errors);
     assert!(
-        resumed.errors.contains("before its first checkpoint"),
+        resumed.errors.contains("start without --resume"),
         "{}",
         resumed.errors
     );

@@ -8,6 +8,7 @@ use crate::engines::plain;
 pub fn trials() -> Vec<Trial> {
     [
         plain("sweep::one_run_fails_and_the_others_are_kept", one_fails),
+        plain("sweep::a_killed_one_goes_on", killed),
         plain("sweep::usage_errors", usage_errors),
         plain("sweep::three_lattices_tell_their_error", three_lattices),
         plain("sweep::starts_of_an_ensemble_tell_an_interval", ensemble),
@@ -221,8 +222,57 @@ fn one_fails() {
     // Another case under the same name is not taken for it.
     let mut changed = arguments.to_vec();
     changed.extend(["--set", "title=another"]);
+    let refused = ripstop(&changed);
+    assert_eq!(refused.code, 73, "{}", refused.errors);
+    assert!(
+        refused
+            .errors
+            .contains("evaluation_limit=1, evaluation_limit=2000; --overwrite"),
+        "{}",
+        refused.errors
+    );
+    assert_eq!(written(&own.join("summary.json")), before);
+    changed.push("--overwrite");
     let changed = ripstop(&changed);
+    assert_eq!(changed.code, 20, "{}", changed.errors);
     assert!(!changed.errors.contains("kept"), "{}", changed.errors);
+}
+
+/// A sweep that is killed goes on from its run's own checkpoint; what it keeps stays as it is to the last digit.
+fn killed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("sweep");
+    let mut arguments = vec!["sweep", crate::command_line::CANOPY, "--engine", "cpu"];
+    for change in crate::folders::SMALL {
+        arguments.extend(["--set", change]);
+    }
+    arguments.extend([
+        "--vary",
+        "time.end_s=0.02,0.2",
+        "--checkpoint-every",
+        "0.05",
+    ]);
+    arguments.extend(["--out", out.to_str().unwrap()]);
+    let mut child = crate::folders::start(crate::command_line::command(&arguments));
+    let own = out.join("end_s=0.2");
+    crate::folders::wait_for(&mut child, &own.join("checkpoint"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let first = read_json(&out.join("sweep.json"));
+    let again = ripstop(&arguments);
+    assert_eq!(again.code, 0, "{}", again.errors);
+    for needle in ["end_s=0.02: kept, it is done", "resumed at t = "] {
+        assert!(again.errors.contains(needle), "{}", again.errors);
+    }
+    let second = read_json(&out.join("sweep.json"));
+    assert_eq!(first["runs"][0]["results"], second["runs"][0]["results"]);
+    assert_eq!(second["runs"][1]["status"], "done");
+    // No state is kept of every run.
+    assert!(!own.join("final.checkpoint").exists() && !own.join("checkpoint").exists());
+    // One of the numbers that lost a digit on their way through a file.
+    let text = "1.1229186340710127";
+    let read: f64 = serde_json::from_str(text).unwrap();
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
 }
 
 fn usage_errors() {

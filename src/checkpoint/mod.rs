@@ -26,8 +26,12 @@ const PREVIOUS_NAME: &str = "checkpoint.previous";
 /// A complete checkpoint about to take its place.
 const NEXT_NAME: &str = "checkpoint.next";
 
-/// All of them, newest first: the next one is left where a run was killed just before it took its place.
-pub const NAMES: [&str; 3] = [NEXT_NAME, FILE_NAME, PREVIOUS_NAME];
+/// The state at the end of a run.
+pub const FINAL_NAME: &str = "final.checkpoint";
+
+/// All of them, newest first: the next one is left where a run was killed just before it took its place, and a run that goes on after its end
+/// begins with the final one.
+pub const NAMES: [&str; 4] = [NEXT_NAME, FILE_NAME, PREVIOUS_NAME, FINAL_NAME];
 
 /// Why a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -103,7 +107,23 @@ pub fn write(
     std::fs::rename(&next, &path).map_err(|error| OutputError::new("replace", &path, error))
 }
 
-/// Removes the checkpoints of a finished run.
+/// Makes the newest checkpoint of a run that is over the final one, and removes the others.
+///
+/// # Errors
+///
+/// When the file cannot be renamed.
+pub fn keep_final(folder: &Path) -> Result<(), OutputError> {
+    let path = folder.join(FINAL_NAME);
+    std::fs::rename(folder.join(FILE_NAME), &path)
+        .map_err(|error| OutputError::new("replace", &path, error))?;
+    for name in [PREVIOUS_NAME, NEXT_NAME] {
+        // There may be none.
+        let _ = std::fs::remove_file(folder.join(name));
+    }
+    Ok(())
+}
+
+/// Removes all checkpoints of a run.
 pub fn remove(folder: &Path) {
     for name in NAMES {
         // There may be none.

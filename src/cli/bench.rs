@@ -8,7 +8,8 @@ use clap::builder::NonEmptyStringValueParser;
 
 use super::engine::Engine;
 use super::progress::Progress;
-use super::{Failure, emit, exit, interrupt_flag};
+use super::signals::requests;
+use super::{Failure, emit, exit};
 use crate::bench::{
     self, Stop, Watch, aerodynamics, coupling, device, fabric, stability, work_precision,
 };
@@ -95,7 +96,7 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         ));
     }
     prepare_directory(&arguments.out).map_err(Stop::Output)?;
-    let interrupt = interrupt_flag("the benchmark");
+    let interrupt = requests("the benchmark").stop;
     let mut progress = Progress::new();
     let mut watch = Watch {
         interrupt: &interrupt,

@@ -8,6 +8,7 @@ mod new;
 mod profile;
 mod progress;
 mod run;
+mod signals;
 mod sweep;
 mod validate;
 
@@ -15,7 +16,6 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, Parser, Subcommand};
 
@@ -26,7 +26,7 @@ use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// What `--help` says about them.
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
-    20 diverged or not in balance, 73 the folder holds another run, 74 output failed, 75 interrupted";
+    20 diverged or not in balance, 73 the folder holds another run, 74 output failed, 75 interrupted, 130 interrupted without a checkpoint";
 
 /// Exit codes.
 pub mod exit {
@@ -44,6 +44,8 @@ pub mod exit {
     pub const OUTPUT_FAILED: u8 = 74;
     /// Interrupted; what was computed is written and can be resumed.
     pub const INTERRUPTED: u8 = 75;
+    /// Interrupted at once, with nothing to resume from.
+    pub const ABORTED: u8 = 130;
 }
 
 /// Fluid–structure solver for parachutes and paragliders.
@@ -58,6 +60,8 @@ struct Cli {
 enum Command {
     /// Run a case to its end or to steady state.
     Run(run::RunArguments),
+    /// Begin a run from the state that another one has come to, with other outputs or another length.
+    Restart(run::RestartArguments),
     /// Run a case once for each value of some of its keys, and set the results side by side.
     Sweep(sweep::SweepArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
@@ -207,22 +211,6 @@ fn refuse_unknown_comparisons(case: &Case) -> Result<(), Failure> {
     }
 }
 
-/// A flag that the first interrupt sets, so that `what` ends with what it has after the present step; the second one ends it at once.
-/// Files are never half written.
-fn interrupt_flag(what: &str) -> Arc<AtomicBool> {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupt);
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(exit::INTERRUPTED));
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: an interrupt will stop {what} without its results: {error}");
-    }
-    interrupt
-}
-
 /// Writes to standard output. A reader that has gone away is no failure; a full disk behind a redirection is.
 fn emit(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
@@ -253,6 +241,7 @@ pub fn main() -> ExitCode {
     };
     let result = match &cli.command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Restart(arguments) => run::restart(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),

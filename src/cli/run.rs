@@ -1,13 +1,14 @@
 //! `ripstop run CASE.toml`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
 
 use super::profile;
 use super::progress::Progress;
-use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use super::signals::requests;
+use super::{CaseArguments, Failure, Prepared, emit, exit};
 use crate::output::{AccountRow, ExpectedError, ValidityRow, comparison_text};
 use crate::run::{self, Order, Report, RunError, Start};
 
@@ -18,12 +19,18 @@ pub(super) struct RunArguments {
     /// Folder for all results.
     #[arg(long, default_value = "out")]
     out: PathBuf,
-    /// Continue an interrupted run from the checkpoint in its folder.
+    /// Continue an interrupted run from the checkpoint in its folder; titles, time.end_s, outputs and comparisons may be others than before.
     #[arg(long)]
     resume: bool,
+    /// Go on with a finished run for so many seconds after its end, however steady it is.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "resume", value_parser = seconds)]
+    extend: Option<f64>,
     /// Begin anew in a folder that holds another run, or one that is not over: its files are removed, those of others stay.
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long, conflicts_with_all = ["resume", "extend"])]
     overwrite: bool,
+    /// Do not keep the state at the end (final.checkpoint), from which a run can be extended and others can begin.
+    #[arg(long)]
+    no_final_state: bool,
     /// Seconds of wall time between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint_every: f64,
@@ -35,21 +42,69 @@ pub(super) struct RunArguments {
     strict: bool,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+#[derive(Debug, Args)]
+pub(super) struct RestartArguments {
+    /// Folder of the run whose newest state is the start.
+    #[arg(value_name = "FROM")]
+    from: PathBuf,
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (1e-3..=1e9).contains(&value) => Ok(value),
         _ => Err("a number of seconds from 0.001 to 1e9 is needed".to_owned()),
     }
 }
 
+pub(super) fn restart(arguments: &RestartArguments) -> Result<u8, Failure> {
+    let run = &arguments.run;
+    if run.resume || run.extend.is_some() {
+        let text = "restart begins a new run: --resume and --extend belong to `ripstop run`";
+        return Err(Failure::Other(exit::BAD_CASE, text.to_owned()));
+    }
+    begin(run, Start::From(&arguments.from))
+}
+
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    let start = match (arguments.resume, arguments.extend) {
+        (true, _) => Start::Resume,
+        (false, Some(_)) => Start::Extend,
+        (false, None) => Start::New,
+    };
+    begin(arguments, start)
+}
+
+/// The case of a run that begins, or goes on: what follows from its length stays as it was begun.
+fn prepare<'a>(
+    arguments: &RunArguments,
+    start: Start<'a>,
+) -> Result<(Prepared, Start<'a>), Failure> {
+    let case = arguments.case.load(&[])?;
+    if !matches!(start, Start::Resume | Start::Extend) {
+        return Ok((arguments.case.plan(case)?, start));
+    }
+    let (more, extended) = run::carried_over(&arguments.out, &case, arguments.extend)
+        .map_err(|error| Failure::Other(exit_code(&error), error.to_string()))?;
+    let case = if more.is_empty() {
+        case
+    } else {
+        arguments.case.load(&more)?
+    };
+    let start = if extended { Start::Extend } else { start };
+    Ok((arguments.case.plan(case)?, start))
+}
+
+fn begin(arguments: &RunArguments, start: Start<'_>) -> Result<u8, Failure> {
+    let (prepared, start) = prepare(arguments, start)?;
     let Prepared {
         case,
         plan,
         device,
         fallback,
-    } = arguments.case.prepare()?;
-    let interrupt = interrupt_flag("the run");
+    } = prepared;
+    let requests = requests("the run");
     let mut progress = Progress::new();
     if let (true, Some(device)) = (arguments.profile, &device) {
         device.measure_latencies(profile::LATENCY_TIME)?;
@@ -62,14 +117,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             device,
             fallback,
             folder: &arguments.out,
-            start: match (arguments.resume, arguments.overwrite) {
-                (true, _) => Start::Resume,
-                (false, true) => Start::Overwrite,
-                (false, false) => Start::New,
-            },
+            start,
+            overwrite: arguments.overwrite,
+            keep_final: !arguments.no_final_state,
             checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_every),
         },
-        &interrupt,
+        &requests,
         &mut progress,
     );
     progress.finish();
@@ -149,7 +202,7 @@ pub(super) const fn exit_code(error: &RunError) -> u8 {
     }
 }
 
-fn report_text(report: &Report, out: &std::path::Path) -> String {
+fn report_text(report: &Report, out: &Path) -> String {
     let mut lines = Vec::new();
     let summary = &report.summary;
     lines.push(summary.case.title.clone());

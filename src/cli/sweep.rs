@@ -1,21 +1,19 @@
 //! `ripstop sweep CASE.toml --vary key.path=a,b,c`, `ripstop sweep CASE.toml --ensemble N`
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::Args;
 
 use super::progress::Progress;
-use super::{CaseArguments, Failure, Prepared, emit, exit, interrupt_flag};
+use super::run::seconds;
+use super::signals::requests;
+use super::{CaseArguments, Failure, Prepared, emit, exit};
 use crate::case::Case;
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
-use crate::run::{self, Observer, Order, Start};
+use crate::run::{self, Observer, Order, Requests, Start};
 use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
-
-/// Wall time between checkpoints of a run.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(300);
 
 /// Results that are shown where nothing is chosen, if the case has them, beside those that it compares.
 const USUAL_RESULTS: [&str; 4] = [
@@ -52,6 +50,12 @@ pub(super) struct SweepArguments {
     /// Folder for the table, the charts, and a folder for each run. Runs found there that are done are kept.
     #[arg(long, default_value = "sweep")]
     out: PathBuf,
+    /// Begin runs anew whose folders hold another case's, as after a change of the case file.
+    #[arg(long)]
+    overwrite: bool,
+    /// Seconds of wall time between checkpoints of a run.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
+    checkpoint_every: f64,
 }
 
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
@@ -82,7 +86,8 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
             .collect(),
         ladders: Vec::new(),
     };
-    let interrupt = interrupt_flag("the sweep");
+    refuse_others(arguments, &points, &cases)?;
+    let requests = requests("the sweep");
     let mut code = 0;
     for (number, (point, case)) in points.iter().zip(cases).enumerate() {
         let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
@@ -91,7 +96,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
             continue;
         }
         eprintln!("{heading}");
-        let ended = one(arguments, case, &mut sweep.runs[number], &interrupt);
+        let ended = one(arguments, case, &mut sweep.runs[number], &requests);
         sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
         match ended {
             0 => {}
@@ -172,32 +177,52 @@ fn known(
         let mut runs = sweep.runs.iter();
         runs.find(|run| run.folder == point.folder && run.hash == *hash)
     });
-    match before.map(|run| run.status) {
-        Some(Status::Done) => {
-            let path = arguments.out.join(&point.folder).join("summary.json");
-            let summary: Option<Summary> = std::fs::read(path)
-                .ok()
-                .and_then(|text| serde_json::from_slice(&text).ok());
-            if let Some(summary) = summary.filter(|summary| summary.case.hash == *hash) {
-                outcome.done(&summary);
-            }
+    if let Some(Status::Done) = before.map(|run| run.status) {
+        let path = arguments.out.join(&point.folder).join("summary.json");
+        let summary: Option<Summary> = std::fs::read(path)
+            .ok()
+            .and_then(|text| serde_json::from_slice(&text).ok());
+        if let Some(summary) = summary.filter(|summary| summary.case.hash == *hash) {
+            outcome.done(&summary);
         }
-        Some(Status::Interrupted) => outcome.status = Status::Interrupted,
-        _ => {}
+    }
+    // Interrupted, or killed: its own folder tells.
+    let folder = arguments.out.join(&point.folder);
+    if outcome.status == Status::Waiting && run::is_unfinished_run(&folder, case) {
+        outcome.status = Status::Interrupted;
     }
     outcome
 }
 
-/// Computes one run; returns its exit code.
-fn one(
+/// Refuses a sweep that would replace runs of another case.
+fn refuse_others(
     arguments: &SweepArguments,
-    case: Case,
-    outcome: &mut Outcome,
-    interrupt: &AtomicBool,
-) -> u8 {
+    points: &[Point],
+    cases: &[Case],
+) -> Result<(), Failure> {
+    if arguments.overwrite {
+        return Ok(());
+    }
+    let others: Vec<&str> = (points.iter().zip(cases))
+        .filter(|(point, case)| run::holds_another(&arguments.out.join(&point.folder), case))
+        .map(|(point, _)| point.folder.as_str())
+        .collect();
+    if others.is_empty() {
+        return Ok(());
+    }
+    let text = format!(
+        "{} holds runs of another case: {}; --overwrite removes them, --out DIR takes another folder",
+        arguments.out.display(),
+        others.join(", ")
+    );
+    Err(Failure::Other(exit::OCCUPIED, text))
+}
+
+/// Computes one run; returns its exit code.
+fn one(arguments: &SweepArguments, case: Case, outcome: &mut Outcome, requests: &Requests) -> u8 {
     let start = match outcome.status {
         Status::Interrupted => Start::Resume,
-        _ => Start::Overwrite,
+        _ => Start::New,
     };
     let folder = arguments.out.join(&outcome.folder);
     let mut fail = |code: u8, message: String| {
@@ -225,9 +250,12 @@ fn one(
             fallback,
             folder: &folder,
             start,
-            checkpoint_interval: CHECKPOINT_INTERVAL,
+            // The folder has been looked at before the first run.
+            overwrite: true,
+            keep_final: false,
+            checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_every),
         },
-        interrupt,
+        requests,
         &mut progress,
     );
     progress.finish();

@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::engine::{self, Engine, PrecisionChoice};
 use super::progress::Progress;
-use super::{Failure, emit, exit, interrupt_flag};
+use super::signals::requests;
+use super::{Failure, emit, exit};
 use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
@@ -54,7 +55,7 @@ pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         placement,
         device,
     };
-    let interrupt = interrupt_flag("the validation");
+    let interrupt = requests("the validation").stop;
     let write = |report: &Report| match &arguments.out {
         Some(path) => report
             .write(path)

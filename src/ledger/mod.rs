@@ -115,6 +115,12 @@ pub struct Ledger {
     pub precision: String,
     /// Time between samples [s].
     pub sample_interval_s: f64,
+    /// Folder of another run whose state it began from; absent for one that began anew.
+    #[serde(default)]
+    pub begun_from: Option<String>,
+    /// Where an extension after the end leads to [s]; absent without one.
+    #[serde(default)]
+    pub extended_to_s: Option<f64>,
     /// How far it had come when this was written.
     pub reached: Reached,
     /// Processes that worked on it, in order.
@@ -134,6 +140,8 @@ impl Ledger {
             case,
             precision: precision.to_owned(),
             sample_interval_s,
+            begun_from: None,
+            extended_to_s: None,
             reached: Reached {
                 step: 0,
                 time_s: 0.0,

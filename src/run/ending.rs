@@ -104,11 +104,15 @@ impl Run<'_> {
         let told = undelivered.first.as_ref().map(ToString::to_string);
         self.ledger
             .end_session(state, told.as_deref().unwrap_or(&reason));
-        super::account(&mut self.ledger, folder, &self.simulation);
+        super::identity::account(&mut self.ledger, folder, &self.simulation);
         undelivered.note(self.ledger.write(folder));
         // Last: a run that is killed before it is complete can still be resumed.
         if state == State::Finished && undelivered.first.is_none() {
-            checkpoint::remove(folder);
+            if self.keep_final && super::folder::can_go_on(scene) {
+                undelivered.note(checkpoint::keep_final(folder));
+            } else {
+                checkpoint::remove(folder);
+            }
         }
         match (undelivered.first, diverged) {
             (Some(error), _) => Err(error),

@@ -3,20 +3,22 @@
 use std::path::Path;
 
 use super::{Order, RunError, names};
-use crate::case::{Case, changed_outputs, changed_physics};
+use crate::case::{Case, Scene, changed_outputs, changed_physics, number_in};
 use crate::checkpoint;
 use crate::ledger::{Ledger, Machine, Program, State};
 use crate::simulation::Simulation;
 
 /// How a run begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Start {
+pub enum Start<'a> {
     /// Anew, in a folder that is empty, or holds a run of the very same case that is over.
     New,
-    /// Anew, whatever run the folder holds.
-    Overwrite,
-    /// From the checkpoint in the folder.
+    /// From the newest checkpoint in its folder.
     Resume,
+    /// From the end of the run in its folder, and to the end of the case, however steady the results are.
+    Extend,
+    /// Anew, from the newest state in another folder, with its time and without its samples.
+    From(&'a Path),
 }
 
 /// Most differences that a message names.
@@ -26,25 +28,56 @@ const TOLD: usize = 4;
 pub(super) fn admit(order: &Order) -> Result<Option<Ledger>, RunError> {
     let found = Ledger::read(order.folder);
     let precision = order.plan.placement.precision_name();
+    let refuse = |why: String| Err(RunError::Resume(why));
+    if let Start::From(settled) = order.start
+        && same_folder(settled, order.folder)
+    {
+        return refuse(format!(
+            "a restart from {} needs another folder: choose one with --out, or go on there with run --resume or --extend",
+            settled.display()
+        ));
+    }
     match order.start {
-        Start::New => refuse_others(order.folder, order.case, precision, found).map(|()| None),
-        Start::Overwrite => Ok(None),
-        Start::Resume => {
+        Start::New | Start::From(_) if order.overwrite => {}
+        Start::New | Start::From(_) => {
+            refuse_others(order.folder, order.case, precision, found.clone())?;
+        }
+        Start::Resume | Start::Extend => {}
+    }
+    match order.start {
+        Start::New => Ok(None),
+        Start::From(settled) => {
+            if !can_go_on(&order.case.scene) {
+                return refuse(NO_MOTION.to_owned());
+            }
+            refuse_other_physics(settled, order.case, Ledger::read(settled).ok().flatten())?;
+            Ok(None)
+        }
+        Start::Resume | Start::Extend => {
             // One that cannot be read is no reason to lose the checkpoint.
             let ledger = found.ok().flatten();
+            refuse_other_physics(order.folder, order.case, ledger.clone())?;
             match &ledger {
-                Some(ledger) => refuse_other_physics(ledger, order)?,
-                None if checkpoint::exists(order.folder) => {}
-                None => {
-                    return Err(RunError::Resume(format!(
-                        "{} holds no run to resume: start without --resume",
-                        order.folder.display()
-                    )));
-                }
+                Some(ledger) if order.start == Start::Resume => refuse_what_is_over(ledger, order)?,
+                _ => {}
             }
             Ok(ledger)
         }
     }
+}
+
+/// Why a run without motion has no state to go on from.
+const NO_MOTION: &str =
+    "the case has no motion to go on with: it seeks an equilibrium, or has no [time]";
+
+/// True if a run of the scene can go on after its end: not from an equilibrium.
+pub(super) fn can_go_on(scene: &Scene) -> bool {
+    scene.time.is_some() && scene.equilibrium.is_none()
+}
+
+fn same_folder(a: &Path, b: &Path) -> bool {
+    let [a, b] = [a, b].map(std::fs::canonicalize);
+    matches!((a, b), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Refuses a folder that holds something to be lost.
@@ -98,36 +131,126 @@ fn refuse_others(
 }
 
 /// True if a run can be gone on with that is not over.
-pub(super) fn is_unfinished(folder: &Path, ledger: &Ledger) -> bool {
+fn is_unfinished(folder: &Path, ledger: &Ledger) -> bool {
     !matches!(ledger.state, State::Finished | State::Diverged) && checkpoint::exists(folder)
 }
 
-/// Refuses to go on with a run of other physics, one that is over, and one that was killed before its first checkpoint.
-fn refuse_other_physics(ledger: &Ledger, order: &Order) -> Result<(), RunError> {
-    let folder = order.folder.display();
-    let mut changed = changed_physics(&ledger.case.text, &order.case.text);
-    if changed.is_empty() && ledger.case.physics != order.case.physics {
+/// Refuses to go on with a run of other physics, and where there is no checkpoint.
+fn refuse_other_physics(
+    folder: &Path,
+    case: &Case,
+    ledger: Option<Ledger>,
+) -> Result<(), RunError> {
+    let refuse = |why: String| Err(RunError::Resume(why));
+    let checkpoints = checkpoint::exists(folder);
+    let at = folder.display();
+    let Some(ledger) = ledger else {
+        return if checkpoints {
+            Ok(())
+        } else {
+            refuse(format!(
+                "{at} holds no run to go on with: start without --resume"
+            ))
+        };
+    };
+    let mut changed = changed_physics(&ledger.case.text, &case.text);
+    if changed.is_empty() && ledger.case.physics != case.physics {
         changed.push("a file that the case names has changed".to_owned());
     }
     if !changed.is_empty() {
-        return Err(RunError::Resume(format!(
-            "{folder} belongs to another run: {}; a run goes on with its own physics: only titles, time.end_s, [output] and [comparison] may change",
+        return refuse(format!(
+            "{at} belongs to another run: {}; a run goes on with its own physics: only titles, time.end_s, [output] and [comparison] may change",
             shortened(changed)
-        )));
+        ));
     }
-    if checkpoint::exists(order.folder) {
+    if checkpoints {
         return Ok(());
     }
-    Err(RunError::Resume(match ledger.state {
+    refuse(match ledger.state {
         State::Finished | State::Diverged => format!(
-            "the run in {folder} is over ({} at t = {:.6} s): there is nothing to resume",
+            "the run in {at} is over ({} at t = {:.6} s) and left no state to go on from",
             ledger.state.name(),
             ledger.reached.time_s
         ),
-        _ => {
-            format!("the run in {folder} ended before its first checkpoint: start without --resume")
+        _ => format!("the run in {at} ended before its first checkpoint: start without --resume"),
+    })
+}
+
+/// Refuses to resume a finished run whose end has not been put off.
+fn refuse_what_is_over(ledger: &Ledger, order: &Order) -> Result<(), RunError> {
+    let before = number_in(&ledger.case.text, "time.end_s");
+    let now = order.case.scene.time.map(|time| time.end_s);
+    if ledger.state != State::Finished || now > before {
+        return Ok(());
+    }
+    Err(RunError::Resume(format!(
+        "the run in {} is over (finished at t = {:.6} s): raise time.end_s, or give --extend SECONDS in place of --resume",
+        order.folder.display(),
+        ledger.reached.time_s
+    )))
+}
+
+/// Overrides with which a run that goes on keeps what follows from its length as it was begun, or ends later as asked for; and whether it is an
+/// extension.
+///
+/// # Errors
+///
+/// When a run is to be extended that is not over, or left no state.
+pub fn carried_over(
+    folder: &Path,
+    case: &Case,
+    extend_s: Option<f64>,
+) -> Result<(Vec<String>, bool), RunError> {
+    let refuse = |why: String| Err(RunError::Resume(format!("--extend: {why}")));
+    let at = folder.display();
+    let ledger = match (Ledger::read(folder).ok().flatten(), extend_s) {
+        (Some(ledger), _) => ledger,
+        (None, None) => return Ok((Vec::new(), false)),
+        (None, Some(_)) => return refuse(format!("{at} holds no run that is over")),
+    };
+    let unfinished = is_unfinished(folder, &ledger);
+    let end_s = case.scene.time.map(|time| time.end_s);
+    let to_s = match extend_s {
+        Some(_) if !can_go_on(&case.scene) => return refuse(NO_MOTION.to_owned()),
+        Some(_) if unfinished => {
+            return refuse(format!(
+                "the run in {at} is not over: --resume goes on with it"
+            ));
         }
-    }))
+        Some(_) if ledger.state != State::Finished || !checkpoint::exists(folder) => {
+            return refuse(format!("the run in {at} left no state to go on from"));
+        }
+        Some(seconds) => Some(ledger.reached.time_s + seconds),
+        // An extension that was interrupted.
+        None => ledger
+            .extended_to_s
+            .filter(|to| unfinished && end_s.is_some_and(|end| end < *to)),
+    };
+    let mut overrides = Vec::new();
+    overrides.extend(to_s.map(|to| format!("time.end_s={to:?}")));
+    let sampled = "output.sample_interval_s";
+    let other = to_s.is_some() || case.scene.output.sample_interval_s != ledger.sample_interval_s;
+    if other && can_go_on(&case.scene) && number_in(&case.text, sampled).is_none() {
+        overrides.push(format!("{sampled}={:?}", ledger.sample_interval_s));
+    }
+    Ok((overrides, to_s.is_some()))
+}
+
+/// True if `folder` holds a run of another case, or of a version without a ledger.
+#[must_use]
+pub fn holds_another(folder: &Path, case: &Case) -> bool {
+    match Ledger::read(folder) {
+        Ok(Some(ledger)) => ledger.case.hash != case.hash,
+        Ok(None) => names::first_in(folder).is_some(),
+        Err(_) => true,
+    }
+}
+
+/// True if `folder` holds a run of that very case that can be gone on with and is not over.
+#[must_use]
+pub fn is_unfinished_run(folder: &Path, case: &Case) -> bool {
+    let ledger = Ledger::read(folder).ok().flatten();
+    ledger.is_some_and(|l| l.case.hash == case.hash && is_unfinished(folder, &l))
 }
 
 /// Refuses a state that lies behind the end that the case asks for.
@@ -214,11 +337,13 @@ fn differences(ledger: &Ledger, case: &Case, precision: &str) -> String {
         return String::new();
     }
     let mut told = changed_physics(&ledger.case.text, &case.text);
+    if told.is_empty() && ledger.case.physics != case.physics {
+        told.push("a file that it names has changed".to_owned());
+    }
+    told.extend(changed_outputs(&ledger.case.text, &case.text));
     if told.is_empty() {
-        told.push(if ledger.case.physics != case.physics {
-            "a file that it names has changed".to_owned()
-        } else if ledger.case.hash != case.hash {
-            "its title, length, outputs, comparisons or variants have changed".to_owned()
+        told.push(if ledger.precision == precision {
+            "its variants have changed".to_owned()
         } else {
             format!("precision was {}, is now {precision}", ledger.precision)
         });

@@ -5,12 +5,15 @@ mod cadence;
 mod device_use;
 mod ending;
 mod equilibrium;
+mod error;
 mod files;
 mod folder;
+mod identity;
 mod lattices;
 mod load_test;
 mod names;
 mod panel_shaping;
+mod requests;
 mod summary;
 mod tables;
 mod trim;
@@ -19,76 +22,30 @@ mod verify;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use crate::case::Case;
 use crate::case::scene::{BodyKind, Flow};
-use crate::checkpoint::{self, CheckpointError};
+use crate::checkpoint;
 use crate::frame::Frame;
-use crate::gpu::{Device, DeviceError};
-use crate::ledger::{CaseEntry, Holder, Ledger, Lock, LockError, Reached, State, take_stock};
+use crate::gpu::Device;
+use crate::ledger::{Holder, Ledger, Lock, State};
 use crate::measure::{Record, sail_warnings};
-use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
+use crate::output::{HistoryWriter, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
-use crate::render;
-use crate::simulation::{Diverged, Failure, Simulation};
+use crate::simulation::{Failure, Simulation};
 use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
+pub use error::RunError;
 use files::Files;
-pub use folder::Start;
+pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
+use identity::{COMPUTED_BY, account, case_entry, computed_by, identity, reached};
 use lattices::Lattice;
+pub use requests::Requests;
 use verify::Lost;
 
 /// Steps between reports of progress.
 const PROGRESS_INTERVAL: u64 = 20;
-
-/// Why a run could not deliver.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The physics broke down; files up to then are kept.
-    #[error("{0}")]
-    Diverged(Diverged),
-    /// The start state that the case asks for could not be reached.
-    #[error("the run cannot start: {0}")]
-    Start(String),
-    /// The device failed; files up to then, the last checkpoint included, are kept.
-    #[error("{0}")]
-    Device(#[from] DeviceError),
-    /// A file could not be written.
-    #[error("{0}")]
-    Output(#[from] OutputError),
-    /// A picture could not be drawn.
-    #[error("cannot draw a picture: {0}")]
-    Picture(#[from] render::RenderError),
-    /// There is nothing to resume from.
-    #[error("{0}")]
-    Checkpoint(#[from] CheckpointError),
-    /// What is to be gone on with is a run of another case, or over.
-    #[error("{0}")]
-    Resume(String),
-    /// The folder holds another run, or one that is not over.
-    #[error("{0}")]
-    Occupied(String),
-}
-
-impl From<LockError> for RunError {
-    fn from(error: LockError) -> Self {
-        match error {
-            LockError::Output(error) => Self::Output(error),
-            held @ LockError::Held { .. } => Self::Occupied(held.to_string()),
-        }
-    }
-}
-
-impl From<Failure> for RunError {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Diverged(diverged) => Self::Diverged(diverged),
-            Failure::Start(why) => Self::Start(why),
-            Failure::Device(error) => Self::Device(error),
-        }
-    }
-}
 
 /// Who watches a run.
 pub trait Observer {
@@ -126,8 +83,12 @@ pub struct Order<'a> {
     pub fallback: Option<Plan>,
     /// Folder for all results.
     pub folder: &'a Path,
-    /// Anew, or from what lies in the folder.
-    pub start: Start,
+    /// Anew, or from what lies in a folder.
+    pub start: Start<'a>,
+    /// Begin anew whatever run the folder holds.
+    pub overwrite: bool,
+    /// Keep the state at the end, so that the run can be made longer and others can begin from it.
+    pub keep_final: bool,
     /// Wall time between checkpoints.
     pub checkpoint_interval: Duration,
 }
@@ -153,12 +114,17 @@ struct Run<'a> {
     unbalanced: bool,
     /// Step of the checkpoint that the run went on from.
     resumed_at_step: Option<u64>,
+    requests: Requests,
+    /// Stop at the end alone, however steady the results are.
+    to_the_end: bool,
+    /// Keep the state at the end.
+    keep_final: bool,
 }
 
-/// Runs a case and writes its results; stops early, resumably, when `interrupt` turns true.
+/// Runs a case and writes its results; stops early, resumably, when it is asked to.
 pub fn run(
     mut order: Order,
-    interrupt: &AtomicBool,
+    requests: &Requests,
     observer: &mut dyn Observer,
 ) -> Result<Report, RunError> {
     prepare_directory(order.folder)?;
@@ -173,6 +139,7 @@ pub fn run(
     let began = Instant::now();
     let fallback = order.fallback.take();
     let (case, folder, start) = (order.case, order.folder, order.start);
+    let (overwrite, keep_final) = (order.overwrite, order.keep_final);
     let checkpoint_interval = order.checkpoint_interval;
     let mut run = match (Run::prepare(order, earlier.clone(), observer), fallback) {
         // A device that the program chose by itself is no reason to fail.
@@ -185,13 +152,17 @@ pub fn run(
                 fallback: None,
                 folder,
                 start,
+                overwrite,
+                keep_final,
                 checkpoint_interval,
             };
             Run::prepare(on_cpu, earlier, observer)?
         }
         (prepared, _) => prepared?,
     };
-    let (reason, diverged) = match run.drive(interrupt, observer) {
+    requests.set_resumable(matches!(start, Start::Resume | Start::Extend));
+    run.requests = requests.clone();
+    let (reason, diverged) = match run.drive(requests, observer) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
         Err(other) => {
@@ -235,57 +206,6 @@ pub fn without_files(
     Ok((simulation, record))
 }
 
-/// What a checkpoint must agree with to be resumed from: the physics of the case, and precision.
-fn identity(case: &Case, plan: &Plan) -> String {
-    format!(
-        "case {} in {}",
-        case.physics,
-        plan.placement.precision_name()
-    )
-}
-
-/// Who computes what: where it differs, a resumed run does not deliver the bits of one that was never interrupted.
-fn computed_by(plan: &Plan) -> String {
-    let placement = &plan.placement;
-    let engine = |on_device: bool| match &placement.device {
-        Some(name) if on_device => name.as_str(),
-        _ => "the host",
-    };
-    format!(
-        "air on {}, fabric on {}",
-        engine(placement.air_on_device()),
-        engine(placement.cloth_on_device())
-    )
-}
-
-fn case_entry(case: &Case) -> CaseEntry {
-    CaseEntry {
-        title: case.scene.title.clone(),
-        file: case.name.clone(),
-        variant: case.variant.clone(),
-        overrides: case.overrides.clone(),
-        hash: case.hash.clone(),
-        physics: case.physics.clone(),
-        text: case.text.clone(),
-    }
-}
-
-fn reached(simulation: &Simulation) -> Reached {
-    Reached {
-        step: simulation.step_count(),
-        time_s: simulation.time_s(),
-    }
-}
-
-/// Brings the list of files in a ledger up to date, and how far the run has come.
-fn account(ledger: &mut Ledger, folder: &Path, simulation: &Simulation) {
-    ledger.files = take_stock(folder, &ledger.files, names::is_result);
-    ledger.reached = reached(simulation);
-}
-
-/// Section that tells who computed a checkpoint.
-const COMPUTED_BY: &str = "computed_by";
-
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
 impl<'a> Run<'a> {
@@ -300,13 +220,20 @@ impl<'a> Run<'a> {
             device,
             folder,
             start,
+            overwrite: _,
+            keep_final,
             checkpoint_interval,
             fallback: _,
         } = order;
         let (identity, computed_by) = (identity(case, &plan), computed_by(&plan));
         // Read first: a checkpoint that cannot be used must leave the folder as it is.
-        let found = (start == Start::Resume)
-            .then(|| checkpoint::open(folder, &identity))
+        let from = match start {
+            Start::New => None,
+            Start::Resume | Start::Extend => Some(folder),
+            Start::From(settled) => Some(settled),
+        };
+        let found = from
+            .map(|from| checkpoint::open(from, &identity))
             .transpose()?;
         let (stored, mut notes) = match found {
             Some(found) => (Some(found.reader), found.passed_over),
@@ -339,21 +266,28 @@ impl<'a> Run<'a> {
             Some(stored) => {
                 simulation.restore(stored)?;
                 folder::refuse_past_the_end(&simulation)?;
-                record.restore(stored)?;
-                written = files::Written::restore(stored)?;
-                if earlier
-                    .as_ref()
-                    .is_some_and(|e| folder::has_other_pictures(e, case))
-                {
+                if from == Some(folder) {
+                    record.restore(stored)?;
+                    written = files::Written::restore(stored)?;
+                    lost = Lost::find(folder, &written, earlier.as_ref());
+                } else {
+                    names::remove_earlier(folder);
+                }
+                let others = |earlier| folder::has_other_pictures(earlier, case);
+                if earlier.as_ref().is_none_or(others) {
                     written.expect_pictures(&simulation);
                 }
-                lost = Lost::find(folder, &written, earlier.as_ref());
                 if let Some(note) = lost.note() {
                     observer.note(&note);
                     notes.push(note);
                 }
                 let text = format!(
-                    "resumed at t = {:.6} s, step {}",
+                    "{} at t = {:.6} s, step {}",
+                    match start {
+                        Start::From(settled) =>
+                            format!("begun from the state in {}", settled.display()),
+                        _ => "resumed".to_owned(),
+                    },
                     simulation.time_s(),
                     simulation.step_count()
                 );
@@ -396,6 +330,12 @@ impl<'a> Run<'a> {
             },
             None => Ledger::new(entry, precision, sample_s),
         };
+        if let Start::From(settled) = start {
+            ledger.begun_from = Some(settled.display().to_string());
+        }
+        if start == Start::Extend {
+            ledger.extended_to_s = case.scene.time.map(|time| time.end_s);
+        }
         ledger.begin_session(simulation.step_count(), &computed_by);
         ledger.reached = reached(&simulation);
         ledger.write(folder)?;
@@ -419,6 +359,9 @@ impl<'a> Run<'a> {
             notes,
             unbalanced: false,
             resumed_at_step,
+            requests: Requests::default(),
+            to_the_end: start == Start::Extend,
+            keep_final,
         })
     }
 
@@ -436,15 +379,26 @@ impl<'a> Run<'a> {
         });
         // A device that fails while its state is read is the cause, not the file.
         self.simulation.check_device()?;
-        Ok(written?)
+        written?;
+        self.requests.set_resumable(true);
+        Ok(())
+    }
+
+    /// Writes a checkpoint of the end, if it is to be kept and the run can go on from it.
+    fn save_final(&mut self) -> Result<(), RunError> {
+        if self.keep_final && folder::can_go_on(&self.case.scene) {
+            self.save()?;
+        }
+        Ok(())
     }
 
     /// Steps to the end; returns why it ended.
     fn drive(
         &mut self,
-        interrupt: &AtomicBool,
+        requests: &Requests,
         observer: &mut dyn Observer,
     ) -> Result<String, RunError> {
+        let interrupt: &AtomicBool = &requests.stop;
         let scene = &self.case.scene;
         let mut cadence = Cadence::new(&self.simulation);
         let mut picture_times = scene.output.picture_times_s.clone();
@@ -457,23 +411,35 @@ impl<'a> Run<'a> {
         });
         let span_s = [start_s, scene.time.map_or(0.0, |time| time.end_s)];
         let mut last_checkpoint = Instant::now();
-        let mut detector = lattices::detector(scene);
+        let detector = (!self.to_the_end).then(|| lattices::detector(scene));
+        let mut detector = detector.flatten();
+        // A run that stopped as it was steady had written all of that step, its last sample too.
+        let written_at =
+            (self.record.latest("time_s") == Some(self.simulation.time_s())).then_some(first_step);
         // Windows that were looked at before an interrupt.
         if let Some(detector) = &mut detector {
             detector.skip_looks(&self.record);
         }
         while self.simulation.step_count() < cadence.planned {
             // Before anything of this step is written, so that a resumed run writes it once.
-            if interrupt.load(Ordering::Relaxed) {
+            if requests.to_stop() {
                 self.save()?;
                 return Ok(INTERRUPTED.to_owned());
             }
-            if last_checkpoint.elapsed() >= self.checkpoint_interval {
+            let asked = requests.takes_checkpoint();
+            if asked || last_checkpoint.elapsed() >= self.checkpoint_interval {
                 self.save()?;
                 last_checkpoint = Instant::now();
             }
+            if asked {
+                let time_s = self.simulation.time_s();
+                observer.note(&format!("checkpoint at t = {time_s:.6} s, as asked for"));
+            }
             // What a change of the lattice follows has been written on the one before.
-            if self.simulation.released() && !cadence.just_changed(&self.simulation) {
+            if self.simulation.released()
+                && !cadence.just_changed(&self.simulation)
+                && written_at != Some(self.simulation.step_count())
+            {
                 let since = self.simulation.step_count() - cadence.origin;
                 if cadence.canopy.is_some_and(|n| since.is_multiple_of(n)) {
                     self.files.canopy(&self.simulation)?;
@@ -518,6 +484,7 @@ impl<'a> Run<'a> {
                         .and_then(|d| d.reason_to_stop(&self.record))
                 {
                     observer.note(&reason);
+                    self.save_final()?;
                     return Ok(reason);
                 }
             }
@@ -529,6 +496,7 @@ impl<'a> Run<'a> {
                 observer.progress(parts, PROGRESS_PARTS, &self.status(rate));
             }
         }
+        self.save_final()?;
         if !self.lattice.is_finest() {
             self.notes.push(
                 "warning: the run ended on a coarser grid than the case's own: results are those of that grid; raise time.end_s".to_owned(),

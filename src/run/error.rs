@@ -1,0 +1,56 @@
+//! Why a run could not deliver.
+
+use crate::checkpoint::CheckpointError;
+use crate::gpu::DeviceError;
+use crate::ledger::LockError;
+use crate::output::OutputError;
+use crate::render;
+use crate::simulation::{Diverged, Failure};
+
+/// Why a run could not deliver.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The physics broke down; files up to then are kept.
+    #[error("{0}")]
+    Diverged(Diverged),
+    /// The start state that the case asks for could not be reached.
+    #[error("the run cannot start: {0}")]
+    Start(String),
+    /// The device failed; files up to then, the last checkpoint included, are kept.
+    #[error("{0}")]
+    Device(#[from] DeviceError),
+    /// A file could not be written.
+    #[error("{0}")]
+    Output(#[from] OutputError),
+    /// A picture could not be drawn.
+    #[error("cannot draw a picture: {0}")]
+    Picture(#[from] render::RenderError),
+    /// There is nothing to resume from.
+    #[error("{0}")]
+    Checkpoint(#[from] CheckpointError),
+    /// What is to be gone on with is a run of another case, or over.
+    #[error("{0}")]
+    Resume(String),
+    /// The folder holds another run, or one that is not over.
+    #[error("{0}")]
+    Occupied(String),
+}
+
+impl From<LockError> for RunError {
+    fn from(error: LockError) -> Self {
+        match error {
+            LockError::Output(error) => Self::Output(error),
+            held @ LockError::Held { .. } => Self::Occupied(held.to_string()),
+        }
+    }
+}
+
+impl From<Failure> for RunError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Diverged(diverged) => Self::Diverged(diverged),
+            Failure::Start(why) => Self::Start(why),
+            Failure::Device(error) => Self::Device(error),
+        }
+    }
+}
