@@ -274,7 +274,7 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
             seconds: began.elapsed().as_secs_f64(),
         };
         if end.is_ok() {
-            let samples = record.rows().len();
+            let samples = record.sample_count();
             let window = match self.until {
                 Until::Settled(_) => WINDOW.min(samples.saturating_sub(1)),
                 Until::Averaged(_) => samples / 2,

@@ -340,7 +340,7 @@ impl Body for Resume {
         let mut resumed = new();
         let mut resumed_record = Record::new(&resumed);
         resumed.restore(&stored).unwrap();
-        resumed_record.restore(&stored).unwrap();
+        resumed_record.restore(&stored, folder.path()).unwrap();
         let bits = |simulation: &mut Simulation, record: &mut Record| -> Vec<u64> {
             for _ in 0..23 {
                 simulation.advance().unwrap();

@@ -36,7 +36,7 @@ pub use load_test::{
     LoadReading, Nearest, first_failure, key as part_key, line_names, parts as wing_parts,
     read as read_load_step,
 };
-pub use record::Record;
+pub use record::{Record, SAMPLES_FILE};
 pub use results::{averaging, results, skirt_spectrum};
 pub use sail_support::{
     SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,

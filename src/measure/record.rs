@@ -1,10 +1,15 @@
 //! Time series of a run: one row per sample, the columns of `history.csv`.
 
+mod samples;
 mod stored;
+
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
+pub use samples::SAMPLES_FILE;
+use samples::Samples;
 use super::{bodies, falling, payload_bodies, plate, residual, solver, supports, wing_wind};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy, Carrier};
@@ -14,13 +19,13 @@ use crate::gpu::DeviceError;
 use crate::simulation::{BodyImpulse, Simulation};
 
 /// Samples of a run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<String>,
     /// How many of the columns belong to the history; those behind describe single lines and gores.
     history_columns: usize,
     canopy: Option<CanopyShape>,
-    rows: Vec<Vec<f64>>,
+    samples: Samples,
     last: Option<LastImpulses>,
     /// Impulse and angular impulse of every rigid body at the last two samples.
     body_impulses: [Vec<BodyImpulse>; 2],
@@ -154,9 +159,11 @@ impl Record {
         }
         let history_columns = columns.len();
         columns.extend(canopy.iter().flat_map(CanopyShape::detail_columns));
+        let samples = Samples::new(columns.len());
         Self {
             columns,
             history_columns,
+            samples,
             canopy,
             ..Self::default()
         }
@@ -171,16 +178,16 @@ impl Record {
 
     /// Time and the columns of single lines and gores, which are not part of the history: names, then rows; `None` without any.
     #[must_use]
-    pub fn details(&self) -> Option<(Vec<&str>, Vec<Vec<f64>>)> {
+    pub fn details(&self) -> Option<(Vec<&str>, impl Iterator<Item = Vec<f64>>)> {
         let own = &self.columns[self.history_columns..];
         let first = self.columns.iter().position(|name| name == "time_s")?;
         (!own.is_empty()).then(|| {
             let names = std::iter::once("time_s").chain(own.iter().map(String::as_str));
-            let rows = self.rows.iter().map(|row| {
+            let rows = self.samples.rows().map(move |row| {
                 let own = row[self.history_columns..].iter().copied();
                 std::iter::once(row[first]).chain(own).collect()
             });
-            (names.collect(), rows.collect())
+            (names.collect(), rows)
         })
     }
 
@@ -197,7 +204,7 @@ impl Record {
         for sample in 0..=count {
             let mut row = vec![0.0; record.columns.len()];
             row[0] = end_s * f64::from(sample) / f64::from(count);
-            record.rows.push(row);
+            record.samples.push(row);
         }
         record
     }
@@ -208,14 +215,14 @@ impl Record {
         let Some(index) = self.columns.iter().position(|c| *c == name) else {
             return Vec::new();
         };
-        self.rows.iter().map(|row| row[index]).collect()
+        self.samples.column(index)
     }
 
     /// Last value of a column.
     #[must_use]
     pub fn latest(&self, name: &str) -> Option<f64> {
         let index = self.columns.iter().position(|c| *c == name)?;
-        self.rows.last().map(|row| row[index])
+        self.samples.last().map(|row| row[index])
     }
 
     /// The run goes on on a finer grid: what comes settles anew.
@@ -282,8 +289,9 @@ impl Record {
             row.extend(self.body_columns(simulation));
         }
         row.extend(details);
-        self.rows.push(row);
-        Ok(self.history_rows().last().unwrap_or_default())
+        self.samples.push(row);
+        let newest = self.samples.last().unwrap_or_default();
+        Ok(&newest[..self.history_columns.min(newest.len())])
     }
 
     /// Impulses now, mean forces since the last sample by the three routes [N], and the defect of the mass balance; NaN where a
@@ -536,14 +544,28 @@ fn air_row(simulation: &Simulation) -> Result<Vec<f64>, DeviceError> {
 }
 
 impl Record {
-    /// All samples with all columns, oldest first.
+    /// Samples so far.
     #[must_use]
-    pub fn rows(&self) -> &[Vec<f64>] {
-        &self.rows
+    pub fn sample_count(&self) -> usize {
+        self.samples.len()
     }
 
     /// Rows of the history, oldest first.
-    pub fn history_rows(&self) -> impl DoubleEndedIterator<Item = &[f64]> {
-        self.rows.iter().map(|row| &row[..self.history_columns])
+    pub fn history_rows(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.samples.rows().map(|mut row| {
+            row.truncate(self.history_columns);
+            row
+        })
+    }
+
+    /// From now on older samples are kept in a file of that folder instead of in memory.
+    pub fn keep_in(&mut self, folder: &Path) -> std::io::Result<()> {
+        self.samples.keep_in(folder)
+    }
+
+    /// True where samples could not be read back from that file: they count as not known.
+    #[must_use]
+    pub fn unreadable(&self) -> bool {
+        self.samples.unreadable()
     }
 }

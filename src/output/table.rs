@@ -29,12 +29,16 @@ pub fn write_text_table(
 /// # Errors
 ///
 /// When the file cannot be written.
-pub fn write_table(path: &Path, columns: &[&str], rows: &[Vec<f64>]) -> Result<(), OutputError> {
+pub fn write_table(
+    path: &Path,
+    columns: &[&str],
+    rows: impl IntoIterator<Item: AsRef<[f64]>>,
+) -> Result<(), OutputError> {
     write_atomically(path, |out| {
         let mut csv = csv::Writer::from_writer(out);
         csv.write_record(columns)?;
         for row in rows {
-            csv.write_record(row.iter().map(|&value| super::history::field(value)))?;
+            csv.write_record(row.as_ref().iter().map(|&value| super::history::field(value)))?;
         }
         csv.flush()
     })

@@ -6,6 +6,7 @@ use super::{INTERRUPTED, Report, Run, RunError, animation, load_test, panel_shap
 use super::{summary, tables, trim};
 use crate::checkpoint;
 use crate::ledger::State;
+use crate::measure::SAMPLES_FILE;
 use crate::output::{write_canopy_vtp, write_summary};
 use crate::simulation::Diverged;
 
@@ -58,6 +59,11 @@ impl Run<'_> {
         self.notes.append(&mut self.files.notes);
         if !interrupted && diverged.is_none() && !self.unbalanced {
             self.warn_of_the_sail();
+        }
+        if self.record.unreadable() {
+            self.notes.push(format!(
+                "warning: samples could not be read back from {SAMPLES_FILE}; results that need them are missing"
+            ));
         }
         let unbalanced = self.out_of_balance();
         let last_picture = self.files.last_picture.take();
@@ -112,6 +118,8 @@ impl Run<'_> {
                 undelivered.note(checkpoint::keep_final(folder));
             } else {
                 checkpoint::remove(folder);
+                // What only checkpoints refer to; there may be none.
+                let _ = std::fs::remove_file(folder.join(SAMPLES_FILE));
             }
         }
         match (undelivered.first, diverged) {

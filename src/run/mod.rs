@@ -31,8 +31,10 @@ use crate::checkpoint;
 use crate::frame::Frame;
 use crate::gpu::Device;
 use crate::ledger::{Holder, Ledger, Lock, State};
-use crate::measure::{Record, sail_warnings};
-use crate::output::{HistoryWriter, Summary, prepare_directory, remove_leftovers};
+use crate::measure::{Record, SAMPLES_FILE, sail_warnings};
+use crate::output::{
+    HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers,
+};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
 use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
@@ -206,6 +208,13 @@ pub fn without_files(
     Ok((simulation, record))
 }
 
+/// Older samples go to a file of the folder.
+fn keep_samples(record: &mut Record, folder: &Path) -> Result<(), OutputError> {
+    record
+        .keep_in(folder)
+        .map_err(|cause| OutputError::new("write", &folder.join(SAMPLES_FILE), cause))
+}
+
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
 impl<'a> Run<'a> {
@@ -267,11 +276,12 @@ impl<'a> Run<'a> {
                 simulation.restore(stored)?;
                 folder::refuse_past_the_end(&simulation)?;
                 if from == Some(folder) {
-                    record.restore(stored)?;
+                    record.restore(stored, folder)?;
                     written = files::Written::restore(stored)?;
                     lost = Lost::find(folder, &written, earlier.as_ref());
                 } else {
                     names::remove_earlier(folder);
+                    keep_samples(&mut record, folder)?;
                 }
                 let others = |earlier| folder::has_other_pictures(earlier, case);
                 if earlier.as_ref().is_none_or(others) {
@@ -306,6 +316,7 @@ impl<'a> Run<'a> {
             }
             None => {
                 names::remove_earlier(folder);
+                keep_samples(&mut record, folder)?;
                 if let Some(opening) = simulation.opening() {
                     observer.note(&format!(
                         "canopy opened by loading pressure: D_p/D_0 {:.3} -> {:.3} in {} steps",
@@ -316,7 +327,7 @@ impl<'a> Run<'a> {
         }
         let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
         for row in record.history_rows() {
-            history.push(row)?;
+            history.push(&row)?;
         }
         let files = Files::create(folder, &case.scene, (&written, &lost), device)?;
         let entry = case_entry(case);
@@ -505,7 +516,7 @@ impl<'a> Run<'a> {
         let since = self.simulation.step_count() - cadence.origin;
         // A run interrupted while it sought the equilibrium has this row already.
         if scene.time.is_some()
-            && (since.is_multiple_of(cadence.sample) || self.record.rows().len() < 2)
+            && (since.is_multiple_of(cadence.sample) || self.record.sample_count() < 2)
             && self.record.latest("time_s") != Some(self.simulation.time_s())
         {
             self.history.push(self.record.add(&mut self.simulation)?)?;

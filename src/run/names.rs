@@ -6,6 +6,7 @@ use super::{load_test, panel_shaping, tables, trim};
 use crate::checkpoint;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};
+use crate::measure::SAMPLES_FILE;
 
 /// True for names of results; ledger and checkpoints are not among them.
 pub(super) fn is_result(name: &str) -> bool {
@@ -34,6 +35,7 @@ pub(super) fn is_result(name: &str) -> bool {
             "bodies.pvd",
             "flow.pvd",
             "animation.png",
+            SAMPLES_FILE,
         ]
         .contains(&name)
         || tables::NAMES.contains(&name)

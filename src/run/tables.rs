@@ -25,7 +25,7 @@ pub(super) fn write(
     summary: &Summary,
 ) -> Result<(), RunError> {
     if let Some((columns, rows)) = record.details() {
-        write_table(&folder.join("gores.csv"), &columns, &rows)?;
+        write_table(&folder.join("gores.csv"), &columns, rows)?;
     }
     if let Some(rows) = measure::skirt_spectrum(scene, record) {
         let columns = ["frequency_hz", "power_density_m2_s"];

@@ -131,7 +131,7 @@ pub(super) fn run(
         }
         let step = simulation.step_count();
         if step == half {
-            first_row = record.rows().len();
+            first_row = record.sample_count();
             evaluations = simulation.cost().evaluations;
         }
         let cost = simulation.cost();

@@ -1,5 +1,7 @@
 //! Samples in a checkpoint.
 
+use std::path::Path;
+
 use glam::DVec3;
 
 use super::{LastImpulses, Record};
@@ -7,10 +9,13 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::simulation::BodyImpulse;
 
 impl Record {
-    /// Writes all samples.
-    pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
-        let flat: Vec<f64> = self.rows.iter().flatten().copied().collect();
-        out.put("record", &flat)?;
+    /// Writes what is not in the file of the samples, and how to know that file again.
+    pub fn save(&mut self, out: &mut Writer) -> std::io::Result<()> {
+        let (recent, newest, in_file) = self.samples.for_checkpoint()?;
+        out.put("record_recent", recent)?;
+        out.put("record_newest", newest)?;
+        out.put("record_in_file", &in_file)?;
+        out.put("record_kept", self.samples.kept())?;
         let changed: Vec<f64> = self.grid_changed_s.into_iter().collect();
         out.put("record_grid_changed", &changed)?;
         let last: Vec<DVec3> = self
@@ -33,13 +38,16 @@ impl Record {
         out.put("record_last_bodies", &bodies)
     }
 
-    /// Takes them from a checkpoint of the same case.
-    pub fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
-        let flat: Vec<f64> = from.take("record")?;
-        self.rows = flat
-            .chunks_exact(self.columns.len())
-            .map(<[f64]>::to_vec)
-            .collect();
+    /// Takes the samples from a checkpoint of the same case in `folder`, where the file of older samples is.
+    pub fn restore(&mut self, from: &Reader, folder: &Path) -> Result<(), CheckpointError> {
+        let in_memory = (
+            from.take("record_kept")?,
+            from.take("record_recent")?,
+            from.take("record_newest")?,
+        );
+        let in_file: Vec<u64> = from.take_exactly("record_in_file", 2)?;
+        let restored = self.samples.restore(in_memory, [in_file[0], in_file[1]], folder);
+        restored.map_err(|what| from.damaged(what))?;
         self.grid_changed_s = from.take::<f64>("record_grid_changed")?.first().copied();
         let last: Vec<DVec3> = from.take("record_last")?;
         self.last = match last.as_slice() {
