@@ -36,6 +36,7 @@ mod extension;
 mod folders;
 mod interrupts;
 mod lep_sim;
+mod long_histories;
 mod permeability;
 mod plates;
 mod ram_air;
@@ -71,6 +72,7 @@ fn main() -> std::process::ExitCode {
         wing_design::trials(),
         wing_patterns::trials(),
         lep_sim::trials(),
+        long_histories::trials(),
         ram_air::trials(),
         sail_support::trials(),
         trim::trials(),

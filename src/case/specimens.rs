@@ -106,6 +106,20 @@ pub(super) fn check_coupon(written: &file::Coupon, fabric: &Fabric) -> Result<Bo
         )?,
         elongation: within(&key("elongation"), written.elongation, 1e-9, 1.0)?,
     };
+    let cells_along = shape.length_m / shape.width_m * shape.cells_across as f64;
+    if cells_along > (DIVISION_LIMIT * DIVISION_LIMIT) as f64 / shape.cells_across as f64 {
+        return Err(Problem::new(
+            &key("length_m"),
+            format!(
+                "{KEY}.length_m = {} makes {cells_along:.1e} cells along a width of {} m with cells_across = {}",
+                shape.length_m, shape.width_m, shape.cells_across
+            ),
+            format!(
+                "at most {} cells in all are allowed: shorten it, widen it, or divide it less",
+                DIVISION_LIMIT * DIVISION_LIMIT
+            ),
+        ));
+    }
     let strip = coupon::build(&shape, fabric).ok_or_else(|| impossible(KEY))?;
     let mut structure = strip.structure;
     for (node, place) in strip.moved {

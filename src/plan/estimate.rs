@@ -164,12 +164,29 @@ impl Sizes {
     }
 }
 
-/// Memory free on this machine now [bytes]; `None` where the system does not tell.
+/// Memory free for this process now [bytes]: that of the machine, of its control group, or of the limit of address space (`ulimit -v`),
+/// whichever is least; `None` where the system does not tell.
 #[must_use]
 pub fn free_memory() -> Option<u64> {
     let mut system = sysinfo::System::new().ok()?;
     system.refresh_memory();
-    Some(system.available_memory()).filter(|&bytes| bytes > 0)
+    let of_machine = Some(system.available_memory()).filter(|&bytes| bytes > 0);
+    let of_group = system.cgroup_limits().map(|limits| limits.free_memory);
+    [of_machine, of_group, free_address_space()]
+        .into_iter()
+        .flatten()
+        .min()
+}
+
+/// What `ulimit -v` leaves [bytes]; `None` without such a limit.
+fn free_address_space() -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let (limit, _) = rlimit::getrlimit(rlimit::Resource::AS).ok()?;
+        (limit != rlimit::INFINITY).then_some(limit)
+    }
+    #[cfg(not(unix))]
+    None
 }
 
 impl Plan {
