@@ -172,20 +172,32 @@ pub fn free_memory() -> Option<u64> {
     system.refresh_memory();
     let of_machine = Some(system.available_memory()).filter(|&bytes| bytes > 0);
     let of_group = system.cgroup_limits().map(|limits| limits.free_memory);
-    [of_machine, of_group, free_address_space()]
+    [of_machine, of_group, free_address_space(&mut system)]
         .into_iter()
         .flatten()
         .min()
 }
 
-/// What `ulimit -v` leaves [bytes]; `None` without such a limit.
-fn free_address_space() -> Option<u64> {
-    #[cfg(unix)]
-    {
-        let (limit, _) = rlimit::getrlimit(rlimit::Resource::AS).ok()?;
-        (limit != rlimit::INFINITY).then_some(limit)
+/// Address space that the allocator reserves for each thread, used or not [bytes].
+#[cfg(unix)]
+const RESERVED_PER_THREAD: u64 = 66 << 20;
+
+/// What `ulimit -v` leaves beside what this process has and its threads will reserve [bytes]; `None` without such a limit.
+#[cfg(unix)]
+fn free_address_space(system: &mut sysinfo::System) -> Option<u64> {
+    let (limit, _) = rlimit::getrlimit(rlimit::Resource::AS).ok()?;
+    if limit == rlimit::INFINITY {
+        return None;
     }
-    #[cfg(not(unix))]
+    let own = sysinfo::get_current_pid().ok()?;
+    system.refresh_processes(sysinfo::ProcessesToUpdate::Some(&[own]), false);
+    let taken = system.process(own)?.virtual_memory();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+    Some(limit.saturating_sub(taken + threads * RESERVED_PER_THREAD))
+}
+
+#[cfg(not(unix))]
+fn free_address_space(_system: &mut sysinfo::System) -> Option<u64> {
     None
 }
 
