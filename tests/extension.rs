@@ -136,6 +136,15 @@ fn another_run_begins_from_it() {
     assert_eq!(ledger["begun_from"], settled.to_str().unwrap());
     let first_s = times_s(&out)[0];
     assert!((0.03..0.0325).contains(&first_s), "{first_s}");
+    // It may be done again, but the same case from rest is another run.
+    let from_rest = run(&out, "0.05", &[]);
+    assert_eq!(from_rest.code, 73, "{}", from_rest.errors);
+    assert!(
+        from_rest.errors.contains("from the state in"),
+        "{}",
+        from_rest.errors
+    );
+    assert_eq!(restart(&settled, &out, &to).code, 0);
     // The first run, made as long, ends in the same state.
     let output = run(&settled, "0.05", &["--resume"]);
     assert_eq!(output.code, 0, "{}", output.errors);

@@ -66,7 +66,7 @@ pub fn canopy_of(begin: &[&str], out: &Path, more: &[&str]) -> Command {
         arguments.extend(["--set", change]);
     }
     if !more.contains(&"--checkpoint-every") {
-        arguments.extend(["--checkpoint-every", "0.05"]);
+        arguments.extend(["--checkpoint-every", "0.02"]);
     }
     arguments.extend(more);
     command(&arguments)

@@ -246,22 +246,18 @@ fn killed() {
     for change in crate::folders::SMALL {
         arguments.extend(["--set", change]);
     }
-    arguments.extend([
-        "--vary",
-        "time.end_s=0.02,0.2",
-        "--checkpoint-every",
-        "0.05",
-    ]);
+    arguments.extend(["--vary", "time.end_s=0.01,0.1"]);
     arguments.extend(["--out", out.to_str().unwrap()]);
-    let mut child = crate::folders::start(crate::command_line::command(&arguments));
-    let own = out.join("end_s=0.2");
+    let often = [&arguments[..], &["--checkpoint-every", "0.05"]].concat();
+    let mut child = crate::folders::start(crate::command_line::command(&often));
+    let own = out.join("end_s=0.1");
     crate::folders::wait_for(&mut child, &own.join("checkpoint"));
     child.kill().unwrap();
     child.wait().unwrap();
     let first = read_json(&out.join("sweep.json"));
     let again = ripstop(&arguments);
     assert_eq!(again.code, 0, "{}", again.errors);
-    for needle in ["end_s=0.02: kept, it is done", "resumed at t = "] {
+    for needle in ["end_s=0.01: kept, it is done", "resumed at t = "] {
         assert!(again.errors.contains(needle), "{}", again.errors);
     }
     let second = read_json(&out.join("sweep.json"));

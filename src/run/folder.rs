@@ -40,7 +40,7 @@ pub(super) fn admit(order: &Order) -> Result<Option<Ledger>, RunError> {
     match order.start {
         Start::New | Start::From(_) if order.overwrite => {}
         Start::New | Start::From(_) => {
-            refuse_others(order.folder, order.case, precision, found.clone())?;
+            refuse_others(order, precision, found.clone())?;
         }
         Start::Resume | Start::Extend => {}
     }
@@ -82,11 +82,11 @@ fn same_folder(a: &Path, b: &Path) -> bool {
 
 /// Refuses a folder that holds something to be lost.
 fn refuse_others(
-    folder: &Path,
-    case: &Case,
+    order: &Order,
     precision: &str,
     found: Result<Option<Ledger>, String>,
 ) -> Result<(), RunError> {
+    let (folder, case) = (order.folder, order.case);
     let refused = |what: String, ways: &str| {
         Err(RunError::Occupied(format!(
             "{} holds {what}; {ways}--overwrite removes it, --out DIR takes another folder",
@@ -103,7 +103,12 @@ fn refuse_others(
         }
         Ok(Some(ledger)) => ledger,
     };
-    let same = ledger.case.hash == case.hash && ledger.precision == precision;
+    let from = match order.start {
+        Start::From(settled) => Some(settled.display().to_string()),
+        _ => None,
+    };
+    let same_start = ledger.begun_from == from;
+    let same = ledger.case.hash == case.hash && ledger.precision == precision && same_start;
     let unfinished = is_unfinished(folder, &ledger);
     if same && !unfinished {
         return Ok(());
@@ -119,6 +124,9 @@ fn refuse_others(
         ledger.reached.time_s,
         ledger.sessions.first().map_or("", |s| s.began.as_str())
     ));
+    if let (false, Some(from)) = (same_start, &ledger.begun_from) {
+        what.push_str(&format!(", from the state in {from}"));
+    }
     if !same {
         what.push_str(&differences(&ledger, case, precision));
     }
@@ -343,7 +351,7 @@ fn differences(ledger: &Ledger, case: &Case, precision: &str) -> String {
     told.extend(changed_outputs(&ledger.case.text, &case.text));
     if told.is_empty() {
         told.push(if ledger.precision == precision {
-            "its variants have changed".to_owned()
+            "its variants or its start have changed".to_owned()
         } else {
             format!("precision was {}, is now {precision}", ledger.precision)
         });
