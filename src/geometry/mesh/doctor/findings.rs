@@ -1,0 +1,446 @@
+//! Findings of an examination, in words with numbers and places.
+
+use glam::DVec3;
+
+use super::near;
+use super::topology;
+use super::{CROSSING_DEPTH, Common, Examination, Finding, Kind, Marks, Piece, Subject, Use};
+
+/// Smallest and largest box around a mesh [m]: what is beyond was read in another unit.
+const SIZES_M: [f64; 2] = [1e-3, 1e3];
+
+/// Area over S₀ beyond which either is in another unit.
+const LARGEST_AREA_RATIO: f64 = 10.0;
+
+/// Least size of a mesh in cells of the air.
+const FEWEST_CELLS: f64 = 2.0;
+
+/// A piece whose borders are shorter than this, over the root of its area, is meant to be closed: the mouth of a hemisphere has 2.5.
+const HOLE: f64 = 0.5;
+
+/// Numbers and places in words.
+struct Words<'a> {
+    subject: &'a Subject<'a>,
+    decimals: Option<usize>,
+}
+
+impl<'a> Words<'a> {
+    fn new(subject: &'a Subject<'a>, size_m: DVec3) -> Self {
+        let size = size_m.max_element();
+        let usual = (1e-3..=1e4).contains(&size);
+        Self {
+            subject,
+            decimals: usual.then(|| (4.0 - size.log10().floor()).clamp(0.0, 7.0) as usize),
+        }
+    }
+
+    fn place(&self, place: DVec3) -> String {
+        let [x, y, z] = place.to_array().map(|c| match self.decimals {
+            // Adding zero makes a negative zero positive.
+            Some(decimals) => format!("{:.decimals$}", c + 0.0),
+            None => format!("{c:.4e}"),
+        });
+        format!("({x}, {y}, {z}) m")
+    }
+
+    fn at(&self, node: u32) -> DVec3 {
+        self.subject.surface.positions_m[node as usize]
+    }
+
+    fn middle(&self, triangle: u32) -> DVec3 {
+        let nodes = self.subject.surface.triangles[triangle as usize];
+        nodes.map(|node| self.at(node)).iter().sum::<DVec3>() / 3.0
+    }
+
+    /// "vertices 3 and 7 at (0, 0, 0) m", or without numbers where the file has none.
+    fn nodes(&self, nodes: &[u32]) -> String {
+        let place = nodes.first().map_or_else(String::new, |node| {
+            format!("at {}", self.place(self.at(*node)))
+        });
+        match self.subject.numbers {
+            None => place,
+            Some((numbers, _)) => {
+                let known: Vec<String> = nodes
+                    .iter()
+                    .map(|node| (numbers[*node as usize] + 1).to_string())
+                    .collect();
+                let what = if nodes.len() == 1 {
+                    "vertex"
+                } else {
+                    "vertices"
+                };
+                format!("{what} {} {place}", known.join(" and "))
+            }
+        }
+    }
+
+    fn triangle(&self, triangle: u32) -> String {
+        let place = self.place(self.middle(triangle));
+        match self.subject.numbers {
+            None => format!("at {place}"),
+            Some((_, numbers)) => {
+                format!("triangle {} at {place}", numbers[triangle as usize] + 1)
+            }
+        }
+    }
+}
+
+/// "1 edge", "2 edges".
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// All findings, in the order of their kinds.
+pub(super) fn all(subject: &Subject, common: &Common, examination: &Examination) -> Vec<Finding> {
+    let words = Words::new(subject, examination.size_m);
+    let mut findings = Vec::new();
+    findings.extend(doubled_vertices(&words, common));
+    findings.extend(doubled_faces(&words, common));
+    findings.extend(non_manifold_edges(&words, common));
+    findings.extend(orientation(&words, common));
+    findings.extend(self_crossing(&words, common));
+    match subject.used_as {
+        Use::Fabric { .. } => findings.extend(pieces(&words, &examination.pieces)),
+        Use::RigidBody => findings.extend(holes(&words, common, examination)),
+    }
+    findings.extend(size(subject, examination));
+    findings
+}
+
+fn doubled_vertices(words: &Words, common: &Common) -> Option<Finding> {
+    let mut on_border = vec![false; common.places_m.len()];
+    for node in common.borders.iter().flatten() {
+        on_border[*node as usize] = true;
+    }
+    let mut is_doubled = vec![false; common.places_m.len()];
+    let mut first: Option<[u32; 2]> = None;
+    let mut farthest_m: f64 = 0.0;
+    let mut sets = topology::Sets::new(common.places_m.len());
+    near::together(&common.places_m, &common.reaches_m, |a, b, apart_m| {
+        if on_border[a] || on_border[b] {
+            let pair = [a as u32, b as u32];
+            first = Some(first.map_or(pair, |known| known.min(pair)));
+            farthest_m = farthest_m.max(apart_m);
+            is_doubled[a] = true;
+            is_doubled[b] = true;
+            sets.join(pair[0], pair[1]);
+        }
+    });
+    let first = first?;
+    let firsts = sets.into_firsts();
+    let count = (0..firsts.len())
+        .filter(|&n| firsts[n] as usize != n)
+        .count();
+    let nodes = (0..is_doubled.len() as u32).filter(|n| is_doubled[*n as usize]);
+    // What lies together exactly is joined by any tolerance; this one is small against all else.
+    let tolerance_m = (1.5 * farthest_m).max(1e-6 * common.median_edge_m);
+    Some(Finding {
+        kind: Kind::DoubledVertices,
+        count,
+        what: format!(
+            "{} upon others along open borders, where the mesh is not joined: first {}, {}",
+            counted(count, "vertex lies", "vertices lie"),
+            words.nodes(&first),
+            if farthest_m > 0.0 {
+                format!("at most {farthest_m:.1e} m apart")
+            } else {
+                "all of them in the same places".to_owned()
+            }
+        ),
+        remedy: format!("weld_tolerance_m = {tolerance_m:.1e} joins them"),
+        marks: Marks {
+            nodes: nodes.collect(),
+            ..Marks::default()
+        },
+        is_at_start: false,
+    })
+}
+
+fn doubled_faces(words: &Words, common: &Common) -> Option<Finding> {
+    let triangles = &words.subject.surface.triangles;
+    let mut keys: Vec<([u32; 3], u32)> = triangles
+        .iter()
+        .enumerate()
+        .map(|(number, nodes)| {
+            let mut places = nodes.map(|node| common.together[node as usize]);
+            places.sort_unstable();
+            (places, number as u32)
+        })
+        .collect();
+    keys.sort_unstable();
+    let mut doubled: Vec<u32> = Vec::new();
+    let mut count = 0;
+    for same in keys
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|same| same.len() > 1)
+    {
+        count += same.len() - 1;
+        doubled.extend(same.iter().map(|(_, number)| *number));
+    }
+    doubled.sort_unstable();
+    let first = *doubled.first()?;
+    Some(Finding {
+        kind: Kind::DoubledFaces,
+        count,
+        what: format!(
+            "{} upon another, so that mass and stiffness count twice: first {}",
+            counted(count, "triangle lies", "triangles lie"),
+            words.triangle(first)
+        ),
+        remedy: "keep one of each in the program that drew the mesh".to_owned(),
+        marks: Marks {
+            triangles: doubled,
+            ..Marks::default()
+        },
+        is_at_start: false,
+    })
+}
+
+fn non_manifold_edges(words: &Words, common: &Common) -> Option<Finding> {
+    let shared = || common.edges.iter().filter(|uses| uses.len() > 2);
+    let edges: Vec<[u32; 2]> = shared().map(|uses| uses[0].nodes).collect();
+    let most = shared().map(<[_]>::len).max()?;
+    Some(Finding {
+        kind: Kind::NonManifoldEdges,
+        count: edges.len(),
+        what: format!(
+            "{} of up to {most} triangles, as where a rib meets a skin: first between {}",
+            counted(edges.len(), "edge", "edges"),
+            words.nodes(&edges[0])
+        ),
+        remedy: "remove the fabric that does not belong there".to_owned(),
+        marks: Marks {
+            edges,
+            ..Marks::default()
+        },
+        is_at_start: false,
+    })
+}
+
+fn orientation(words: &Words, common: &Common) -> Option<Finding> {
+    let turned = topology::turned(&common.edges, &common.areas_m2);
+    let (count, what) = match (turned.edges.first(), turned.triangles.first()) {
+        (Some(edge), _) => (
+            turned.edges.len(),
+            format!(
+                "the surface has no two sides, as a Möbius strip has none: no turning of triangles helps between {}",
+                words.nodes(edge)
+            ),
+        ),
+        (None, Some(&first)) => {
+            let count = turned.triangles.len();
+            (
+                count,
+                format!(
+                    "{} against {}, so that pressure acts on the other side: first {}",
+                    counted(count, "triangle runs", "triangles run"),
+                    if count == 1 {
+                        "its neighbours"
+                    } else {
+                        "their neighbours"
+                    },
+                    words.triangle(first)
+                ),
+            )
+        }
+        (None, None) => return None,
+    };
+    Some(Finding {
+        kind: Kind::Orientation,
+        count,
+        what,
+        remedy:
+            "turn their corners round in the program that drew the mesh (\"recalculate normals\")"
+                .to_owned(),
+        marks: Marks {
+            edges: turned.edges,
+            triangles: turned.triangles,
+            ..Marks::default()
+        },
+        is_at_start: false,
+    })
+}
+
+fn self_crossing(words: &Words, common: &Common) -> Option<Finding> {
+    let subject = words.subject;
+    let low = subject
+        .start_m
+        .iter()
+        .copied()
+        .fold(DVec3::INFINITY, DVec3::min);
+    let start_m: Vec<DVec3> = subject.start_m.iter().map(|p| *p - low).collect();
+    let edges: Vec<[u32; 2]> = common.edges.iter().map(|uses| uses[0].nodes).collect();
+    let depth_m = CROSSING_DEPTH * common.median_edge_m;
+    let triangles = &subject.surface.triangles;
+    let crossings = near::crossings(&start_m, &edges, triangles, &common.together, depth_m);
+    let &(edge, triangle) = crossings.first()?;
+    let mut crossing: Vec<[u32; 2]> = crossings.iter().map(|(edge, _)| edges[*edge]).collect();
+    crossing.dedup();
+    let mut crossed: Vec<u32> = crossings.iter().map(|(_, t)| *t as u32).collect();
+    crossed.sort_unstable();
+    crossed.dedup();
+    let count = crossing.len();
+    let [a, b] = edges[edge].map(|node| subject.start_m[node as usize]);
+    let through = match subject.numbers {
+        None => String::new(),
+        Some((nodes, numbers)) => format!(
+            ", between vertices {} and {} through triangle {}",
+            nodes[edges[edge][0] as usize] + 1,
+            nodes[edges[edge][1] as usize] + 1,
+            numbers[triangle] + 1
+        ),
+    };
+    Some(Finding {
+        kind: Kind::SelfCrossing,
+        count,
+        what: format!(
+            "{} through the mesh itself: first near {}{through}",
+            counted(count, "edge passes", "edges pass"),
+            words.place(0.5 * (a + b))
+        ),
+        remedy: "draw the parts apart, or join them where they meet".to_owned(),
+        marks: Marks {
+            edges: crossing,
+            triangles: crossed,
+            ..Marks::default()
+        },
+        is_at_start: true,
+    })
+}
+
+fn pieces(words: &Words, pieces: &[Piece]) -> Vec<Finding> {
+    if pieces.len() < 2 {
+        return Vec::new();
+    }
+    let told = |piece: &Piece| {
+        format!(
+            "the one of {} ({:.3} m²) about {}",
+            counted(piece.triangles.len(), "triangle", "triangles"),
+            piece.area_m2,
+            words.place(words.middle(piece.triangles[piece.triangles.len() / 2]))
+        )
+    };
+    let (held, loose): (Vec<&Piece>, Vec<&Piece>) = pieces.iter().partition(|p| p.is_anchored);
+    let marks = |pieces: &[&Piece]| Marks {
+        triangles: pieces
+            .iter()
+            .flat_map(|p| p.triangles.iter().copied())
+            .collect(),
+        ..Marks::default()
+    };
+    let mut findings = Vec::new();
+    if let [_, second, ..] = held[..] {
+        findings.push(Finding {
+            kind: Kind::Pieces,
+            count: held.len(),
+            what: format!(
+                "{} pieces of fabric without a common node, which nothing but lines joins: beside the largest, {}",
+                held.len(),
+                told(second)
+            ),
+            remedy: "join them in the mesh, by common nodes".to_owned(),
+            marks: marks(&held[1..]),
+            is_at_start: false,
+        });
+    }
+    if let Some(first) = loose.first() {
+        findings.push(Finding {
+            kind: Kind::LoosePieces,
+            count: loose.len(),
+            what: format!(
+                "{} neither a held node nor a line and would fly off: {}",
+                counted(loose.len(), "piece of fabric has", "pieces of fabric have"),
+                told(first)
+            ),
+            remedy: "join what is loose to the rest, hold one of its nodes, or remove it"
+                .to_owned(),
+            marks: marks(&loose),
+            is_at_start: false,
+        });
+    }
+    findings
+}
+
+fn holes(words: &Words, common: &Common, examination: &Examination) -> Option<Finding> {
+    let mut piece_of = vec![usize::MAX; common.places_m.len()];
+    for (number, piece) in examination.pieces.iter().enumerate() {
+        for triangle in &piece.triangles {
+            for node in words.subject.surface.triangles[*triangle as usize] {
+                piece_of[node as usize] = number;
+            }
+        }
+    }
+    let mut lengths_m = vec![0.0; examination.pieces.len()];
+    for border in &examination.borders {
+        lengths_m[piece_of[border.nodes[0] as usize]] += border.length_m;
+    }
+    let is_hole = |node: u32| {
+        let piece = piece_of[node as usize];
+        lengths_m[piece] < HOLE * examination.pieces[piece].area_m2.sqrt()
+    };
+    let holes = examination.borders.iter().filter(|b| is_hole(b.nodes[0]));
+    let first = holes.clone().next()?;
+    let count = holes.clone().count();
+    Some(Finding {
+        kind: Kind::Holes,
+        count,
+        what: format!(
+            "{} in a body that is closed but for {}: the longest is {:.3e} m around, {}. A body with a hole counts as an open surface, without volume",
+            counted(count, "opening", "openings"),
+            if count == 1 { "it" } else { "them" },
+            first.length_m,
+            words.nodes(&first.nodes[..1])
+        ),
+        remedy: "close the holes in the program that drew the mesh".to_owned(),
+        marks: Marks {
+            edges: holes
+                .flat_map(|border| border.nodes.windows(2).map(|pair| [pair[0], pair[1]]))
+                .collect(),
+            ..Marks::default()
+        },
+        is_at_start: false,
+    })
+}
+
+fn size(subject: &Subject, examination: &Examination) -> Option<Finding> {
+    let longest_m = examination.size_m.max_element();
+    let [smallest_m, largest_m] = SIZES_M;
+    let mut reasons = Vec::new();
+    if !(smallest_m..=largest_m).contains(&longest_m) {
+        reasons.push(format!(
+            "the mesh is {longest_m:.3e} m long, but canopies and bodies have {smallest_m} to {largest_m} m"
+        ));
+    }
+    if let Use::Fabric {
+        nominal_area_m2: Some(nominal_m2),
+        ..
+    } = subject.used_as
+    {
+        let ratio = examination.area_m2 / nominal_m2;
+        if !(1.0 / LARGEST_AREA_RATIO..=LARGEST_AREA_RATIO).contains(&ratio) {
+            let diameter_m = (4.0 * nominal_m2 / std::f64::consts::PI).sqrt();
+            reasons.push(format!(
+                "the mesh has an area of {:.3e} m², {ratio:.1e} times the nominal area of {nominal_m2} m² (D_0 = {diameter_m:.3} m)",
+                examination.area_m2
+            ));
+        }
+    }
+    if let Some(cell_m) = subject
+        .cell_size_m
+        .filter(|cell| longest_m < FEWEST_CELLS * cell)
+    {
+        reasons.push(format!(
+            "the mesh is {:.1e} cells of {cell_m} m long, so that the air hardly sees it",
+            longest_m / cell_m
+        ));
+    }
+    (!reasons.is_empty()).then(|| Finding {
+        kind: Kind::Size,
+        count: 1,
+        what: reasons.join(", and "),
+        remedy: "give the metres per unit of the file as scale (0.001 for mm, 0.0254 for inches)"
+            .to_owned(),
+        marks: Marks::default(),
+        is_at_start: false,
+    })
+}
