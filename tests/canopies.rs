@@ -111,7 +111,7 @@ fn band() -> Design {
     design(shape, 12)
 }
 
-const SETTINGS: SolverSettings = SolverSettings {
+pub const SETTINGS: SolverSettings = SolverSettings {
     tolerance: 1e-3,
     displacement_floor_m: 1e-9,
     evaluation_limit: 300,
@@ -342,6 +342,18 @@ fn markers_end() {
     }
 }
 
+/// The text of a case without tables whose heads contain one of some words.
+pub fn without_tables(text: &str, unwanted: &[&str]) -> String {
+    let mut keep = true;
+    let lines = text.lines().filter(|line| {
+        if line.starts_with('[') {
+            keep = !unwanted.iter().any(|table| line.contains(table));
+        }
+        keep
+    });
+    lines.flat_map(|line| [line, "\n"]).collect()
+}
+
 /// A canopy that is written to mesh files, flat and folded, and read again with a table of its lines, moves as the drawn one under pressure
 /// and is measured by the same diameter.
 fn of_a_mesh() {
@@ -393,17 +405,7 @@ fn of_a_mesh() {
         ));
     }
     std::fs::write(folder.path().join("lines.csv"), table).unwrap();
-    let tables = |text: &str, unwanted: &[&str]| -> String {
-        let mut keep = true;
-        let lines = text.lines().filter(|line| {
-            if line.starts_with('[') {
-                keep = !unwanted.iter().any(|table| line.contains(table));
-            }
-            keep
-        });
-        lines.flat_map(|line| [line, "\n"]).collect()
-    };
-    let source = tables(
+    let source = without_tables(
         include_str!("../cases/flat-circular-tunnel.toml"),
         &["[structure", "[belts", "[lines", "[variants"],
     ) + "[structure.mesh]\nfile = \"flat.obj\"\nstart_file = \"folded.obj\"\nscale = 1.0\nheld_nodes = []\nnominal_area_m2 = 0.78\n\

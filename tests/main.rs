@@ -37,6 +37,7 @@ mod folders;
 mod interrupts;
 mod lep_sim;
 mod long_histories;
+mod meshes;
 mod permeability;
 mod plates;
 mod ram_air;
@@ -73,6 +74,7 @@ fn main() -> std::process::ExitCode {
         wing_patterns::trials(),
         lep_sim::trials(),
         long_histories::trials(),
+        meshes::trials(),
         ram_air::trials(),
         sail_support::trials(),
         trim::trials(),

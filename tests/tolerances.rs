@@ -229,6 +229,14 @@ pub const IMPULSE_CARRIED: f64 = 1e-6;
 pub const ROUTES_OVER_A_CHANGE: f64 = 0.01;
 
 /// Rigged canopies.
+pub mod meshes {
+    /// Tension of a sheet of which a seam was joined, over that of a whole one: the same nodes, but rounded where they were joined.
+    pub const TENSION: f64 = 1e-9;
+
+    /// Difference of a canopy joined of gores after 12 steps under pressure [m]: where each step's minimiser stops.
+    pub const ALIKE_M: f64 = 1e-4;
+}
+
 pub mod canopies {
     /// Difference of gores after 12 steps under pressure, which move them by some millimetres [m]: where each step's minimiser stops.
     pub const ALIKE_M: f64 = 1e-4;

@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::Problem;
 use super::file::{self, BodyTable, File};
+use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
@@ -44,7 +45,7 @@ pub(super) fn only_diameter_m(file: &File) -> Option<f64> {
 /// Checks all bodies.
 pub(super) fn check(
     file: &File,
-    folder: &Path,
+    files: &mut FromFiles,
     air: Option<&Air>,
     time: Option<&Time>,
 ) -> Result<Vec<RigidBody>, Problem> {
@@ -67,7 +68,7 @@ pub(super) fn check(
     }
     file.bodies
         .iter()
-        .map(|(name, table)| check_body(file, name, table, folder, air, time))
+        .map(|(name, table)| check_body(file, name, table, files, air, time))
         .collect()
 }
 
@@ -87,7 +88,7 @@ fn check_body(
     file: &File,
     name: &str,
     table: &BodyTable,
-    folder: &Path,
+    files: &mut FromFiles,
     air: &Air,
     time: &Time,
 ) -> Result<RigidBody, Problem> {
@@ -98,7 +99,7 @@ fn check_body(
     check_name("bodies", name, "a body")?;
     let position_m = vector(&written.key("position_m"), table.position_m)?;
     let cell = air.units.cell_size_m;
-    let (shape, mut surface) = check_shape(&written, folder, EDGE_CELLS * cell)?;
+    let (shape, mut surface) = check_shape(&written, files, EDGE_CELLS * cell)?;
     let rotation = match &table.rotation {
         Some(rotation) => DQuat::from_axis_angle(
             direction(&written.key("rotation.axis"), rotation.axis)?,
@@ -212,7 +213,11 @@ fn reference(
     }
 }
 
-fn check_shape(written: &Written, folder: &Path, edge_m: f64) -> Result<(Shape, Surface), Problem> {
+fn check_shape(
+    written: &Written,
+    files: &mut FromFiles,
+    edge_m: f64,
+) -> Result<(Shape, Surface), Problem> {
     let table = written.table;
     let size = |name: &str, value: f64| positive(&written.key(name), value);
     let shape = match (
@@ -240,15 +245,11 @@ fn check_shape(written: &Written, folder: &Path, edge_m: f64) -> Result<(Shape, 
             closed: cylinder.closed,
         },
         (None, None, None, None, Some(mesh)) => {
-            let path = folder.join(&mesh.file);
-            let scale = size("mesh.scale", mesh.scale)?;
-            let surface = surface::read(&path, scale).map_err(|why| {
-                Problem::new(
-                    written.key("mesh.file"),
-                    format!("cannot read the mesh {}: {why}", path.display()),
-                    "give an OBJ, STL or PLY file with triangles or polygons, relative to the case file",
-                )
-            })?;
+            let cell_size_m = edge_m / EDGE_CELLS;
+            let (surface, examined) =
+                read_mesh(&written.key("mesh"), mesh, files.folder, Some(cell_size_m))?;
+            examined.refuse()?;
+            files.meshes.push(examined);
             return Ok((Shape::Mesh, surface));
         }
         _ => {
@@ -282,6 +283,35 @@ fn check_shape(written: &Written, folder: &Path, edge_m: f64) -> Result<(Shape, 
         Shape::Mesh => Surface::default(),
     };
     Ok((shape, surface))
+}
+
+/// Reads, joins and examines a mesh.
+pub(super) fn read_mesh(
+    key: &str,
+    mesh: &file::SurfaceFile,
+    folder: &Path,
+    cell_size_m: Option<f64>,
+) -> Result<(Surface, ExaminedMesh), Problem> {
+    let path = folder.join(&mesh.file);
+    let scale = positive(&format!("{key}.scale"), mesh.scale)?;
+    let unreadable = |why: String| {
+        Problem::new(
+            format!("{key}.file"),
+            format!("cannot read the mesh {}: {why}", path.display()),
+            "give an OBJ, STL or PLY file with triangles or polygons, relative to the case file",
+        )
+    };
+    let surface = surface::read(&path, scale).map_err(unreadable)?;
+    let welded = mesh_examination::welded(key, mesh.weld_tolerance_m, surface)?;
+    if let Some(triangle) = surface::without_area(&welded.surface) {
+        let number = welded.triangle_numbers[triangle] + 1;
+        return Err(unreadable(format!(
+            "triangle {number} encloses no area; remove or repair it"
+        )));
+    }
+    let weld = (&welded, mesh.weld_tolerance_m);
+    let examined = ExaminedMesh::of_body(key, &path, weld, &mesh.accept, cell_size_m);
+    Ok((welded.surface, examined))
 }
 
 /// Refuses bodies that leave the air or outrun the coupling.

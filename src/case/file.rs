@@ -16,6 +16,7 @@ pub use super::file_trim::*;
 pub use super::file_wing::*;
 pub use super::file_wing_design::*;
 use crate::frame::{FabricQuantity, FlowQuantity};
+use crate::geometry::mesh::doctor::Kind;
 use crate::geometry::sheet::FabricModel;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -267,6 +268,11 @@ pub struct MeshFile {
     pub file: String,
     pub scale: f64,
     pub held_nodes: Vec<u32>,
+    /// Vertices nearer than this are joined; 0 if absent.
+    pub weld_tolerance_m: Option<f64>,
+    /// Findings that are meant.
+    #[serde(default)]
+    pub accept: Vec<Kind>,
     /// The same triangles where they are at the start.
     pub start_file: Option<String>,
     /// Where the file's origin is.

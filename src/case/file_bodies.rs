@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::file_descent::FreeFall;
 use super::file_permeability::PermeabilityTable;
+use crate::geometry::mesh::doctor::Kind;
 
 /// `[bodies.NAME]`; exactly one shape inside.
 #[derive(Debug, Clone, Deserialize)]
@@ -93,6 +94,11 @@ pub struct CylinderShape {
 pub struct SurfaceFile {
     pub file: String,
     pub scale: f64,
+    /// Vertices nearer than this are joined; 0 if absent.
+    pub weld_tolerance_m: Option<f64>,
+    /// Findings that are meant.
+    #[serde(default)]
+    pub accept: Vec<Kind>,
 }
 
 /// `[bodies.NAME.reference]`; what is absent follows from the shape.

@@ -1,9 +1,8 @@
 //! Checks of `[structure.lep_sim]`: a wing that LEparagliding Studio has drawn, under one pressure inside.
 
-use std::path::Path;
-
 use super::Problem;
 use super::file::{self, File};
+use super::mesh_examination::{ExaminedMesh, FromFiles};
 use super::scene::{Body, BodyKind, absent};
 use super::structure::{check_fabric, check_material};
 use crate::geometry::mesh::{lep_sim, quality};
@@ -28,8 +27,8 @@ pub struct ImportedWing {
 pub(super) fn check(
     file: &File,
     written: &file::LepSimTable,
-    folder: &Path,
-) -> Result<(Body, ImportedWing), Problem> {
+    files: &mut FromFiles,
+) -> Result<Body, Problem> {
     let key = |name: &str| format!("{KEY}.{name}");
     let fabric = check_fabric(file)?;
     let material = check_material(&key("line_material"), &written.line_material)?;
@@ -47,7 +46,7 @@ pub(super) fn check(
             "remove [air] and [time]",
         ));
     }
-    let path = folder.join(&written.file);
+    let path = files.folder.join(&written.file);
     let refused = |why: String| {
         Problem::new(
             key("file"),
@@ -60,17 +59,19 @@ pub(super) fn check(
     let structure = imported.structure;
     let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
     let inside = |is_skin: &bool| if *is_skin { pressure_pa } else { 0.0 };
-    let known = ImportedWing {
+    files
+        .meshes
+        .push(ExaminedMesh::of_wing(KEY, &path, &structure));
+    files.imported = Some(ImportedWing {
         rows: imported.rows,
         held: imported.held,
         inside_pa: imported.is_skin.iter().map(inside).collect(),
         volume_m3: imported.volume_m3,
         moved_max_m: imported.moved_max_m,
-    };
-    let body = Body {
+    });
+    Ok(Body {
         quality: quality::measure(&structure.positions_m, &triangles),
         kind: BodyKind::ImportedWing,
         structure,
-    };
-    Ok((body, known))
+    })
 }

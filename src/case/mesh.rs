@@ -7,13 +7,16 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::file;
+use super::file::{self, File};
+use super::mesh_examination::{self, ExaminedMesh, FromFiles, Joined};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
+use super::structure::check_fabric;
 use super::{Problem, mesh_lines};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
-use crate::fabric::Fabric;
 use crate::geometry::fabric_surface;
+use crate::geometry::mesh::doctor::Welded;
+use crate::geometry::mesh::quality::Quality;
 use crate::geometry::mesh::{obj, quality, surface};
 use crate::rigid::Surface;
 
@@ -22,21 +25,59 @@ const KEY: &str = "structure.mesh";
 /// Most by which an edge may be longer at the start than at rest: beyond what fabric bears, so one of both files is not what it should be.
 const LARGEST_STRETCH: f64 = 0.1;
 
+/// Farthest that joined vertices may be apart at the start, in tolerances: twice at rest, and stretched.
+const LARGEST_GAP: f64 = 2.5;
+
 /// Least that the longest edge may be at the start, over its length at rest.
 const LEAST_RATIO: f64 = 0.5;
 
-/// Builds the structure; files are looked up relative to a folder.
+/// Builds the structure, and refuses a mesh in which something is found that the case does not accept.
 pub(super) fn check(
+    file: &File,
     written: &file::MeshFile,
-    fabric: &Fabric,
-    folder: &Path,
+    files: &mut FromFiles,
 ) -> Result<Body, Problem> {
+    let read = examine(file, written, files.folder)?;
+    read.examined.refuse()?;
+    let kind = match written.nominal_area_m2 {
+        None => BodyKind::Mesh,
+        Some(area) => {
+            let nominal_area_m2 = positive(&format!("{KEY}.nominal_area_m2"), area)?;
+            let canopy_node_count = read.examined.examination.node_count;
+            BodyKind::Canopy(canopy(nominal_area_m2, canopy_node_count, &read.structure)?)
+        }
+    };
+    files.joined = read.joined;
+    files.meshes.push(read.examined);
+    Ok(Body {
+        quality: read.quality,
+        kind,
+        structure: read.structure,
+    })
+}
+
+/// A mesh as it was read, joined and examined.
+pub(super) struct Read {
+    structure: Structure,
+    quality: Option<Quality>,
+    joined: Option<Joined>,
+    pub(super) examined: ExaminedMesh,
+}
+
+/// Reads, joins and examines the mesh, with its lines and held nodes; nothing that is found is refused.
+pub(super) fn examine(
+    file: &File,
+    written: &file::MeshFile,
+    folder: &Path,
+) -> Result<Read, Problem> {
+    let fabric = check_fabric(file)?;
     let scale = positive(&format!("{KEY}.scale"), written.scale)?;
     let path = folder.join(&written.file);
-    let surface = read(&path, scale)?;
-    let mut structure = fabric_surface::build(&surface, DVec3::X, fabric)
-        .map_err(|index| degenerate(&path, &surface, index))?;
-    let quality = quality::measure(&structure.positions_m, &surface.triangles);
+    let as_written = read(&path, scale)?;
+    let welded = mesh_examination::welded(KEY, written.weld_tolerance_m, as_written.clone())?;
+    let mut structure = fabric_surface::build(&welded.surface, DVec3::X, &fabric)
+        .map_err(|index| degenerate(&path, &welded, index))?;
+    let quality = quality::measure(&structure.positions_m, &welded.surface.triangles);
     if let Some(start) = &written.start_file {
         if !is_numbered(&path) {
             return Err(Problem::new(
@@ -45,8 +86,10 @@ pub(super) fn check(
                 "give structure.mesh.file as OBJ, too",
             ));
         }
-        start_at(&folder.join(start), scale, &surface, &mut structure)?;
+        let start_m = start_places(&folder.join(start), scale, &as_written)?;
+        structure.positions_m = joined_start(start, written, &welded, &start_m)?;
     }
+    let start_m = structure.positions_m.clone();
     let position_m = match written.position_m {
         Some(position) => vector(&format!("{KEY}.position_m"), position)?,
         None => DVec3::ZERO,
@@ -54,20 +97,28 @@ pub(super) fn check(
     for place in &mut structure.positions_m {
         *place += position_m;
     }
-    hold(&written.held_nodes, &mut structure)?;
-    let canopy_node_count = structure.node_count();
+    hold(&written.held_nodes, &welded, &mut structure)?;
     mesh_lines::add(written, folder, position_m, &mut structure)?;
-    let kind = match written.nominal_area_m2 {
-        None => BodyKind::Mesh,
-        Some(area) => {
-            let nominal_area_m2 = positive(&format!("{KEY}.nominal_area_m2"), area)?;
-            BodyKind::Canopy(canopy(nominal_area_m2, canopy_node_count, &structure)?)
-        }
-    };
-    Ok(Body {
-        quality,
-        kind,
+    let resolution = file.resolution.as_ref();
+    let examined = ExaminedMesh::of_fabric(
+        (KEY, &path),
+        (&welded, written.weld_tolerance_m, is_numbered(&path)),
+        start_m,
+        &structure,
+        &written.accept,
+        (
+            written.nominal_area_m2.filter(|area| *area > 0.0),
+            resolution.and_then(|r| r.cell_size_m).filter(|c| *c > 0.0),
+        ),
+    );
+    Ok(Read {
+        joined: (welded.joined + welded.collapsed > 0).then_some(Joined {
+            node_count: welded.surface.positions_m.len() as u32,
+            nodes: welded.nodes,
+        }),
         structure,
+        quality,
+        examined,
     })
 }
 
@@ -99,9 +150,11 @@ fn is_numbered(path: &Path) -> bool {
     })
 }
 
-fn degenerate(path: &Path, surface: &Surface, index: usize) -> Problem {
-    let nodes = surface.triangles[index];
-    let corners = surface.corners(nodes);
+fn degenerate(path: &Path, welded: &Welded, index: usize) -> Problem {
+    let nodes = welded.surface.triangles[index];
+    let corners = welded.surface.corners(nodes);
+    let nodes = nodes.map(|node| welded.numbers[node as usize]);
+    let index = welded.triangle_numbers[index] as usize;
     Problem::new(
         format!("{KEY}.file"),
         format!(
@@ -119,14 +172,34 @@ fn degenerate(path: &Path, surface: &Surface, index: usize) -> Problem {
     )
 }
 
-/// Moves the structure to where a second file has the same nodes.
-fn start_at(
-    path: &Path,
-    scale: f64,
-    rest: &Surface,
-    structure: &mut Structure,
-) -> Result<(), Problem> {
-    const START: &str = "structure.mesh.start_file";
+const START: &str = "structure.mesh.start_file";
+
+/// Where the nodes start, for vertices of which some are joined.
+fn joined_start(
+    file: &str,
+    written: &file::MeshFile,
+    welded: &Welded,
+    start_m: &[DVec3],
+) -> Result<Vec<DVec3>, Problem> {
+    let (places_m, farthest) = welded.carried_over(start_m);
+    let allowed_m = LARGEST_GAP * written.weld_tolerance_m.unwrap_or(0.0);
+    match farthest {
+        Some(([a, b], apart_m)) if apart_m > allowed_m => Err(Problem::new(
+            START,
+            format!(
+                "vertices {} and {} are joined in {}, but {apart_m:.3e} m apart in {file}",
+                a + 1,
+                b + 1,
+                written.file
+            ),
+            "let seams lie together in both files, or lower structure.mesh.weld_tolerance_m",
+        )),
+        _ => Ok(places_m),
+    }
+}
+
+/// Where a second file has the same nodes [m].
+fn start_places(path: &Path, scale: f64, rest: &Surface) -> Result<Vec<DVec3>, Problem> {
     let refused = |why: String, help: &str| {
         Problem::new(
             START,
@@ -181,24 +254,33 @@ fn start_at(
             "write both files in one unit: a fold leaves most edges as long as they are",
         ));
     }
-    structure.positions_m = start.positions_m;
-    Ok(())
+    Ok(start.positions_m)
 }
 
-fn hold(nodes: &[u32], structure: &mut Structure) -> Result<(), Problem> {
-    let node_count = structure.node_count();
-    for &node in nodes {
-        let held = (node as usize)
+/// Holds nodes by the numbers of their vertices in the file, from 1.
+fn hold(vertices: &[u32], welded: &Welded, structure: &mut Structure) -> Result<(), Problem> {
+    for &vertex in vertices {
+        let node = (vertex as usize)
             .checked_sub(1)
-            .and_then(|n| structure.held.get_mut(n));
-        let Some(held) = held else {
-            return Err(Problem::new(
-                format!("{KEY}.held_nodes"),
-                format!("there is no node {node} in a mesh of {node_count} nodes"),
-                "nodes count from 1, as in the OBJ file",
-            ));
+            .and_then(|index| welded.nodes.get(index));
+        let refused = |why: String| {
+            let help = "nodes count from 1, as in the OBJ file";
+            Problem::new(format!("{KEY}.held_nodes"), why, help)
         };
-        *held = true;
+        match node {
+            Some(Some(node)) => structure.held[*node as usize] = true,
+            Some(None) => {
+                return Err(refused(format!(
+                    "all triangles at node {vertex} collapsed when vertices were joined"
+                )));
+            }
+            None => {
+                let node_count = welded.nodes.len();
+                return Err(refused(format!(
+                    "there is no node {vertex} in a mesh of {node_count} nodes"
+                )));
+            }
+        }
     }
     Ok(())
 }

@@ -23,6 +23,7 @@ mod identity;
 pub mod lep_sim;
 pub mod locate;
 mod mesh;
+pub mod mesh_examination;
 mod mesh_lines;
 mod motion;
 mod output;
@@ -50,6 +51,7 @@ use std::path::Path;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 pub use identity::{changed_outputs, changed_physics, number_in};
+pub use mesh_examination::ExaminedMesh;
 pub use scene::Scene;
 
 use file::File;
@@ -249,6 +251,33 @@ impl Case {
 
 /// Reads and checks a case file.
 pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
+    let (name, source) = read(path)?;
+    parse(&name, &source, folder_of(path), choices)
+}
+
+/// Reads and examines the meshes of a case file, whether they would be refused or not.
+pub fn examine_meshes(path: &Path, choices: &Choices) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
+    let (name, source) = read(path)?;
+    let folder = folder_of(path);
+    let (_, _, _, meshes) = checked(&name, &source, choices, |file| {
+        let mut meshes = Vec::new();
+        if let Some(written) = file.structure.as_ref().and_then(|s| s.mesh.as_ref()) {
+            meshes.push(mesh::examine(file, written, folder)?.examined);
+        }
+        let cell_size_m = file.resolution.as_ref().and_then(|r| r.cell_size_m);
+        for (body, table) in &file.bodies {
+            if let Some(written) = &table.mesh {
+                let key = format!("bodies.{body}.mesh");
+                meshes.push(bodies::read_mesh(&key, written, folder, cell_size_m)?.1);
+            }
+        }
+        Ok(meshes)
+    })?;
+    Ok(meshes)
+}
+
+/// Name and text of a case file.
+fn read(path: &Path) -> Result<(String, String), Box<CaseError>> {
     let name = path.display().to_string();
     let source = std::fs::read_to_string(path).map_err(|error| {
         CaseError::about_file(
@@ -256,12 +285,11 @@ pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
             "give the path of a TOML case file; `ripstop new flat-circular-tunnel > case.toml` writes one to start from",
         )
     })?;
-    parse(
-        &name,
-        &source,
-        path.parent().unwrap_or_else(|| Path::new(".")),
-        choices,
-    )
+    Ok((name, source))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new("."))
 }
 
 /// Checks the text of a case; mesh files are looked up relative to `folder`.
@@ -271,6 +299,32 @@ pub fn parse(
     folder: &Path,
     choices: &Choices,
 ) -> Result<Case, Box<CaseError>> {
+    let (text, physics, file, (scene, coarser)) = checked(name, source, choices, |file| {
+        let scene = scene::check(file, folder)?;
+        let coarser = grid_sequence::check(file, &scene, folder)?;
+        Ok((scene, coarser))
+    })?;
+    Ok(Case {
+        name: name.to_owned(),
+        hash: identity::hash(&text, &file, folder),
+        physics: identity::hash(&physics, &file, folder),
+        text,
+        variant: choices.variant.clone(),
+        overrides: choices.overrides.clone(),
+        scene,
+        coarser,
+        source: source.to_owned(),
+    })
+}
+
+/// Reads the text of a case with variant and overrides applied, and checks it; what is wrong is marked in the text. Returns the text as
+/// applied, the physics of it alone, what is written in it, and what the check returned.
+fn checked<T>(
+    name: &str,
+    source: &str,
+    choices: &Choices,
+    check: impl FnOnce(&File) -> Result<T, Problem>,
+) -> Result<(String, String, File, T), Box<CaseError>> {
     let mut table: toml::Table = toml::from_str(source).map_err(|error| {
         let problem = Problem::new(
             "",
@@ -362,19 +416,8 @@ pub fn parse(
         let message = format!("in {name}: {}", problem.message);
         locate(Problem { message, ..problem })
     };
-    let scene = scene::check(&file, folder).map_err(in_file)?;
-    let coarser = grid_sequence::check(&file, &scene, folder).map_err(in_file)?;
-    Ok(Case {
-        name: name.to_owned(),
-        hash: identity::hash(&text, &file, folder),
-        physics: identity::hash(&physics, &file, folder),
-        text,
-        variant: choices.variant.clone(),
-        overrides: choices.overrides.clone(),
-        scene,
-        coarser,
-        source: source.to_owned(),
-    })
+    let result = check(&file).map_err(in_file)?;
+    Ok((text, physics, file, result))
 }
 
 /// Names of Rust types mean nothing to the author of a case.

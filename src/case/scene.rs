@@ -8,6 +8,8 @@ pub use super::comparison::Comparison;
 pub use super::descent::{Carrier, Descent};
 use super::file::{self, File};
 use super::lep_sim::ImportedWing;
+pub use super::mesh_examination::ExaminedMesh;
+use super::mesh_examination::FromFiles;
 pub use super::payload_bodies::PayloadBody;
 pub use super::supports::Support;
 pub use super::time::{AdaptiveStep, Time};
@@ -44,6 +46,8 @@ pub struct Scene {
     pub wing: Option<Wing>,
     /// What is known of the structure if it is a wing of another program.
     pub imported: Option<ImportedWing>,
+    /// What the meshes of others in the case are made of.
+    pub meshes: Vec<ExaminedMesh>,
     /// Rigid bodies in the air, by name.
     pub rigid_bodies: Vec<RigidBody>,
     /// Held nodes that are moved.
@@ -466,9 +470,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .transpose()?;
     refuse_unused(file)?;
     let mut wing = wing::check(file, folder)?;
-    let mut imported = None;
-    let from_file = (folder, &mut imported);
-    let mut body = structure::check(file, from_file, gravity_m_s2, wing.as_mut())?;
+    let mut files = FromFiles::new(folder);
+    let mut body = structure::check(file, &mut files, gravity_m_s2, wing.as_mut())?;
     let air = file
         .air
         .as_ref()
@@ -486,8 +489,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let file = &shift::with_moved_bodies(file, shift_m);
     let solver = check_solver(file)?;
     let time = time::check(file, air.as_ref())?;
-    let supports = supports::check(file, body.as_ref(), time.as_ref())?;
-    let rigid_bodies = bodies::check(file, folder, air.as_ref(), time.as_ref())?;
+    let supports = supports::check(file, body.as_ref(), time.as_ref(), &files)?;
+    let rigid_bodies = bodies::check(file, &mut files, air.as_ref(), time.as_ref())?;
     let coupling = air::check_coupling(file, air.as_ref(), body.as_mut())?;
     let descent = descent::check(
         file,
@@ -538,7 +541,8 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         air,
         body,
         wing,
-        imported,
+        imported: files.imported,
+        meshes: files.meshes,
         rigid_bodies,
         supports,
         coupling,

@@ -1,12 +1,10 @@
 //! Checks of `[structure]` and `[fabric]`, and the building of the structure; canopies in [`super::canopy`].
 
-use std::path::Path;
-
 use glam::DVec3;
 
 use super::Problem;
 use super::file::{self, File};
-use super::lep_sim::ImportedWing;
+use super::mesh_examination::FromFiles;
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
 use super::{canopy, contact, descent, lep_sim, mesh, permeability, plate, specimens};
@@ -19,10 +17,10 @@ use crate::lines::{Cable, CableLaw, ForceStrainTable};
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
 
-/// Builds the structure of a case, if it has one; files are looked up relative to a folder, and what is known of a wing of another program is handed out.
+/// Builds the structure of a case, if it has one; what else is known of meshes and wings of other programs is kept with the files.
 pub(super) fn check(
     file: &File,
-    (folder, imported): (&Path, &mut Option<ImportedWing>),
+    files: &mut FromFiles,
     gravity: Option<DVec3>,
     wing: Option<&mut Wing>,
 ) -> Result<Option<Body>, Problem> {
@@ -58,11 +56,9 @@ pub(super) fn check(
     } else if let Some(cable) = &table.cable {
         Some(check_cable(cable, gravity)?)
     } else if let Some(written) = &table.mesh {
-        Some(mesh::check(written, &check_fabric(file)?, folder)?)
+        Some(mesh::check(file, written, files)?)
     } else if let Some(written) = &table.lep_sim {
-        let (body, known) = lep_sim::check(file, written, folder)?;
-        *imported = Some(known);
-        Some(body)
+        Some(lep_sim::check(file, written, files)?)
     } else if let Some(airbag) = &table.airbag {
         Some(specimens::check_airbag(airbag, &check_fabric(file)?)?)
     } else if let Some(disc) = &table.disc {

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::Problem;
 use super::file::{File, SupportTable};
+use super::mesh_examination::FromFiles;
 use super::motion;
 use super::scene::{Body, Time, positive, vector};
 use super::values::check_name;
@@ -44,6 +45,7 @@ pub(super) fn check(
     file: &File,
     body: Option<&Body>,
     time: Option<&Time>,
+    files: &FromFiles,
 ) -> Result<Vec<Support>, Problem> {
     let Some(first) = file.supports.keys().next() else {
         return Ok(Vec::new());
@@ -73,7 +75,7 @@ pub(super) fn check(
     let mut mover: Vec<Option<&str>> = vec![None; body.structure.node_count()];
     let mut supports = Vec::new();
     for (name, table) in &file.supports {
-        let support = check_support(name, table, &body.structure, time)?;
+        let support = check_support(name, table, &body.structure, time, files)?;
         for &node in &support.nodes {
             if let Some(other) = mover[node as usize].replace(name) {
                 let key = format!("supports.{name}");
@@ -97,6 +99,7 @@ fn check_support(
     table: &SupportTable,
     structure: &Structure,
     time: Option<&Time>,
+    files: &FromFiles,
 ) -> Result<Support, Problem> {
     check_name("supports", name, "a support")?;
     let table_key = format!("supports.{name}");
@@ -109,7 +112,7 @@ fn check_support(
             ];
             nodes_in_box(&key("box_m"), [a.min(b), a.max(b)], structure)?
         }
-        (None, Some(numbers)) => nodes_by_number(&key("nodes"), numbers, structure)?,
+        (None, Some(numbers)) => nodes_by_number(&key("nodes"), numbers, structure, files)?,
         _ => {
             return Err(Problem::new(
                 table_key.as_str(),
@@ -188,7 +191,12 @@ fn nodes_in_box(
     ))
 }
 
-fn nodes_by_number(key: &str, numbers: &[u32], structure: &Structure) -> Result<Vec<u32>, Problem> {
+fn nodes_by_number(
+    key: &str,
+    numbers: &[u32],
+    structure: &Structure,
+    files: &FromFiles,
+) -> Result<Vec<u32>, Problem> {
     if numbers.is_empty() {
         return Err(Problem::new(
             key,
@@ -198,11 +206,15 @@ fn nodes_by_number(key: &str, numbers: &[u32], structure: &Structure) -> Result<
     }
     let mut nodes = Vec::new();
     for &number in numbers {
-        let held = (number as usize)
-            .checked_sub(1)
-            .and_then(|node| structure.held.get(node));
+        let node = number.checked_sub(1).and_then(|vertex| files.node(vertex));
+        let held = node.and_then(|node| structure.held.get(node as usize));
         match held {
-            Some(true) => nodes.push(number - 1),
+            // Vertices that are joined are one node.
+            Some(true) => {
+                if let Some(node) = node.filter(|node| !nodes.contains(node)) {
+                    nodes.push(node);
+                }
+            }
             Some(false) => {
                 return Err(Problem::new(
                     key,

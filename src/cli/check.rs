@@ -1,11 +1,15 @@
 //! `ripstop check CASE.toml`
 
+use std::path::PathBuf;
+
 use clap::Args;
 
-use super::run::{strict, validity_text};
+use super::run::{exit_code, strict, validity_text};
 use super::{CaseArguments, Failure, emit};
+use crate::case::ExaminedMesh;
 use crate::measure;
 use crate::plan;
+use crate::run;
 use crate::validity;
 
 #[derive(Debug, Args)]
@@ -15,10 +19,19 @@ pub(super) struct CheckArguments {
     /// End with exit code 1 where the set-up does not support its results.
     #[arg(long)]
     strict: bool,
+    /// Draw what is found in meshes, and their open borders, into a folder.
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
-    let prepared = arguments.case.prepare()?;
+    let prepared = match arguments.case.prepare() {
+        Ok(prepared) => prepared,
+        Err(failure) => {
+            tell_refused(arguments)?;
+            return Err(failure);
+        }
+    };
     let case = &prepared.case;
     let threads = rayon::current_num_threads();
     emit(&prepared.plan.report(&case.scene, threads))?;
@@ -32,8 +45,35 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if !text.is_empty() {
         emit(&format!("\n{text}\n"))?;
     }
+    draw(arguments, &case.scene.meshes)?;
     if arguments.strict {
         return strict(&validity, std::iter::empty());
     }
     Ok(0)
+}
+
+/// Of a case that is refused: what its meshes are made of, where they are the reason.
+fn tell_refused(arguments: &CheckArguments) -> Result<(), Failure> {
+    let meshes = arguments.case.examine_meshes();
+    let meshes = meshes.unwrap_or_default();
+    if !meshes.iter().any(|mesh| mesh.refused().next().is_some()) {
+        return Ok(());
+    }
+    emit(&plan::mesh_report(&meshes))?;
+    draw(arguments, &meshes)
+}
+
+fn draw(arguments: &CheckArguments, meshes: &[ExaminedMesh]) -> Result<(), Failure> {
+    let Some(folder) = &arguments.pictures else {
+        return Ok(());
+    };
+    if meshes.is_empty() {
+        return emit("\npictures: none, because the case has no mesh of a file\n");
+    }
+    let files = run::draw_findings(meshes, folder)
+        .map_err(|error| Failure::Other(exit_code(&error), error.to_string()))?;
+    let lines = files
+        .iter()
+        .map(|file| format!("picture: {}\n", file.display()));
+    emit(&format!("\n{}", lines.collect::<String>()))
 }

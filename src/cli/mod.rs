@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::case::{self, Case, CaseError, Choices, Problem};
+use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
 use crate::gpu::Device;
 use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
@@ -124,13 +124,21 @@ impl CaseArguments {
 
     /// Reads and checks the case, with more `key.path=value` behind those of the command line.
     fn load(&self, more: &[String]) -> Result<Case, Failure> {
-        let choices = Choices {
-            variant: self.variant.clone(),
-            overrides: [&self.overrides[..], more].concat(),
-        };
-        let case = case::load(&self.case, &choices)?;
+        let case = case::load(&self.case, &self.choices(more))?;
         refuse_unknown_comparisons(&case)?;
         Ok(case)
+    }
+
+    /// Reads and examines the meshes of the case, whether they would be refused or not.
+    fn examine_meshes(&self) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
+        case::examine_meshes(&self.case, &self.choices(&[]))
+    }
+
+    fn choices(&self, more: &[String]) -> Choices {
+        Choices {
+            variant: self.variant.clone(),
+            overrides: [&self.overrides[..], more].concat(),
+        }
     }
 
     /// Plans a case, and refuses what does not fit.

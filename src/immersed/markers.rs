@@ -206,7 +206,10 @@ mod tests {
             let spacing_m = 1.5 / 3f64.sqrt() / n;
             let estimated = count(std::iter::once(cut), spacing_m) as f64;
             let placed = place(std::iter::once(cut), spacing_m).len() as f64;
-            assert!((estimated / placed - 1.0).abs() < 0.05, "{estimated} {placed}");
+            assert!(
+                (estimated / placed - 1.0).abs() < 0.05,
+                "{estimated} {placed}"
+            );
         }
         // Counted one by one, this would not end.
         assert!(count(std::iter::once(cut), 1e-9) > 1_000_000_000_000_000);

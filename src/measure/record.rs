@@ -8,8 +8,6 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::canopy_shape::CanopyShape;
-pub use samples::SAMPLES_FILE;
-use samples::Samples;
 use super::{bodies, falling, payload_bodies, plate, residual, solver, supports, wing_wind};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Canopy, Carrier};
@@ -17,6 +15,8 @@ use crate::frame::CableKind;
 use crate::geometry::parachute::shape;
 use crate::gpu::DeviceError;
 use crate::simulation::{BodyImpulse, Simulation};
+pub use samples::SAMPLES_FILE;
+use samples::Samples;
 
 /// Samples of a run.
 #[derive(Debug, Default)]

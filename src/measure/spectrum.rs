@@ -155,8 +155,7 @@ mod tests {
             let places: Vec<f64> = (0..count).map(|i| i as f64).collect();
             let slope = crate::measure::statistics::slope(&places, &series);
             let mean = series.iter().sum::<f64>() / count as f64;
-            let window =
-                |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / count as f64).cos();
+            let window = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / count as f64).cos();
             let weight: f64 = (0..count).map(|i| window(i).powi(2)).sum();
             let value = |i: usize| {
                 (series[i] - mean - slope * (i as f64 - 0.5 * (count - 1) as f64)) * window(i)
@@ -168,7 +167,10 @@ mod tests {
                 let imaginary: f64 = (0..count).map(|i| value(i) * angle(i).sin()).sum();
                 let sides = if 2 * bin == count { 1.0 } else { 2.0 };
                 let exact = sides * (real * real + imaginary * imaginary) * 0.5 / weight;
-                assert!((density - exact).abs() < 1e-9 * (1.0 + exact), "{count} {bin}");
+                assert!(
+                    (density - exact).abs() < 1e-9 * (1.0 + exact),
+                    "{count} {bin}"
+                );
             }
         }
     }

@@ -38,7 +38,11 @@ pub fn write_table(
         let mut csv = csv::Writer::from_writer(out);
         csv.write_record(columns)?;
         for row in rows {
-            csv.write_record(row.as_ref().iter().map(|&value| super::history::field(value)))?;
+            csv.write_record(
+                row.as_ref()
+                    .iter()
+                    .map(|&value| super::history::field(value)),
+            )?;
         }
         csv.flush()
     })

@@ -6,6 +6,7 @@ mod disk;
 mod estimate;
 mod forecast;
 mod initial_hessian;
+mod meshes;
 mod openings;
 mod permeability;
 mod placement;
@@ -20,6 +21,7 @@ pub use disk::Disk;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use forecast::Evaluations;
 pub use initial_hessian::multigrid_from_s;
+pub use meshes::report as mesh_report;
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
 

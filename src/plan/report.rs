@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{
-    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, openings,
+    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, meshes, openings,
     permeability, wing,
 };
 use crate::case::Scene;
@@ -176,6 +176,7 @@ impl Plan {
             }
             self.write_canopy(out, scene)?;
         }
+        meshes::write(out, &scene.meshes)?;
         wing::write(out, scene)?;
         self.write_bodies(out, scene)?;
         permeability::write(out, scene)?;

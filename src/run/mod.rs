@@ -11,6 +11,7 @@ mod folder;
 mod identity;
 mod lattices;
 mod load_test;
+mod mesh_pictures;
 mod names;
 mod panel_shaping;
 mod requests;
@@ -32,9 +33,7 @@ use crate::frame::Frame;
 use crate::gpu::Device;
 use crate::ledger::{Holder, Ledger, Lock, State};
 use crate::measure::{Record, SAMPLES_FILE, sail_warnings};
-use crate::output::{
-    HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers,
-};
+use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
 use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
@@ -43,6 +42,7 @@ use files::Files;
 pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
 use identity::{COMPUTED_BY, account, case_entry, computed_by, identity, reached};
 use lattices::Lattice;
+pub use mesh_pictures::draw_findings;
 pub use requests::Requests;
 use verify::Lost;
 

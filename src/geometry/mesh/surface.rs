@@ -18,7 +18,8 @@ use crate::rigid::Surface;
 /// Distance within which nodes are one, relative to the size of the mesh.
 const SAME_PLACE: f64 = 1e-7;
 
-/// Reads the surface in a file, by its extension, in the file's unit times `scale` [m]; the error says what is wrong with the file.
+/// Reads the surface in a file, by its extension, in the file's unit times `scale` [m]; the error says what is wrong with the file. Triangles
+/// may be without area ([`without_area`]).
 pub fn read(path: &Path, scale: f64) -> Result<Surface, String> {
     let extension = path
         .extension()
@@ -42,17 +43,14 @@ pub fn read(path: &Path, scale: f64) -> Result<Surface, String> {
     if let Some(node) = surface.positions_m.iter().position(|p| !p.is_finite()) {
         return Err(format!("node {} is not finite", node + 1));
     }
-    let joined = joined(&surface);
-    let degenerate = joined
-        .area_vectors_m2()
-        .position(|area| area.length() == 0.0);
-    match degenerate {
-        Some(triangle) => Err(format!(
-            "triangle {} encloses no area; remove or repair it",
-            triangle + 1
-        )),
-        None => Ok(joined),
-    }
+    Ok(joined(&surface))
+}
+
+/// Number of the first triangle that encloses no area, from 0.
+#[must_use]
+pub fn without_area(surface: &Surface) -> Option<usize> {
+    let mut areas = surface.area_vectors_m2();
+    areas.position(|area| area.length() == 0.0)
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, String> {
@@ -192,7 +190,9 @@ mod tests {
             read(&path, 1.0).unwrap_err()
         };
         assert!(error("a.vtk", "").contains(".obj, .stl or .ply"));
-        assert!(error("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").contains("triangle 1"));
+        let flat = folder.path().join("a.obj");
+        std::fs::write(&flat, "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+        assert_eq!(without_area(&read(&flat, 1.0).unwrap()), Some(0));
         assert!(!error("a.ply", "ply\nformat ascii 1.0\nelement vertex").is_empty());
         assert!(!error("a.stl", "solid a\nfacet normal 0 0").is_empty());
     }

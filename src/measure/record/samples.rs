@@ -102,7 +102,12 @@ impl Samples {
         while values > 0 && self.recent.len() >= values {
             let mut block: Vec<f64> = Vec::with_capacity(values);
             for column in 0..self.width {
-                block.extend(self.recent[..values].iter().skip(column).step_by(self.width));
+                block.extend(
+                    self.recent[..values]
+                        .iter()
+                        .skip(column)
+                        .step_by(self.width),
+                );
             }
             match &mut self.file {
                 None => self.kept.extend(block),
@@ -223,8 +228,9 @@ impl Blocks {
         let at = (self.count * bytes.len()) as u64;
         let mut file = &self.file;
         file.seek(SeekFrom::Start(at))?;
-        file.write_all(bytes)
-            .map_err(|cause| io::Error::new(cause.kind(), format!("{}: {cause}", self.path.display())))?;
+        file.write_all(bytes).map_err(|cause| {
+            io::Error::new(cause.kind(), format!("{}: {cause}", self.path.display()))
+        })?;
         self.checksum.update(bytes);
         self.count += 1;
         Ok(())
@@ -290,7 +296,9 @@ mod tests {
         filled(&mut first, at_checkpoint..5 * BLOCK_ROWS);
         drop(first);
         let mut second = Samples::new(WIDTH);
-        second.restore(stored.clone(), in_file, folder.path()).unwrap();
+        second
+            .restore(stored.clone(), in_file, folder.path())
+            .unwrap();
         assert_holds(&second, at_checkpoint);
         filled(&mut second, at_checkpoint..4 * BLOCK_ROWS);
         assert_holds(&second, 4 * BLOCK_ROWS);
@@ -322,7 +330,10 @@ mod tests {
             .unwrap();
         let column = samples.column(1);
         assert!(column[..BLOCK_ROWS].iter().all(|v| v.is_nan()));
-        assert_eq!(column[BLOCK_ROWS..], [row(BLOCK_ROWS)[1], row(BLOCK_ROWS + 1)[1]]);
+        assert_eq!(
+            column[BLOCK_ROWS..],
+            [row(BLOCK_ROWS)[1], row(BLOCK_ROWS + 1)[1]]
+        );
         assert!(samples.unreadable());
     }
 }

@@ -46,7 +46,9 @@ impl Record {
             from.take("record_newest")?,
         );
         let in_file: Vec<u64> = from.take_exactly("record_in_file", 2)?;
-        let restored = self.samples.restore(in_memory, [in_file[0], in_file[1]], folder);
+        let restored = self
+            .samples
+            .restore(in_memory, [in_file[0], in_file[1]], folder);
         restored.map_err(|what| from.damaged(what))?;
         self.grid_changed_s = from.take::<f64>("record_grid_changed")?.first().copied();
         let last: Vec<DVec3> = from.take("record_last")?;
