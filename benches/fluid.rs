@@ -10,7 +10,9 @@
 
 #![allow(
     clippy::unwrap_used,
-    reason = "a benchmark that cannot run should stop"
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a benchmark that cannot run, or tell, should stop"
 )]
 
 use std::io::BufRead;

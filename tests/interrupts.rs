@@ -79,7 +79,7 @@ fn of_an_equilibrium() {
 }
 
 /// Sends signals to a process, one right after the other.
-fn send(child: &std::process::Child, signals: &[&str]) {
+pub fn send(child: &std::process::Child, signals: &[&str]) {
     let script: Vec<String> = signals
         .iter()
         .map(|signal| format!("kill -{signal} {}", child.id()))

@@ -5,7 +5,9 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
-    reason = "tests fail by panicking"
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests fail by panicking, and print for those who watch"
 )]
 
 mod adaptive;
@@ -46,6 +48,7 @@ mod resumption;
 mod sail_support;
 mod sheets;
 mod solver_account;
+mod standard_error;
 mod supports;
 mod sweep;
 mod time_steps;
@@ -106,6 +109,7 @@ fn main() -> std::process::ExitCode {
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),
+        standard_error::trials(),
         validity::trials(),
         validate::trials(),
     ]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 
+use super::log::say;
 use super::{Failure, exit};
 use crate::case::Scene;
 use crate::gpu::adapters::{adapters, chosen};
@@ -167,7 +168,7 @@ impl EngineArguments {
             if chosen(&adapters(), &on_request).is_none() {
                 Device::open(&on_request)?;
             }
-            eprintln!(
+            say(
                 "note: the case has no [air], so --engine and --adapter change nothing; --cloth device puts the fabric on a device"
             );
         }
@@ -249,7 +250,7 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
     let opened = Device::open(&AdapterChoice::Hardware)
         .and_then(|device| air_fits(scene, &placement, &device).map(|()| device));
     opened
-        .inspect_err(|error| eprintln!("note: the CPU computes the air, since {error}"))
+        .inspect_err(|error| say(&format!("note: the CPU computes the air, since {error}")))
         .ok()
 }
 

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod devices;
 mod engine;
+mod log;
 mod new;
 mod profile;
 mod progress;
@@ -23,6 +24,7 @@ use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
 use crate::gpu::Device;
 use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
+use log::say;
 
 /// What `--help` says about them.
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
@@ -260,15 +262,15 @@ pub fn main() -> ExitCode {
     match result {
         Ok(code) => ExitCode::from(code),
         Err(Failure::Case(error)) => {
-            eprintln!("{:?}", miette::Report::new(*error));
+            say(&format!("{:?}", miette::Report::new(*error)));
             ExitCode::from(exit::BAD_CASE)
         }
         Err(Failure::NoDevice(message)) => {
-            eprintln!("error: {message}");
+            say(&format!("error: {message}"));
             ExitCode::from(exit::NO_DEVICE)
         }
         Err(Failure::Other(code, message)) => {
-            eprintln!("error: {message}");
+            say(&format!("error: {message}"));
             ExitCode::from(code)
         }
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::log::say;
 use super::{Failure, emit, exit};
 use crate::case::{SHIPPED, SHIPPED_FILES};
 use crate::output::{OutputError, prepare_directory, write_atomically};
@@ -44,10 +45,10 @@ pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
     emit(text)?;
     if !beside.is_empty() {
         let paths: Vec<&str> = beside.iter().map(|(path, _)| *path).collect();
-        eprintln!(
+        say(&format!(
             "note: the case needs {} beside it; `ripstop new {name} --out DIR` writes all of them",
             paths.join(" and ")
-        );
+        ));
     }
     Ok(0)
 }

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::log::say;
 use crate::run::Observer;
 
 /// Time between plain lines.
@@ -99,14 +100,14 @@ impl Observer for Progress {
             bar.set_message(format!("{left}{status}"));
         } else if self.last_line.elapsed() >= LINE_INTERVAL {
             self.last_line = Instant::now();
-            eprintln!("{:3.0} %  {left}{status}", self.phase.percent());
+            say(&format!("{:3.0} %  {left}{status}", self.phase.percent()));
         }
     }
 
     fn note(&mut self, line: &str) {
         match &self.bar {
             Some(bar) => bar.println(line),
-            None => eprintln!("{line}"),
+            None => say(line),
         }
     }
 }

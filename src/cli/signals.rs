@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::exit;
+use super::log::say;
 use crate::run::Requests;
 
 /// Interrupts that follow the first one within this time are the same one: process groups and schedulers send several.
@@ -32,13 +33,13 @@ pub(super) fn requests(what: &str) -> Requests {
         }
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: an interrupt will stop {what} without its results: {error}");
+        say(&format!("warning: an interrupt will stop {what} without its results: {error}"));
     }
     #[cfg(unix)]
     {
         let flag = std::sync::Arc::clone(&requests.checkpoint);
         if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGUSR1, flag) {
-            eprintln!("warning: SIGUSR1 will stop {what}: {error}");
+            say(&format!("warning: SIGUSR1 will stop {what}: {error}"));
         }
     }
     requests

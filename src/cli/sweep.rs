@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::log::say;
 use super::progress::Progress;
 use super::run::seconds;
 use super::signals::requests;
@@ -92,10 +93,10 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     for (number, (point, case)) in points.iter().zip(cases).enumerate() {
         let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
         if sweep.runs[number].status == Status::Done {
-            eprintln!("{heading}: kept, it is done");
+            say(&format!("{heading}: kept, it is done"));
             continue;
         }
-        eprintln!("{heading}");
+        say(&heading);
         let ended = one(arguments, case, &mut sweep.runs[number], &requests);
         sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
         match ended {
@@ -106,7 +107,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
             }
             other => {
                 if let Some(message) = &sweep.runs[number].message {
-                    eprintln!("{}: {message}", point.folder);
+                    say(&format!("{}: {message}", point.folder));
                 }
                 code = if code == 0 { other } else { code };
             }
