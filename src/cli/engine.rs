@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::log::say;
 use super::{Failure, exit};
 use crate::case::Scene;
-use crate::gpu::adapters::{adapters, chosen};
+use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage};
@@ -169,7 +169,7 @@ impl EngineArguments {
                 Device::open(&on_request)?;
             }
             say(
-                "note: the case has no [air], so --engine and --adapter change nothing; --cloth device puts the fabric on a device"
+                "note: the case has no [air], so --engine and --adapter change nothing; --cloth device puts the fabric on a device",
             );
         }
         let mut device = match engine {
@@ -242,7 +242,9 @@ impl EngineArguments {
 
 /// The best real GPU that can hold the air; `None`, with a word why, where the CPU is taken although there is a GPU.
 fn automatic(scene: &Scene) -> Option<Arc<Device>> {
-    chosen(&adapters(), &AdapterChoice::Hardware)?;
+    if !has_gpu() {
+        return None;
+    }
     let placement = Placement {
         air: AirPlacement::Gpu(Storage::F32),
         ..Placement::from(Precision::F32)

@@ -1,6 +1,7 @@
 //! The adapters of this machine, and which one a run takes.
 
-use super::DeviceError;
+use super::error::DeviceError;
+use super::quiet::quietly;
 
 /// What kind of processor an adapter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,6 +114,13 @@ pub fn adapters() -> Vec<AdapterInfo> {
     found().into_iter().map(|(_, info)| info).collect()
 }
 
+/// True if there is a real GPU; what drivers say while they are asked is kept from standard error.
+#[must_use]
+pub fn has_gpu() -> bool {
+    let found = quietly(found);
+    (found.iter()).any(|(_, info)| info.fits(&AdapterChoice::Hardware))
+}
+
 impl AdapterInfo {
     /// Why the engine cannot run on this adapter; `None` if it can.
     #[must_use]
@@ -145,7 +153,11 @@ pub fn chosen<'a>(adapters: &'a [AdapterInfo], choice: &AdapterChoice) -> Option
 }
 
 pub(super) fn take(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo), DeviceError> {
-    let all = found();
+    let all = match choice {
+        // Nobody has asked for a device by name.
+        AdapterChoice::Hardware => quietly(found),
+        AdapterChoice::Any | AdapterChoice::Named(_) => found(),
+    };
     let names: Vec<String> = all
         .iter()
         .map(|(_, info)| format!("{} ({})", info.name, info.kind.name()))

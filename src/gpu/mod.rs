@@ -27,6 +27,7 @@ mod meter;
 pub mod multigrid;
 mod pass_clock;
 pub mod pipeline;
+mod quiet;
 pub mod raster;
 pub mod shaders;
 mod tuning;
