@@ -54,7 +54,7 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`ledger`] | what a folder holds and who works in it: `run.json` and the lock | output |
-//! | [`run`] | a whole run into one folder | all |
+//! | [`run`] | a whole run into one folder, its log and its faults | all |
 //! | [`sweep`] | which runs a sweep has, its tables and charts, what its lattices tell | measure, output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, gpu |
 //! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, immersed, lattice, simulation, plan, gpu, output, run |

@@ -35,6 +35,7 @@ mod device_work;
 mod eddy_viscosity;
 mod engines;
 mod extension;
+mod faults;
 mod folders;
 mod interrupts;
 mod lep_sim;
@@ -106,6 +107,7 @@ fn main() -> std::process::ExitCode {
         folders::trials(),
         resumption::trials(),
         extension::trials(),
+        faults::trials(),
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),

@@ -75,6 +75,7 @@ fn results(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = contents(out);
     all.remove("summary.json").unwrap();
     all.remove("run.json").unwrap();
+    all.remove("run.log").unwrap();
     all
 }
 

@@ -24,11 +24,12 @@ use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
 use crate::gpu::Device;
 use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
+use crate::run::{Fault, caught, record_panics};
 use log::say;
 
 /// What `--help` says about them.
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
-    20 diverged or not in balance, 73 the folder holds another run, 74 output failed, 75 interrupted, 130 interrupted without a checkpoint";
+    20 diverged or not in balance, 70 internal fault, 73 the folder holds another run, 74 output failed, 75 interrupted, 130 interrupted without a checkpoint";
 
 /// Exit codes.
 pub mod exit {
@@ -40,6 +41,8 @@ pub mod exit {
     pub const NO_DEVICE: u8 = 3;
     /// The run diverged, its static equilibrium was not reached, or steps of the fabric were not solved.
     pub const DIVERGED: u8 = 20;
+    /// The program failed by a fault of its own; what was kept is told.
+    pub const FAULT: u8 = 70;
     /// The folder holds another run, one that is not over, or one that goes on.
     pub const OCCUPIED: u8 = 73;
     /// A file could not be written.
@@ -249,7 +252,13 @@ pub fn main() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    let result = match &cli.command {
+    record_panics();
+    let result = caught(|| dispatch(&cli.command));
+    ExitCode::from(told(result))
+}
+
+fn dispatch(command: &Command) -> Result<u8, Failure> {
+    match command {
         Command::Run(arguments) => run::run(arguments),
         Command::Restart(arguments) => run::restart(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
@@ -258,20 +267,49 @@ pub fn main() -> ExitCode {
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Devices => devices::devices(),
         Command::Validate(arguments) => validate::validate(arguments),
+    }
+}
+
+/// Tells why a command failed, if it did.
+fn told(result: Result<Result<u8, Failure>, Fault>) -> u8 {
+    let result = match result {
+        Ok(result) => result,
+        Err(fault) => {
+            say(&format!("error: {fault}"));
+            if let Some(backtrace) = fault.backtrace {
+                say(&backtrace);
+            }
+            return exit::FAULT;
+        }
     };
     match result {
-        Ok(code) => ExitCode::from(code),
+        Ok(code) => code,
         Err(Failure::Case(error)) => {
             say(&format!("{:?}", miette::Report::new(*error)));
-            ExitCode::from(exit::BAD_CASE)
+            exit::BAD_CASE
         }
         Err(Failure::NoDevice(message)) => {
             say(&format!("error: {message}"));
-            ExitCode::from(exit::NO_DEVICE)
+            exit::NO_DEVICE
         }
         Err(Failure::Other(code, message)) => {
             say(&format!("error: {message}"));
-            ExitCode::from(code)
+            code
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_of_the_program_has_its_own_code() {
+        assert_eq!(told(caught(|| panic!("this is a test"))), exit::FAULT);
+        assert_eq!(told(caught(|| Ok(3))), 3);
+        assert_eq!(
+            run::exit_code(&crate::run::RunError::Fault(Box::default())),
+            exit::FAULT
+        );
     }
 }

@@ -199,6 +199,7 @@ pub(super) const fn exit_code(error: &RunError) -> u8 {
         RunError::Checkpoint(_) | RunError::Resume(_) | RunError::Start(_) => exit::BAD_CASE,
         RunError::Device(_) => exit::NO_DEVICE,
         RunError::Output(_) | RunError::Picture(_) => exit::OUTPUT_FAILED,
+        RunError::Fault(_) => exit::FAULT,
     }
 }
 

@@ -33,7 +33,9 @@ pub(super) fn requests(what: &str) -> Requests {
         }
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        say(&format!("warning: an interrupt will stop {what} without its results: {error}"));
+        say(&format!(
+            "warning: an interrupt will stop {what} without its results: {error}"
+        ));
     }
     #[cfg(unix)]
     {

@@ -45,6 +45,18 @@ impl OutputError {
     pub fn cause(&self) -> &io::Error {
         &self.cause
     }
+
+    /// True if room is wanting on the disk, or the number of open files is too large: another attempt may succeed.
+    #[must_use]
+    pub fn is_no_room(&self) -> bool {
+        let full = matches!(
+            self.cause.kind(),
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge
+        );
+        // Too many files are open, in the system or in the process.
+        let open = cfg!(unix) && matches!(self.cause.raw_os_error(), Some(23 | 24));
+        full || open
+    }
 }
 
 /// What the user can do about `cause`.

@@ -41,6 +41,8 @@ pub struct HistoryWriter {
     pending: Vec<u8>,
     pending_rows: usize,
     last_flush: Instant,
+    /// The last flush failed: the next one waits, for it costs as much as there are rows.
+    failed: bool,
 }
 
 impl HistoryWriter {
@@ -68,6 +70,7 @@ impl HistoryWriter {
             pending: Vec::new(),
             pending_rows: 0,
             last_flush: Instant::now(),
+            failed: false,
         })
     }
 
@@ -79,7 +82,8 @@ impl HistoryWriter {
     /// far cannot be written (they are then kept; see [`HistoryWriter`]).
     pub fn push(&mut self, row: &[f64]) -> Result<(), OutputError> {
         self.gather(row).map_err(|cause| self.error(cause))?;
-        if self.pending_rows >= FLUSH_ROWS || self.last_flush.elapsed() >= FLUSH_INTERVAL {
+        let many = self.pending_rows >= FLUSH_ROWS && !self.failed;
+        if many || self.last_flush.elapsed() >= FLUSH_INTERVAL {
             self.flush()?;
         }
         Ok(())
@@ -95,7 +99,9 @@ impl HistoryWriter {
             return Ok(());
         }
         self.last_flush = Instant::now();
-        if let Err(cause) = self.append_pending() {
+        let appended = self.append_pending();
+        self.failed = appended.is_err();
+        if let Err(cause) = appended {
             // Cut off the part of the rows that got through. Should even that fail, the next flush
             // overwrites it.
             let _ = self.file.set_len(self.length);

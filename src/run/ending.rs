@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use super::outputs::no_room;
 use super::{INTERRUPTED, Report, Run, RunError, animation, load_test, panel_shaping};
 use super::{summary, tables, trim};
 use crate::checkpoint;
 use crate::ledger::State;
-use crate::measure::SAMPLES_FILE;
+use crate::measure::{SAMPLES_FILE, sail_warnings};
 use crate::output::{write_canopy_vtp, write_summary};
 use crate::simulation::Diverged;
 
@@ -36,16 +37,27 @@ impl Run<'_> {
         began: Instant,
     ) -> Result<Report, RunError> {
         let mut undelivered = Undelivered::default();
-        undelivered.note(self.history.flush());
+        // Tried again below, where more room may be left.
+        let _ = self.history.flush();
         let interrupted = diverged.is_none() && reason == INTERRUPTED;
         if diverged.is_some() {
             undelivered.note(self.last_good_state());
         } else {
-            undelivered.note(self.files.canopy(&self.simulation));
-            undelivered.note(self.files.bodies(&self.simulation));
-            undelivered.note(self.files.flow(&self.simulation));
-            undelivered.note(self.files.picture(&self.simulation, &self.record));
+            let canopy = self.files.canopy(&self.simulation).map_err(RunError::from);
+            let bodies = self.files.bodies(&self.simulation).map_err(RunError::from);
+            for (what, written) in [
+                ("the canopy", canopy),
+                ("the bodies", bodies),
+                ("the air", self.files.flow(&self.simulation)),
+                (
+                    "the last picture",
+                    self.files.picture(&self.simulation, &self.record),
+                ),
+            ] {
+                self.deliver_or_miss(what, written, &mut undelivered);
+            }
         }
+        let mut frames = self.files.animation_frames;
         if !interrupted {
             match animation::join(self.folder, self.files.animation_frames) {
                 Ok(0) => {}
@@ -53,7 +65,11 @@ impl Run<'_> {
                     "warning: {lost} of {} frames of the animation are not there any more",
                     self.files.animation_frames
                 )),
-                Err(error) => undelivered.note(Err(error)),
+                Err(error) => {
+                    // They stay the files that they are.
+                    frames = 0;
+                    self.deliver_or_miss("the animation", Err(error.into()), &mut undelivered);
+                }
             }
         }
         self.notes.append(&mut self.files.notes);
@@ -67,8 +83,8 @@ impl Run<'_> {
         }
         let unbalanced = self.out_of_balance();
         let last_picture = self.files.last_picture.take();
-        let frames = self.files.animation_frames;
         self.notes.append(&mut undelivered.notes);
+        self.notes.extend(self.missing.note());
         let mut summary = summary::summarise(
             self.case,
             &self.simulation,
@@ -79,6 +95,8 @@ impl Run<'_> {
             self.resumed_at_step,
         );
         let path = self.folder.join("summary.json");
+        // Frames and pictures have taken no part of it.
+        self.reserve = None;
         // Before what may still fail: results that were computed can then be read.
         undelivered.note(write_summary(&path, &summary));
         undelivered.note(self.history.finish());
@@ -131,6 +149,36 @@ impl Run<'_> {
                 unbalanced: if interrupted { None } else { unbalanced },
                 last_picture,
             }),
+        }
+    }
+
+    /// Does without a file that there is no room for.
+    fn deliver_or_miss(
+        &mut self,
+        what: &str,
+        written: Result<(), RunError>,
+        undelivered: &mut Undelivered,
+    ) {
+        match &written {
+            Err(error) if no_room(error).is_some() => {
+                self.missing.add(what, self.simulation.time_s());
+            }
+            _ => undelivered.note(written),
+        }
+    }
+
+    /// Notes where a wing in equilibrium lacks support and where stress gathers; of one that is out of balance it would mean nothing.
+    fn warn_of_the_sail(&mut self) {
+        let scene = self.simulation.scene();
+        let (Some(wing), Some(body), Some(_)) = (&scene.wing, &scene.body, scene.equilibrium)
+        else {
+            return;
+        };
+        if let Some(structure) = &self.simulation.structure_frame().structure {
+            let warnings = sail_warnings(wing, &body.structure, structure);
+            let warnings = warnings.into_iter();
+            self.notes
+                .extend(warnings.map(|warning| format!("warning: {warning}")));
         }
     }
 

@@ -76,7 +76,7 @@ impl Run<'_> {
                 "the results are those of a state out of balance: {remedy}"
             ));
         }
-        self.history.push(self.record.add(&mut self.simulation)?)?;
+        self.sample(observer)?;
         Ok(text)
     }
 }

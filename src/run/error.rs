@@ -1,5 +1,6 @@
 //! Why a run could not deliver.
 
+use super::Fault;
 use crate::checkpoint::CheckpointError;
 use crate::gpu::DeviceError;
 use crate::ledger::LockError;
@@ -34,6 +35,9 @@ pub enum RunError {
     /// The folder holds another run, or one that is not over.
     #[error("{0}")]
     Occupied(String),
+    /// The program failed: what was computed since the last checkpoint may be lost.
+    #[error("{0}")]
+    Fault(Box<Fault>),
 }
 
 impl From<LockError> for RunError {

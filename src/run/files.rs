@@ -122,9 +122,13 @@ impl Frames {
         (self.name)(self.times_s.len())
     }
 
-    /// Lists the next one, which is written.
+    /// Lists the next one, which is written; what cannot be listed goes.
     fn add(&mut self, time_s: f64) -> Result<(), OutputError> {
-        self.collection.append(time_s, &self.next())?;
+        let name = self.next();
+        if let Err(error) = self.collection.append(time_s, &name) {
+            let _ = std::fs::remove_file(self.collection.path().with_file_name(name));
+            return Err(error);
+        }
         self.times_s.push(time_s);
         Ok(())
     }

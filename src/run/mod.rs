@@ -6,13 +6,16 @@ mod device_use;
 mod ending;
 mod equilibrium;
 mod error;
+mod fault;
 mod files;
 mod folder;
 mod identity;
 mod lattices;
 mod load_test;
+mod log;
 mod mesh_pictures;
 mod names;
+mod outputs;
 mod panel_shaping;
 mod requests;
 mod summary;
@@ -21,6 +24,7 @@ mod trim;
 mod verdict;
 mod verify;
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -32,17 +36,20 @@ use crate::checkpoint;
 use crate::frame::Frame;
 use crate::gpu::Device;
 use crate::ledger::{Holder, Ledger, Lock, State};
-use crate::measure::{Record, SAMPLES_FILE, sail_warnings};
+use crate::measure::{Record, SAMPLES_FILE};
 use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
 use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
 pub use error::RunError;
+pub use fault::{Fault, caught, record_panics};
 use files::Files;
 pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
 use identity::{COMPUTED_BY, account, case_entry, computed_by, identity, reached};
 use lattices::Lattice;
+use log::Log;
 pub use mesh_pictures::draw_findings;
+use outputs::Missing;
 pub use requests::Requests;
 use verify::Lost;
 
@@ -121,21 +128,41 @@ struct Run<'a> {
     to_the_end: bool,
     /// Keep the state at the end.
     keep_final: bool,
+    /// The state is that between two steps, and nothing of it has been sampled.
+    whole: bool,
+    /// Files that there was no room for.
+    missing: Missing,
+    /// Room for the results, given back before they are written.
+    reserve: Option<File>,
 }
 
 /// Runs a case and writes its results; stops early, resumably, when it is asked to.
 pub fn run(
-    mut order: Order,
+    order: Order,
     requests: &Requests,
     observer: &mut dyn Observer,
 ) -> Result<Report, RunError> {
+    let folder = order.folder;
     prepare_directory(order.folder)?;
     let lock = Lock::acquire(order.folder, &Holder::this(&order.case.name))?;
+    let mut log = Log::new(folder, observer);
     if !lock.is_held() {
-        observer.note(
+        log.note(
             "this file system has no locks: two runs in one folder would not notice each other",
         );
     }
+    let mut result = fault::guarded(|| run_locked(order, requests, &mut log));
+    fault::settle(folder, &mut result);
+    log.end(&result);
+    result
+}
+
+/// The same in a folder that is locked.
+fn run_locked(
+    mut order: Order,
+    requests: &Requests,
+    observer: &mut Log<'_>,
+) -> Result<Report, RunError> {
     let earlier = folder::admit(&order)?;
     remove_leftovers(order.folder);
     let began = Instant::now();
@@ -164,10 +191,14 @@ pub fn run(
     };
     requests.set_resumable(matches!(start, Start::Resume | Start::Extend));
     run.requests = requests.clone();
-    let (reason, diverged) = match run.drive(requests, observer) {
+    observer.open(start);
+    let (reason, diverged) = match fault::guarded(|| run.drive(requests, observer)) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
-        Err(other) => {
+        Err(mut other) => {
+            if let RunError::Fault(fault) = &mut other {
+                run.rescue(fault);
+            }
             // What failed is the cause, whatever fails now.
             let _ = run.history.flush();
             run.ledger.end_session(State::Failed, &other.to_string());
@@ -373,6 +404,9 @@ impl<'a> Run<'a> {
             requests: Requests::default(),
             to_the_end: start == Start::Extend,
             keep_final,
+            whole: true,
+            missing: Missing::default(),
+            reserve: outputs::reserve(folder),
         })
     }
 
@@ -392,14 +426,6 @@ impl<'a> Run<'a> {
         self.simulation.check_device()?;
         written?;
         self.requests.set_resumable(true);
-        Ok(())
-    }
-
-    /// Writes a checkpoint of the end, if it is to be kept and the run can go on from it.
-    fn save_final(&mut self) -> Result<(), RunError> {
-        if self.keep_final && folder::can_go_on(&self.case.scene) {
-            self.save()?;
-        }
         Ok(())
     }
 
@@ -438,11 +464,12 @@ impl<'a> Run<'a> {
                 return Ok(INTERRUPTED.to_owned());
             }
             let asked = requests.takes_checkpoint();
+            let mut saved = false;
             if asked || last_checkpoint.elapsed() >= self.checkpoint_interval {
-                self.save()?;
+                saved = self.try_save(observer)?;
                 last_checkpoint = Instant::now();
             }
-            if asked {
+            if asked && saved {
                 let time_s = self.simulation.time_s();
                 observer.note(&format!("checkpoint at t = {time_s:.6} s, as asked for"));
             }
@@ -452,34 +479,18 @@ impl<'a> Run<'a> {
                 && written_at != Some(self.simulation.step_count())
             {
                 let since = self.simulation.step_count() - cadence.origin;
-                if cadence.canopy.is_some_and(|n| since.is_multiple_of(n)) {
-                    self.files.canopy(&self.simulation)?;
-                }
-                if cadence.bodies.is_some_and(|n| since.is_multiple_of(n)) {
-                    self.files.bodies(&self.simulation)?;
-                }
-                if cadence.flow.is_some_and(|n| since.is_multiple_of(n)) {
-                    self.files.flow(&self.simulation)?;
-                }
+                self.write_frames(&cadence, since, observer)?;
                 let sampled = since.is_multiple_of(cadence.sample);
+                self.whole = !sampled;
                 if sampled {
-                    self.history.push(self.record.add(&mut self.simulation)?)?;
+                    self.sample(observer)?;
                     // A sample counts as good once the air has been searched at or after it.
                     if self.simulation.sound_step() >= self.sampled.step {
                         self.good =
                             std::mem::replace(&mut self.sampled, self.simulation.structure_frame());
                     }
                 }
-                if cadence.animation.is_some_and(|n| since.is_multiple_of(n)) {
-                    self.files.animation_frame(&self.simulation, &self.record)?;
-                }
-                while picture_times
-                    .get(self.files.timed_pictures)
-                    .is_some_and(|&t| t <= self.simulation.time_s() + 0.5 * cadence.step_s)
-                {
-                    self.files.picture(&self.simulation, &self.record)?;
-                    self.files.timed_pictures += 1;
-                }
+                self.draw_pictures(&cadence, since, &picture_times, observer)?;
                 if sampled && let Some(changed) = self.follow_lattice()? {
                     observer.lattice_changed();
                     if let Some(note) = changed {
@@ -495,11 +506,13 @@ impl<'a> Run<'a> {
                         .and_then(|d| d.reason_to_stop(&self.record))
                 {
                     observer.note(&reason);
-                    self.save_final()?;
+                    self.save_final(observer)?;
                     return Ok(reason);
                 }
             }
+            self.whole = false;
             self.simulation.advance()?;
+            self.whole = true;
             let done = self.simulation.step_count();
             if done.is_multiple_of(PROGRESS_INTERVAL) || done == cadence.planned {
                 let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
@@ -507,7 +520,8 @@ impl<'a> Run<'a> {
                 observer.progress(parts, PROGRESS_PARTS, &self.status(rate));
             }
         }
-        self.save_final()?;
+        self.whole = false;
+        self.save_final(observer)?;
         if !self.lattice.is_finest() {
             self.notes.push(
                 "warning: the run ended on a coarser grid than the case's own: results are those of that grid; raise time.end_s".to_owned(),
@@ -519,7 +533,7 @@ impl<'a> Run<'a> {
             && (since.is_multiple_of(cadence.sample) || self.record.sample_count() < 2)
             && self.record.latest("time_s") != Some(self.simulation.time_s())
         {
-            self.history.push(self.record.add(&mut self.simulation)?)?;
+            self.sample(observer)?;
         }
         let mut reason = self.balance(interrupt, observer)?;
         if reason != INTERRUPTED {
@@ -531,21 +545,6 @@ impl<'a> Run<'a> {
             reason = ended;
         }
         Ok(reason)
-    }
-
-    /// Notes where a wing in equilibrium lacks support and where stress gathers; of one that is out of balance it would mean nothing.
-    fn warn_of_the_sail(&mut self) {
-        let scene = self.simulation.scene();
-        let (Some(wing), Some(body), Some(_)) = (&scene.wing, &scene.body, scene.equilibrium)
-        else {
-            return;
-        };
-        if let Some(structure) = &self.simulation.structure_frame().structure {
-            let warnings = sail_warnings(wing, &body.structure, structure);
-            let warnings = warnings.into_iter();
-            self.notes
-                .extend(warnings.map(|warning| format!("warning: {warning}")));
-        }
     }
 
     /// Seeks the trim, or the equilibrium, that the case asks for; returns why the run ended.

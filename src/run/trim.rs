@@ -74,7 +74,7 @@ impl Run<'_> {
             }
         };
         observer.borrow_mut().note(&reason);
-        self.history.push(self.record.add(&mut self.simulation)?)?;
+        self.sample(*observer.borrow_mut())?;
         Ok(Some(reason))
     }
 }
