@@ -369,7 +369,7 @@ fn full_disk() {
     for path in files(&out) {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         assert!(
-            ["csv", "pvd", "vtp", "png", "json", "log"]
+            ["csv", "pvd", "vtp", "png", "json", "log", "f64"]
                 .iter()
                 .any(|e| name.ends_with(e)),
             "left over: {name}"

@@ -35,7 +35,6 @@ pub(super) fn is_result(name: &str) -> bool {
             "bodies.pvd",
             "flow.pvd",
             "animation.png",
-            SAMPLES_FILE,
         ]
         .contains(&name)
         || tables::NAMES.contains(&name)
@@ -61,13 +60,18 @@ pub(super) fn is_result(name: &str) -> bool {
         })
 }
 
+/// True for checkpoints and the samples that they refer to, whose checksums they hold.
+fn is_of_checkpoints(name: &str) -> bool {
+    name == SAMPLES_FILE || checkpoint::NAMES.contains(&name)
+}
+
 /// Name of a result or a checkpoint in `folder`, if there is one.
 pub(super) fn first_in(folder: &Path) -> Option<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries
         .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()))
         .filter_map(|entry| entry.file_name().into_string().ok())
-        .filter(|name| is_result(name) || checkpoint::NAMES.contains(&name.as_str()))
+        .filter(|name| is_result(name) || is_of_checkpoints(name))
         .collect();
     names.sort();
     names.into_iter().next()
@@ -85,7 +89,7 @@ pub(super) fn remove_earlier(folder: &Path) {
     };
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        if is_result(&name) || listed.contains(&name.as_str()) {
+        if is_result(&name) || name == SAMPLES_FILE || listed.contains(&name.as_str()) {
             // What cannot be removed will be overwritten or reported then.
             let _ = std::fs::remove_file(entry.path());
         }
