@@ -109,7 +109,7 @@ pub(super) fn check_coupon(written: &file::Coupon, fabric: &Fabric) -> Result<Bo
     let cells_along = shape.length_m / shape.width_m * shape.cells_across as f64;
     if cells_along > (DIVISION_LIMIT * DIVISION_LIMIT) as f64 / shape.cells_across as f64 {
         return Err(Problem::new(
-            &key("length_m"),
+            key("length_m"),
             format!(
                 "{KEY}.length_m = {} makes {cells_along:.1e} cells along a width of {} m with cells_across = {}",
                 shape.length_m, shape.width_m, shape.cells_across
