@@ -47,8 +47,8 @@ const CANOPY: &str = include_str!("../benches/uniform-canopy.toml");
 /// Fewer than the steps after which the sums of the momentum box are fetched.
 const STEPS: u64 = 40;
 
-/// Evaluations of a solve in these steps, on average: 40 while the canopy is folded at so few cells.
-const MOST_EVALUATIONS: u64 = 60;
+/// Evaluations of a solve in these steps, on average; 20 were found, and rounding of the adapter changes some.
+const MOST_EVALUATIONS: u64 = 30;
 
 /// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
 fn step(cloth: ClothPlacement) {
@@ -121,9 +121,15 @@ fn step(cloth: ClothPlacement) {
         ClothPlacement::Device => {
             assert_eq!(submits, 7 * STEPS + evaluations, "{work:?}");
             assert_eq!(work.maps, 2 * STEPS + evaluations, "{work:?}");
-            // Writes and dispatches of an evaluation, and of what comes once in a solve.
-            let [writes, dispatches] = [work.writes, work.dispatches].map(|all| all - more);
-            println!("{writes} {dispatches} {evaluations}");
+            assert_eq!(
+                work.dispatches - more,
+                12 * STEPS + 8 * evaluations,
+                "{work:?}"
+            );
+            // The program is written only where vectors are to be combined.
+            let writes = work.writes - more;
+            assert!(writes <= 9 * STEPS + 3 * evaluations, "{work:?}");
+            assert!(writes >= 9 * STEPS + 2 * evaluations, "{work:?}");
             assert!(evaluations <= MOST_EVALUATIONS * STEPS, "{evaluations}");
         }
     }

@@ -19,25 +19,33 @@ pub(super) fn text(summary: &Summary) -> String {
     text
 }
 
-/// Stage, calls, milliseconds per call, and share of the time of all stages. Writing to a String cannot fail.
-fn stages(summary: &Summary) -> String {
-    let whole: f64 = summary.stages.iter().map(|stage| stage.seconds).sum();
+/// Rows of a table: name, calls, seconds, with milliseconds per call and the share of `whole_s`. Writing to a String cannot fail.
+fn times<'a>(
+    [name, calls, share]: [&str; 3],
+    whole_s: f64,
+    rows: impl Iterator<Item = (&'a str, u64, f64)>,
+) -> String {
     let mut text = format!(
-        "{:<22} {:>9} {:>13} {:>9} {:>8}\n",
-        "stage", "calls", "ms per call", "s", "share"
+        "{name:<22} {calls:>9} {:>13} {:>9} {share:>8}\n",
+        "ms per call", "s"
     );
-    for stage in &summary.stages {
+    for (name, calls, seconds) in rows {
         let _ = writeln!(
             text,
-            "{:<22} {:>9} {:>13.4} {:>9.2} {:>6.1} %",
-            stage.stage,
-            stage.calls,
-            1e3 * stage.seconds / stage.calls.max(1) as f64,
-            stage.seconds,
-            100.0 * stage.seconds / whole.max(f64::MIN_POSITIVE)
+            "{name:<22} {calls:>9} {:>13.4} {seconds:>9.2} {:>6.1} %",
+            1e3 * seconds / calls.max(1) as f64,
+            100.0 * seconds / whole_s.max(f64::MIN_POSITIVE)
         );
     }
     text
+}
+
+/// What the stages took by the host's clock.
+fn stages(summary: &Summary) -> String {
+    let stages = summary.stages.iter();
+    let whole_s = stages.clone().map(|stage| stage.seconds).sum();
+    let rows = stages.map(|stage| (stage.stage.as_str(), stage.calls, stage.seconds));
+    times(["stage", "calls", "share"], whole_s, rows)
 }
 
 /// What every stage asks of the device, per step.
@@ -83,22 +91,10 @@ fn passes(device: &DeviceUse, summary: &Summary) -> String {
     let Some(passes) = &device.passes else {
         return "\nthe device has no clock of its own\n".to_owned();
     };
-    let mut text = format!(
-        "\nby the device's own clock\n{:<22} {:>9} {:>13} {:>9} {:>8}\n",
-        "pass", "passes", "ms per pass", "s", "of run"
-    );
-    for pass in passes {
-        let _ = writeln!(
-            text,
-            "{:<22} {:>9} {:>13.4} {:>9.2} {:>6.1} %",
-            pass.pass,
-            pass.passes,
-            1e3 * pass.seconds / pass.passes.max(1) as f64,
-            pass.seconds,
-            100.0 * pass.seconds / summary.wall_s.max(f64::MIN_POSITIVE)
-        );
-    }
-    text
+    let rows = passes.iter();
+    let rows = rows.map(|pass| (pass.pass.as_str(), pass.passes, pass.seconds));
+    let table = times(["pass", "passes", "of run"], summary.wall_s, rows);
+    format!("\nby the device's own clock\n{table}")
 }
 
 fn latencies(device: &DeviceUse) -> String {

@@ -7,8 +7,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
 use super::commands::Commands;
 use super::device::{Device, Staging, TIMEOUT};
 use super::error::DeviceError;
@@ -16,7 +14,7 @@ use super::pipeline::Bound;
 use super::shaders;
 
 /// Latencies of a device \[s\].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Latencies {
     /// One more empty dispatch in a pass.
     pub dispatch_s: f64,

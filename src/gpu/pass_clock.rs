@@ -6,8 +6,6 @@
 use std::collections::BTreeMap;
 use std::sync::mpsc;
 
-use serde::{Deserialize, Serialize};
-
 use super::device::{Device, TIMEOUT};
 use super::error::DeviceError;
 
@@ -15,7 +13,7 @@ use super::error::DeviceError;
 const PASSES: usize = 1024;
 
 /// What all passes of one name took on the device.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PassTime {
     /// Name of the pass.
     pub pass: String,

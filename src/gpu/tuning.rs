@@ -3,8 +3,7 @@
 use super::pipeline::WORKGROUP;
 
 /// How the arrays of populations are padded.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Padding {
     /// Not at all.
     #[default]
@@ -16,7 +15,7 @@ pub enum Padding {
 }
 
 /// The choices; the default is what runs take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tuning {
     /// Threads of a workgroup of `collide_stream`.
     pub workgroup: u32,

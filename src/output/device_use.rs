@@ -40,19 +40,6 @@ impl DeviceCounts {
     }
 }
 
-impl std::ops::AddAssign for DeviceCounts {
-    fn add_assign(&mut self, other: Self) {
-        self.dispatches += other.dispatches;
-        self.passes += other.passes;
-        self.submits += other.submits;
-        self.writes += other.writes;
-        self.written_bytes += other.written_bytes;
-        self.maps += other.maps;
-        self.mapped_bytes += other.mapped_bytes;
-        self.waited_s += other.waited_s;
-    }
-}
-
 /// What one stage asked for, in all steps counted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeviceStage {
