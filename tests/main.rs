@@ -41,6 +41,7 @@ mod interrupts;
 mod lep_sim;
 mod long_histories;
 mod meshes;
+mod out_of_memory;
 mod permeability;
 mod plates;
 mod ram_air;
@@ -79,6 +80,7 @@ fn main() -> std::process::ExitCode {
         lep_sim::trials(),
         long_histories::trials(),
         meshes::trials(),
+        out_of_memory::trials(),
         ram_air::trials(),
         sail_support::trials(),
         trim::trials(),

@@ -29,7 +29,7 @@ use log::say;
 
 /// What `--help` says about them.
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a gate of `validate` fails or `--strict` finds results without support, 2 bad case or usage, 3 no usable device, \
-    20 diverged or not in balance, 70 internal fault, 73 the folder holds another run, 74 output failed, 75 interrupted, 130 interrupted without a checkpoint";
+    20 diverged or not in balance, 70 internal fault, 73 the folder holds another run, 74 output failed or out of memory, 75 interrupted, 130 interrupted without a checkpoint";
 
 /// Exit codes.
 pub mod exit {
@@ -45,7 +45,7 @@ pub mod exit {
     pub const FAULT: u8 = 70;
     /// The folder holds another run, one that is not over, or one that goes on.
     pub const OCCUPIED: u8 = 73;
-    /// A file could not be written.
+    /// A file could not be written, or memory ran out.
     pub const OUTPUT_FAILED: u8 = 74;
     /// Interrupted; what was computed is written and can be resumed.
     pub const INTERRUPTED: u8 = 75;

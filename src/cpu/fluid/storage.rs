@@ -34,9 +34,9 @@ impl<T: Real> Storage<T> {
         let lines = lines + (PAGE_LINES + STAGGER - lines % PAGE_LINES) % PAGE_LINES;
         let bytes = DIRECTION_COUNT * lines * LINE_BYTES;
         let Ok(map) = MmapMut::map_anon(bytes) else {
-            let layout =
-                std::alloc::Layout::array::<u8>(bytes).unwrap_or(std::alloc::Layout::new::<u8>());
-            std::alloc::handle_alloc_error(layout)
+            // Ends as any allocation of this size does.
+            std::hint::black_box(Vec::<u8>::with_capacity(bytes));
+            std::alloc::handle_alloc_error(std::alloc::Layout::new::<u8>())
         };
         // Advice only: without huge pages all works, some percent slower.
         #[cfg(target_os = "linux")]

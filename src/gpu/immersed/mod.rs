@@ -69,6 +69,9 @@ pub struct ForceBox {
     pub(super) generation: u64,
 }
 
+/// Flag of a touched cell, as in `shaders/markers.wgsl`.
+const TOUCHED: u32 = 1 << 31;
+
 /// Section of a checkpoint with the forces of the markers.
 pub const FORCES: &str = "marker_forces_on_device";
 
@@ -353,13 +356,19 @@ impl Immersed {
         result
     }
 
+    /// Velocities of the touched cells of the box. The others hold what earlier boxes left there: nothing reads it, and it is not part of the state.
     fn box_velocities(&self) -> Result<Vec<[f32; 4]>, DeviceError> {
-        match &self.boxed {
-            Some(boxed) => {
-                let count = boxed.forces.size.iter().map(|&n| n as usize).product();
-                self.device.read(&boxed.cell_states, 0, count)
+        let Some(boxed) = &self.boxed else {
+            return Ok(Vec::new());
+        };
+        let count = boxed.forces.size.iter().map(|&n| n as usize).product();
+        let mut velocities: Vec<[f32; 4]> = self.device.read(&boxed.cell_states, 0, count)?;
+        let marks: Vec<u32> = self.device.read(&boxed.marks, 0, count)?;
+        for (velocity, mark) in velocities.iter_mut().zip(&marks) {
+            if mark & TOUCHED == 0 {
+                *velocity = [0.0; 4];
             }
-            None => Ok(Vec::new()),
         }
+        Ok(velocities)
     }
 }
