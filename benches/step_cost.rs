@@ -23,6 +23,7 @@ use ripstop::measure::{Record, results};
 use ripstop::plan::{Plan, Precision, Stage};
 use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
+use ripstop::statics::Statics;
 use serde_json::{Value, json};
 
 fn load(name: &str, overrides: &[String]) -> case::Case {
@@ -66,7 +67,7 @@ fn taylor_green() -> Vec<Value> {
                     ],
                 );
                 let (simulation, record, seconds) = run(&case, precision);
-                let results = results(&simulation, &record);
+                let results = results(&simulation, &Statics::default(), &record);
                 let error = results
                     .get("velocity_decay_rate_1_s")
                     .unwrap()

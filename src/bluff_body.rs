@@ -121,6 +121,7 @@ impl From<Failure> for Stop {
         match failure {
             Failure::Device(error) => Self::Device(error),
             Failure::Start(why) => Self::Refused(why),
+            Failure::Lacking(lacking) => Self::Refused(lacking.to_string()),
             Failure::Diverged(diverged) => Self::Refused(diverged.to_string()),
         }
     }

@@ -6,9 +6,23 @@
 //! ## Flow of data
 //!
 //! ```text
-//! TOML → case::file (mirror) → case::Scene (checked, SI, absent = None) → plan::Plan (stages, sizes, skips)
-//!      → simulation::Simulation → frame::Frame (host snapshot, SI) → measure, output, render
+//! TOML → case::file (mirror) → case::Scene (checked, SI, absent = None) → plan::Plan (phases, stages, sizes, skips)
+//!      → simulation::Simulation, statics::Statics → frame::Frame (host snapshot, SI) → measure, output, render
 //! ```
+//!
+//! [`plan::phases::phases`] is the only place that orders a run; `run/phases/` executes it, a file each. A phase without time keeps its state in
+//! [`statics`], and every phase can be interrupted and gone on with:
+//!
+//! | phase | turns | into | state |
+//! |---|---|---|---|
+//! | `open_canopy` | folded canopy | canopy opened by loading pressure | [`simulation::Opening`] |
+//! | `raise_wind` | air at rest | wind; the structure is held | [`simulation`] |
+//! | `march` | air and structure | the same, steps later, with history and frames | [`simulation`], [`measure::Record`] |
+//! | `change_lattice` | air on a coarse grid | the same on a finer one | [`simulation`] |
+//! | `equilibrium` | structure, loads | structure at rest | [`simulation`] |
+//! | `trim` | wing, pilot | steady glide | [`statics::Trim`] |
+//! | `panel_shaping` | flown wing | panels cut anew, and its glide | [`statics::PanelShaping`] |
+//! | `load_test` | wing in equilibrium | its state under several times the loads | [`statics::LoadTest`] |
 //!
 //! [`plan::stages::stages`] is the only place that orders a step; [`simulation::Simulation::advance`] executes it:
 //!
@@ -48,8 +62,9 @@
 //! | [`case`] | case files and their errors | geometry, laws |
 //! | [`plan`] | what a run will do, as data | case, counts of markers |
 //! | [`simulation`] | runs the plan | plan, cpu, gpu |
+//! | [`statics`] | equilibrium, trim, panel shaping and load test, part by part | simulation, trim, geometry |
 //! | [`frame`] | host snapshot in SI units | – |
-//! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation |
+//! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation, statics |
 //! | [`validity`] | whether a set-up supports its results, and the error to expect | case, geometry, plan, measure, frame, output |
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
@@ -111,6 +126,7 @@ pub mod rigid;
 pub mod run;
 pub mod simulation;
 pub mod solve;
+pub mod statics;
 pub mod steady;
 pub mod sweep;
 pub mod trim;

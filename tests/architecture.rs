@@ -29,7 +29,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 32] = [
+const ALLOWED: [(&str, &[&str]); 33] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -87,7 +87,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
     (
         "plan",
         &[
-            "aero", "case", "fabric", "immersed", "lattice", "solve", "trim",
+            "aero", "case", "cloth", "fabric", "immersed", "lattice", "solve", "trim",
         ],
     ),
     (
@@ -111,6 +111,19 @@ const ALLOWED: [(&str, &[&str]); 32] = [
         ],
     ),
     (
+        "statics",
+        &[
+            "case",
+            "checkpoint",
+            "cloth",
+            "geometry",
+            "gpu",
+            "simulation",
+            "solve",
+            "trim",
+        ],
+    ),
+    (
         "measure",
         &[
             "case",
@@ -123,6 +136,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
             "output",
             "rigid",
             "simulation",
+            "statics",
             "steady",
             "trim",
         ],
@@ -151,6 +165,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
             "render",
             "simulation",
             "solve",
+            "statics",
             "steady",
             "trim",
             "validity",
@@ -182,6 +197,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
             "run",
             "simulation",
             "solve",
+            "statics",
             "trim",
         ],
     ),

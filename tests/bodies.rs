@@ -13,6 +13,7 @@ use ripstop::measure::{Record, bodies, results};
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
 use ripstop::simulation::{MarkerEngine, Simulation};
+use ripstop::statics::Statics;
 
 use crate::canopy::small_case;
 use crate::coupling::exchange;
@@ -70,7 +71,7 @@ fn simulate(case: &Case, engine: Engine) -> (Simulation, Record) {
 }
 
 fn value(simulation: &Simulation, record: &Record, name: &str) -> f64 {
-    results(simulation, record)
+    results(simulation, &Statics::default(), record)
         .get(name)
         .unwrap()
         .value

@@ -2,7 +2,7 @@
 
 use libtest_mimic::Trial;
 use ripstop::plan::{
-    AirPlacement, ClothPlacement, MARKER_MOTION_LIMIT, Placement, Plan, Precision, Storage,
+    AirPlacement, ClothPlacement, MARKER_MOTION_LIMIT, Placement, Plan, Precision, Stage, Storage,
 };
 use ripstop::simulation::Simulation;
 
@@ -30,7 +30,43 @@ pub fn trials() -> Vec<Trial> {
         "cadence::the_plan_chooses_where_the_case_does_not",
         chosen,
     ));
+    trials.extend(plain(
+        "cadence::engines_take_intervals_from_the_plan",
+        obeyed,
+    ));
     trials
+}
+
+/// A plan whose intervals are changed is obeyed, whatever the case says.
+fn obeyed() {
+    let case = small_case(&[
+        "coupling.structure_every=1",
+        "resolution.eddy_viscosity={ model = \"wale\", constant = 0.325 }",
+    ]);
+    let mut plan = Plan::new(&case.scene, Precision::F32);
+    assert_eq!(plan.every(Stage::SolveCloth), Some(1));
+    for planned in &mut plan.stages {
+        planned.every = match planned.stage {
+            Stage::EddyViscosity => 7,
+            Stage::SolveCloth => 5,
+            _ => continue,
+        };
+    }
+    let mut simulation = Simulation::new(case.scene.clone(), plan, None).unwrap();
+    assert_eq!(simulation.cadence().unwrap().planned(), 5);
+    let mut evaluated = Vec::new();
+    let mut before = None;
+    for step in 0..40 {
+        simulation.advance().unwrap();
+        let now = simulation.air().unwrap().eddy_viscosities().unwrap();
+        if now != before {
+            evaluated.push(step);
+        }
+        before = now;
+    }
+    // Air at rest has none in the first step; from then on every seventh.
+    evaluated.retain(|step| *step > 0);
+    assert_eq!(evaluated, [7, 14, 21, 28, 35]);
 }
 
 /// Opening at 10 steps per solve, with a lattice so fast that the sheet would move farther than a quarter of a cell: spans are shortened,
@@ -84,7 +120,7 @@ fn chosen() {
     let mut case = small_case(&[]);
     let run = |case: &ripstop::case::Case| {
         let plan = Plan::new(&case.scene, Precision::F32);
-        let report = plan.report(&case.scene, 1);
+        let report = plan.report(&case.scene, &case.coarser, 1);
         let mut simulation = Simulation::new(case.scene.clone(), plan, None).unwrap();
         while simulation.step_count() < 130 {
             simulation.advance().unwrap();

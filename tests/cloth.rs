@@ -19,6 +19,7 @@ use ripstop::measure::{self, catenary};
 use ripstop::plan::Plan;
 use ripstop::run;
 use ripstop::solve::lbfgs::Stop;
+use ripstop::statics::Statics;
 
 use crate::engines::{Engine, plain};
 use crate::sheets::{self, HOSTILE, hostile, noise};
@@ -67,9 +68,9 @@ fn stiff_airbag() {
         let outcome = simulation.equilibrate(&mut |_| true).unwrap().unwrap();
         assert_eq!(outcome.stop, Stop::Converged);
         record.add(&mut simulation).unwrap();
-        let results = measure::results(&simulation, &record);
+        let results = measure::results(&simulation, &Statics::default(), &record);
         let value = |name: &str| results.get(name).unwrap().value.unwrap();
-        let account = measure::account(&simulation, &results);
+        let account = measure::account(&simulation, &Statics::default(), &results);
         let row = account
             .into_iter()
             .find(|row| row.name == "residual stiffness");

@@ -18,6 +18,7 @@ use ripstop::measure::{self, Record};
 use ripstop::plan::Plan;
 use ripstop::run;
 use ripstop::simulation::Simulation;
+use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, on_every_engine, plain, states};
 use crate::resumed::taken_up;
@@ -91,7 +92,11 @@ fn falling_disk() {
         let case = case::parse("disk", &source, Path::new("."), &Choices::default()).unwrap();
         let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
         let (simulation, record) = run::without_files(&case, plan, None).unwrap();
-        (measure::results(&simulation, &record), record, case)
+        (
+            measure::results(&simulation, &Statics::default(), &record),
+            record,
+            case,
+        )
     };
     let (results, record, case) = fallen(34.0);
     assert_eq!(measure::unsettled_fall(&case.scene, &record), None);

@@ -163,9 +163,9 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
     let changes = [
         "resolution.cells_per_diameter=12.0",
         "structure.flat_circular.rings=8",
-        "time.end_s=0.08",
+        "time.end_s=0.04",
         "coupling.structure_every=2",
-        "output.picture_times_s=[0.0, 0.03, 0.06]",
+        "output.picture_times_s=[0.0, 0.015, 0.03]",
     ];
     let run_on = |engine: &[&str], out: &Path, more: &[&str]| {
         let mut arguments = vec!["run", CANOPY, "--out", out.to_str().unwrap()];
@@ -191,7 +191,7 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // The second picture is drawn at 0.03 s.
+    // The second picture is drawn at 0.015 s.
     while !out.join("snapshot_001.png").exists() {
         assert!(
             child.try_wait().unwrap().is_none(),

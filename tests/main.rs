@@ -19,6 +19,7 @@ mod body_settling;
 mod cadence;
 mod canopies;
 mod canopy;
+mod capabilities;
 mod cases;
 mod change_of_lattice;
 mod checkpoint;
@@ -43,6 +44,7 @@ mod long_histories;
 mod meshes;
 mod out_of_memory;
 mod permeability;
+mod phases;
 mod plates;
 mod ram_air;
 mod resumed;
@@ -98,9 +100,11 @@ fn main() -> std::process::ExitCode {
         adaptive::trials(),
         supports::trials(),
         permeability::trials(),
+        phases::trials(),
         plates::trials(),
         descent::trials(),
         change_of_lattice::trials(),
+        capabilities::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

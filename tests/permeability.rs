@@ -16,6 +16,7 @@ use ripstop::measure::{Record, results};
 use ripstop::plan::Plan;
 use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
+use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, device, needs_device, on_every_engine, plain};
 use crate::resumed::{bits_of_nodes, taken_up};
@@ -266,7 +267,11 @@ fn simulate(case: &Case, engine: Engine) -> (Simulation, Record) {
 }
 
 fn value(of: &(Simulation, Record), name: &str) -> f64 {
-    results(&of.0, &of.1).get(name).unwrap().value.unwrap()
+    results(&of.0, &Statics::default(), &of.1)
+        .get(name)
+        .unwrap()
+        .value
+        .unwrap()
 }
 
 #[derive(Clone, Copy)]

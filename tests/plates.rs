@@ -10,6 +10,7 @@ use ripstop::fabric::Fabric;
 use ripstop::geometry::plate::{self, Plate, Support};
 use ripstop::plan::Plan;
 use ripstop::run;
+use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::tolerances;
@@ -158,7 +159,7 @@ impl Body for Routes {
         let case = case::parse("plate", IN_WIND, Path::new("."), &Choices::default()).unwrap();
         let plan = Plan::new(&case.scene, engine.plan_placement());
         let (simulation, record) = run::without_files(&case, plan, engine.device()).unwrap();
-        let results = ripstop::measure::results(&simulation, &record);
+        let results = ripstop::measure::results(&simulation, &Statics::default(), &record);
         let value = |name: &str| results.get(name).and_then(|found| found.value).unwrap();
         let markers = value("drag_markers_n");
         let momentum_box = value("drag_momentum_box_n");

@@ -15,6 +15,7 @@ use ripstop::geometry::wing::section::Side;
 use ripstop::plan::{Plan, Precision};
 use ripstop::run;
 use ripstop::simulation::Simulation;
+use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::resumed::{bits_of_nodes, taken_up};
@@ -242,7 +243,7 @@ fn symmetry() {
         let case = parse(&text);
         let plan = Plan::new(&case.scene, Precision::F32);
         let (simulation, record) = run::without_files(&case, plan, None).unwrap();
-        let results = ripstop::measure::results(&simulation, &record);
+        let results = ripstop::measure::results(&simulation, &Statics::default(), &record);
         [
             "lift_coefficient",
             "drag_coefficient",

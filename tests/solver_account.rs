@@ -213,7 +213,7 @@ fn foretold() {
     let sheet = load(SHEET[0], &[]);
     let plan = plan(&sheet);
     assert!(matches!(plan.evaluations, Some(Evaluations::Unknown(_))));
-    let text = plan.report(&sheet.scene, 1);
+    let text = plan.report(&sheet.scene, &[], 1);
     assert!(text.contains("evaluations         not known"), "{text}");
     assert!(text.contains("estimated duration  not known"), "{text}");
 }

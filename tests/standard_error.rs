@@ -45,7 +45,7 @@ fn on_a_full_disk(mut command: Command) -> Child {
 
 fn is_not_needed() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |out: &Path| canopy(out, &["--set", "time.end_s=0.03"]);
+    let run = |out: &Path| canopy(out, &["--set", "time.end_s=0.008"]);
     let whole = folder.path().join("whole");
     let output = run(&whole).output().unwrap();
     assert_eq!(output.status.code(), Some(0));

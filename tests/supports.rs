@@ -11,6 +11,7 @@ use ripstop::measure::{Record, catenary, results};
 use ripstop::plan::{ClothPlacement, Placement, Plan, Precision};
 use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
+use ripstop::statics::Statics;
 
 use crate::engines::{Engine, needs_device, plain};
 use crate::tolerances;
@@ -96,7 +97,7 @@ fn bar(placement: Placement, engine: Engine, tolerance: f64) {
         assert_eq!(at_once, steps == 0);
         simulation.equilibrate(&mut |_| true).unwrap().unwrap();
         record.add(&mut simulation).unwrap();
-        let results = results(&simulation, &record);
+        let results = results(&simulation, &Statics::default(), &record);
         assert!((end(&results, "grip_displacement_x_m") - 0.01).abs() < 1e-12);
         let pull = end(&results, "grip_force_x_n");
         assert!(
@@ -116,7 +117,7 @@ fn chain() {
     let (mut simulation, mut record) = without_files(&case, plan, None).unwrap();
     simulation.equilibrate(&mut |_| true).unwrap().unwrap();
     record.add(&mut simulation).unwrap();
-    let results = results(&simulation, &record);
+    let results = results(&simulation, &Statics::default(), &record);
     let weight_n_m = 1e-4 * 1000.0 * 9.81;
     let exact = catenary::solve(0.8, 1.2, weight_n_m).unwrap();
     let near = |name: &str, exact: f64| {

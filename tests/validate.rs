@@ -46,7 +46,7 @@ const FABRIC: [&str; 9] = [
 ];
 
 /// Those that a software device solves in seconds.
-const FABRIC_ON_DEVICE: [&str; 3] = ["membrane-patch", "catenary", "heavy-cantilever"];
+const FABRIC_ON_DEVICE: [&str; 2] = ["membrane-patch", "catenary"];
 
 pub fn trials() -> Vec<Trial> {
     let mut trials = plain("validate::fabric::cpu", || problems(&FABRIC, "cpu"));

@@ -34,8 +34,8 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     };
     let case = &prepared.case;
     let threads = rayon::current_num_threads();
-    emit(&prepared.plan.report(&case.scene, threads))?;
-    emit(&plan::grid_sequence(&case.coarser))?;
+    let report = prepared.plan.report(&case.scene, &case.coarser, threads);
+    emit(&report)?;
     if let Some(averaging) = measure::averaging(&case.scene) {
         emit(&format!("\n{averaging}\n"))?;
     }

@@ -11,7 +11,9 @@ use crate::case::Scene;
 use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
-use crate::plan::{AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage};
+use crate::plan::{
+    AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage, capabilities,
+};
 
 /// Nodes from which `--cloth auto` puts the fabric on a real GPU: an estimate, for no GPU has been at hand. On a software adapter the
 /// host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`). What weighs
@@ -131,36 +133,9 @@ impl EngineArguments {
         if self.cloth == ClothChoice::Device && scene.body.is_none() {
             return misuse("--cloth device: the case has no [structure]; leave it out");
         }
-        let has_contact = scene
-            .body
-            .as_ref()
-            .is_some_and(|body| body.structure.contact.is_some());
-        if self.cloth == ClothChoice::Device && has_contact {
-            return misuse(
-                "--cloth device: the case has [contact], which is searched for on the host; leave it out, or remove [contact]",
-            );
-        }
-        let has_fabrics = scene
-            .body
-            .as_ref()
-            .is_some_and(|body| !body.structure.further_fabrics.is_empty());
-        if self.cloth == ClothChoice::Device && has_fabrics {
-            return misuse(
-                "--cloth device: the structure is sewn of several fabrics, which only the host computes yet; leave it out",
-            );
-        }
-        let is_hauled = (scene.wing.as_ref())
-            .is_some_and(|wing| wing.tunnel.is_some() || !wing.pulls.is_empty());
-        if self.cloth == ClothChoice::Device && is_hauled {
-            return misuse(
-                "--cloth device: the case has a wing in the wind, or hauls in risers, which only the host computes; leave it out",
-            );
-        }
-        let has_trim = scene.wing.as_ref().is_some_and(|wing| wing.trim.is_some());
-        if self.cloth == ClothChoice::Device && has_trim {
-            return misuse(
-                "--cloth device: the case has [equilibrium.trim], whose fabric the host computes; leave it out",
-            );
+        let lacking = capabilities::lacking_on_device(scene);
+        if let (ClothChoice::Device, Some(lacking)) = (self.cloth, &lacking) {
+            return misuse(&lacking.to_string());
         }
         let on_request = named.unwrap_or(AdapterChoice::Any);
         if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
@@ -193,7 +168,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            ClothChoice::Auto if has_contact || has_fabrics || has_trim || is_hauled => false,
+            ClothChoice::Auto if lacking.is_some() => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

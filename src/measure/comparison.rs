@@ -7,13 +7,14 @@ use crate::case::scene::BodyKind;
 use crate::cloth::Structure;
 use crate::frame::{FabricState, StructureFrame};
 use crate::output::{ComparisonRow, LatticeError, Quantity, Results};
+use crate::statics::Statics;
 
 /// Names of all results that a run of the scene will have.
 #[must_use]
 pub fn result_names(scene: &Scene) -> Vec<String> {
     let record = Record::at_rest(scene);
     let structure = scene.body.as_ref().map(|body| at_rest(&body.structure));
-    let results = of_scene(scene, structure.as_ref(), &record, (None, None, &[]));
+    let results = of_scene(scene, structure.as_ref(), &record, &Statics::default());
     results.iter().map(|(name, _)| name.to_owned()).collect()
 }
 

@@ -10,7 +10,7 @@ use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
 use crate::geometry::wing::section::{Side, lookup};
 use crate::output::{Quantity, Results};
-use crate::simulation::ShapingStep;
+use crate::statics::ShapingStep;
 
 /// Ballooning whose middle stands out by a share of the width; negative inwards.
 #[must_use]

@@ -11,7 +11,7 @@ use crate::case::wing::Wing;
 use crate::cloth::Structure;
 use crate::geometry::wing::{LineKind, Part};
 use crate::output::{Quantity, Results};
-use crate::simulation::{LoadStep, LoadTestState};
+use crate::statics::{LoadStep, LoadTest};
 
 /// The line nearest to breaking.
 #[derive(Debug, Clone, PartialEq)]
@@ -215,7 +215,7 @@ pub(super) fn results(
     wing: &Wing,
     designed: &Structure,
     gravity_m_s2: f64,
-    state: Option<&LoadTestState>,
+    state: Option<&LoadTest>,
 ) {
     let steps = state.map_or(&[][..], |state| &state.steps);
     let names = line_names(wing, designed);

@@ -5,6 +5,7 @@ use super::residual;
 use crate::case::scene::Scene;
 use crate::output::{AccountRow, Results};
 use crate::simulation::{Interval, LAST, Simulation, SolverAccount, UNSOLVED_SHARE};
+use crate::statics::Statics;
 
 const fn has_solves(scene: &Scene) -> bool {
     scene.body.is_some() && scene.time.is_some()
@@ -62,7 +63,7 @@ const MASS_DEFECT_LIMIT: f64 = 1e-3;
 
 /// The account of a run: every solver and every balance that it has.
 #[must_use]
-pub fn account(simulation: &Simulation, results: &Results) -> Vec<AccountRow> {
+pub fn account(simulation: &Simulation, statics: &Statics, results: &Results) -> Vec<AccountRow> {
     let mut rows = Vec::new();
     let account = simulation.solver_account();
     if account.solves() > 0 {
@@ -85,9 +86,9 @@ pub fn account(simulation: &Simulation, results: &Results) -> Vec<AccountRow> {
             opening.steps
         ))
     }));
-    rows.extend(equilibrium(simulation));
-    rows.extend(trim(simulation));
-    rows.extend(load_test(simulation));
+    rows.extend(equilibrium(simulation, statics));
+    rows.extend(trim(simulation, statics));
+    rows.extend(load_test(statics));
     rows.extend(contact(simulation, results));
     let coupling = simulation.scene().coupling;
     if let (Some(slip), Some(coupling)) = (value(results, "slip_mean"), coupling) {
@@ -162,8 +163,8 @@ fn steps(account: &SolverAccount) -> AccountRow {
 }
 
 /// The static equilibrium that the case asks for.
-fn equilibrium(simulation: &Simulation) -> Option<AccountRow> {
-    let outcome = simulation.equilibrium_outcome()?;
+fn equilibrium(simulation: &Simulation, statics: &Statics) -> Option<AccountRow> {
+    let outcome = statics.equilibrium.as_ref()?;
     let row = AccountRow::at_most(
         "static equilibrium",
         "energy norm left over that of the loads",
@@ -177,9 +178,9 @@ fn equilibrium(simulation: &Simulation) -> Option<AccountRow> {
 }
 
 /// The last iteration of a trim.
-fn trim(simulation: &Simulation) -> Option<AccountRow> {
+fn trim(simulation: &Simulation, statics: &Statics) -> Option<AccountRow> {
     let settings = simulation.scene().wing.as_ref()?.trim.as_ref()?;
-    let last = simulation.trim_state()?.iterations.last()?;
+    let last = statics.trim.as_ref()?.iterations.last()?;
     let row = AccountRow::at_most(
         "trim",
         "what the risers lack over the weight",
@@ -218,8 +219,8 @@ fn contact(simulation: &Simulation, results: &Results) -> Option<AccountRow> {
 }
 
 /// Loads of a load test that were not balanced.
-fn load_test(simulation: &Simulation) -> Option<AccountRow> {
-    let tested = &simulation.load_test_state()?.steps;
+fn load_test(statics: &Statics) -> Option<AccountRow> {
+    let tested = &statics.load_test.as_ref()?.steps;
     let missed = tested.iter().filter(|step| !step.is_balanced()).count();
     let row = AccountRow::at_most(
         "load test",

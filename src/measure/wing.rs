@@ -7,7 +7,7 @@ use crate::case::wing::Wing;
 use crate::frame::{FabricState, StructureFrame};
 use crate::geometry::wing::{LineKind, Part, Tag};
 use crate::output::{Quantity, Results};
-use crate::simulation::TrimState;
+use crate::statics::Trim;
 use crate::trim::Flight;
 
 /// Adds the results of a wing; `weight_n` is that of fabric and lines.
@@ -16,7 +16,7 @@ pub(super) fn results(
     wing: &Wing,
     structure: &StructureFrame,
     weight_n: DVec3,
-    trim: Option<&TrimState>,
+    trim: Option<&Trim>,
 ) {
     forces(results, wing, structure, weight_n, trim);
     lines(results, wing, structure);
@@ -49,7 +49,7 @@ fn forces(
     wing: &Wing,
     structure: &StructureFrame,
     weight_n: DVec3,
-    trim: Option<&TrimState>,
+    trim: Option<&Trim>,
 ) {
     let flight = trim.and_then(|trim| trim.flight.as_ref());
     let pressure = air_force_n(wing, structure, flight);

@@ -7,7 +7,7 @@ use crate::cloth::Structure;
 use crate::frame::StructureFrame;
 use crate::geometry::wing::LineKind;
 use crate::output::{Quantity, Results};
-use crate::simulation::TrimState;
+use crate::statics::Trim;
 use crate::trim::Flight;
 
 /// A part of the drag: its name, and its force [N].
@@ -19,7 +19,7 @@ pub(super) fn results(
     wing: &Wing,
     designed: &Structure,
     structure: &StructureFrame,
-    state: Option<&TrimState>,
+    state: Option<&Trim>,
 ) {
     let flight = state.and_then(|state| state.flight.as_ref());
     glide(results, wing, flight);

@@ -1,6 +1,7 @@
 //! What a run will do, as data: stages, sizes, and what it leaves out. `ripstop check` prints it, [`crate::simulation`] executes it.
 
 mod cadence;
+pub mod capabilities;
 mod descent;
 mod disk;
 mod estimate;
@@ -9,6 +10,7 @@ mod initial_hessian;
 mod meshes;
 mod openings;
 mod permeability;
+pub mod phases;
 mod placement;
 mod report;
 pub mod stages;
@@ -22,6 +24,7 @@ pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use forecast::Evaluations;
 pub use initial_hessian::multigrid_from_s;
 pub use meshes::report as mesh_report;
+pub use phases::{Phase, phases};
 pub use placement::{AirPlacement, ClothPlacement, Placement};
 pub use stages::{PlannedStage, Stage};
 
@@ -96,14 +99,7 @@ impl Plan {
     #[must_use]
     pub fn new(scene: &Scene, placement: impl Into<Placement>) -> Self {
         let placement: Placement = placement.into();
-        let (start_steps, steps) = match (scene.time, scene.air.map(|air| air.flow)) {
-            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
-                (start_time_s / time.step_s).ceil() as u64,
-                (time.end_s / time.step_s).ceil() as u64,
-            ),
-            (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
-            (None, _) => (0, 0),
-        };
+        let (start_steps, steps) = Self::step_counts(scene);
         let sizes = Sizes::new(scene, &placement);
         Self {
             stages: stages::stages(scene, &placement),
@@ -120,25 +116,25 @@ impl Plan {
             placement,
         }
     }
-}
 
-/// The coarser grids that a run begins on, as text; empty without any.
-#[must_use]
-pub fn grid_sequence(coarser: &[Scene]) -> String {
-    let mut text = String::new();
-    for air in coarser.iter().filter_map(|scene| scene.air) {
-        let [nx, ny, nz] = air.cells;
-        if text.is_empty() {
-            text.push_str(
-                "\ngrid sequence (before the case's own grid: the first until the wake has settled, each after it until the change is over)\n",
-            );
-        }
-        text.push_str(&format!(
-            "  cells               {nx} x {ny} x {nz} of {:.4} m, steps of {:.4e} s\n",
-            air.units.cell_size_m, air.units.time_step_s
-        ));
+    /// How often a stage runs, once in so many steps; `None` where it is not in the plan. Engines take it from here.
+    #[must_use]
+    pub fn every(&self, stage: Stage) -> Option<u32> {
+        let planned = self.stages.iter().find(|planned| planned.stage == stage);
+        planned.map(|planned| planned.every)
     }
-    text
+
+    /// Steps while the wind rises, and from release to the end.
+    fn step_counts(scene: &Scene) -> (u64, u64) {
+        match (scene.time, scene.air.map(|air| air.flow)) {
+            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
+                (start_time_s / time.step_s).ceil() as u64,
+                (time.end_s / time.step_s).ceil() as u64,
+            ),
+            (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
+            (None, _) => (0, 0),
+        }
+    }
 }
 
 /// Markers of the fabric; empty unless it is coupled with air.

@@ -16,20 +16,46 @@ const SMALLEST_SLOT_CELLS: f64 = 2.0;
 /// Relative difference of widths that are meant to be the same.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Openings of one kind and width: the first of them and how many they are.
-fn kinds(openings: &[Opening]) -> Vec<(&Opening, usize)> {
-    let mut found: Vec<(&Opening, usize)> = Vec::new();
+/// Openings of one kind, which stand together in the report.
+struct Group<'a> {
+    narrowest: &'a Opening,
+    widest_m: f64,
+    count: usize,
+}
+
+/// Slots, intakes and holes of ribs by their kind, of which a wing has many; others by kind and width.
+fn groups(openings: &[Opening]) -> Vec<Group<'_>> {
+    let mut found: Vec<Group> = Vec::new();
     for opening in openings {
-        let same = |known: &&Opening| {
-            let same_width = (known.width_m - opening.width_m).abs() <= ROUND_OFF * known.width_m;
-            known.kind == opening.kind && same_width
+        let belongs = |known: &&mut Group| {
+            let width_m = known.narrowest.width_m;
+            known.narrowest.kind == opening.kind
+                && (is_counted(opening.kind)
+                    || (width_m - opening.width_m).abs() <= ROUND_OFF * width_m)
         };
-        match found.iter_mut().find(|(known, _)| same(known)) {
-            Some((_, count)) => *count += 1,
-            None => found.push((opening, 1)),
+        match found.iter_mut().find(belongs) {
+            Some(group) => {
+                group.count += 1;
+                group.widest_m = group.widest_m.max(opening.width_m);
+                if opening.width_m < group.narrowest.width_m {
+                    group.narrowest = opening;
+                }
+            }
+            None => found.push(Group {
+                narrowest: opening,
+                widest_m: opening.width_m,
+                count: 1,
+            }),
         }
     }
     found
+}
+
+const fn is_counted(kind: OpeningKind) -> bool {
+    matches!(
+        kind,
+        OpeningKind::Slot | OpeningKind::Intake | OpeningKind::RibHole
+    )
 }
 
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -43,13 +69,15 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let inset = of_rims * markers::opening_inset_cells(width_m / cell);
         Some((width_m / cell, inset))
     };
-    for (opening, count) in kinds(&body.structure.openings) {
-        let what = match opening.kind {
-            OpeningKind::Slot | OpeningKind::Intake | OpeningKind::RibHole => {
-                format!("{count} {}s", opening.kind.name())
-            }
-            kind => kind.name().to_owned(),
+    for group in groups(&body.structure.openings) {
+        let opening = group.narrowest;
+        let what = if is_counted(opening.kind) {
+            format!("{} {}s", group.count, opening.kind.name())
+        } else {
+            opening.kind.name().to_owned()
         };
+        let is_range = group.widest_m > (1.0 + ROUND_OFF) * opening.width_m;
+        let narrowest = if is_range { " the narrowest" } else { "" };
         let cells = match inset(opening.width_m) {
             None => String::new(),
             Some((_, inset)) if opening.width_m == 0.0 => format!(
@@ -68,11 +96,20 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
                     _ => "too narrow: it passes less than it should",
                 };
                 format!(
-                    ", {cells:.1} cells: markers stand {inset:.2} cells inside its rim; {judged}"
+                    ",{narrowest} {cells:.1} cells: markers stand {inset:.2} cells inside its rim; {judged}"
                 )
             }
         };
-        writeln!(out, "  {what:<19} {:.4} m wide{cells}", opening.width_m)?;
+        let widest = if is_range {
+            format!(" to {:.4}", group.widest_m)
+        } else {
+            String::new()
+        };
+        writeln!(
+            out,
+            "  {what:<19} {:.4}{widest} m wide{cells}",
+            opening.width_m
+        )?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{
     AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, meshes, openings,
-    permeability, wing,
+    permeability, phases, wing,
 };
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
@@ -15,17 +15,17 @@ fn megabytes(bytes: u64) -> String {
 }
 
 impl Plan {
-    /// A report of stages, sizes, numbers that decide accuracy, and skips.
+    /// A report of phases, stages, sizes, numbers that decide accuracy, and skips. `coarser` are the grids that the run begins on, coarsest first.
     #[must_use]
-    pub fn report(&self, scene: &Scene, threads: usize) -> String {
-        let mut text = String::new();
+    pub fn report(&self, scene: &Scene, coarser: &[Scene], threads: usize) -> String {
+        let mut text = format!("{}\n", scene.title);
         // Writing to a String cannot fail.
+        let _ = phases::write(&mut text, scene, coarser);
         let _ = self.write_report(&mut text, scene, threads);
         text
     }
 
     fn write_report(&self, out: &mut String, scene: &Scene, threads: usize) -> std::fmt::Result {
-        writeln!(out, "{}", scene.title)?;
         writeln!(out, "\nplacement")?;
         if scene.air.is_some() {
             let place = match self.placement.air {
@@ -44,26 +44,8 @@ impl Plan {
             };
             writeln!(out, "  fabric and cables   {place}")?;
         }
-        writeln!(out, "\nstages of a step")?;
-        for planned in &self.stages {
-            let cadence = if planned.every == 1 {
-                String::new()
-            } else {
-                format!(" (every {} steps)", planned.every)
-            };
-            writeln!(
-                out,
-                "  {:<20} {}{cadence}",
-                planned.stage.name(),
-                planned.stage.flow()
-            )?;
-        }
-        if let Some(equilibrium) = scene.equilibrium {
-            writeln!(
-                out,
-                "  {:<20} static equilibrium to {:e}, at most {} evaluations",
-                "then", equilibrium.tolerance, equilibrium.evaluation_limit
-            )?;
+        if scene.time.is_some() {
+            self.write_stages(out)?;
         }
         let sizes = &self.sizes;
         if let Some(air) = &scene.air {
@@ -231,6 +213,24 @@ impl Plan {
         }
         for warning in warnings {
             writeln!(out, "  {warning}")?;
+        }
+        Ok(())
+    }
+
+    fn write_stages(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "\nstages of a step")?;
+        for planned in &self.stages {
+            let cadence = if planned.every == 1 {
+                String::new()
+            } else {
+                format!(" (every {} steps)", planned.every)
+            };
+            writeln!(
+                out,
+                "  {:<20} {}{cadence}",
+                planned.stage.name(),
+                planned.stage.flow()
+            )?;
         }
         Ok(())
     }

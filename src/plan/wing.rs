@@ -86,25 +86,6 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if let Some(settings) = &wing.trim {
         write_trim(out, wing, settings)?;
     }
-    if let Some(shaping) = &wing.panel_shaping {
-        writeln!(
-            out,
-            "  panel shaping       {} to {}, at most {} changes, each with an equilibrium of its own",
-            match shaping.target {
-                Some(_) => "flown ballooning",
-                None => "designed width of cells",
-            },
-            shaping.tolerance,
-            shaping.iteration_limit
-        )?;
-    }
-    if let Some(test) = &wing.load_test {
-        writeln!(
-            out,
-            "  load test           {:?} times the loads of the equilibrium",
-            test.load_factors
-        )?;
-    }
     if let Some(jumps_pa) = &wing.load_pa {
         let structure = &body.structure;
         let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
@@ -202,8 +183,8 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
     let (panels, strips) = (skin.panel_count(), skin.sections.len() - 1);
     writeln!(
         out,
-        "  trim                pilot {} kg, drag area {} m2; at most {} outer iterations",
-        settings.pilot_mass_kg, settings.pilot_drag_area_m2, settings.iteration_limit
+        "  pilot               {} kg, drag area {} m2",
+        settings.pilot_mass_kg, settings.pilot_drag_area_m2
     )?;
     writeln!(
         out,

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use super::outputs::no_room;
-use super::{INTERRUPTED, Report, Run, RunError, animation, load_test, panel_shaping};
-use super::{summary, tables, trim};
+use super::tables::{self, load_test, panel_shaping, trim};
+use super::{INTERRUPTED, Report, Run, RunError, animation, summary};
 use crate::checkpoint;
 use crate::ledger::State;
 use crate::measure::{SAMPLES_FILE, sail_warnings};
@@ -72,8 +72,9 @@ impl Run<'_> {
                 }
             }
         }
+        self.notes.append(&mut self.stand.balance_notes);
         self.notes.append(&mut self.files.notes);
-        if !interrupted && diverged.is_none() && !self.unbalanced {
+        if !interrupted && diverged.is_none() && !self.stand.unbalanced {
             self.warn_of_the_sail();
         }
         if self.record.unreadable() {
@@ -87,7 +88,7 @@ impl Run<'_> {
         self.notes.extend(self.missing.note());
         let mut summary = summary::summarise(
             self.case,
-            &self.simulation,
+            (&self.simulation, &self.statics),
             &self.record,
             reason.clone(),
             std::mem::take(&mut self.notes),
@@ -108,9 +109,22 @@ impl Run<'_> {
             (&self.record, frame.structure.as_ref()),
             &summary,
         ));
-        undelivered.note(trim::write(folder, &self.simulation));
-        undelivered.note(load_test::write(folder, scene, &self.simulation));
-        undelivered.note(panel_shaping::write(folder, scene, &self.simulation));
+        undelivered.note(trim::write(
+            folder,
+            &self.simulation,
+            self.statics.trim.as_ref(),
+        ));
+        undelivered.note(load_test::write(
+            folder,
+            scene,
+            self.statics.load_test.as_ref(),
+        ));
+        undelivered.note(panel_shaping::write(
+            folder,
+            scene,
+            &self.simulation,
+            &self.statics,
+        ));
         if !undelivered.notes.is_empty() {
             summary.notes.append(&mut undelivered.notes);
             undelivered.note(write_summary(&path, &summary));

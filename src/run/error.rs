@@ -7,6 +7,7 @@ use crate::ledger::LockError;
 use crate::output::OutputError;
 use crate::render;
 use crate::simulation::{Diverged, Failure};
+use crate::statics::RestoreError;
 
 /// Why a run could not deliver.
 #[derive(Debug, thiserror::Error)]
@@ -54,7 +55,17 @@ impl From<Failure> for RunError {
         match failure {
             Failure::Diverged(diverged) => Self::Diverged(diverged),
             Failure::Start(why) => Self::Start(why),
+            Failure::Lacking(lacking) => Self::Start(lacking.to_string()),
             Failure::Device(error) => Self::Device(error),
+        }
+    }
+}
+
+impl From<RestoreError> for RunError {
+    fn from(error: RestoreError) -> Self {
+        match error {
+            RestoreError::Checkpoint(error) => error.into(),
+            RestoreError::Failure(failure) => failure.into(),
         }
     }
 }

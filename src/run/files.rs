@@ -339,10 +339,10 @@ impl<'a> Files<'a> {
             ..PictureOptions::default()
         };
         if let Some(structure) = &frame.structure {
-            let path = self.folder.join(super::load_test::SHAPE);
+            let path = self.folder.join(super::tables::load_test::SHAPE);
             write_canopy_vtp(&path, structure, frame.time_s)?;
         }
-        let path = self.folder.join(super::load_test::PICTURE);
+        let path = self.folder.join(super::tables::load_test::PICTURE);
         self.draw_into(&path, &frame, &options)
     }
 

@@ -4,34 +4,28 @@ mod animation;
 mod cadence;
 mod device_use;
 mod ending;
-mod equilibrium;
 mod error;
 mod fault;
 mod files;
 mod folder;
 mod identity;
-mod lattices;
-mod load_test;
 mod log;
 mod mesh_pictures;
 mod names;
 mod outputs;
-mod panel_shaping;
+mod phases;
 mod requests;
 mod summary;
 mod tables;
-mod trim;
 mod verdict;
 mod verify;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use crate::case::Case;
-use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint;
 use crate::frame::Frame;
 use crate::gpu::Device;
@@ -40,16 +34,18 @@ use crate::measure::{Record, SAMPLES_FILE};
 use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
-use cadence::{Cadence, PROGRESS_PARTS, parts_done, steps_per};
+use crate::statics::Statics;
+use crate::steady::Detector;
+use cadence::steps_per;
 pub use error::RunError;
 pub use fault::{Fault, caught, record_panics};
 use files::Files;
 pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
 use identity::{COMPUTED_BY, account, case_entry, computed_by, identity, reached};
-use lattices::Lattice;
 use log::Log;
 pub use mesh_pictures::draw_findings;
 use outputs::Missing;
+use phases::{Lattice, Stand};
 pub use requests::Requests;
 use verify::Lost;
 
@@ -109,8 +105,13 @@ struct Run<'a> {
     identity: String,
     computed_by: String,
     checkpoint_interval: Duration,
+    last_checkpoint: Instant,
     simulation: Simulation,
+    statics: Statics,
     lattice: Lattice,
+    stand: Stand,
+    /// Stops the run once the means are steady; `None` where it goes to its end.
+    detector: Option<Detector>,
     record: Record,
     history: HistoryWriter,
     files: Files<'a>,
@@ -119,8 +120,6 @@ struct Run<'a> {
     /// Structure at a later sample, not yet known to be.
     sampled: Frame,
     notes: Vec<String>,
-    /// The static equilibrium was not reached.
-    unbalanced: bool,
     /// Step of the checkpoint that the run went on from.
     resumed_at_step: Option<u64>,
     requests: Requests,
@@ -192,7 +191,7 @@ fn run_locked(
     requests.set_resumable(matches!(start, Start::Resume | Start::Extend));
     run.requests = requests.clone();
     observer.open(start);
-    let (reason, diverged) = match fault::guarded(|| run.drive(requests, observer)) {
+    let (reason, diverged) = match fault::guarded(|| run.drive(observer)) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
         Err(mut other) => {
@@ -285,14 +284,6 @@ impl<'a> Run<'a> {
             notes.extend(folder::what_changed(earlier, case));
         }
         notes.iter().for_each(|note| observer.note(note));
-        if case
-            .scene
-            .body
-            .as_ref()
-            .is_some_and(|body| matches!(body.kind, BodyKind::Canopy(c) if c.loading.is_some()))
-        {
-            observer.note("opening the folded canopy by loading pressure");
-        }
         let precision = plan.placement.precision_name();
         let lattice = match &stored {
             Some(stored) => Lattice::restore(case, stored)?,
@@ -302,9 +293,12 @@ impl<'a> Run<'a> {
         let mut record = Record::new(&simulation);
         let mut written = files::Written::default();
         let mut lost = Lost::default();
+        let (mut statics, mut stand) = (Statics::default(), Stand::default());
         match &stored {
             Some(stored) => {
+                statics = Statics::restore(stored, &case.scene, &mut simulation)?;
                 simulation.restore(stored)?;
+                stand = Stand::restore(case, stored, simulation.steps_are_left())?;
                 folder::refuse_past_the_end(&simulation)?;
                 if from == Some(folder) {
                     record.restore(stored, folder)?;
@@ -348,12 +342,6 @@ impl<'a> Run<'a> {
             None => {
                 names::remove_earlier(folder);
                 keep_samples(&mut record, folder)?;
-                if let Some(opening) = simulation.opening() {
-                    observer.note(&format!(
-                        "canopy opened by loading pressure: D_p/D_0 {:.3} -> {:.3} in {} steps",
-                        opening.folded_ratio, opening.opened_ratio, opening.steps
-                    ));
-                }
             }
         }
         let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
@@ -391,15 +379,18 @@ impl<'a> Run<'a> {
             identity,
             computed_by,
             checkpoint_interval,
+            last_checkpoint: Instant::now(),
             simulation,
+            statics,
             lattice,
+            stand,
+            detector: None,
             record,
             history,
             files,
             good,
             sampled,
             notes,
-            unbalanced: false,
             resumed_at_step,
             requests: Requests::default(),
             to_the_end: start == Start::Extend,
@@ -418,6 +409,8 @@ impl<'a> Run<'a> {
         let written = checkpoint::write(self.folder, &self.identity, |out| {
             out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
             self.lattice.save(out)?;
+            self.stand.save(out)?;
+            self.statics.save(&self.simulation, out)?;
             self.simulation.save(out)?;
             self.record.save(out)?;
             self.files.save(out)
@@ -427,148 +420,5 @@ impl<'a> Run<'a> {
         written?;
         self.requests.set_resumable(true);
         Ok(())
-    }
-
-    /// Steps to the end; returns why it ended.
-    fn drive(
-        &mut self,
-        requests: &Requests,
-        observer: &mut dyn Observer,
-    ) -> Result<String, RunError> {
-        let interrupt: &AtomicBool = &requests.stop;
-        let scene = &self.case.scene;
-        let mut cadence = Cadence::new(&self.simulation);
-        let mut picture_times = scene.output.picture_times_s.clone();
-        picture_times.sort_by(f64::total_cmp);
-        let began = Instant::now();
-        let first_step = self.simulation.step_count();
-        let start_s = scene.air.map_or(0.0, |air| match air.flow {
-            Flow::WindTunnel { start_time_s, .. } => -start_time_s,
-            Flow::TaylorGreen { .. } => 0.0,
-        });
-        let span_s = [start_s, scene.time.map_or(0.0, |time| time.end_s)];
-        let mut last_checkpoint = Instant::now();
-        let detector = (!self.to_the_end).then(|| lattices::detector(scene));
-        let mut detector = detector.flatten();
-        // A run that stopped as it was steady had written all of that step, its last sample too.
-        let written_at =
-            (self.record.latest("time_s") == Some(self.simulation.time_s())).then_some(first_step);
-        // Windows that were looked at before an interrupt.
-        if let Some(detector) = &mut detector {
-            detector.skip_looks(&self.record);
-        }
-        while self.simulation.step_count() < cadence.planned {
-            // Before anything of this step is written, so that a resumed run writes it once.
-            if requests.to_stop() {
-                self.save()?;
-                return Ok(INTERRUPTED.to_owned());
-            }
-            let asked = requests.takes_checkpoint();
-            let mut saved = false;
-            if asked || last_checkpoint.elapsed() >= self.checkpoint_interval {
-                saved = self.try_save(observer)?;
-                last_checkpoint = Instant::now();
-            }
-            if asked && saved {
-                let time_s = self.simulation.time_s();
-                observer.note(&format!("checkpoint at t = {time_s:.6} s, as asked for"));
-            }
-            // What a change of the lattice follows has been written on the one before.
-            if self.simulation.released()
-                && !cadence.just_changed(&self.simulation)
-                && written_at != Some(self.simulation.step_count())
-            {
-                let since = self.simulation.step_count() - cadence.origin;
-                self.write_frames(&cadence, since, observer)?;
-                let sampled = since.is_multiple_of(cadence.sample);
-                self.whole = !sampled;
-                if sampled {
-                    self.sample(observer)?;
-                    // A sample counts as good once the air has been searched at or after it.
-                    if self.simulation.sound_step() >= self.sampled.step {
-                        self.good =
-                            std::mem::replace(&mut self.sampled, self.simulation.structure_frame());
-                    }
-                }
-                self.draw_pictures(&cadence, since, &picture_times, observer)?;
-                if sampled && let Some(changed) = self.follow_lattice()? {
-                    observer.lattice_changed();
-                    if let Some(note) = changed {
-                        observer.note(&note);
-                    }
-                    cadence = Cadence::new(&self.simulation);
-                    continue;
-                }
-                if sampled
-                    && self.lattice.is_finest()
-                    && let Some(reason) = detector
-                        .as_mut()
-                        .and_then(|d| d.reason_to_stop(&self.record))
-                {
-                    observer.note(&reason);
-                    self.save_final(observer)?;
-                    return Ok(reason);
-                }
-            }
-            self.whole = false;
-            self.simulation.advance()?;
-            self.whole = true;
-            let done = self.simulation.step_count();
-            if done.is_multiple_of(PROGRESS_INTERVAL) || done == cadence.planned {
-                let rate = (done - first_step) as f64 / began.elapsed().as_secs_f64();
-                let parts = parts_done(self.simulation.time_s(), span_s);
-                observer.progress(parts, PROGRESS_PARTS, &self.status(rate));
-            }
-        }
-        self.whole = false;
-        self.save_final(observer)?;
-        if !self.lattice.is_finest() {
-            self.notes.push(
-                "warning: the run ended on a coarser grid than the case's own: results are those of that grid; raise time.end_s".to_owned(),
-            );
-        }
-        let since = self.simulation.step_count() - cadence.origin;
-        // A run interrupted while it sought the equilibrium has this row already.
-        if scene.time.is_some()
-            && (since.is_multiple_of(cadence.sample) || self.record.sample_count() < 2)
-            && self.record.latest("time_s") != Some(self.simulation.time_s())
-        {
-            self.sample(observer)?;
-        }
-        let mut reason = self.balance(interrupt, observer)?;
-        if reason != INTERRUPTED {
-            reason = self.shape_panels(reason, interrupt, observer)?;
-        }
-        if reason != INTERRUPTED
-            && let Some(ended) = self.test_loads(interrupt, observer)?
-        {
-            reason = ended;
-        }
-        Ok(reason)
-    }
-
-    /// Seeks the trim, or the equilibrium, that the case asks for; returns why the run ended.
-    fn balance(
-        &mut self,
-        interrupt: &AtomicBool,
-        observer: &mut dyn Observer,
-    ) -> Result<String, RunError> {
-        match self.seek_trim(interrupt, observer)? {
-            Some(reason) => Ok(reason),
-            None => self.equilibrate(interrupt, observer),
-        }
-    }
-
-    fn status(&self, rate: f64) -> String {
-        let mut text = format!("t = {:.4} s, {rate:.0} steps/s", self.simulation.time_s());
-        for (column, label) in [
-            ("projected_diameter_ratio", "D_p/D_0"),
-            ("drag_coefficient", "C_D"),
-        ] {
-            if let Some(value) = self.record.latest(column).filter(|v| v.is_finite()) {
-                text.push_str(&format!(", {label} {value:.3}"));
-            }
-        }
-        text
     }
 }

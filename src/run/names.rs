@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{load_test, panel_shaping, tables, trim};
+use super::tables::{self, load_test, panel_shaping, trim};
 use crate::checkpoint;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};

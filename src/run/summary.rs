@@ -8,6 +8,7 @@ use crate::output::{
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
+use crate::statics::Statics;
 use crate::validity;
 
 /// Names who computes in that precision: the device, or the host.
@@ -29,7 +30,7 @@ fn processor(placement: &Placement, on_device: bool, precision: &str) -> Process
 /// Everything that a run leaves to be known about itself.
 pub(super) fn summarise(
     case: &Case,
-    simulation: &Simulation,
+    (simulation, statics): (&Simulation, &Statics),
     record: &Record,
     reason: String,
     mut notes: Vec<String>,
@@ -126,7 +127,7 @@ pub(super) fn summarise(
     let main = air
         .or_else(|| fabric.clone())
         .unwrap_or_else(|| processor(placement, false, placement.precision_name()));
-    let mut results = results(simulation, record);
+    let mut results = results(simulation, statics, record);
     let structure = simulation.structure_frame().structure;
     let validity = validity::of_run(scene, plan, structure.as_ref(), record);
     mark(&mut results, &validity);
@@ -210,7 +211,7 @@ pub(super) fn summarise(
             .map(|s| format!("{}: {}", s.what, s.why))
             .collect(),
         notes,
-        account: account(simulation, &results),
+        account: account(simulation, statics, &results),
         expected_errors: validity::expected_errors(scene),
         validity,
         comparison: comparison(scene, &results),

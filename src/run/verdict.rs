@@ -6,7 +6,7 @@ use crate::simulation::LAST;
 impl Run<'_> {
     /// What is not in balance at the end: the static equilibrium, or the steps of the fabric, unless the case allows those.
     pub(super) fn out_of_balance(&self) -> Option<String> {
-        if self.unbalanced {
+        if self.stand.unbalanced {
             return Some("the static equilibrium was not reached".to_owned());
         }
         let account = self.simulation.solver_account();

@@ -208,7 +208,7 @@ impl Simulation {
         let mut done = 0;
         while done < smallest {
             let length = smallest >> adaptive.halvings;
-            let before = self.state();
+            let before = self.structure_state();
             self.place_supports(start_s + part_s(done + length));
             let part_s = part_s(length);
             let outcome = self.solve_part(part_s, adaptive.initial_hessian(part_s))?;

@@ -7,9 +7,10 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::{BodyForce, Fluid};
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
+use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Breakdown, Grid, Initial, Setup, Sides, StreamwiseEnds};
 use crate::lattice::start::{Start, Stress};
-use crate::plan::{AirPlacement, Precision};
+use crate::plan::{AirPlacement, Plan, Precision, Stage};
 
 use super::markers::MarkerEngine;
 
@@ -36,28 +37,24 @@ macro_rules! each_engine {
 
 impl AirEngine {
     /// Air of a scene at its initial state.
-    pub fn new(
-        air: &Air,
-        placement: AirPlacement,
-        device: Option<&Arc<Device>>,
-    ) -> Result<Self, DeviceError> {
+    pub fn new(air: &Air, plan: &Plan, device: Option<&Arc<Device>>) -> Result<Self, DeviceError> {
         let initial = initial_state(air);
         // The wind rises from rest, and populations of air at rest are zero.
         let at_rest = matches!(air.flow, Flow::WindTunnel { .. });
         let initial: Option<&Initial> = if at_rest { None } else { Some(&initial) };
-        Self::build(setup(air), initial, placement, device)
+        Self::build(setup(air, plan), initial, plan.placement.air, device)
     }
 
     /// Air of a scene that goes on from a state of every cell, in its own lattice units.
     pub(super) fn continued(
         air: &Air,
-        placement: AirPlacement,
+        plan: &Plan,
         device: Option<&Arc<Device>>,
         state: impl Fn([usize; 3]) -> (f64, [f64; 3], Stress) + Sync,
     ) -> Result<Self, DeviceError> {
-        let setup = setup(air);
+        let setup = setup(air, plan);
         let start = Start::with_stresses(&setup, state);
-        let mut engine = Self::build(setup, None, placement, device)?;
+        let mut engine = Self::build(setup, None, plan.placement.air, device)?;
         each_engine!(&mut engine, fluid => fluid.fill(&start), fluid => fluid.fill(&start));
         Ok(engine)
     }
@@ -177,7 +174,8 @@ impl AirEngine {
 }
 
 /// The lattice of a scene's air.
-fn setup(air: &Air) -> Setup {
+/// What the engine has to know of the air; how often a stage runs is the plan's.
+fn setup(air: &Air, plan: &Plan) -> Setup {
     let (ends, sides, sponge_cells) = match air.flow {
         Flow::WindTunnel {
             sponge_length_m, ..
@@ -195,7 +193,12 @@ fn setup(air: &Air) -> Setup {
         relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
         sponge_cells,
         operator: air.operator,
-        eddy_viscosity: air.eddy_viscosity,
+        eddy_viscosity: air.eddy_viscosity.map(|eddy_viscosity| EddyViscosity {
+            update_every: plan
+                .every(Stage::EddyViscosity)
+                .unwrap_or(eddy_viscosity.update_every),
+            ..eddy_viscosity
+        }),
     }
 }
 

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::coupled::at_marker;
-use super::{AirEngine, Coupled, Failure, Origin, Simulation};
+use super::{AirEngine, ClothEngine, Coupled, Failure, Origin, Simulation};
 use crate::case::Scene;
 use crate::cpu::cloth::Cloth;
 use crate::immersed::kernel;
@@ -200,7 +200,7 @@ impl Simulation {
         plan.start_steps = self.plan.start_steps;
         // Before the new lattice is made: both need not fit.
         drop(air);
-        drop(self.device_cloth.take());
+        self.cloth_engine = ClothEngine::Host;
         let initial = |cell: [usize; 3]| {
             let (excess, velocity, stress) = field.at(cell, &new.units);
             let index = cell[0] + new.cells[0] * (cell[1] + new.cells[1] * cell[2]);
@@ -208,7 +208,7 @@ impl Simulation {
             let bare = std::array::from_fn(|a| velocity[a] - shift[a] / (1.0 + excess));
             (excess, bare, stress)
         };
-        let air = AirEngine::continued(&new, plan.placement.air, self.device.as_ref(), initial)?;
+        let air = AirEngine::continued(&new, &plan, self.device.as_ref(), initial)?;
         let device = self.device.clone();
         let next = Self::assemble(scene, plan, device, Some(air), self.cloth.take())?;
         *self = Self {
@@ -225,7 +225,6 @@ impl Simulation {
             largest_marker_motion: self.largest_marker_motion,
             cost: self.cost,
             account: self.account.clone(),
-            equilibrium_outcome: self.equilibrium_outcome,
             ..next
         };
         self.count_steps();

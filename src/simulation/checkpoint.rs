@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::{Origin, Simulation, SolverAccount};
+use super::{Opening, Origin, Simulation, SolverAccount};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::ContactState;
 
@@ -32,6 +32,9 @@ impl Simulation {
         }
         if self.cloth.is_some() {
             self.account.save(out)?;
+        }
+        if let Some(opening) = &self.opening {
+            opening.save(out)?;
         }
         if let Some(coupled) = &self.coupled {
             coupled.save(out)?;
@@ -89,6 +92,7 @@ impl Simulation {
         if self.cloth.is_some() {
             self.account = SolverAccount::restore(from)?;
         }
+        self.opening = Opening::restore(from)?;
         self.haul_risers(self.time_s());
         if let Some(cadence) = &mut self.cadence {
             cadence.restore(from)?;

@@ -1,33 +1,17 @@
-//! Stage `solve_cloth` with its transfers, wherever the plan puts it, and the static equilibrium.
-
-use std::time::Instant;
+//! Stage `solve_cloth` with its transfers, wherever the plan puts it.
 
 use glam::DVec3;
 
 use super::coupled::Coupled;
-use super::{Failure, Simulation};
+use super::{ClothEngine, Failure, Simulation, StructureState};
 use crate::case::Scene;
 use crate::cpu::cloth::{Cloth, InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
 use crate::plan::Plan;
-use crate::solve::lbfgs::{HISTORY, Outcome, Stop, Watch};
+use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
 
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
-const REFRESH_EVERY: usize = 10;
-
-/// The fabric before a solve that may be taken back.
-pub(super) struct Before {
-    positions_m: Vec<DVec3>,
-    pub(super) velocities_m_s: Vec<DVec3>,
-}
-
-impl Before {
-    /// Puts the fabric back to where it was.
-    pub(super) fn put_back(&self, cloth: &mut Cloth) {
-        cloth.positions_m.copy_from_slice(&self.positions_m);
-        cloth.velocities_m_s.copy_from_slice(&self.velocities_m_s);
-    }
-}
+pub(super) const REFRESH_EVERY: usize = 10;
 
 impl Simulation {
     fn step_settings(&self) -> SolverSettings {
@@ -55,7 +39,7 @@ impl Simulation {
     }
 
     /// Goes back to where the fabric was, for a solve over fewer steps, if the one just done lets it move too far.
-    fn take_back(&mut self, before: &Before) -> bool {
+    fn take_back(&mut self, before: &StructureState) -> bool {
         let (Some(cadence), Some(coupled), Some(cloth)) =
             (&mut self.cadence, &self.coupled, &mut self.cloth)
         else {
@@ -69,7 +53,7 @@ impl Simulation {
     }
 
     /// Ends a solve over several steps: only the first is gone at once.
-    fn end_span(&mut self, before: &Before) {
+    fn end_span(&mut self, before: &StructureState) {
         let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
         if let (Some(cadence), Some(cloth)) = (&mut self.cadence, &mut self.cloth) {
             for ((x, old), v) in cloth
@@ -85,22 +69,8 @@ impl Simulation {
     }
 
     /// What a solve over several steps may have to be taken back to; `None` where every step is solved.
-    fn before(&self) -> Option<Before> {
-        self.cadence.is_some().then(|| self.state())
-    }
-
-    /// Where the fabric is, for solves that may be taken back.
-    pub(super) fn state(&self) -> Before {
-        self.cloth.as_ref().map_or_else(
-            || Before {
-                positions_m: Vec::new(),
-                velocities_m_s: Vec::new(),
-            },
-            |cloth| Before {
-                positions_m: cloth.positions_m.clone(),
-                velocities_m_s: cloth.velocities_m_s.clone(),
-            },
-        )
+    fn before(&self) -> Option<StructureState> {
+        self.cadence.is_some().then(|| self.structure_state())
     }
 
     /// Stage `send_nodes`; parts of steps send their own.
@@ -108,24 +78,9 @@ impl Simulation {
         if !self.solves_now() || self.adaptive.is_some() {
             return Ok(());
         }
-        self.place_supports(self.time_at(self.step + 1));
-        if let Some(coupled) = &mut self.coupled {
-            coupled.gather_reactions();
-        }
-        self.begin_span();
-        let felt = self.felt_gravity_m_s2();
-        let every = self.every();
-        let input = step_input(
-            &self.scene,
-            self.coupled.as_ref(),
-            (felt, &self.drags, &self.moved_supports),
-            every,
-        );
-        let settings = self.step_settings();
-        if let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) {
-            device_cloth.send_nodes(cloth, &input, &settings)?;
-        }
-        Ok(())
+        self.begin_solve();
+        self.with_fabric(|engine, cloth, input, settings| engine.send_nodes(cloth, input, settings))
+            .unwrap_or(Ok(()))
     }
 
     /// Stage `solve_cloth`; on the device the solution stays there.
@@ -147,33 +102,70 @@ impl Simulation {
         if let Some(adaptive) = self.adaptive {
             return self.solve_in_parts(adaptive);
         }
-        if self.device_cloth.is_some() {
-            let outcome = self.solve_on_device()?;
-            return self.finite(outcome.as_ref());
+        let on_device = self.cloth_engine.is_device();
+        if !on_device {
+            self.begin_solve();
         }
+        let before = self.before();
+        let solved = self.with_fabric(|engine, cloth, input, settings| {
+            engine.solve_cloth(cloth, input, settings)
+        });
+        self.judge(solved)?;
+        if on_device {
+            return Ok(());
+        }
+        self.end_solve(before)
+    }
+
+    /// Stage `fetch_nodes`.
+    pub(super) fn fetch_nodes(&mut self) -> Result<(), Failure> {
+        if !self.solves_now() || self.adaptive.is_some() {
+            return Ok(());
+        }
+        let before = self.before();
+        self.with_fabric(|engine, cloth, input, _| engine.fetch_nodes(cloth, input))
+            .unwrap_or(Ok(()))?;
+        self.end_solve(before)
+    }
+
+    /// Gathers what the next solve needs to know.
+    fn begin_solve(&mut self) {
+        self.place_supports(self.time_at(self.step + 1));
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
         self.begin_span();
-        self.place_supports(self.time_at(self.step + 1));
-        let before = self.before();
-        loop {
-            let outcome = self.solve_on_host();
-            self.finite(outcome.as_ref())?;
-            match &before {
-                Some(before) if self.take_back(before) => {}
-                Some(before) => {
-                    self.end_span(before);
-                    break;
-                }
-                None => break,
+    }
+
+    /// Solves anew over fewer steps where the fabric moves too far; then the solution stands.
+    fn end_solve(&mut self, before: Option<StructureState>) -> Result<(), Failure> {
+        if let Some(before) = before {
+            while self.take_back(&before) {
+                let solved = self.with_fabric(|engine, cloth, input, settings| {
+                    engine.solve(cloth, input, settings, &mut |_| true)
+                });
+                self.judge(solved)?;
             }
+            self.end_span(&before);
         }
         self.settle_solve();
         Ok(())
     }
 
-    fn solve_on_host(&mut self) -> Option<Outcome> {
+    /// Counts a solve, and ends the run where it is not finite.
+    fn judge(&mut self, solved: Option<Result<Outcome, DeviceError>>) -> Result<(), Failure> {
+        let outcome = solved.transpose()?;
+        if let Some(outcome) = &outcome {
+            self.count(outcome);
+        }
+        self.finite(outcome.as_ref())
+    }
+
+    /// Gives the engine, the fabric, what acts on it in the present span, and how hard to try; `None` where there is no fabric.
+    fn with_fabric<R>(
+        &mut self,
+        act: impl FnOnce(&mut ClothEngine, &mut Cloth, &StepInput, &SolverSettings) -> R,
+    ) -> Option<R> {
         let settings = self.step_settings();
         let felt = self.felt_gravity_m_s2();
         let every = self.every();
@@ -185,10 +177,9 @@ impl Simulation {
         );
         let cloth = self.cloth.as_mut()?;
         let contact = cloth.contact_time();
-        let outcome = cloth.solve_cloth(&input, &settings);
+        let acted = act(&mut self.cloth_engine, cloth, &input, &settings);
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
-        self.count(&outcome);
-        Some(outcome)
+        Some(acted)
     }
 
     /// One part of a step, with its transfers where a device solves.
@@ -211,33 +202,12 @@ impl Simulation {
             return Err(Failure::Start("there is no fabric to solve".to_owned()));
         };
         let contact = cloth.contact_time();
-        let outcome = match &mut self.device_cloth {
-            Some(device_cloth) => device_cloth.solve(cloth, &input, &settings, &mut |_| true)?,
-            None => cloth.solve_cloth(&input, &settings),
-        };
+        let outcome = self
+            .cloth_engine
+            .solve(cloth, &input, &settings, &mut |_| true)?;
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
         self.count(&outcome);
         Ok(outcome)
-    }
-
-    /// On what `send_nodes` sent.
-    fn solve_on_device(&mut self) -> Result<Option<Outcome>, DeviceError> {
-        let settings = self.step_settings();
-        let felt = self.felt_gravity_m_s2();
-        let every = self.every();
-        let input = step_input(
-            &self.scene,
-            self.coupled.as_ref(),
-            (felt, &self.drags, &self.moved_supports),
-            every,
-        );
-        let (Some(cloth), Some(device_cloth)) = (&self.cloth, &mut self.device_cloth) else {
-            return Ok(None);
-        };
-        let outcome =
-            device_cloth.solve_cloth(&cloth.structure, &input, &settings, &mut |_| true)?;
-        self.count(&outcome);
-        Ok(Some(outcome))
     }
 
     /// Notes what a solve did; the account counts it once it stands.
@@ -271,129 +241,6 @@ impl Simulation {
         let what = format!("the fabric's energy is no longer finite{place}");
         Err(self.diverged(what).into())
     }
-
-    /// Stage `fetch_nodes`; solves anew over fewer steps where the fabric moves too far.
-    pub(super) fn fetch_nodes(&mut self) -> Result<(), Failure> {
-        if !self.solves_now() || self.adaptive.is_some() {
-            return Ok(());
-        }
-        let before = self.before();
-        self.fetch_solution()?;
-        let Some(before) = before else {
-            self.settle_solve();
-            return Ok(());
-        };
-        while self.take_back(&before) {
-            let settings = self.step_settings();
-            let felt = self.felt_gravity_m_s2();
-            let every = self.every();
-            let input = step_input(
-                &self.scene,
-                self.coupled.as_ref(),
-                (felt, &self.drags, &self.moved_supports),
-                every,
-            );
-            let (Some(cloth), Some(device_cloth)) = (&mut self.cloth, &mut self.device_cloth)
-            else {
-                break;
-            };
-            let outcome = device_cloth.solve(cloth, &input, &settings, &mut |_| true)?;
-            self.count(&outcome);
-            self.finite(Some(&outcome))?;
-        }
-        self.end_span(&before);
-        self.settle_solve();
-        Ok(())
-    }
-
-    fn fetch_solution(&mut self) -> Result<(), DeviceError> {
-        let felt = self.felt_gravity_m_s2();
-        let every = self.every();
-        let input = step_input(
-            &self.scene,
-            self.coupled.as_ref(),
-            (felt, &self.drags, &self.moved_supports),
-            every,
-        );
-        match (&mut self.cloth, &mut self.device_cloth) {
-            (Some(cloth), Some(device_cloth)) => device_cloth.fetch_nodes(cloth, &input),
-            _ => Ok(()),
-        }
-    }
-
-    /// Seeks the static equilibrium asked for by the case, from where the structure is; `None` if it asks for none. `watch` is told
-    /// of every iteration and may end it.
-    pub fn equilibrate(&mut self, watch: Watch) -> Option<Result<Outcome, Failure>> {
-        let tolerance = self.scene.equilibrium?.tolerance;
-        self.place_supports(self.time_s());
-        self.pressure_acts = true;
-        let solved = self.solve_static(tolerance, watch);
-        if let Some(Ok(outcome)) = &solved {
-            self.equilibrium_outcome = Some(*outcome);
-        }
-        solved
-    }
-
-    /// Solves the fabric under [`Simulation::static_loads`].
-    pub(super) fn solve_static(
-        &mut self,
-        tolerance: f64,
-        watch: Watch,
-    ) -> Option<Result<Outcome, Failure>> {
-        let equilibrium = self.scene.equilibrium?;
-        let mut cloth = self.cloth.take()?;
-        let mut device_cloth = self.device_cloth.take();
-        let start = Instant::now();
-        let (pressure, nodal_loads_n) = self.static_loads();
-        let input = StepInput {
-            gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-            pressure,
-            nodal_loads_n,
-            moved_supports: &self.moved_supports,
-            ..StepInput::default()
-        };
-        let settings = SolverSettings {
-            tolerance,
-            displacement_floor_m: if input.gravity_m_s2 == DVec3::ZERO && input.pressure.is_none() {
-                // Nothing to be relative to but the mesh: supports drive the structure.
-                tolerance * cloth.structure.smallest_element_m()
-            } else {
-                0.0
-            },
-            evaluation_limit: equilibrium.evaluation_limit,
-            history: HISTORY,
-            refresh_every: Some(REFRESH_EVERY),
-            initial_hessian: InitialHessian::Multigrid,
-        };
-        let outcome = match &mut device_cloth {
-            Some(device_cloth) => device_cloth.solve(&mut cloth, &input, &settings, watch),
-            None => Ok(cloth.solve_cloth_watched(&input, &settings, watch)),
-        };
-        (self.cloth, self.device_cloth) = (Some(cloth), device_cloth);
-        self.cost.equilibrium += start.elapsed();
-        Some(match outcome {
-            Err(error) => Err(error.into()),
-            Ok(outcome) if outcome.stop == Stop::NotFinite => {
-                let what = "the fabric's energy is no longer finite".to_owned();
-                Err(self.diverged(what).into())
-            }
-            Ok(outcome) => Ok(outcome),
-        })
-    }
-}
-
-/// Pressure that acts in the equilibrium that the case asks for.
-pub(super) fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
-    if let Some(jumps_pa) = scene.wing.as_ref().and_then(|wing| wing.load_pa.as_ref()) {
-        return Pressure::Lagged(jumps_pa);
-    }
-    if let Some(wing) = &scene.imported {
-        return Pressure::PerTriangle(&wing.inside_pa);
-    }
-    scene
-        .equilibrium
-        .and_then(|equilibrium| equilibrium.pressure_pa)
-        .map_or(Pressure::None, Pressure::Uniform)
 }
 
 /// What acts in a step; with k > 1 the implicit step spans k steps of the air, but the positions advance step by step.

@@ -1,6 +1,7 @@
 //! What can end a run, or keep it from beginning.
 
 use crate::gpu::DeviceError;
+use crate::plan::capabilities::Lacking;
 
 /// A run that broke down, or could not begin.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -14,6 +15,9 @@ pub enum Failure {
     /// The start state that the case asks for could not be reached.
     #[error("the run cannot start: {0}")]
     Start(String),
+    /// An engine of the plan cannot compute the scene.
+    #[error("{0}")]
+    Lacking(#[from] Lacking),
 }
 
 impl From<Diverged> for Failure {

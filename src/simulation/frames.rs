@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::cpu::cloth::{Cloth, Pressure, StepInput, read_outs};
+use crate::cpu::cloth::{Cloth, StepInput, read_outs};
 use crate::frame::{BodiesFrame, FluidFrame, Frame, StructureFrame};
 use crate::gpu::DeviceError;
 
@@ -24,20 +24,10 @@ impl Simulation {
             time_s: self.time_s(),
             step: self.step,
             fluid: None,
-            structure: self.cloth.as_ref().map(|cloth| {
-                let (pressure, nodal_loads_n) = if self.pressure_acts {
-                    self.static_loads()
-                } else {
-                    (Pressure::None, &[][..])
-                };
-                let input = StepInput {
-                    gravity_m_s2: self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO),
-                    pressure,
-                    nodal_loads_n,
-                    ..StepInput::default()
-                };
-                structure_frame(cloth, &input)
-            }),
+            structure: self
+                .cloth
+                .as_ref()
+                .map(|cloth| structure_frame(cloth, &self.static_input())),
             bodies: self.bodies_frame(),
         }
     }

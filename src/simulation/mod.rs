@@ -9,20 +9,20 @@ mod cadence;
 mod change_of_lattice;
 mod checkpoint;
 mod cloth;
+mod cloth_engine;
 mod cost;
 mod coupled;
 mod descent;
 mod failure;
 mod frames;
 mod impulses;
-mod load_test;
 mod markers;
 mod opening;
-mod panel_shaping;
+mod panels;
 mod permeable;
 mod state;
+mod statics;
 mod supports;
-mod trim;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,25 +34,23 @@ pub use adaptive::Adaptive;
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
 pub use cadence::Cadence;
+pub use cloth_engine::ClothEngine;
 pub use cost::{Cost, StageCost};
 pub use coupled::Coupled;
 pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
 use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
-pub use load_test::{LoadStep, LoadTestState};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
-pub use panel_shaping::ShapingStep;
-pub use trim::{TrimEnd, TrimIteration, TrimState};
+pub use statics::{StaticLoads, StructureState};
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, NodalDrag};
-use crate::gpu::{self, Device, DeviceError};
+use crate::gpu::{Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
-use crate::plan::{Plan, PlannedStage, Stage, structure_every};
-use crate::solve::lbfgs::Outcome;
+use crate::plan::{Plan, PlannedStage, Stage, capabilities};
 
 /// Steps between searches for cells that are not finite or too fast.
 const WATCH_INTERVAL: u64 = 100;
@@ -79,8 +77,7 @@ pub struct Simulation {
     plan: Plan,
     air: Option<AirEngine>,
     cloth: Option<Cloth>,
-    /// Solves the fabric where the plan puts it on the device; its state stays [`Simulation::cloth`]'s.
-    device_cloth: Option<gpu::cloth::Cloth>,
+    cloth_engine: ClothEngine,
     device: Option<Arc<Device>>,
     coupled: Option<Coupled>,
     /// Present where several steps of the air may pass between solves of the fabric.
@@ -100,50 +97,63 @@ pub struct Simulation {
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
     largest_marker_motion: f64,
-    /// True once the equilibrium is sought: its pressure acts on the fabric.
-    pressure_acts: bool,
-    /// Present once a trim is sought.
-    trim: Option<TrimState>,
-    /// Present once loads are tested.
-    load_test: Option<LoadTestState>,
-    /// Cuts of a wing's panels; empty where they are as the plan says.
-    shaping: Vec<ShapingStep>,
+    /// What acts on the structure at rest; `None` until an equilibrium is sought.
+    static_loads: Option<StaticLoads>,
     cost: Cost,
     account: SolverAccount,
-    /// How the static equilibrium that the case asks for ended.
-    equilibrium_outcome: Option<Outcome>,
 }
 
 impl Simulation {
     /// Sets a scene up as planned; opens a folded canopy by the loading-pressure method.
     pub fn new(scene: Scene, plan: Plan, device: Option<Arc<Device>>) -> Result<Self, Failure> {
+        let mut simulation = Self::as_drawn(scene, plan, device)?;
+        simulation.open_canopy()?;
+        Ok(simulation)
+    }
+
+    /// Sets a scene up as planned, with a folded canopy as it was drawn.
+    pub fn as_drawn(
+        scene: Scene,
+        plan: Plan,
+        device: Option<Arc<Device>>,
+    ) -> Result<Self, Failure> {
+        capabilities::check(&scene, &plan.placement)?;
         let device_before = device.as_ref().map(|d| d.work()).unwrap_or_default();
         let air = scene
             .air
             .as_ref()
-            .map(|air| AirEngine::new(air, plan.placement.air, device.as_ref()))
+            .map(|air| AirEngine::new(air, &plan, device.as_ref()))
             .transpose()?;
-        let mut cloth = scene
+        let cloth = scene
             .body
             .as_ref()
             .map(|body| Cloth::new(body.structure.clone()));
-        let mut opening = None;
-        if let (Some(cloth), Some(body)) = (&mut cloth, &scene.body)
-            && let BodyKind::Canopy(canopy) = &body.kind
-            && let Some(loading) = &canopy.loading
-        {
-            opening = Some(
-                opening::open(cloth, canopy, loading, &cloth::step_settings(&scene, &plan))
-                    .map_err(Failure::Start)?,
-            );
-        }
         let mut simulation = Self::assemble(scene, plan, device, air, cloth)?;
         simulation.cost.device_before = device_before;
-        simulation.opening = opening;
         if simulation.plan.start_steps == 0 {
             simulation.start_impulses()?;
         }
         Ok(simulation)
+    }
+
+    /// Opens a folded canopy by the loading-pressure method, where the case asks for it.
+    pub fn open_canopy(&mut self) -> Result<(), Failure> {
+        let settings = cloth::step_settings(&self.scene, &self.plan);
+        let (Some(cloth), Some(body)) = (&mut self.cloth, &self.scene.body) else {
+            return Ok(());
+        };
+        let BodyKind::Canopy(canopy) = &body.kind else {
+            return Ok(());
+        };
+        let Some(loading) = &canopy.loading else {
+            return Ok(());
+        };
+        let opening = opening::open(cloth, canopy, loading, &settings).map_err(Failure::Start)?;
+        self.opening = Some(opening);
+        if self.plan.start_steps == 0 {
+            self.start_impulses()?;
+        }
+        Ok(())
     }
 
     /// Puts a simulation together from its air and its fabric, at step 0; markers and impulses follow from them.
@@ -160,18 +170,17 @@ impl Simulation {
             }
             _ => None,
         };
-        let device_cloth = match &cloth {
-            Some(cloth) if plan.placement.cloth_on_device() => {
-                let markers: Vec<_> = coupled
-                    .iter()
-                    .flat_map(Coupled::markers)
-                    .map(|marker| (marker.triangle, marker.weights))
-                    .collect();
-                let device = Arc::clone(air::needed(device.as_ref())?);
-                Some(gpu::cloth::Cloth::new(device, &cloth.structure, &markers)?)
-            }
-            _ => None,
-        };
+        let markers: Vec<_> = coupled
+            .iter()
+            .flat_map(Coupled::markers)
+            .map(|marker| (marker.triangle, marker.weights))
+            .collect();
+        let cloth_engine = ClothEngine::new(
+            plan.placement.cloth,
+            cloth.as_ref(),
+            &markers,
+            device.as_ref(),
+        )?;
         let impulses = match (&scene.air, &air, &coupled) {
             (Some(settings), Some(engine), Some(_)) => {
                 Some(Impulses::new(settings, &scene, engine, cloth.as_ref())?)
@@ -189,7 +198,7 @@ impl Simulation {
             _ => None,
         };
         let adaptive = Adaptive::of(&scene, &plan.placement);
-        let every = structure_every(&scene);
+        let every = plan.every(Stage::SolveCloth).unwrap_or(1);
         let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
         Ok(Self {
             origin: Origin {
@@ -205,7 +214,7 @@ impl Simulation {
             plan,
             air,
             cloth,
-            device_cloth,
+            cloth_engine,
             device,
             coupled,
             impulses,
@@ -213,13 +222,9 @@ impl Simulation {
             step: 0,
             sound_step: 0,
             largest_marker_motion: 0.0,
-            pressure_acts: false,
-            trim: None,
-            load_test: None,
-            shaping: Vec::new(),
+            static_loads: None,
             cost: Cost::default(),
             account: SolverAccount::default(),
-            equilibrium_outcome: None,
         })
     }
 

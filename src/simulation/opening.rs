@@ -2,6 +2,7 @@
 //! pleats apart until there is room for the flow; the canopy is then held until release. No air takes part.
 
 use crate::case::scene::{Canopy, LoadingPressure};
+use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
 use crate::geometry::parachute::shape;
 use crate::solve::lbfgs::Stop;
@@ -29,6 +30,33 @@ pub struct Opening {
     pub steps: usize,
     /// Those whose solve missed its tolerance.
     pub unsolved: usize,
+}
+
+/// Name in a checkpoint.
+const OPENING: &str = "opening";
+
+impl Opening {
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        let counts = [self.steps, self.unsolved].map(|count| count as f64);
+        out.put(
+            OPENING,
+            &[self.folded_ratio, self.opened_ratio, counts[0], counts[1]],
+        )
+    }
+
+    /// Takes it from a checkpoint; `None` where no canopy was opened.
+    pub(super) fn restore(from: &Reader) -> Result<Option<Self>, CheckpointError> {
+        if !from.has(OPENING) {
+            return Ok(None);
+        }
+        let numbers: Vec<f64> = from.take_exactly(OPENING, 4)?;
+        Ok(Some(Self {
+            folded_ratio: numbers[0],
+            opened_ratio: numbers[1],
+            steps: numbers[2] as usize,
+            unsolved: numbers[3] as usize,
+        }))
+    }
 }
 
 /// Opens a folded canopy as `loading` says.

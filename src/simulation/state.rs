@@ -11,7 +11,6 @@ use crate::case::scene::Flow;
 use crate::cpu::cloth::Cloth;
 use crate::gpu::{Device, DeviceError, DeviceWork};
 use crate::plan::Plan;
-use crate::solve::lbfgs::Outcome;
 
 impl Simulation {
     /// The scene.
@@ -53,6 +52,12 @@ impl Simulation {
     #[must_use]
     pub const fn released(&self) -> bool {
         self.step >= self.plan.start_steps
+    }
+
+    /// True before the end that is planned.
+    #[must_use]
+    pub const fn steps_are_left(&self) -> bool {
+        self.step < self.plan.start_steps.saturating_add(self.plan.steps)
     }
 
     /// Fabric and cables.
@@ -129,12 +134,6 @@ impl Simulation {
     #[must_use]
     pub const fn solver_account(&self) -> &SolverAccount {
         &self.account
-    }
-
-    /// How the static equilibrium ended; `None` before one was sought.
-    #[must_use]
-    pub const fn equilibrium_outcome(&self) -> Option<&Outcome> {
-        self.equilibrium_outcome.as_ref()
     }
 
     /// How those since the last call ended.

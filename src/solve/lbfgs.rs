@@ -10,6 +10,8 @@
 //! Steps are accepted on sufficient decrease (Armijo) or, where differences of the objective drown in round-off, on the
 //! gradient alone (approximate Wolfe condition, Hager & Zhang 2005).
 
+use serde::{Deserialize, Serialize};
+
 use std::collections::VecDeque;
 
 use super::{Attempt, Landing, Refreshed, Step, VectorSpace};
@@ -56,7 +58,7 @@ impl Options {
 }
 
 /// Why the minimiser stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stop {
     /// The energy norm, or the displacement floor, was reached.
     Converged,
@@ -100,7 +102,7 @@ pub(super) fn relative(norm: f64, scale: f64) -> f64 {
 }
 
 /// What the minimiser did.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Outcome {
     /// Why it stopped.
     pub stop: Stop,

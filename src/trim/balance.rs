@@ -5,6 +5,7 @@
 //! changes, and closes in by false position with Illinois' rule (Dowell & Jarratt, BIT 11, 1971).
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::TrimError;
 
@@ -35,7 +36,7 @@ pub struct Weights {
 }
 
 /// A glide in balance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
     /// Angle φ of the stream in the shape's frame, from below [rad].
     pub stream_rad: f64,

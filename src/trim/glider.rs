@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
 use super::outer::OuterPressure;
@@ -53,7 +54,7 @@ pub struct Glider<'a> {
 }
 
 /// Loads on the structure, at the attitude that the balance wants.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Loads {
     /// Pressure inside less that outside, on panels and tips along their normals [Pa], `[triangle_count]`.
     pub jumps_pa: Vec<f64>,
@@ -61,8 +62,17 @@ pub struct Loads {
     pub nodal_n: Vec<DVec3>,
 }
 
+impl Loads {
+    /// True if they are loads of this structure.
+    #[must_use]
+    pub fn fits(&self, structure: &Structure) -> bool {
+        self.jumps_pa.len() == structure.triangles.len()
+            && [0, structure.node_count()].contains(&self.nodal_n.len())
+    }
+}
+
 /// A strip of the half wing in flight.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StripState {
     /// Distance of its middle from the plane of symmetry [m].
     pub y_m: f64,
@@ -83,7 +93,7 @@ pub struct StripState {
 }
 
 /// A glide and the loads that go with it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Flight {
     /// Speed, angles, turn.
     pub balance: Balance,

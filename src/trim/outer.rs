@@ -3,12 +3,14 @@
 //! Linear in both coordinates of [`super::skin`] between the centres of panels, constant beyond the outermost. A tip has the pressure of its cap,
 //! which flow around the edge of the tip is left out of (see [`crate::aero::potential_flow`]).
 
+use serde::{Deserialize, Serialize};
+
 use super::skin::Skin;
 use crate::aero::surface::PanelSurface;
 use crate::geometry::wing::section::lookup;
 
 /// Coefficients of pressure over the skin of the half wing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OuterPressure {
     /// Middles of the strips [cells from the middle].
     pub strips: Vec<f64>,

@@ -18,19 +18,16 @@ use super::{
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
-use crate::simulation::{LoadTestState, ShapingStep, Simulation, TrimState};
+use crate::simulation::Simulation;
+use crate::statics::Statics;
 use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]
-pub fn results(simulation: &Simulation, record: &Record) -> Results {
+pub fn results(simulation: &Simulation, statics: &Statics, record: &Record) -> Results {
     let frame = simulation.structure_frame();
-    let states = (
-        simulation.trim_state(),
-        simulation.load_test_state(),
-        simulation.shaping_steps(),
-    );
-    of_scene(simulation.scene(), frame.structure.as_ref(), record, states)
+    let structure = frame.structure.as_ref();
+    of_scene(simulation.scene(), structure, record, statics)
 }
 
 /// Rows of frequency [Hz] and power density [m² s] with which the skirt flaps, averaged over the gores; `None` where there is no canopy in
@@ -55,7 +52,7 @@ pub(super) fn of_scene(
     scene: &Scene,
     structure: Option<&StructureFrame>,
     record: &Record,
-    (trim, tested, shaped): (Option<&TrimState>, Option<&LoadTestState>, &[ShapingStep]),
+    statics: &Statics,
 ) -> Results {
     let mut results = Results::new();
     match (&scene.body, &scene.air) {
@@ -82,16 +79,18 @@ pub(super) fn of_scene(
                 if let Some(known) = &scene.wing {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
+                    let trim = statics.trim.as_ref();
                     if known.trim.is_some() {
                         wing_trim::results(&mut results, known, &body.structure, structure, trim);
                     }
                     wing::results(&mut results, known, structure, gravity * mass, trim);
                     sail_support::results(&mut results, known, &body.structure, structure);
                     if known.panel_shaping.is_some() {
-                        flown_ballooning::results(&mut results, shaped);
+                        flown_ballooning::results(&mut results, statics.shaping_steps());
                     }
                     if known.load_test.is_some() {
                         let designed = &body.structure;
+                        let tested = statics.load_test.as_ref();
                         load_test::results(&mut results, known, designed, gravity.length(), tested);
                     }
                 }

@@ -8,6 +8,7 @@ use crate::measure;
 use crate::output::Results;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
+use crate::statics::Statics;
 
 /// A shipped case with changes.
 pub(super) fn case(
@@ -106,7 +107,7 @@ pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
     }
     Ok(Outcome {
         cells: air.cells,
-        results: (!broke_down).then(|| measure::results(&simulation, &record)),
+        results: (!broke_down).then(|| measure::results(&simulation, &Statics::default(), &record)),
         record,
     })
 }

@@ -1,14 +1,15 @@
-//! Which lattice a run is on: the grids of a sequence, coarse to fine, and time steps that follow the speed of a fall; and who stops it.
+//! Phase `change_lattice`, from grid to grid of a sequence; and time steps that follow the speed of a fall within a march.
 
 use std::sync::Arc;
 
-use super::{Run, RunError};
+use super::Next;
 use crate::case::scene::BodyKind;
 use crate::case::{Case, Scene};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::Device;
 use crate::measure::{Record, bodies};
-use crate::plan::{Placement, Plan};
+use crate::plan::Plan;
+use crate::run::{Observer, Run, RunError};
 use crate::simulation::{Failure, Simulation};
 use crate::steady::{self, Detector};
 
@@ -30,7 +31,7 @@ const EXPONENT_LIMIT: i64 = 48;
 
 /// The lattice of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Lattice {
+pub(in crate::run) struct Lattice {
     /// Grids left until the case's own.
     coarser: u64,
     /// Time step over the scene's, as a power of [`STEP_RATIO`].
@@ -43,7 +44,7 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// The first of a run.
-    pub(super) fn first(case: &Case) -> Self {
+    pub(in crate::run) fn first(case: &Case) -> Self {
         Self {
             coarser: case.coarser.len() as u64,
             ..Self::default()
@@ -51,7 +52,7 @@ impl Lattice {
     }
 
     /// How often the time step followed the speed of a fall, and from where to where; `None` if it never did.
-    pub(super) fn note(self, case: &Case) -> Option<String> {
+    pub(in crate::run) fn note(self, case: &Case) -> Option<String> {
         let step_s = case.scene.time.filter(|_| self.changes > 0)?.step_s;
         let [shortest, longest, last] = [self.exponents[0], self.exponents[1], self.exponent]
             .map(|exponent| step_s * STEP_RATIO.powi(exponent as i32));
@@ -64,12 +65,12 @@ impl Lattice {
     }
 
     /// True on the case's own grid.
-    pub(super) const fn is_finest(self) -> bool {
+    pub(in crate::run) const fn is_finest(self) -> bool {
         self.coarser == 0
     }
 
     /// The scene on it.
-    pub(super) fn scene(self, case: &Case) -> Scene {
+    pub(in crate::run) fn scene(self, case: &Case) -> Scene {
         let number = case.coarser.len().checked_sub(self.coarser as usize);
         let mut scene = number
             .and_then(|number| case.coarser.get(number))
@@ -87,21 +88,21 @@ impl Lattice {
     }
 
     /// The simulation of a run that starts or is resumed on it.
-    pub(super) fn start(
+    pub(in crate::run) fn start(
         self,
         case: &Case,
         plan: Plan,
         device: Option<Arc<Device>>,
     ) -> Result<Simulation, Failure> {
         if self.coarser == 0 && self.exponent == 0 {
-            return Simulation::new(case.scene.clone(), plan, device);
+            return Simulation::as_drawn(case.scene.clone(), plan, device);
         }
         let scene = self.scene(case);
         let plan = Plan::new(&scene, plan.placement);
-        Simulation::new(scene, plan, device)
+        Simulation::as_drawn(scene, plan, device)
     }
 
-    pub(super) fn save(self, out: &mut Writer) -> std::io::Result<()> {
+    pub(in crate::run) fn save(self, out: &mut Writer) -> std::io::Result<()> {
         let [least, most] = self.exponents;
         out.put(
             "lattice",
@@ -115,7 +116,7 @@ impl Lattice {
         )
     }
 
-    pub(super) fn restore(case: &Case, from: &Reader) -> Result<Self, CheckpointError> {
+    pub(in crate::run) fn restore(case: &Case, from: &Reader) -> Result<Self, CheckpointError> {
         let numbers: Vec<i64> = from.take_exactly("lattice", 5)?;
         let known = usize::try_from(numbers[0]).is_ok_and(|grid| grid <= case.coarser.len());
         let exponents = [numbers[3], numbers[4]];
@@ -132,30 +133,28 @@ impl Lattice {
         })
     }
 
-    /// The lattice to go on on after a sample, and why if its cells are others; `None` to stay.
-    fn next(
-        self,
-        simulation: &Simulation,
-        record: &Record,
-    ) -> Result<Option<(Self, Option<&'static str>)>, Failure> {
+    /// True after a sample on a coarser grid whose flow has settled.
+    fn coarse_grid_is_done(self, simulation: &Simulation, record: &Record) -> bool {
         let scene = simulation.scene();
-        let (Some(air), true) = (&scene.air, simulation.spans_are_over()) else {
+        let (Some(air), Some(BodyKind::Canopy(canopy)), true) = (
+            &scene.air,
+            scene.body.as_ref().map(|b| b.kind),
+            simulation.spans_are_over(),
+        ) else {
+            return false;
+        };
+        let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
+        !self.is_finest() && steady::coarse_grid_is_done(record, unit_s)
+    }
+
+    /// The lattice with a longer or shorter time step to go on on after a sample in a fall; `None` to stay.
+    fn next_step(self, simulation: &Simulation) -> Result<Option<Self>, Failure> {
+        let scene = simulation.scene();
+        let (Some(air), Some(_), true) = (&scene.air, &scene.descent, simulation.spans_are_over())
+        else {
             return Ok(None);
         };
-        if let (Some(BodyKind::Canopy(canopy)), false) =
-            (scene.body.as_ref().map(|b| b.kind), self.is_finest())
-        {
-            let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
-            let done = steady::coarse_grid_is_done(record, unit_s);
-            return Ok(done.then(|| {
-                let finer = Self {
-                    coarser: self.coarser - 1,
-                    ..self
-                };
-                (finer, Some("the flow has settled on the coarser grid"))
-            }));
-        }
-        if scene.descent.is_none() {
+        if !self.is_finest() {
             return Ok(None);
         }
         let speed_m_s = simulation.wind_speed_m_s();
@@ -181,12 +180,12 @@ impl Lattice {
             exponents: [least.min(exponent), most.max(exponent)],
             ..self
         };
-        Ok((exponent.abs() <= EXPONENT_LIMIT).then_some((next, None)))
+        Ok((exponent.abs() <= EXPONENT_LIMIT).then_some(next))
     }
 }
 
 /// Who decides when the run may stop: a canopy, else all rigid bodies; `None` where the case does not ask.
-pub(super) fn detector(scene: &Scene) -> Option<Detector> {
+pub(in crate::run) fn detector(scene: &Scene) -> Option<Detector> {
     let confidence = scene.steady_drag_confidence?;
     if let Some(BodyKind::Canopy(canopy)) = scene.body.as_ref().map(|body| body.kind) {
         let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
@@ -197,31 +196,53 @@ pub(super) fn detector(scene: &Scene) -> Option<Detector> {
 }
 
 impl Run<'_> {
-    /// After a sample: goes on on another lattice if it is time to; returns what is to be said of it, which of a mere change of the time step is
-    /// nothing: [`Lattice::note`] sums those up.
-    pub(super) fn follow_lattice(&mut self) -> Result<Option<Option<String>>, RunError> {
-        let Some((next, why)) = self.lattice.next(&self.simulation, &self.record)? else {
-            return Ok(None);
+    /// True after a sample on a coarser grid whose flow has settled.
+    pub(super) fn coarse_grid_is_done(&self) -> bool {
+        self.lattice
+            .coarse_grid_is_done(&self.simulation, &self.record)
+    }
+
+    /// After a sample in a fall: goes on with another time step if it is time to. [`Lattice::note`] sums these changes up.
+    pub(super) fn follow_speed(&mut self) -> Result<bool, RunError> {
+        match self.lattice.next_step(&self.simulation)? {
+            Some(next) => self.go_on_on(next).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
+    /// Goes on on the next finer grid of the sequence.
+    pub(super) fn change_grid(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
+        let finer = Lattice {
+            coarser: self.lattice.coarser.saturating_sub(1),
+            ..self.lattice
         };
-        let scene = next.scene(self.case);
-        let placement: Placement = self.simulation.plan().placement.clone();
-        let plan = Plan::new(&scene, placement);
-        let (cells, units) = (scene.air.map(|a| a.cells), scene.air.map(|a| a.units));
-        self.simulation.change_lattice(scene, plan)?;
-        self.lattice = next;
-        let Some(why) = why else {
-            return Ok(Some(None));
-        };
+        self.go_on_on(finer)?;
+        observer.lattice_changed();
         self.record.grid_changes(self.simulation.time_s());
-        let text = match (cells, units) {
-            (Some([nx, ny, nz]), Some(units)) => format!(
-                "t = {:.4} s: {why}; {nx} x {ny} x {nz} cells, steps of {:.3e} s from here",
-                self.simulation.time_s(),
-                units.time_step_s
-            ),
-            _ => why.to_owned(),
-        };
-        self.notes.push(text.clone());
-        Ok(Some(Some(text)))
+        let air = self.simulation.scene().air;
+        let grid = air.map_or_else(String::new, |air| {
+            let [nx, ny, nz] = air.cells;
+            format!(
+                "; {nx} x {ny} x {nz} cells, steps of {:.3e} s from here",
+                air.units.time_step_s
+            )
+        });
+        let text = format!(
+            "t = {:.4} s: the flow has settled on the coarser grid{grid}",
+            self.simulation.time_s()
+        );
+        observer.note(&text);
+        self.notes.push(text);
+        Ok(Next::Phase)
+    }
+
+    fn go_on_on(&mut self, lattice: Lattice) -> Result<(), RunError> {
+        let scene = lattice.scene(self.case);
+        let plan = Plan::new(&scene, self.simulation.plan().placement.clone());
+        self.whole = false;
+        self.simulation.change_lattice(scene, plan)?;
+        self.whole = true;
+        self.lattice = lattice;
+        Ok(())
     }
 }

@@ -1,106 +1,27 @@
-//! The trim of a wing at the end of a run, and the tables and charts that it leaves.
+//! Tables and charts of a trim.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{INTERRUPTED, Observer, Run, RunError};
 use crate::measure;
 use crate::output::{Chart, OutputError, Series, write_table};
-use crate::simulation::{Simulation, TrimEnd, TrimIteration};
-use crate::solve::lbfgs::Progress;
+use crate::simulation::Simulation;
+use crate::statics::Trim;
 
 /// Tables of a trim.
-pub(super) const TABLES: [&str; 3] = ["trim_iterations.csv", "trim_span.csv", "trim_pressure.csv"];
+pub(in crate::run) const TABLES: [&str; 3] =
+    ["trim_iterations.csv", "trim_span.csv", "trim_pressure.csv"];
 
 /// Charts of a trim, without their endings.
-pub(super) const CHARTS: [&str; 4] = ["trim_span", "trim_pressure", "trim_rows", "trim_cells"];
-
-impl Run<'_> {
-    /// Seeks the trim if the case asks for one; returns why the run ended.
-    pub(super) fn seek_trim(
-        &mut self,
-        interrupt: &AtomicBool,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<String>, RunError> {
-        let scene = &self.case.scene;
-        let settings = scene.wing.as_ref().and_then(|wing| wing.trim.as_ref());
-        let (Some(settings), Some(equilibrium)) = (settings, scene.equilibrium) else {
-            return Ok(None);
-        };
-        let limit = settings.iteration_limit as u64;
-        let observer = std::cell::RefCell::new(observer);
-        let done = std::cell::Cell::new(0);
-        let mut watch = |progress: &Progress| {
-            observer.borrow_mut().progress(
-                done.get(),
-                limit,
-                &format!(
-                    "trim: iteration {}, fabric's energy norm {:.1e} of the loads', {:.0e} asked for, {} evaluations",
-                    done.get() + 1,
-                    progress.relative_norm,
-                    equilibrium.tolerance,
-                    progress.evaluations
-                ),
-            );
-            !interrupt.load(Ordering::Relaxed)
-        };
-        let mut report = |iteration: &TrimIteration| {
-            done.set(iteration.number as u64);
-            observer.borrow_mut().note(&line(iteration));
-        };
-        let Some(end) = self.simulation.seek_trim(&mut watch, &mut report) else {
-            return Ok(None);
-        };
-        let iterations = done.get();
-        let reason = match end? {
-            TrimEnd::Interrupted => {
-                self.save()?;
-                return Ok(Some(INTERRUPTED.to_owned()));
-            }
-            TrimEnd::Settled => format!("trim: reached after {iterations} outer iterations"),
-            TrimEnd::Moving(what) => {
-                self.unbalanced = true;
-                self.notes.push(format!(
-                    "the results are those of a wing that does not stand still yet: {what}; raise equilibrium.trim.iteration_limit or its tolerances, or lower its relaxation"
-                ));
-                format!("trim: NOT reached within {iterations} outer iterations: {what}")
-            }
-            TrimEnd::Refused(why) => {
-                self.unbalanced = true;
-                self.notes.push(format!(
-                    "the results are not those of a trim, which was given up: {why}"
-                ));
-                format!("trim: NOT reached: {why}")
-            }
-        };
-        observer.borrow_mut().note(&reason);
-        self.sample(*observer.borrow_mut())?;
-        Ok(Some(reason))
-    }
-}
-
-/// An outer iteration in a line.
-fn line(i: &TrimIteration) -> String {
-    format!(
-        "trim {:>2}, {} nodes: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
-        i.number,
-        i.nodes,
-        i.speed_m_s,
-        i.sink_m_s,
-        i.glide_ratio,
-        i.attack_rad.to_degrees(),
-        i.pitch_rad.to_degrees(),
-        i.turn_rad.to_degrees(),
-        i.shape_change,
-        i.guide_n,
-        i.balance_error,
-        i.outcome.evaluations
-    )
-}
+pub(in crate::run) const CHARTS: [&str; 4] =
+    ["trim_span", "trim_pressure", "trim_rows", "trim_cells"];
 
 /// Writes tables and charts of a trim; nothing where there is none.
-pub(super) fn write(folder: &Path, simulation: &Simulation) -> Result<(), OutputError> {
-    let Some(state) = simulation.trim_state() else {
+pub(in crate::run) fn write(
+    folder: &Path,
+    simulation: &Simulation,
+    trim: Option<&Trim>,
+) -> Result<(), OutputError> {
+    let Some(state) = trim else {
         return Ok(());
     };
     let columns = [

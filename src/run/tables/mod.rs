@@ -1,5 +1,9 @@
 //! Tables that a run leaves at its end, beside its history.
 
+pub(super) mod load_test;
+pub(super) mod panel_shaping;
+pub(super) mod trim;
+
 use std::path::Path;
 
 use super::RunError;

@@ -1,142 +1,33 @@
-//! The load test of a wing, and the tables, charts and pictures that it leaves.
+//! Tables, charts and pictures of a load test.
 
-use std::cell::RefCell;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{INTERRUPTED, Observer, Run, RunError};
 use crate::case::scene::Scene;
 use crate::case::wing::Wing;
 use crate::measure::{self, LineName, LoadReading};
 use crate::output::{Chart, OutputError, Series, write_table, write_text_table};
-use crate::simulation::{LoadStep, LoadTestState, Simulation};
-use crate::solve::lbfgs::Progress;
+use crate::statics::LoadTest;
 
 /// Tables of a load test.
-pub(super) const TABLES: [&str; 2] = ["load_test.csv", "load_test_lines.csv"];
+pub(in crate::run) const TABLES: [&str; 2] = ["load_test.csv", "load_test_lines.csv"];
 
 /// Charts of a load test, without their endings.
-pub(super) const CHARTS: [&str; 3] = ["load_test_lines", "load_test_rows", "load_test_stress"];
+pub(in crate::run) const CHARTS: [&str; 3] =
+    ["load_test_lines", "load_test_rows", "load_test_stress"];
 
 /// The wing under the largest load.
-pub(super) const PICTURE: &str = "load_test.png";
+pub(in crate::run) const PICTURE: &str = "load_test.png";
 
 /// The same for ParaView.
-pub(super) const SHAPE: &str = "load_test.vtp";
-
-impl Run<'_> {
-    /// Raises the loads if the case asks for it; returns why the run ended if it was interrupted.
-    pub(super) fn test_loads(
-        &mut self,
-        interrupt: &AtomicBool,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<String>, RunError> {
-        let scene = &self.case.scene;
-        let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
-            return Ok(None);
-        };
-        let Some(test) = &wing.load_test else {
-            return Ok(None);
-        };
-        let names = measure::line_names(wing, &body.structure);
-        let steps = test.load_factors.len() as u64;
-        let done = std::cell::Cell::new(0);
-        let observer = RefCell::new(observer);
-        let mut watch = |progress: &Progress| {
-            let status = format!(
-                "load test: step {} of {steps}, fabric's energy norm {:.1e} of the loads', {} evaluations",
-                done.get(),
-                progress.relative_norm,
-                progress.evaluations
-            );
-            observer.borrow_mut().progress(done.get(), steps, &status);
-            !interrupt.load(Ordering::Relaxed)
-        };
-        let last = test.load_factors.last().copied().unwrap_or(1.0);
-        let files = &mut self.files;
-        let mut unbalanced = Vec::new();
-        let mut failed = None;
-        let mut report = |simulation: &Simulation, step: &LoadStep| {
-            done.set(done.get() + 1);
-            observer.borrow_mut().note(&line(wing, &names, step));
-            if !step.is_balanced() {
-                unbalanced.push(step.load_factor);
-            }
-            if step.load_factor == last
-                && let Err(error) = files.loaded_wing(simulation, last)
-            {
-                failed = Some(error);
-            }
-            Ok(())
-        };
-        let ended = self.simulation.test_loads(&mut watch, &mut report);
-        if let Some(error) = failed {
-            return Err(error);
-        }
-        match ended.transpose()? {
-            None => {
-                self.notes
-                    .push("no load test was done: there are no loads of an equilibrium".to_owned());
-            }
-            Some(false) if interrupt.load(Ordering::Relaxed) => {
-                self.save()?;
-                return Ok(Some(INTERRUPTED.to_owned()));
-            }
-            Some(_) => {}
-        }
-        if !unbalanced.is_empty() {
-            self.unbalanced = true;
-            self.notes.push(format!(
-                "the load test is not in balance at load factors {unbalanced:?}: lower equilibrium.tolerance, or raise equilibrium.evaluation_limit"
-            ));
-        }
-        Ok(None)
-    }
-}
-
-/// A step in a line.
-fn line(wing: &Wing, names: &[LineName], step: &LoadStep) -> String {
-    let reading = measure::read_load_step(wing, step);
-    let nearest = reading.nearest.as_ref().map_or_else(
-        || "breaking loads are not told".to_owned(),
-        |n| {
-            format!(
-                "nearest to breaking {} at {:.2}",
-                names[n.cable].text(),
-                n.share
-            )
-        },
-    );
-    let rows: Vec<String> = wing
-        .wing
-        .row_names
-        .iter()
-        .zip(&reading.row_loads_n)
-        .map(|(name, load)| format!("{name} {load:.0}"))
-        .collect();
-    let stress = reading.stresses.iter().map(|s| s.1).fold(0.0, f64::max);
-    format!(
-        "load factor {:>5.2}: risers {:.0} N (rows {} N), {nearest}; largest stress {:.1} MPa, projected area {:.3} m2, guide {:.1} N, risers lack {:.1e}, {} evaluations",
-        step.load_factor,
-        reading.riser_forces_n.iter().sum::<f64>(),
-        rows.join(", "),
-        1e-6 * stress,
-        reading.projected_area_m2,
-        step.guide_n,
-        step.balance_error,
-        step.evaluations
-    )
-}
+pub(in crate::run) const SHAPE: &str = "load_test.vtp";
 
 /// Writes tables and charts of a load test; nothing where there is none.
-pub(super) fn write(
+pub(in crate::run) fn write(
     folder: &Path,
     scene: &Scene,
-    simulation: &Simulation,
+    load_test: Option<&LoadTest>,
 ) -> Result<(), OutputError> {
-    let (Some(wing), Some(body), Some(state)) =
-        (&scene.wing, &scene.body, simulation.load_test_state())
-    else {
+    let (Some(wing), Some(body), Some(state)) = (&scene.wing, &scene.body, load_test) else {
         return Ok(());
     };
     if state.steps.is_empty() {
@@ -156,7 +47,7 @@ pub(super) fn write(
 fn steps_table(
     folder: &Path,
     wing: &Wing,
-    state: &LoadTestState,
+    state: &LoadTest,
     readings: &[LoadReading],
 ) -> Result<(), OutputError> {
     let rows = &wing.wing.row_names;
@@ -215,7 +106,7 @@ fn steps_table(
 fn lines_table(
     folder: &Path,
     wing: &Wing,
-    state: &LoadTestState,
+    state: &LoadTest,
     names: &[LineName],
 ) -> Result<(), OutputError> {
     let mut columns: Vec<String> = ["line", "half", "breaking_load_n"]

@@ -1,0 +1,182 @@
+//! The phases of a run, a file each, executed in the plan's order ([`crate::plan::phases`]).
+
+mod change_lattice;
+mod equilibrium;
+mod load_test;
+mod march;
+mod open_canopy;
+mod panel_shaping;
+mod trim;
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+pub(super) use change_lattice::{Lattice, detector};
+
+use super::{INTERRUPTED, Observer, Run, RunError};
+use crate::case::Case;
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::plan::{Phase, phases};
+
+/// Name of the stand in a checkpoint.
+const STAND: &str = "stand";
+
+/// Parts that the progress of a phase without time is told in.
+const PARTS: u64 = 1000;
+
+/// How far a run has come in its phases.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Stand {
+    /// Number of the phase that is under way.
+    phase: usize,
+    /// Why the run ends, by the phases so far.
+    reason: String,
+    /// What was sought was not found.
+    pub(super) unbalanced: bool,
+    /// What is to be said of the last equilibrium or trim; it goes when another is sought.
+    pub(super) balance_notes: Vec<String>,
+}
+
+impl Default for Stand {
+    fn default() -> Self {
+        Self {
+            phase: 0,
+            reason: "end time reached".to_owned(),
+            unbalanced: false,
+            balance_notes: Vec::new(),
+        }
+    }
+}
+
+impl Stand {
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        let bytes = postcard::to_stdvec(self).map_err(std::io::Error::other)?;
+        out.put(STAND, &bytes)
+    }
+
+    /// Takes it from a checkpoint; `steps_are_left`: the end of the run lies behind that of before.
+    pub(super) fn restore(
+        case: &Case,
+        from: &Reader,
+        steps_are_left: bool,
+    ) -> Result<Self, CheckpointError> {
+        let bytes: Vec<u8> = from.take(STAND)?;
+        let stand: Self = postcard::from_bytes(&bytes)
+            .map_err(|error| from.damaged(format!("its phase cannot be read: {error}")))?;
+        let phases = phases(&case.scene, &case.coarser);
+        if stand.phase >= phases.len() {
+            return Err(from.damaged("it names a phase that the case does not have".to_owned()));
+        }
+        let last_march = phases
+            .iter()
+            .rposition(|p| matches!(p, Phase::March { .. }));
+        match last_march {
+            // With a later end there is something to be done before.
+            Some(march) if steps_are_left && stand.phase > march => Ok(Self {
+                phase: march,
+                ..Self::default()
+            }),
+            _ => Ok(stand),
+        }
+    }
+}
+
+/// What follows a phase.
+enum Next {
+    /// The next phase.
+    Phase,
+    /// What comes after the last steps: the time is over.
+    AfterTime,
+    /// Nothing: the run was interrupted, and a checkpoint is written.
+    Interrupted,
+    /// Nothing: what the run is for has been found.
+    End(String),
+}
+
+impl Run<'_> {
+    /// Executes the phases that are left; returns why the run ended.
+    pub(super) fn drive(&mut self, observer: &mut dyn Observer) -> Result<String, RunError> {
+        let (scene, coarser) = (&self.case.scene, &self.case.coarser);
+        let phases = phases(scene, coarser);
+        self.last_checkpoint = Instant::now();
+        self.detector = if self.to_the_end {
+            None
+        } else {
+            detector(scene)
+        };
+        // Windows that were looked at before an interrupt.
+        if let Some(detector) = &mut self.detector {
+            detector.skip_looks(&self.record);
+        }
+        while let Some(&phase) = phases.get(self.stand.phase) {
+            let next = match phase {
+                Phase::OpenCanopy => self.open_canopy(observer)?,
+                Phase::RaiseWind => self.raise_wind(observer)?,
+                Phase::March { .. } => self.march(observer)?,
+                Phase::ChangeLattice { .. } => self.change_grid(observer)?,
+                Phase::Equilibrium => self.seek_equilibrium(observer)?,
+                Phase::Trim => self.seek_trim(observer)?,
+                Phase::PanelShaping => self.shape_panels(observer)?,
+                Phase::LoadTest => self.test_loads(observer)?,
+            };
+            match next {
+                Next::Phase => self.stand.phase += 1,
+                Next::AfterTime => {
+                    let is_march = |phase: &Phase| matches!(phase, Phase::March { .. });
+                    let last = phases.iter().rposition(is_march);
+                    self.stand.phase = last.unwrap_or(self.stand.phase) + 1;
+                }
+                Next::Interrupted => {
+                    self.statics.leave(scene, &mut self.simulation)?;
+                    return Ok(INTERRUPTED.to_owned());
+                }
+                Next::End(reason) => return Ok(reason),
+            }
+        }
+        Ok(self.stand.reason.clone())
+    }
+
+    /// Between two parts of a phase: writes a checkpoint if one is due; true if the run is to stop, with its checkpoint written.
+    fn pause(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        if self.requests.to_stop() {
+            self.save()?;
+            return Ok(true);
+        }
+        let asked = self.requests.takes_checkpoint();
+        if asked || self.last_checkpoint.elapsed() >= self.checkpoint_interval {
+            let saved = self.try_save(observer)?;
+            self.last_checkpoint = Instant::now();
+            if asked && saved {
+                let time_s = self.simulation.time_s();
+                observer.note(&format!("checkpoint at t = {time_s:.6} s, as asked for"));
+            }
+        }
+        Ok(false)
+    }
+
+    /// Seeks the trim, or the equilibrium, that the case asks for.
+    fn balance(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
+        let wing = self.case.scene.wing.as_ref();
+        if wing.is_some_and(|wing| wing.trim.is_some()) {
+            self.seek_trim(observer)
+        } else {
+            self.seek_equilibrium(observer)
+        }
+    }
+
+    /// Notes how an equilibrium or a trim ended; `out_of_balance`: why the results are not those of one.
+    fn settle_balance(
+        &mut self,
+        reason: String,
+        out_of_balance: Option<String>,
+        observer: &mut dyn Observer,
+    ) -> Result<Next, RunError> {
+        observer.note(&reason);
+        self.stand.reason = reason;
+        self.stand.unbalanced = out_of_balance.is_some();
+        self.stand.balance_notes = out_of_balance.into_iter().collect();
+        self.sample(observer)?;
+        Ok(Next::Phase)
+    }
+}
