@@ -38,6 +38,7 @@ mod engines;
 mod extension;
 mod faults;
 mod folders;
+mod fuzz;
 mod interrupts;
 mod lep_sim;
 mod long_histories;
@@ -53,6 +54,7 @@ mod sail_support;
 mod sheets;
 mod solver_account;
 mod standard_error;
+mod supply_chain;
 mod supports;
 mod sweep;
 mod time_steps;
@@ -68,6 +70,10 @@ mod wing_patterns;
 use libtest_mimic::{Arguments, Trial};
 
 fn main() -> std::process::ExitCode {
+    // A trial that reads inputs in a process of its own starts this program again.
+    if let Some(code) = fuzz::child() {
+        return code;
+    }
     let arguments = Arguments::from_args();
     let trials: Vec<Trial> = [
         architecture::trials(),
@@ -98,6 +104,7 @@ fn main() -> std::process::ExitCode {
         body_settling::trials(),
         cadence::trials(),
         adaptive::trials(),
+        supply_chain::trials(),
         supports::trials(),
         permeability::trials(),
         phases::trials(),
@@ -111,6 +118,7 @@ fn main() -> std::process::ExitCode {
         interrupts::trials(),
         checkpoint::trials(),
         folders::trials(),
+        fuzz::trials(),
         resumption::trials(),
         extension::trials(),
         faults::trials(),
