@@ -25,8 +25,14 @@ const READER: &str = "RIPSTOP_FUZZ_READER";
 /// Changed inputs per reader in place of the usual number.
 const INPUTS: &str = "RIPSTOP_FUZZ_INPUTS";
 
-/// What a reader may take beyond what it has at the start [bytes]; inputs are shorter than a megabyte.
-const MEMORY: u64 = 256 << 20;
+/// What a reader may take beyond what it has at the start [bytes]; inputs are shorter than a megabyte. A case may ask for a structure of
+/// millions of elements.
+const fn memory(reader: Reader) -> u64 {
+    match reader {
+        Reader::Case => 3 << 30,
+        _ => 256 << 20,
+    }
+}
 
 /// A reader that gives no answer for so long hangs.
 const HANGS: Duration = Duration::from_secs(60);
@@ -101,7 +107,7 @@ pub fn child() -> Option<ExitCode> {
     let reader = Reader::named(&std::env::var(READER).ok()?)?;
     let inputs = Inputs::new(reader);
     let mut target = Target::new(reader, &root().join("cases"));
-    limit_memory();
+    targets::limit_memory(memory(reader));
     let mut out = std::io::stdout();
     let mut slowest = (Duration::ZERO, 0);
     for number in 0..inputs.count() {
@@ -114,6 +120,11 @@ pub fn child() -> Option<ExitCode> {
         }
         slowest = slowest.max((began.elapsed(), number));
     }
+    let missing = target.never_accepted();
+    if !missing.is_empty() {
+        writeln!(out, "nothing was accepted of {}", missing.join(", ")).unwrap();
+        return Some(ExitCode::FAILURE);
+    }
     writeln!(
         out,
         "done, the slowest was {} with {:.2} s",
@@ -122,26 +133,6 @@ pub fn child() -> Option<ExitCode> {
     )
     .unwrap();
     Some(ExitCode::SUCCESS)
-}
-
-/// From now on an allocation beyond the limit aborts; where the system has no such limit, nothing happens.
-fn limit_memory() {
-    // Threads have their stacks before.
-    rayon::broadcast(|_| ());
-    #[cfg(target_os = "linux")]
-    {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmData:"));
-        let taken: u64 = line
-            .unwrap()
-            .trim()
-            .trim_end_matches(" kB")
-            .parse()
-            .unwrap();
-        let limit = (taken << 10) + MEMORY;
-        rlimit::Resource::DATA.set(limit, limit).unwrap();
-        rlimit::Resource::CORE.set(0, 0).unwrap();
-    }
 }
 
 fn fuzz(reader: Reader) -> Result<(), Failed> {
@@ -188,7 +179,7 @@ fn fuzz(reader: Reader) -> Result<(), Failed> {
     }
     let Ok(number) = last.parse() else {
         return Err(format!(
-            "the process that reads ended before its first input: {status}\n{errors}"
+            "the process that reads ended without an input at fault: {status}\n{last}\n{errors}"
         )
         .into());
     };

@@ -1,6 +1,7 @@
 //! What is read from inputs: each reader as the program uses it, up to where a run would begin. It may refuse an input with a message, and
 //! must not panic.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -62,6 +63,8 @@ pub struct Target {
     /// Where inputs are put that are read as files; `in` holds the files that cases name.
     folder: TempDir,
     runs: Vec<Small>,
+    /// What has been accepted so far.
+    accepted: BTreeSet<&'static str>,
 }
 
 impl Target {
@@ -87,6 +90,7 @@ impl Target {
             } else {
                 Vec::new()
             },
+            accepted: BTreeSet::new(),
         };
         target.write_cases();
         target
@@ -124,11 +128,11 @@ impl Target {
         write(
             "lep-sim.toml",
             &format!(
-                "version = 1\n[structure.lep_sim]\nfile = \"lep-sim.json\"\n[structure.lep_sim.line_material]\nmass_per_length_kg_m = 0.001\n\
-                 axial_stiffness_n = 2e4\n{FABRIC}[equilibrium]\npressure_pa = 50.0\ntolerance = 1e-2\nevaluation_limit = 100\n"
+                "version = 1\n[structure.lep_sim]\nfile = \"lep-sim.json\"\n[structure.lep_sim.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\n\
+                 youngs_modulus_pa = 2e10\n{FABRIC}[equilibrium]\npressure_pa = 50.0\ntolerance = 1e-2\nevaluation_limit = 100\n"
             ),
         );
-        let lines = "lines = \"lines.csv\"\n[structure.mesh.line_material]\nmass_per_length_kg_m = 0.001\naxial_stiffness_n = 2e4\n";
+        let lines = "lines = \"lines.csv\"\n[structure.mesh.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\nyoungs_modulus_pa = 2e10\n";
         write(
             "lines.toml",
             &format!(
@@ -142,6 +146,14 @@ impl Target {
         );
     }
 
+    /// What nothing has been accepted of so far, though seeds hold good ones of each: the reader would not be tried in depth.
+    pub fn never_accepted(&self) -> Vec<&'static str> {
+        let all = ways(self.reader).iter();
+        all.copied()
+            .filter(|way| !self.accepted.contains(way))
+            .collect()
+    }
+
     /// Reads one input.
     pub fn read(&mut self, input: &[u8]) {
         match self.reader {
@@ -153,7 +165,7 @@ impl Target {
     }
 
     /// The case and its first two variants.
-    fn case(&self, input: &[u8]) {
+    fn case(&mut self, input: &[u8]) {
         // The file could not be read as text.
         let Ok(text) = std::str::from_utf8(input) else {
             return;
@@ -167,22 +179,20 @@ impl Target {
                 variant,
                 overrides: Vec::new(),
             };
-            told(case::parse("case.toml", text, &self.place(), &choices));
+            if told(case::parse("case.toml", text, &self.place(), &choices)) {
+                self.accepted.insert("case");
+            }
         }
     }
 
-    fn load(&self, name: &str) {
-        let path = self.place().join(name);
+    fn load(&mut self, name: &'static str) {
+        let path = self.place().join(format!("{name}.toml"));
         let choices = Choices::default();
-        match case::load(&path, &choices) {
-            Ok(case) => told(Ok(case)),
-            Err(error) => {
-                told(Err(error));
-                // What `ripstop check` tells of a mesh that is refused.
-                if let Ok(meshes) = case::examine_meshes(&path, &choices) {
-                    let _ = plan::mesh_report(&meshes);
-                }
-            }
+        if told(case::load(&path, &choices)) {
+            self.accepted.insert(name);
+        } else if let Ok(meshes) = case::examine_meshes(&path, &choices) {
+            // What `ripstop check` tells of a mesh that is refused.
+            let _ = plan::mesh_report(&meshes);
         }
     }
 
@@ -191,31 +201,34 @@ impl Target {
     }
 
     /// The input as every kind of mesh, as fabric and as a body.
-    fn mesh(&self, input: &[u8]) {
+    fn mesh(&mut self, input: &[u8]) {
         if input.trim_ascii_start().starts_with(b"{") {
             self.put("lep-sim.json", input);
-            return self.load("lep-sim.toml");
+            return self.load("lep-sim");
         }
-        for format in ["obj", "stl", "ply"] {
+        for (format, ways) in [
+            ("obj", ["obj-fabric", "obj-body"]),
+            ("stl", ["stl-fabric", "stl-body"]),
+            ("ply", ["ply-fabric", "ply-body"]),
+        ] {
             self.put(&format!("mesh.{format}"), input);
-            self.load(&format!("{format}-fabric.toml"));
-            self.load(&format!("{format}-body.toml"));
+            ways.into_iter().for_each(|way| self.load(way));
         }
     }
 
     /// The input as coordinates of a profile, alone and on a wing, and as a table of lines.
-    fn profile(&self, input: &[u8]) {
+    fn profile(&mut self, input: &[u8]) {
         if let Ok(text) = std::str::from_utf8(input) {
             if let Ok(profile) = Profile::parse(text) {
                 let _ = (profile.resampled(50), profile.thickness());
                 let _ = profile.camber(&[0.0, 0.25, 0.5, 1.0]);
                 self.put("profile.dat", input);
-                self.load("profile.toml");
+                self.load("profile");
             }
             let _ = Profile::naca(text.lines().next().unwrap_or_default());
             if line_table::parse(text).is_ok() {
                 self.put("lines.csv", input);
-                self.load("lines.toml");
+                self.load("lines");
             }
         }
     }
@@ -232,6 +245,7 @@ impl Target {
                         restored.and_then(|()| run.record.restore(&found.reader, &folder));
                     match restored {
                         Ok(()) => {
+                            self.accepted.insert(run.identity);
                             let _ = (run.simulation.time_s(), run.simulation.wind_speed_m_s());
                             let _ = run.simulation.structure_frame();
                             let _ = run.record.history_rows().count();
@@ -245,8 +259,26 @@ impl Target {
     }
 }
 
-/// What `ripstop check` does with a case that was read, or tells of one that was not.
-fn told(read: Result<Case, Box<case::CaseError>>) {
+/// Everything that a good input of a reader passes through.
+const fn ways(reader: Reader) -> &'static [&'static str] {
+    match reader {
+        Reader::Case => &["case"],
+        Reader::Mesh => &[
+            "obj-fabric",
+            "obj-body",
+            "stl-fabric",
+            "stl-body",
+            "ply-fabric",
+            "ply-body",
+            "lep-sim",
+        ],
+        Reader::Profile => &["profile", "lines"],
+        Reader::Checkpoint => &["sheet", "canopy"],
+    }
+}
+
+/// What `ripstop check` does with a case that was read, or tells of one that was not; true if it was.
+fn told(read: Result<Case, Box<case::CaseError>>) -> bool {
     let case = match read {
         Ok(case) => case,
         Err(error) => {
@@ -256,12 +288,12 @@ fn told(read: Result<Case, Box<case::CaseError>>) {
             );
             let mut text = String::new();
             write!(text, "{:?}", miette::Report::new(*error)).unwrap();
-            return;
+            return false;
         }
     };
     let plan = Plan::new(&case.scene, Precision::F32);
     if plan.sizes.fit_into(None).is_err() {
-        return;
+        return true;
     }
     let _ = plan.report(&case.scene, 1);
     let _ = plan::grid_sequence(&case.coarser);
@@ -269,6 +301,7 @@ fn told(read: Result<Case, Box<case::CaseError>>) {
     let _ = measure::result_names(&case.scene);
     let _ = validity::beforehand(&case.scene, &plan);
     let _ = validity::expected_errors(&case.scene);
+    true
 }
 
 /// Runs as small as they can be: fabric that touches itself in steps of various lengths, and a canopy in air.
@@ -327,6 +360,26 @@ fn checkpoints() -> Vec<Vec<u8>> {
         std::fs::read(folder.path().join(checkpoint::FILE_NAME)).unwrap()
     });
     written.collect()
+}
+
+/// From now on an allocation that needs more than `more` bytes beyond what is taken aborts; where the system has no such limit, nothing happens.
+pub fn limit_memory(more: u64) {
+    // Threads have their stacks before.
+    rayon::broadcast(|_| ());
+    #[cfg(target_os = "linux")]
+    {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmData:"));
+        let taken: u64 = line
+            .unwrap()
+            .trim()
+            .trim_end_matches(" kB")
+            .parse()
+            .unwrap();
+        let limit = (taken << 10) + more;
+        rlimit::Resource::DATA.set(limit, limit).unwrap();
+        rlimit::Resource::CORE.set(0, 0).unwrap();
+    }
 }
 
 /// Files under `folder` whose names end in one of `endings`, in order.
