@@ -37,6 +37,9 @@ const fn memory(reader: Reader) -> u64 {
 /// A reader that gives no answer for so long hangs.
 const HANGS: Duration = Duration::from_secs(60);
 
+/// An input that takes longer is kept, and told of: no failure, for how long it takes depends on the machine.
+const SLOW: Duration = Duration::from_secs(1);
+
 /// Longest part of an input that a message shows [bytes].
 const SHOWN: usize = 2000;
 
@@ -125,20 +128,34 @@ pub fn child() -> Option<ExitCode> {
         writeln!(out, "nothing was accepted of {}", missing.join(", ")).unwrap();
         return Some(ExitCode::FAILURE);
     }
-    writeln!(
-        out,
+    let (longest, number) = slowest;
+    let mut told = format!(
         "done, the slowest was {} with {:.2} s",
-        inputs.name(slowest.1),
-        slowest.0.as_secs_f64()
-    )
-    .unwrap();
+        inputs.name(number),
+        longest.as_secs_f64()
+    );
+    if longest > SLOW {
+        told += &format!(
+            ", kept as {}",
+            keep(reader, number, &inputs.get(number)).display()
+        );
+    }
+    writeln!(out, "{told}").unwrap();
     Some(ExitCode::SUCCESS)
+}
+
+/// Puts an input where a developer finds it.
+fn keep(reader: Reader, number: u64, input: &[u8]) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("ripstop-fuzz-{}-{number}", reader.name()));
+    std::fs::write(&path, input).unwrap();
+    path
 }
 
 fn fuzz(reader: Reader) -> Result<(), Failed> {
     let mut child = Command::new(std::env::current_exe()?)
         .env(READER, reader.name())
         .env("RAYON_NUM_THREADS", "1")
+        .env("RUST_BACKTRACE", "0")
         .env("NO_COLOR", "1")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -185,8 +202,7 @@ fn fuzz(reader: Reader) -> Result<(), Failed> {
     };
     let inputs = Inputs::new(reader);
     let input = inputs.get(number);
-    let kept = std::env::temp_dir().join(format!("ripstop-fuzz-{}-{number}", reader.name()));
-    std::fs::write(&kept, &input)?;
+    let kept = keep(reader, number, &input);
     let why = if hangs {
         format!("gives no answer within {} s", HANGS.as_secs())
     } else {

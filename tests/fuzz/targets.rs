@@ -120,8 +120,8 @@ impl Target {
                 &format!("{format}-body.toml"),
                 &format!(
                     "version = 1\n[air]\ndensity_kg_m3 = 1.2\nkinematic_viscosity_m2_s = 0.01\n[air.wind_tunnel]\nspeed_m_s = 5.0\n\
-                     size_m = [4.0, 4.0, 4.0]\nstart_time_s = 0.0\n[resolution]\ncell_size_m = 0.1\nlattice_speed = 0.05\n\
-                     operator = \"two_relaxation_times\"\n[coupling]\nover_relaxation = 1.0\n[bodies.one.mesh]\nposition_m = [2.0, 2.0, 2.0]\n{file}[time]\nend_s = 0.1\n"
+                     size_m = [4.0, 4.0, 4.0]\nstart_time_s = 0.01\n[resolution]\ncell_size_m = 0.1\nlattice_speed = 0.05\n\
+                     operator = \"recursive_regularised\"\n[coupling]\nover_relaxation = 1.0\n[bodies.one]\nposition_m = [2.0, 2.0, 2.0]\nreference.area_m2 = 1.0\nreference.length_m = 1.0\n[bodies.one.mesh]\n{file}[time]\nend_s = 0.1\n"
                 ),
             );
         }
@@ -132,7 +132,7 @@ impl Target {
                  youngs_modulus_pa = 2e10\n{FABRIC}[equilibrium]\npressure_pa = 50.0\ntolerance = 1e-2\nevaluation_limit = 100\n"
             ),
         );
-        let lines = "lines = \"lines.csv\"\n[structure.mesh.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\nyoungs_modulus_pa = 2e10\n";
+        let lines = "held_nodes = []\nlines = \"lines.csv\"\n[structure.mesh.line_material]\narea_m2 = 1e-6\ndensity_kg_m3 = 1000.0\nyoungs_modulus_pa = 2e10\n";
         write(
             "lines.toml",
             &format!(
@@ -310,12 +310,13 @@ fn runs() -> Vec<Small> {
         "structure.sheet.divisions=[4, 4]",
         "time.step_s=0.01",
         "time.adaptive.tolerance_m=1e-3",
-        "contact.gap_m=2e-3",
+        "time.adaptive.smallest_step_s=1e-3",
+        "contact.thickness_m=2e-3",
     ];
     let canopy = [
         "resolution.cells_per_diameter=6.0",
         "air.wind_tunnel.size_m=[2.0, 1.994, 1.994]",
-        "air.wind_tunnel.sponge_length_m=0.0",
+        "air.wind_tunnel.sponge_length_m=0.2",
         "structure.flat_circular.confluence_m=[0.2, 0.997, 0.997]",
         "structure.flat_circular.rings=4",
     ];
