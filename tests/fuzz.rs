@@ -46,8 +46,8 @@ const SHOWN: usize = 2000;
 /// Changed inputs per reader: a few seconds of one core.
 const fn usual(reader: Reader) -> u64 {
     match reader {
-        Reader::Case => 400,
-        Reader::Mesh => 1000,
+        Reader::Case => 1200,
+        Reader::Mesh => 400,
         Reader::Profile => 2000,
         Reader::Checkpoint => 1000,
     }
