@@ -46,7 +46,7 @@ const SHOWN: usize = 2000;
 /// Changed inputs per reader: a few seconds of one core.
 const fn usual(reader: Reader) -> u64 {
     match reader {
-        Reader::Case => 1200,
+        Reader::Case => 1500,
         Reader::Mesh => 400,
         Reader::Profile => 2000,
         Reader::Checkpoint => 1000,

@@ -66,6 +66,17 @@ pub(super) fn check(
             "remove [bodies], or use [air.wind_tunnel]",
         ));
     }
+    // Before surfaces of millions of triangles are made for cells that no machine has.
+    if air.cells.iter().map(|n| *n as f64).product::<f64>() >= f64::from(u32::MAX) {
+        let [x, y, z] = air.cells;
+        return Err(Problem::new(
+            "resolution",
+            format!(
+                "the air has {x} x {y} x {z} cells, and more than 4 294 967 294 cannot be addressed"
+            ),
+            "choose larger cells (resolution.cells_per_diameter or cell_size_m), or a smaller tunnel",
+        ));
+    }
     file.bodies
         .iter()
         .map(|(name, table)| check_body(file, name, table, files, air, time))

@@ -30,6 +30,19 @@ const EXTREMES: [&str; 22] = [
     "9223372036854775807",
 ];
 
+/// Whole numbers at which they do.
+const WHOLE: [&str; 9] = [
+    "0",
+    "1",
+    "2",
+    "3",
+    "-1",
+    "255",
+    "65536",
+    "4294967295",
+    "9223372036854775807",
+];
+
 /// The same as bits of sections.
 const EXTREME_WORDS: [u64; 10] = [
     0,
@@ -144,7 +157,14 @@ fn mutate_text(input: &mut Vec<u8>, other: &[u8], random: &mut Rng) {
     match random.u8(..16) {
         0..=6 if !numbers.is_empty() => {
             let place = one_of(&numbers, random);
-            let extreme = EXTREMES[random.usize(..EXTREMES.len())];
+            // A count that is no whole number is refused at once.
+            let is_whole = input[place.clone()].iter().all(u8::is_ascii_digit);
+            let of: &[&str] = if is_whole && random.u8(..4) > 0 {
+                &WHOLE
+            } else {
+                &EXTREMES
+            };
+            let extreme = of[random.usize(..of.len())];
             input.splice(place, extreme.bytes());
         }
         7 | 8 if !numbers.is_empty() => {
