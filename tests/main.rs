@@ -42,6 +42,9 @@ mod fuzz;
 mod interrupts;
 mod lep_sim;
 mod long_histories;
+mod mesh_files;
+mod mesh_findings;
+mod mesh_seams;
 mod meshes;
 mod out_of_memory;
 mod permeability;
@@ -87,7 +90,9 @@ fn main() -> std::process::ExitCode {
         wing_patterns::trials(),
         lep_sim::trials(),
         long_histories::trials(),
-        meshes::trials(),
+        mesh_files::trials(),
+        mesh_findings::trials(),
+        mesh_seams::trials(),
         out_of_memory::trials(),
         ram_air::trials(),
         sail_support::trials(),

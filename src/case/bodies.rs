@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::Problem;
 use super::file::{self, BodyTable, File};
@@ -11,7 +11,7 @@ use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
-use super::values::{check_name, direction};
+use super::values::{self, check_name};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
@@ -111,15 +111,7 @@ fn check_body(
     let position_m = vector(&written.key("position_m"), table.position_m)?;
     let cell = air.units.cell_size_m;
     let (shape, mut surface) = check_shape(&written, files, EDGE_CELLS * cell)?;
-    let rotation = match &table.rotation {
-        Some(rotation) => DQuat::from_axis_angle(
-            direction(&written.key("rotation.axis"), rotation.axis)?,
-            vector(&written.key("rotation.angle_deg"), [rotation.angle_deg; 3])?
-                .x
-                .to_radians(),
-        ),
-        None => DQuat::IDENTITY,
-    };
+    let rotation = values::rotation(&written.key("rotation"), table.rotation.as_ref())?;
     for place in &mut surface.positions_m {
         *place = position_m + rotation * *place;
     }
@@ -313,16 +305,17 @@ pub(super) fn read_mesh(
         )
     };
     let surface = surface::read(&path, scale).map_err(unreadable)?;
-    let welded = mesh_examination::welded(key, mesh.weld_tolerance_m, surface)?;
+    let wished = (mesh.weld_tolerance_m, mesh.orient_triangles);
+    let prepared = mesh_examination::prepared(key, wished, surface)?;
+    let welded = &prepared.welded;
     if let Some(triangle) = surface::without_area(&welded.surface) {
         let number = welded.triangle_numbers[triangle] + 1;
         return Err(unreadable(format!(
             "triangle {number} encloses no area; remove or repair it"
         )));
     }
-    let weld = (&welded, mesh.weld_tolerance_m);
-    let examined = ExaminedMesh::of_body(key, &path, weld, &mesh.accept, cell_size_m);
-    Ok((welded.surface, examined))
+    let examined = ExaminedMesh::of_body(key, &path, &prepared, &mesh.accept, cell_size_m);
+    Ok((prepared.welded.surface, examined))
 }
 
 /// Refuses bodies that leave the air or outrun the coupling.

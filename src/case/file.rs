@@ -270,6 +270,9 @@ pub struct MeshFile {
     pub held_nodes: Vec<u32>,
     /// Vertices nearer than this are joined; 0 if absent.
     pub weld_tolerance_m: Option<f64>,
+    /// Turns triangles that run against their neighbours.
+    #[serde(default)]
+    pub orient_triangles: bool,
     /// Findings that are meant.
     #[serde(default)]
     pub accept: Vec<Kind>,
@@ -277,6 +280,8 @@ pub struct MeshFile {
     pub start_file: Option<String>,
     /// Where the file's origin is.
     pub position_m: Option<[f64; 3]>,
+    /// Of all that the files name, about their origin.
+    pub rotation: Option<Rotation>,
     /// Makes it a parachute canopy.
     pub nominal_area_m2: Option<f64>,
     /// A table of lines, with their material.

@@ -26,7 +26,7 @@ pub struct BodyTable {
     pub permeability: Option<PermeabilityTable>,
 }
 
-/// `[bodies.NAME.rotation]`.
+/// `[bodies.NAME.rotation]`, `[structure.mesh.rotation]`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(
@@ -96,6 +96,9 @@ pub struct SurfaceFile {
     pub scale: f64,
     /// Vertices nearer than this are joined; 0 if absent.
     pub weld_tolerance_m: Option<f64>,
+    /// Turns triangles that run against their neighbours.
+    #[serde(default)]
+    pub orient_triangles: bool,
     /// Findings that are meant.
     #[serde(default)]
     pub accept: Vec<Kind>,

@@ -5,19 +5,21 @@ use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles, Joined};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
 use super::structure::check_fabric;
+use super::values::rotation;
 use super::{Problem, mesh_lines};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
 use crate::geometry::fabric_surface;
 use crate::geometry::mesh::doctor::Welded;
+use crate::geometry::mesh::obj::{self, Faces};
 use crate::geometry::mesh::quality::Quality;
-use crate::geometry::mesh::{obj, quality, surface};
+use crate::geometry::mesh::{quality, surface};
 use crate::rigid::Surface;
 
 const KEY: &str = "structure.mesh";
@@ -73,11 +75,16 @@ pub(super) fn examine(
     let fabric = check_fabric(file)?;
     let scale = positive(&format!("{KEY}.scale"), written.scale)?;
     let path = folder.join(&written.file);
-    let as_written = read(&path, scale)?;
-    let welded = mesh_examination::welded(KEY, written.weld_tolerance_m, as_written.clone())?;
-    let mut structure = fabric_surface::build(&welded.surface, DVec3::X, &fabric)
-        .map_err(|index| degenerate(&path, &welded, index))?;
+    let rotation = rotation(&format!("{KEY}.rotation"), written.rotation.as_ref())?;
+    let (as_written, faces) = read(&path, scale)?;
+    let wished = (written.weld_tolerance_m, written.orient_triangles);
+    let prepared = mesh_examination::prepared(KEY, wished, as_written.clone())?;
+    let welded = &prepared.welded;
+    let mut structure =
+        fabric_surface::build(&turned(&welded.surface, rotation), DVec3::X, &fabric)
+            .map_err(|index| degenerate(&path, welded, index))?;
     let quality = quality::measure(&structure.positions_m, &welded.surface.triangles);
+    let mut start_m = welded.surface.positions_m.clone();
     if let Some(start) = &written.start_file {
         if !is_numbered(&path) {
             return Err(Problem::new(
@@ -86,10 +93,10 @@ pub(super) fn examine(
                 "give structure.mesh.file as OBJ, too",
             ));
         }
-        let start_m = start_places(&folder.join(start), scale, &as_written)?;
-        structure.positions_m = joined_start(start, written, &welded, &start_m)?;
+        let places_m = start_places(&folder.join(start), scale, (&as_written, &faces))?;
+        start_m = joined_start(start, written, welded, &places_m)?;
+        structure.positions_m = start_m.iter().map(|place| rotation * *place).collect();
     }
-    let start_m = structure.positions_m.clone();
     let position_m = match written.position_m {
         Some(position) => vector(&format!("{KEY}.position_m"), position)?,
         None => DVec3::ZERO,
@@ -97,20 +104,17 @@ pub(super) fn examine(
     for place in &mut structure.positions_m {
         *place += position_m;
     }
-    hold(&written.held_nodes, &welded, &mut structure)?;
-    mesh_lines::add(written, folder, position_m, &mut structure)?;
-    let resolution = file.resolution.as_ref();
+    hold(&written.held_nodes, welded, &mut structure)?;
+    mesh_lines::add(written, folder, (rotation, position_m), &mut structure)?;
     let examined = ExaminedMesh::of_fabric(
         (KEY, &path),
-        (&welded, written.weld_tolerance_m, is_numbered(&path)),
+        (&prepared, is_numbered(&path)),
         start_m,
         &structure,
-        &written.accept,
-        (
-            written.nominal_area_m2.filter(|area| *area > 0.0),
-            resolution.and_then(|r| r.cell_size_m).filter(|c| *c > 0.0),
-        ),
+        (file, written),
+        rotation,
     );
+    let welded = prepared.welded;
     Ok(Read {
         joined: (welded.joined + welded.collapsed > 0).then_some(Joined {
             node_count: welded.surface.positions_m.len() as u32,
@@ -122,8 +126,16 @@ pub(super) fn examine(
     })
 }
 
-/// Nodes and triangles of a file.
-fn read(path: &Path, scale: f64) -> Result<Surface, Problem> {
+fn turned(surface: &Surface, rotation: DQuat) -> Surface {
+    let places = surface.positions_m.iter();
+    Surface {
+        positions_m: places.map(|place| rotation * *place).collect(),
+        triangles: surface.triangles.clone(),
+    }
+}
+
+/// Nodes and triangles of a file, with its faces where nodes keep their numbers.
+fn read(path: &Path, scale: f64) -> Result<(Surface, Faces), Problem> {
     let unreadable = |why: String| {
         Problem::new(
             format!("{KEY}.file"),
@@ -134,12 +146,14 @@ fn read(path: &Path, scale: f64) -> Result<Surface, Problem> {
     // Nodes of OBJ files keep their numbers; those of others are joined where they lie together.
     if is_numbered(path) {
         let mesh = obj::read(path, scale).map_err(unreadable)?;
-        Ok(Surface {
+        let surface = Surface {
             positions_m: mesh.positions_m,
             triangles: mesh.triangles,
-        })
+        };
+        Ok((surface, mesh.faces))
     } else {
-        surface::read(path, scale).map_err(unreadable)
+        let surface = surface::read(path, scale).map_err(unreadable)?;
+        Ok((surface, Faces::default()))
     }
 }
 
@@ -150,23 +164,31 @@ fn is_numbered(path: &Path) -> bool {
     })
 }
 
+/// A place without hundreds of zeros.
+fn told(place: DVec3) -> String {
+    let is_usual = |c: f64| c == 0.0 || (1e-6..1e9).contains(&c.abs());
+    if place.to_array().into_iter().all(is_usual) {
+        place.to_string()
+    } else {
+        place.to_array().map(|c| format!("{c:.4e}")).join(", ")
+    }
+}
+
 fn degenerate(path: &Path, welded: &Welded, index: usize) -> Problem {
     let nodes = welded.surface.triangles[index];
     let corners = welded.surface.corners(nodes);
     let nodes = nodes.map(|node| welded.numbers[node as usize]);
+    let [a, b, c] = corners.map(told);
     let index = welded.triangle_numbers[index] as usize;
     Problem::new(
         format!("{KEY}.file"),
         format!(
-            "triangle {} of {} is degenerate: nodes {}, {}, {} at ({}), ({}), ({}) enclose no area",
+            "triangle {} of {} is degenerate: nodes {}, {}, {} at ({a}), ({b}), ({c}) enclose no area",
             index + 1,
             path.display(),
             nodes[0] + 1,
             nodes[1] + 1,
             nodes[2] + 1,
-            corners[0],
-            corners[1],
-            corners[2]
         ),
         "remove or repair the triangle (numbers count from 1, as in the OBJ file)",
     )
@@ -183,6 +205,24 @@ fn joined_start(
 ) -> Result<Vec<DVec3>, Problem> {
     let (places_m, farthest) = welded.carried_over(start_m);
     let allowed_m = LARGEST_GAP * written.weld_tolerance_m.unwrap_or(0.0);
+    for hanging in &welded.inserted {
+        let [a, b] = hanging.edge.map(|vertex| start_m[vertex as usize]);
+        let apart_m = a
+            .lerp(b, hanging.share)
+            .distance(start_m[hanging.vertex as usize]);
+        if apart_m > allowed_m + LARGEST_STRETCH * a.distance(b) {
+            let [a, b] = hanging.edge.map(|vertex| vertex + 1);
+            return Err(Problem::new(
+                START,
+                format!(
+                    "vertex {} is sewn to the edge between vertices {a} and {b} in {}, but {apart_m:.3e} m from it in {file}",
+                    hanging.vertex + 1,
+                    written.file
+                ),
+                "let seams lie together in both files, or lower structure.mesh.weld_tolerance_m",
+            ));
+        }
+    }
     match farthest {
         Some(([a, b], apart_m)) if apart_m > allowed_m => Err(Problem::new(
             START,
@@ -199,7 +239,11 @@ fn joined_start(
 }
 
 /// Where a second file has the same nodes [m].
-fn start_places(path: &Path, scale: f64, rest: &Surface) -> Result<Vec<DVec3>, Problem> {
+fn start_places(
+    path: &Path,
+    scale: f64,
+    (rest, faces): (&Surface, &Faces),
+) -> Result<Vec<DVec3>, Problem> {
     let refused = |why: String, help: &str| {
         Problem::new(
             START,
@@ -214,16 +258,17 @@ fn start_places(path: &Path, scale: f64, rest: &Surface) -> Result<Vec<DVec3>, P
             SAME,
         ));
     }
-    let start =
-        obj::read(path, scale).map_err(|why| refused(format!("cannot be read: {why}"), SAME))?;
-    if start.positions_m.len() != rest.positions_m.len() || start.triangles != rest.triangles {
+    // Its polygons are covered by the triangles of the shape at rest, however they are folded.
+    let start = obj::read_folded(path, scale)
+        .map_err(|why| refused(format!("cannot be read: {why}"), SAME))?;
+    if start.positions_m.len() != rest.positions_m.len() || start.faces != *faces {
         return Err(refused(
             format!(
-                "it has {} nodes and {} triangles, the shape at rest {} and {}; or faces differ",
+                "it has {} nodes and {} faces, the shape at rest {} and {}; or faces differ",
                 start.positions_m.len(),
-                start.triangles.len(),
+                start.faces.count(),
                 rest.positions_m.len(),
-                rest.triangles.len()
+                faces.count()
             ),
             SAME,
         ));
@@ -306,7 +351,7 @@ fn canopy(
                 "lines end at x = {:.4} m, downstream of the canopy (its middle is at {middle_x:.4} m)",
                 end.x
             ),
-            "the air comes along +x: turn mesh and lines so that the lines lead from the canopy towards −x",
+            "the air comes along +x: turn mesh and lines, with structure.mesh.rotation, so that the lines lead from the canopy towards −x",
         ));
     }
     Ok(Canopy {

@@ -3,14 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::Problem;
+use super::file::{self, File};
 use super::lep_sim::ImportedWing;
 use super::scene::positive;
 use crate::cloth::Structure;
-pub use crate::geometry::mesh::doctor::{Border, Examination, Finding, Kind, Piece};
-use crate::geometry::mesh::doctor::{Subject, Use, Welded, examine, weld};
+pub use crate::geometry::mesh::doctor::{Border, Examination, Finding, Kind, Mouth, Piece};
+use crate::geometry::mesh::doctor::{NoSides, Subject, Use, Welded, examine, mouth, orient, weld};
 use crate::rigid::Surface;
 
 /// What a case takes from other files, beside its structure and bodies.
@@ -73,6 +74,10 @@ pub struct ExaminedMesh {
     pub start_m: Arc<Vec<DVec3>>,
     /// What was joined, where the case asks for it.
     pub weld: Option<Weld>,
+    /// Triangles that were turned, where the case asks for it.
+    pub oriented: Option<usize>,
+    /// Where the opening of fabric in the wind faces.
+    pub heading: Option<Heading>,
     /// Findings that the case accepts.
     pub accepted: Vec<Kind>,
     /// True where findings are told but nothing is refused.
@@ -90,10 +95,77 @@ pub struct ExaminedMesh {
 pub struct Weld {
     /// Distance below which vertices were joined [m].
     pub tolerance_m: f64,
+    /// Vertices that were inserted into edges of the other side of a seam.
+    pub inserted: usize,
     /// Vertices that went.
     pub joined: usize,
     /// Triangles that went.
     pub collapsed: usize,
+}
+
+/// Where the opening of fabric faces, and the wind that blows along +x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heading {
+    /// Normal of the opening as it stands in the box of the air.
+    pub direction: DVec3,
+    /// Angle between it and the way that the wind comes from [°].
+    pub off_wind_deg: f64,
+    /// Axis and angle [°] of the rotation of the file by which it would face the wind.
+    pub rotation: (DVec3, f64),
+}
+
+impl Heading {
+    /// Angle from which fabric hardly stands as it is meant to [°].
+    const ODD_DEG: f64 = 45.0;
+
+    /// Of a canopy (by its area) or of fabric that is deep like one; `None` without wind.
+    fn new(file: &File, mouth: Option<Mouth>, rotation: DQuat) -> Option<Self> {
+        let is_canopy = (file.structure.as_ref()).is_some_and(|table| table.is_canopy());
+        let is_windy = (file.air.as_ref()).is_some_and(|air| air.taylor_green.is_none());
+        let mouth = mouth.filter(|mouth| is_windy && (is_canopy || !mouth.is_flat))?;
+        let upstream = DVec3::NEG_X;
+        let mut own = mouth.direction;
+        if mouth.is_flat && (rotation * own).dot(upstream) < 0.0 {
+            own = -own;
+        }
+        let direction = rotation * own;
+        let axis = own.cross(upstream);
+        // Half a turn has many axes.
+        let axis = axis.try_normalize().unwrap_or(DVec3::Z);
+        Some(Self {
+            direction,
+            off_wind_deg: direction.angle_between(upstream).to_degrees(),
+            rotation: (axis, own.angle_between(upstream).to_degrees()),
+        })
+    }
+
+    /// True if the opening is far from facing the wind.
+    #[must_use]
+    pub fn is_odd(&self) -> bool {
+        self.off_wind_deg > Self::ODD_DEG
+    }
+}
+
+/// A mesh with its vertices joined and its triangles turned, as far as the case asks for either.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub welded: Welded,
+    tolerance_m: Option<f64>,
+    oriented: Option<usize>,
+}
+
+impl Prepared {
+    fn weld(&self) -> Option<Weld> {
+        let welded = &self.welded;
+        self.tolerance_m
+            .filter(|tolerance_m| *tolerance_m > 0.0)
+            .map(|tolerance_m| Weld {
+                tolerance_m,
+                inserted: welded.inserted.len(),
+                joined: welded.joined,
+                collapsed: welded.collapsed,
+            })
+    }
 }
 
 impl ExaminedMesh {
@@ -105,6 +177,8 @@ impl ExaminedMesh {
             start_m: Arc::new(surface.positions_m.clone()),
             surface: Arc::new(surface),
             weld: None,
+            oriented: None,
+            heading: None,
             accepted: Vec::new(),
             is_told_only: false,
             mass_kg: None,
@@ -116,12 +190,16 @@ impl ExaminedMesh {
     /// Examines fabric; the first nodes of the structure are those of the mesh.
     pub(super) fn of_fabric(
         (key, path): (&str, &Path),
-        (welded, tolerance_m, has_numbers): (&Welded, Option<f64>, bool),
+        (prepared, has_numbers): (&Prepared, bool),
         start_m: Vec<DVec3>,
         structure: &Structure,
-        accepted: &[Kind],
-        (nominal_area_m2, cell_size_m): (Option<f64>, Option<f64>),
+        (file, written): (&File, &file::MeshFile),
+        rotation: DQuat,
     ) -> Self {
+        let welded = &prepared.welded;
+        let nominal_area_m2 = written.nominal_area_m2.filter(|area| *area > 0.0);
+        let cell_size_m = file.resolution.as_ref().and_then(|r| r.cell_size_m);
+        let cell_size_m = cell_size_m.filter(|cell| *cell > 0.0);
         let examination = examine(&Subject {
             surface: &welded.surface,
             start_m: &start_m,
@@ -133,11 +211,15 @@ impl ExaminedMesh {
             cell_size_m,
         });
         let masses_kg = structure.masses_kg.iter().take(start_m.len());
+        let triangles = &welded.surface.triangles;
+        let mouth = mouth(&start_m, triangles, &examination.borders);
         let diameter = |area: f64| (4.0 * area / std::f64::consts::PI).sqrt();
         Self {
             start_m: Arc::new(start_m),
-            weld: told(welded, tolerance_m),
-            accepted: accepted.to_vec(),
+            weld: prepared.weld(),
+            oriented: prepared.oriented,
+            heading: Heading::new(file, mouth, rotation),
+            accepted: written.accept.clone(),
             mass_kg: Some(masses_kg.sum()),
             nominal_diameter_m: nominal_area_m2.map(diameter),
             ..Self::new(key, path, examination, welded.surface.clone())
@@ -148,11 +230,11 @@ impl ExaminedMesh {
     pub(super) fn of_body(
         key: &str,
         path: &Path,
-        (welded, tolerance_m): (&Welded, Option<f64>),
+        prepared: &Prepared,
         accepted: &[Kind],
         cell_size_m: Option<f64>,
     ) -> Self {
-        let surface = welded.surface.clone();
+        let surface = prepared.welded.surface.clone();
         // Nodes that lie together are joined as a file of a body is read: it has no numbers any more.
         let examination = examine(&Subject {
             surface: &surface,
@@ -162,7 +244,8 @@ impl ExaminedMesh {
             cell_size_m,
         });
         Self {
-            weld: told(welded, tolerance_m),
+            weld: prepared.weld(),
+            oriented: prepared.oriented,
             accepted: accepted.to_vec(),
             volume_m3: surface.is_closed().then(|| surface.volume_m3().0.abs()),
             ..Self::new(key, path, examination, surface)
@@ -215,11 +298,18 @@ impl ExaminedMesh {
             .iter()
             .map(|f| format!("{} ({})", f.what, f.kind.name()))
             .collect();
-        // What is joined is often of one piece then.
-        let is_seam = refused.iter().any(|f| f.kind == Kind::DoubledVertices);
+        // What is joined is often of one piece then, and its seams no longer cross.
+        let seams = [Kind::DoubledVertices, Kind::HangingNodes];
+        let is_seam = refused.iter().any(|f| seams.contains(&f.kind));
         let remedies: Vec<String> = refused
             .iter()
-            .filter(|f| !is_seam || !matches!(f.kind, Kind::Pieces | Kind::LoosePieces))
+            .filter(|f| {
+                let follows = matches!(
+                    f.kind,
+                    Kind::Pieces | Kind::LoosePieces | Kind::SelfCrossing | Kind::OverlappingFaces
+                );
+                !is_seam || !follows
+            })
             .map(|f| match refused[..] {
                 [_] => f.remedy.clone(),
                 _ => format!("{}: {}", f.kind.name(), f.remedy),
@@ -254,22 +344,48 @@ fn anchored(structure: &Structure) -> Vec<bool> {
     anchored
 }
 
-fn told(welded: &Welded, tolerance_m: Option<f64>) -> Option<Weld> {
-    tolerance_m
-        .filter(|tolerance_m| *tolerance_m > 0.0)
-        .map(|tolerance_m| Weld {
-            tolerance_m,
-            joined: welded.joined,
-            collapsed: welded.collapsed,
-        })
+/// A mesh with its vertices joined, if the case gives a tolerance above 0, and its triangles turned alike, if it asks for that.
+pub(super) fn prepared(
+    table: &str,
+    (tolerance_m, orients): (Option<f64>, bool),
+    surface: Surface,
+) -> Result<Prepared, Problem> {
+    let mut welded = welded(table, tolerance_m, surface)?;
+    let oriented = orients.then(|| oriented(table, &mut welded)).transpose()?;
+    Ok(Prepared {
+        welded,
+        tolerance_m,
+        oriented,
+    })
+}
+
+fn oriented(table: &str, welded: &mut Welded) -> Result<usize, Problem> {
+    orient(&mut welded.surface).map_err(|reason| {
+        let (NoSides::NonManifold(edge) | NoSides::OneSided(edge)) = reason;
+        let [a, b] = edge.map(|node| {
+            let place = welded.surface.positions_m[node as usize];
+            format!("{} at {place:.4} m", welded.numbers[node as usize] + 1)
+        });
+        let (why, help) = match reason {
+            NoSides::NonManifold(_) => (
+                "more than two triangles meet there, and nothing says which of them are neighbours",
+                "remove the fabric that does not belong there, or remove the key and turn triangles in the program that drew the mesh",
+            ),
+            NoSides::OneSided(_) => (
+                "the surface has one side only, as a Möbius strip, and no turning helps",
+                "cut the surface where it should end, in the program that drew the mesh",
+            ),
+        };
+        Problem::new(
+            format!("{table}.orient_triangles"),
+            format!("triangles cannot be turned alike between vertices {a} and {b}: {why}"),
+            help,
+        )
+    })
 }
 
 /// A mesh with its vertices joined, if the case gives a tolerance above 0.
-pub(super) fn welded(
-    table: &str,
-    tolerance_m: Option<f64>,
-    surface: Surface,
-) -> Result<Welded, Problem> {
+fn welded(table: &str, tolerance_m: Option<f64>, surface: Surface) -> Result<Welded, Problem> {
     let key = format!("{table}.weld_tolerance_m");
     let Some(tolerance_m) = tolerance_m.filter(|tolerance| *tolerance != 0.0) else {
         return Ok(Welded::untouched(surface));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::Problem;
 use super::file::MeshFile;
@@ -15,11 +15,12 @@ use crate::geometry::line_table;
 /// Distance from a node, over the size of the mesh, at which a line counts as attached to it.
 const NEAR: f64 = 1e-3;
 
-/// Adds the lines that the table names, if there is one; their ends are held. The table's origin is at `position_m`.
+/// Adds the lines that the table names, if there is one; their ends are held. The table is turned about its origin, which is then
+/// moved.
 pub(super) fn add(
     written: &MeshFile,
     folder: &Path,
-    position_m: DVec3,
+    (rotation, position_m): (DQuat, DVec3),
     structure: &mut Structure,
 ) -> Result<(), Problem> {
     const KEY: &str = "structure.mesh.lines";
@@ -46,7 +47,8 @@ pub(super) fn add(
     let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let near_m = NEAR * (high - low).length();
     for (number, line) in lines.iter().enumerate() {
-        let [attached_m, end_m] = [line.attached_m, line.end_m].map(|place| place + position_m);
+        let [attached_m, end_m] =
+            [line.attached_m, line.end_m].map(|place| rotation * place + position_m);
         let nearest = places
             .iter()
             .map(|place| place.distance(attached_m))

@@ -1,8 +1,9 @@
 //! Checks of single values, with what to say about them.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::Problem;
+use super::file::Rotation;
 
 /// Largest and (inverted) smallest quantity taken for a real one, in SI units.
 pub(super) const PLAUSIBLE: f64 = 1e15;
@@ -102,4 +103,17 @@ pub(super) fn direction(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
             "give a vector that is not zero; its length does not matter",
         )
     })
+}
+
+/// A rotation; none if absent.
+pub(super) fn rotation(key: &str, written: Option<&Rotation>) -> Result<DQuat, Problem> {
+    let Some(rotation) = written else {
+        return Ok(DQuat::IDENTITY);
+    };
+    Ok(DQuat::from_axis_angle(
+        direction(&format!("{key}.axis"), rotation.axis)?,
+        vector(&format!("{key}.angle_deg"), [rotation.angle_deg; 3])?
+            .x
+            .to_radians(),
+    ))
 }

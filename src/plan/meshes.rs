@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::ExaminedMesh;
+use crate::case::mesh_examination::Heading;
 
 /// Borders whose lengths are told one by one.
 const TOLD_BORDERS: usize = 4;
@@ -35,6 +36,19 @@ fn write_mesh(out: &mut String, mesh: &ExaminedMesh) -> std::fmt::Result {
             "  joined              {} vertices to others within {} m; {} triangles collapsed and were dropped",
             weld.joined, weld.tolerance_m, weld.collapsed
         )?;
+        if weld.inserted > 0 {
+            writeln!(
+                out,
+                "  sewn                {} vertices inserted into edges of the other side of their seam",
+                weld.inserted
+            )?;
+        }
+    }
+    if let Some(count) = mesh.oriented {
+        writeln!(
+            out,
+            "  turned              {count} triangles, so that those of each piece run alike"
+        )?;
     }
     let sizes: Vec<String> = (examination.pieces.iter())
         .take(TOLD_PIECES)
@@ -63,6 +77,9 @@ fn write_mesh(out: &mut String, mesh: &ExaminedMesh) -> std::fmt::Result {
             format!(" (D_0 = {} m)", short(diameter))
         });
     writeln!(out, "  size                {x} x {y} x {z} m{against}")?;
+    if let Some(heading) = &mesh.heading {
+        writeln!(out, "  opening             {}", opening(heading))?;
+    }
     if examination.findings.is_empty() {
         writeln!(out, "  findings            none")?;
     }
@@ -89,6 +106,22 @@ fn write_mesh(out: &mut String, mesh: &ExaminedMesh) -> std::fmt::Result {
         )?;
     }
     Ok(())
+}
+
+/// Where the opening faces, and what would turn it into the wind.
+fn opening(heading: &Heading) -> String {
+    let plain = |value: f64| format!("{:.2}", value + 0.0).replace("-0.00", "0.00");
+    let [x, y, z] = heading.direction.to_array().map(plain);
+    let faces = format!("faces ({x}, {y}, {z})");
+    if !heading.is_odd() {
+        return format!("{faces}, {:.0} deg off the wind", heading.off_wind_deg);
+    }
+    let (axis, angle_deg) = heading.rotation;
+    let [x, y, z] = axis.to_array().map(|c| (1e4 * c).round() / 1e4 + 0.0);
+    format!(
+        "{faces}, {:.0} deg off the wind, which blows along +x; rotation = {{ axis = [{x:?}, {y:?}, {z:?}], angle_deg = {angle_deg:.1} }} turns it there",
+        heading.off_wind_deg
+    )
 }
 
 fn borders(mesh: &ExaminedMesh) -> String {

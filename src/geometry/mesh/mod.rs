@@ -3,5 +3,7 @@
 pub mod doctor;
 pub mod lep_sim;
 pub mod obj;
+mod polygon;
 pub mod quality;
+mod stl;
 pub mod surface;

@@ -3,72 +3,142 @@
 //! Only `v` and `f` lines matter. They are read here, not by a library, because case files name nodes by their number in the
 //! file: common readers renumber vertices, split those shared between objects, and round to single precision.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::DVec3;
 
+use super::polygon;
+
 /// Nodes and triangles of a mesh file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// Node positions in the file's order, in its unit times the scale given [m].
     pub positions_m: Vec<DVec3>,
-    /// Node indices of every triangle, from 0; polygons are split into fans.
+    /// Node indices of every triangle, from 0; polygons are covered by triangles.
     pub triangles: Vec<[u32; 3]>,
+    /// Faces as they are written: triangles of a polygon depend on its shape, too.
+    pub faces: Faces,
+}
+
+/// Polygons by their corners.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Faces {
+    /// Nodes of all of them, one after the other, from 0.
+    corners: Vec<u32>,
+    /// Where each one ends.
+    ends: Vec<usize>,
+}
+
+impl Faces {
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.ends.len()
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        let ranges = starts.zip(&self.ends);
+        ranges.map(|(start, end)| &self.corners[*start..*end])
+    }
 }
 
 /// Reads all objects of an OBJ file as one mesh; the error says what is wrong with the file.
 pub fn read(path: &Path, scale: f64) -> Result<Mesh, String> {
-    parse(
-        &std::fs::read_to_string(path).map_err(|error| error.to_string())?,
-        scale,
-    )
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    // Names of objects and materials may be in any encoding.
+    parse(&String::from_utf8_lossy(&bytes), scale)
+}
+
+/// Reads vertices and faces, but covers no face by triangles: those of another shape of the same mesh hold.
+pub fn read_folded(path: &Path, scale: f64) -> Result<Mesh, String> {
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    parsed(&String::from_utf8_lossy(&bytes), scale, false)
 }
 
 /// Reads the text of an OBJ file.
 pub fn parse(text: &str, scale: f64) -> Result<Mesh, String> {
-    let mut mesh = Mesh {
-        positions_m: Vec::new(),
-        triangles: Vec::new(),
+    parsed(text, scale, true)
+}
+
+fn parsed(text: &str, scale: f64, covers: bool) -> Result<Mesh, String> {
+    if text.contains('\0') {
+        return Err("it is not plain text: write it as OBJ in ASCII or UTF-8".to_owned());
+    }
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Old programs end lines with a carriage return alone.
+    let text = if text.contains('\r') {
+        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+    } else {
+        Cow::Borrowed(text)
     };
-    for (number, line) in text.lines().enumerate() {
-        let wrong = |what: &str| format!("line {}: {what}: `{}`", number + 1, line.trim());
-        let mut words = line.split_whitespace();
+    let mut mesh = Mesh::default();
+    // Line of each face.
+    let mut lines: Vec<usize> = Vec::new();
+    let mut has_free_forms = false;
+    let mut rest = text.lines().enumerate();
+    while let Some((number, line)) = rest.next() {
+        let mut line = Cow::Borrowed(line);
+        while let Some(begun) = line.trim_end().strip_suffix('\\') {
+            let next = rest.next().map_or("", |(_, next)| next);
+            line = Cow::Owned(format!("{begun} {next}"));
+        }
+        let wrong = |what: &str| wrong(number, &line, what);
+        let words = line.split_whitespace();
+        let mut words = words.take_while(|word| !word.starts_with('#'));
         match words.next() {
             Some("v") => {
-                let coordinates: Vec<f64> =
-                    words.take(3).filter_map(|word| word.parse().ok()).collect();
-                let &[x, y, z] = coordinates.as_slice() else {
+                let mut coordinate = || words.next().and_then(|word| word.parse().ok());
+                let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) else {
                     return Err(wrong("a vertex needs three numbers"));
                 };
                 let position = DVec3::new(x, y, z) * scale;
-                if !position.is_finite() {
-                    return Err(wrong("a vertex is not finite"));
+                if !is_place(position) {
+                    return Err(wrong("a vertex is not finite, or beyond 1e30 m"));
                 }
                 mesh.positions_m.push(position);
             }
-            Some("f") => {
-                let corners: Option<Vec<u32>> = words
-                    .map(|word| corner(word, mesh.positions_m.len()))
-                    .collect();
-                let corners = corners
-                    .ok_or_else(|| wrong("a face names a vertex that is not defined before it"))?;
-                if corners.len() < 3 {
+            Some("f" | "fo") => {
+                let begin = mesh.faces.corners.len();
+                for word in words {
+                    let corner = corner(word, mesh.positions_m.len());
+                    let corner = corner.ok_or_else(|| wrong(NO_VERTEX))?;
+                    mesh.faces.corners.push(corner);
+                }
+                if mesh.faces.corners.len() - begin < 3 {
                     return Err(wrong("a face needs three vertices"));
                 }
-                for k in 1..corners.len() - 1 {
-                    mesh.triangles
-                        .push([corners[0], corners[k], corners[k + 1]]);
-                }
+                mesh.faces.ends.push(mesh.faces.corners.len());
+                lines.push(number);
             }
+            Some("surf" | "curv" | "cstype") => has_free_forms = true,
             _ => {}
         }
     }
-    if mesh.triangles.is_empty() {
-        return Err("the file holds no faces".to_owned());
+    if lines.is_empty() {
+        return Err(if has_free_forms {
+            "the file holds free-form surfaces, but no faces: export it as a mesh of polygons"
+        } else {
+            "the file holds no faces"
+        }
+        .to_owned());
     }
+    let of_line = |number: usize, what: &str| {
+        wrong(number, text.lines().nth(number).unwrap_or_default(), what)
+    };
     let mut used = vec![false; mesh.positions_m.len()];
-    for &node in mesh.triangles.iter().flatten() {
-        used[node as usize] = true;
+    for (corners, line) in mesh.faces.iter().zip(&lines) {
+        for corner in corners {
+            match used.get_mut(*corner as usize) {
+                Some(used) => *used = true,
+                None => return Err(of_line(*line, NO_VERTEX)),
+            }
+        }
+        if covers {
+            cover(&mesh.positions_m, corners, &mut mesh.triangles)
+                .ok_or_else(|| of_line(*line, "a face crosses itself"))?;
+        }
     }
     match used.iter().position(|used| !used) {
         Some(node) => Err(format!(
@@ -79,15 +149,49 @@ pub fn parse(text: &str, scale: f64) -> Result<Mesh, String> {
     }
 }
 
-/// Index of a corner such as `7`, `7/1/2` or `-1` (counted from the end).
-fn corner(word: &str, count: usize) -> Option<u32> {
+const NO_VERTEX: &str = "a face names a vertex that is not there";
+
+fn wrong(number: usize, line: &str, what: &str) -> String {
+    format!("line {}: {what}: `{}`", number + 1, line.trim())
+}
+
+/// False for places that are no numbers, or so far away that areas and volumes would be none.
+pub(super) fn is_place(place: DVec3) -> bool {
+    const FARTHEST_M: f64 = 1e30;
+    place.is_finite() && place.abs().max_element() <= FARTHEST_M
+}
+
+/// Adds the triangles of a face; `None` if it crosses itself.
+pub(super) fn cover(
+    positions_m: &[DVec3],
+    corners: &[u32],
+    triangles: &mut Vec<[u32; 3]>,
+) -> Option<()> {
+    if let &[a, b, c] = corners {
+        triangles.push([a, b, c]);
+        return Some(());
+    }
+    // Some programs write triangles as quads with one corner twice.
+    let mut corners = corners.to_vec();
+    corners.dedup();
+    while corners.len() > 3 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    let places: Vec<DVec3> = corners.iter().map(|n| positions_m[*n as usize]).collect();
+    let numbers = polygon::triangles(&places)?;
+    triangles.extend(numbers.iter().map(|t| t.map(|k| corners[k])));
+    Some(())
+}
+
+/// Node index of one corner of a face, `7`, `7/1`, `7//3`, `7/1/3` or, from the vertices so far, `-1`.
+fn corner(word: &str, nodes: usize) -> Option<u32> {
     let number: i64 = word.split('/').next()?.parse().ok()?;
     let index = if number < 0 {
-        count as i64 + number
+        (nodes as i64).checked_add(number)?
     } else {
         number - 1
     };
-    (0..count as i64).contains(&index).then_some(index as u32)
+    u32::try_from(index).ok()
 }
 
 #[cfg(test)]
@@ -101,7 +205,8 @@ mod tests {
         let mesh = parse(text, 2.0).unwrap();
         assert_eq!(mesh.positions_m.len(), 5);
         assert_eq!(mesh.positions_m[1], DVec3::new(2.0, 0.0, 1.8));
-        assert_eq!(mesh.triangles, [[3, 2, 1], [3, 1, 0], [2, 4, 1]]);
+        // The quad is not plane, and cut along its shorter diagonal.
+        assert_eq!(mesh.triangles, [[2, 1, 0], [2, 0, 3], [2, 4, 1]]);
     }
 
     #[test]
@@ -109,10 +214,20 @@ mod tests {
         for (text, part) in [
             ("v 0 0\n", "line 1"),
             ("v 0 0 0\nf 1 2 3\n", "line 2"),
+            ("v 0 0 0\nf 1 -2 1\n", "line 2"),
+            ("v 0 0 0\nf 1 0 1\n", "line 2"),
             ("v 0 0 nan\n", "not finite"),
+            ("v 0 0 -1.#IND\n", "three numbers"),
+            ("v 1,5 0 0\n", "three numbers"),
             ("v 0 0 0\nv 1 0 0\nf 1 2\n", "three vertices"),
             ("v 0 0 0\n", "no faces"),
+            ("v 0 0 0\ncstype bspline\nsurf 0 1 0 1 1\n", "free-form"),
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n", "vertex 4"),
+            (
+                "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\n\nf 1 2 \\\n3 4\n",
+                "line 6: a face crosses itself",
+            ),
+            ("v\0 \0", "not plain text"),
         ] {
             let error = parse(text, 1.0).unwrap_err();
             assert!(error.contains(part), "{text}: {error}");

@@ -1,7 +1,7 @@
 //! Surfaces of rigid bodies from OBJ, STL and PLY files.
 //!
-//! STL names no nodes and exporters split them along seams, so nodes at the same place are joined; OBJ is read by [`super::obj`], the
-//! other two by the crates `stl_io` and `ply-rs-bw`.
+//! STL names no nodes and exporters split them along seams, so nodes at the same place are joined; OBJ is read by [`super::obj`], STL by
+//! the crate `stl_io`, PLY by `ply-rs-bw`.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 
-use super::obj;
+use super::{obj, stl};
 use crate::rigid::Surface;
 
 /// Distance within which nodes are one, relative to the size of the mesh.
@@ -33,15 +33,16 @@ pub fn read(path: &Path, scale: f64) -> Result<Surface, String> {
                 triangles: mesh.triangles,
             }
         }
-        "stl" => read_stl(path, scale)?,
+        "stl" => stl::read(path, scale)?,
         "ply" => read_ply(path, scale)?,
         _ => return Err("its name does not end in .obj, .stl or .ply".to_owned()),
     };
     if surface.triangles.is_empty() {
         return Err("the file holds no triangles".to_owned());
     }
-    if let Some(node) = surface.positions_m.iter().position(|p| !p.is_finite()) {
-        return Err(format!("node {} is not finite", node + 1));
+    let mut places = surface.positions_m.iter();
+    if let Some(node) = places.position(|place| !obj::is_place(*place)) {
+        return Err(format!("node {} is not finite, or beyond 1e30 m", node + 1));
     }
     Ok(joined(&surface))
 }
@@ -57,22 +58,6 @@ fn open(path: &Path) -> Result<BufReader<File>, String> {
     File::open(path)
         .map(BufReader::new)
         .map_err(|error| error.to_string())
-}
-
-fn read_stl(path: &Path, scale: f64) -> Result<Surface, String> {
-    let mesh = stl_io::read_stl(&mut open(path)?).map_err(|error| error.to_string())?;
-    Ok(Surface {
-        positions_m: mesh
-            .vertices
-            .iter()
-            .map(|v| DVec3::from_array(v.0.map(f64::from)) * scale)
-            .collect(),
-        triangles: mesh
-            .faces
-            .iter()
-            .map(|face| face.vertices.map(|node| node as u32))
-            .collect(),
-    })
 }
 
 fn read_ply(path: &Path, scale: f64) -> Result<Surface, String> {
@@ -93,6 +78,9 @@ fn read_ply(path: &Path, scale: f64) -> Result<Surface, String> {
                 .ok_or_else(|| format!("vertex {} has no number `{name}`", number + 1)),
         };
         let place = DVec3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?);
+        if !place.is_finite() {
+            return Err(format!("vertex {} is not finite", number + 1));
+        }
         surface.positions_m.push(place * scale);
     }
     let faces = ply.payload.get("face").ok_or("it has no element `face`")?;
@@ -111,11 +99,8 @@ fn read_ply(path: &Path, scale: f64) -> Result<Surface, String> {
                 number + 1
             ));
         }
-        for k in 1..corners.len() - 1 {
-            surface
-                .triangles
-                .push([corners[0], corners[k], corners[k + 1]]);
-        }
+        obj::cover(&surface.positions_m, &corners, &mut surface.triangles)
+            .ok_or_else(|| format!("face {} crosses itself", number + 1))?;
     }
     Ok(surface)
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::doubled;
 use super::near;
 use super::topology;
 use super::{CROSSING_DEPTH, Common, Examination, Finding, Kind, Marks, Piece, Subject, Use};
@@ -19,8 +20,8 @@ const FEWEST_CELLS: f64 = 2.0;
 const HOLE: f64 = 0.5;
 
 /// Numbers and places in words.
-struct Words<'a> {
-    subject: &'a Subject<'a>,
+pub(super) struct Words<'a> {
+    pub subject: &'a Subject<'a>,
     decimals: Option<usize>,
 }
 
@@ -34,10 +35,13 @@ impl<'a> Words<'a> {
         }
     }
 
-    fn place(&self, place: DVec3) -> String {
+    pub fn place(&self, place: DVec3) -> String {
         let [x, y, z] = place.to_array().map(|c| match self.decimals {
-            // Adding zero makes a negative zero positive.
-            Some(decimals) => format!("{:.decimals$}", c + 0.0),
+            // What rounds to a negative zero is written as zero.
+            Some(decimals) if c.abs() < 0.5 * 0.1f64.powi(decimals as i32) => {
+                format!("{:.decimals$}", 0.0)
+            }
+            Some(decimals) => format!("{c:.decimals$}"),
             None => format!("{c:.4e}"),
         });
         format!("({x}, {y}, {z}) m")
@@ -53,7 +57,7 @@ impl<'a> Words<'a> {
     }
 
     /// "vertices 3 and 7 at (0, 0, 0) m", or without numbers where the file has none.
-    fn nodes(&self, nodes: &[u32]) -> String {
+    pub fn nodes(&self, nodes: &[u32]) -> String {
         let place = nodes.first().map_or_else(String::new, |node| {
             format!("at {}", self.place(self.at(*node)))
         });
@@ -74,7 +78,21 @@ impl<'a> Words<'a> {
         }
     }
 
-    fn triangle(&self, triangle: u32) -> String {
+    /// "between vertices 3 and 7", or where the middle of the edge is.
+    pub fn between(&self, edge: [u32; 2]) -> String {
+        match self.subject.numbers {
+            None => {
+                let [a, b] = edge.map(|node| self.at(node));
+                format!("beside {}", self.place(0.5 * (a + b)))
+            }
+            Some((numbers, _)) => {
+                let [a, b] = edge.map(|node| numbers[node as usize] + 1);
+                format!("between vertices {a} and {b}")
+            }
+        }
+    }
+
+    pub fn triangle(&self, triangle: u32) -> String {
         let place = self.place(self.middle(triangle));
         match self.subject.numbers {
             None => format!("at {place}"),
@@ -86,7 +104,7 @@ impl<'a> Words<'a> {
 }
 
 /// "1 edge", "2 edges".
-fn counted(count: usize, one: &str, many: &str) -> String {
+pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
@@ -94,8 +112,9 @@ fn counted(count: usize, one: &str, many: &str) -> String {
 pub(super) fn all(subject: &Subject, common: &Common, examination: &Examination) -> Vec<Finding> {
     let words = Words::new(subject, examination.size_m);
     let mut findings = Vec::new();
-    findings.extend(doubled_vertices(&words, common));
-    findings.extend(doubled_faces(&words, common));
+    findings.extend(doubled::seams(&words, common));
+    findings.extend(doubled::faces(&words, common));
+    findings.extend(doubled::overlapping_faces(&words, common));
     findings.extend(non_manifold_edges(&words, common));
     findings.extend(orientation(&words, common));
     findings.extend(self_crossing(&words, common));
@@ -105,95 +124,6 @@ pub(super) fn all(subject: &Subject, common: &Common, examination: &Examination)
     }
     findings.extend(size(subject, examination));
     findings
-}
-
-fn doubled_vertices(words: &Words, common: &Common) -> Option<Finding> {
-    let mut on_border = vec![false; common.places_m.len()];
-    for node in common.borders.iter().flatten() {
-        on_border[*node as usize] = true;
-    }
-    let mut is_doubled = vec![false; common.places_m.len()];
-    let mut first: Option<[u32; 2]> = None;
-    let mut farthest_m: f64 = 0.0;
-    let mut sets = topology::Sets::new(common.places_m.len());
-    near::together(&common.places_m, &common.reaches_m, |a, b, apart_m| {
-        if on_border[a] || on_border[b] {
-            let pair = [a as u32, b as u32];
-            first = Some(first.map_or(pair, |known| known.min(pair)));
-            farthest_m = farthest_m.max(apart_m);
-            is_doubled[a] = true;
-            is_doubled[b] = true;
-            sets.join(pair[0], pair[1]);
-        }
-    });
-    let first = first?;
-    let firsts = sets.into_firsts();
-    let count = (0..firsts.len())
-        .filter(|&n| firsts[n] as usize != n)
-        .count();
-    let nodes = (0..is_doubled.len() as u32).filter(|n| is_doubled[*n as usize]);
-    // What lies together exactly is joined by any tolerance; this one is small against all else.
-    let tolerance_m = (1.5 * farthest_m).max(1e-6 * common.median_edge_m);
-    Some(Finding {
-        kind: Kind::DoubledVertices,
-        count,
-        what: format!(
-            "{} upon others along open borders, where the mesh is not joined: first {}, {}",
-            counted(count, "vertex lies", "vertices lie"),
-            words.nodes(&first),
-            if farthest_m > 0.0 {
-                format!("at most {farthest_m:.1e} m apart")
-            } else {
-                "all of them in the same places".to_owned()
-            }
-        ),
-        remedy: format!("weld_tolerance_m = {tolerance_m:.1e} joins them"),
-        marks: Marks {
-            nodes: nodes.collect(),
-            ..Marks::default()
-        },
-        is_at_start: false,
-    })
-}
-
-fn doubled_faces(words: &Words, common: &Common) -> Option<Finding> {
-    let triangles = &words.subject.surface.triangles;
-    let mut keys: Vec<([u32; 3], u32)> = triangles
-        .iter()
-        .enumerate()
-        .map(|(number, nodes)| {
-            let mut places = nodes.map(|node| common.together[node as usize]);
-            places.sort_unstable();
-            (places, number as u32)
-        })
-        .collect();
-    keys.sort_unstable();
-    let mut doubled: Vec<u32> = Vec::new();
-    let mut count = 0;
-    for same in keys
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|same| same.len() > 1)
-    {
-        count += same.len() - 1;
-        doubled.extend(same.iter().map(|(_, number)| *number));
-    }
-    doubled.sort_unstable();
-    let first = *doubled.first()?;
-    Some(Finding {
-        kind: Kind::DoubledFaces,
-        count,
-        what: format!(
-            "{} upon another, so that mass and stiffness count twice: first {}",
-            counted(count, "triangle lies", "triangles lie"),
-            words.triangle(first)
-        ),
-        remedy: "keep one of each in the program that drew the mesh".to_owned(),
-        marks: Marks {
-            triangles: doubled,
-            ..Marks::default()
-        },
-        is_at_start: false,
-    })
 }
 
 fn non_manifold_edges(words: &Words, common: &Common) -> Option<Finding> {
@@ -249,9 +179,12 @@ fn orientation(words: &Words, common: &Common) -> Option<Finding> {
         kind: Kind::Orientation,
         count,
         what,
-        remedy:
-            "turn their corners round in the program that drew the mesh (\"recalculate normals\")"
-                .to_owned(),
+        remedy: if turned.edges.is_empty() {
+            "orient_triangles = true turns them"
+        } else {
+            "cut the surface where it should end, in the program that drew the mesh"
+        }
+        .to_owned(),
         marks: Marks {
             edges: turned.edges,
             triangles: turned.triangles,

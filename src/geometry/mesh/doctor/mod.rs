@@ -1,17 +1,23 @@
 //! What a mesh of others is made of, and what in it would change a run without a word.
 //!
 //! [`examine`] looks at triangles alone: pieces, open borders, area and size are told of each mesh; what is hardly ever meant is a [`Finding`].
-//! [`weld()`] joins vertices that lie together. Lengths are in metres; what counts as "together" or "touching" is a share of the mesh's own
+//! [`weld()`] joins vertices that lie together, [`orient()`] turns triangles alike, [`mouth()`] tells where an opening faces. Lengths are in metres; what counts as "together" or "touching" is a share of the mesh's own
 //! edges, so that nothing depends on the unit of a file.
 
+mod doubled;
 mod findings;
+pub mod mouth;
 mod near;
+pub mod orient;
+pub mod seams;
 mod topology;
 pub mod weld;
 
 use glam::DVec3;
 
 use crate::rigid::Surface;
+pub use mouth::{Mouth, mouth};
+pub use orient::{NoSides, orient};
 use topology::{Edges, Sets};
 pub use weld::{TooWide, Welded, weld};
 
@@ -20,6 +26,13 @@ const TOGETHER: f64 = 0.01;
 
 /// The same, as a share of the shortest edge at either vertex.
 const TOGETHER_AT_VERTEX: f64 = 0.1;
+
+/// Distance below which borders with other vertices count as a seam, as a share of the edge that vertices lie at: as far as the chords of a
+/// quarter of a circle in five lie off it.
+const SEAM: f64 = 0.05;
+
+/// The same, as a share of the shortest edge at a vertex.
+const SEAM_AT_VERTEX: f64 = 0.25;
 
 /// How far an edge must pass through a triangle, as a share of the median edge; what is nearer only touches.
 const CROSSING_DEPTH: f64 = 1e-4;
@@ -32,8 +45,12 @@ const CROSSING_DEPTH: f64 = 1e-4;
 pub enum Kind {
     /// Vertices that lie on others along open borders: a seam that is not sewn.
     DoubledVertices,
+    /// Vertices that lie on border edges of others: a seam that is not sewn, and whose vertices do not match.
+    HangingNodes,
     /// Triangles that lie on others, corner on corner.
     DoubledFaces,
+    /// Triangles that cover others in part, in one plane.
+    OverlappingFaces,
     /// Edges of more than two triangles.
     NonManifoldEdges,
     /// Triangles that run against their neighbours.
@@ -56,7 +73,9 @@ impl Kind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::DoubledVertices => "doubled_vertices",
+            Self::HangingNodes => "hanging_nodes",
             Self::DoubledFaces => "doubled_faces",
+            Self::OverlappingFaces => "overlapping_faces",
             Self::NonManifoldEdges => "non_manifold_edges",
             Self::Orientation => "orientation",
             Self::SelfCrossing => "self_crossing",
@@ -193,6 +212,8 @@ struct Common {
     places_m: Vec<DVec3>,
     areas_m2: Vec<f64>,
     median_edge_m: f64,
+    /// Shortest edge at each node [m].
+    shortest_m: Vec<f64>,
     /// Distance below which each node lies together with another [m].
     reaches_m: Vec<f64>,
     /// Smallest node of those that lie together.
@@ -207,14 +228,16 @@ impl Common {
         let (low, _) = surface.bounds_m();
         let places_m: Vec<DVec3> = surface.positions_m.iter().map(|p| *p - low).collect();
         let median_edge_m = median(edge_lengths_m(surface));
-        let mut reaches_m = vec![TOGETHER * median_edge_m; places_m.len()];
+        let mut shortest_m = vec![f64::INFINITY; places_m.len()];
         for &[a, b, c] in &surface.triangles {
             for [a, b] in [[a, b], [b, c], [c, a]].map(|edge| edge.map(|n| n as usize)) {
-                let reach = TOGETHER_AT_VERTEX * places_m[a].distance(places_m[b]);
-                reaches_m[a] = reaches_m[a].min(reach);
-                reaches_m[b] = reaches_m[b].min(reach);
+                let length_m = places_m[a].distance(places_m[b]);
+                shortest_m[a] = shortest_m[a].min(length_m);
+                shortest_m[b] = shortest_m[b].min(length_m);
             }
         }
+        let reach_m = |edge_m: &f64| (TOGETHER * median_edge_m).min(TOGETHER_AT_VERTEX * edge_m);
+        let reaches_m: Vec<f64> = shortest_m.iter().map(reach_m).collect();
         let mut sets = Sets::new(places_m.len());
         near::together(&places_m, &reaches_m, |a, b, _| {
             sets.join(a as u32, b as u32);
@@ -224,6 +247,7 @@ impl Common {
         Self {
             areas_m2: surface.area_vectors_m2().map(DVec3::length).collect(),
             median_edge_m,
+            shortest_m,
             reaches_m,
             together: sets.into_firsts(),
             borders: edges.borders(),

@@ -61,6 +61,78 @@ pub(super) fn together(
     });
 }
 
+/// Calls `found` with the numbers of every place and line that may be nearer than the reach of the line [m].
+pub(super) fn beside(
+    places_m: &[DVec3],
+    lines_m: &[[DVec3; 2]],
+    reaches_m: &[f64],
+    found: impl FnMut(usize, usize),
+) {
+    let points: Vec<Extent> = places_m.iter().map(|p| Extent::around(&[*p])).collect();
+    let around = |(ends, reach): (&[DVec3; 2], &f64)| {
+        let reach = DVec3::splat(*reach);
+        let [a, b] = *ends;
+        Extent::around(&[a - reach, a + reach, b - reach, b + reach])
+    };
+    let lines: Vec<Extent> = lines_m.iter().zip(reaches_m).map(around).collect();
+    overlaps(&points, &lines, found);
+}
+
+/// Every pair of triangles that lie in one plane and cover each other in part, by more than `depth_m`, in order; the smaller number comes first.
+/// Left out are those without area and those on the same three places: `places` gives nodes that lie together one number.
+pub(super) fn overlapping(
+    positions_m: &[DVec3],
+    triangles: &[[u32; 3]],
+    places: &[u32],
+    depth_m: f64,
+) -> Vec<(usize, usize)> {
+    let corners: Vec<[DVec3; 3]> = triangles
+        .iter()
+        .map(|nodes| nodes.map(|node| positions_m[node as usize]))
+        .collect();
+    let normals: Vec<DVec3> = corners
+        .iter()
+        .map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize_or_zero())
+        .collect();
+    let boxes: Vec<Extent> = corners.iter().map(|c| Extent::around(c)).collect();
+    let mut found = Vec::new();
+    overlaps(&boxes, &boxes, |a, b| {
+        // Cheap questions come first: nearly all pairs are neighbours.
+        if a < b
+            && normals[a].cross(normals[b]).length_squared() < 1e-4
+            && [(a, b), (b, a)]
+                .iter()
+                .all(|&(a, b)| covers(corners[a], normals[a], corners[b], depth_m))
+        {
+            let key = |t: usize| {
+                let mut key = triangles[t].map(|node| places[node as usize]);
+                key.sort_unstable();
+                key
+            };
+            if key(a) != key(b) {
+                found.push((a, b));
+            }
+        }
+    });
+    found.sort_unstable();
+    found
+}
+
+/// True if another triangle lies in the plane of the first and reaches over each of its sides by more than `depth_m`. Two triangles that do so
+/// to each other have no line between them.
+fn covers(corners: [DVec3; 3], normal: DVec3, other: [DVec3; 3], depth_m: f64) -> bool {
+    let is_in_plane = || {
+        let heights = other.map(|place| (place - corners[0]).dot(normal));
+        heights.iter().all(|height| height.abs() <= depth_m)
+    };
+    let reaches = |k: usize| {
+        let [a, b] = [corners[k], corners[(k + 1) % 3]];
+        let inward = normal.cross(b - a).normalize_or_zero();
+        other.iter().any(|place| (*place - a).dot(inward) > depth_m)
+    };
+    normal != DVec3::ZERO && (0..3).all(reaches) && is_in_plane()
+}
+
 /// Every edge that passes through a triangle by more than `depth_m`, as (number of the edge, number of the triangle), in order.
 /// Left out are those that meet at a place: `places` gives nodes that lie together one number.
 pub(super) fn crossings(

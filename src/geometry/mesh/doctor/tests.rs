@@ -1,3 +1,5 @@
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use super::*;
 
 /// A square sheet of 4 × 4 cells of 0.25 m in the plane z = 0, hung in the middle.
@@ -70,6 +72,102 @@ fn with_seam(gap_m: f64) -> Surface {
     cut
 }
 
+/// Two sheets side by side, of four and of six cells along their common seam.
+fn hung_halves() -> Surface {
+    let mut surface = Surface::default();
+    for (cells, from) in [(4, 0.0), (6, 1.0)] {
+        let first = surface.positions_m.len() as u32;
+        for j in 0..=cells {
+            for i in 0..3 {
+                let [x, y] = [from + 0.5 * f64::from(i), f64::from(j) / f64::from(cells)];
+                surface.positions_m.push(DVec3::new(x, y, 0.0));
+            }
+        }
+        for j in 0..cells {
+            for i in 0..2 {
+                let a = first + 3 * j + i;
+                surface
+                    .triangles
+                    .extend([[a, a + 1, a + 4], [a, a + 4, a + 3]]);
+            }
+        }
+    }
+    surface
+}
+
+/// A hemisphere in gores of which each has vertices of its own: every second one more of them along its seams, whose chords lie apart.
+fn hemisphere_of_gores(few: u32, many: u32) -> Surface {
+    let mut surface = Surface::default();
+    for gore in 0..8 {
+        let rows = if gore % 2 == 0 { few } else { many };
+        let columns = rows / 2;
+        let first = surface.positions_m.len() as u32;
+        surface.positions_m.push(DVec3::Z);
+        for row in 1..=rows {
+            let (out, up) = (f64::from(row) / f64::from(rows) * FRAC_PI_2).sin_cos();
+            for column in 0..=columns {
+                let turn = (f64::from(gore) + f64::from(column) / f64::from(columns)) * TAU / 8.0;
+                surface
+                    .positions_m
+                    .push(DVec3::new(out * turn.cos(), out * turn.sin(), up));
+            }
+        }
+        let at = |row: u32, column: u32| {
+            if row == 0 {
+                first
+            } else {
+                first + 1 + (row - 1) * (columns + 1) + column
+            }
+        };
+        for row in 0..rows {
+            for column in 0..columns {
+                let [a, b] = [at(row, column), at(row, column + 1)];
+                let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+                surface.triangles.push([a, c, d]);
+                if a != b {
+                    surface.triangles.push([a, d, b]);
+                }
+            }
+        }
+    }
+    surface
+}
+
+/// Seams that are curved: the remedy of the finding sews them, and they stay sewn.
+#[test]
+fn curved_seams_are_sewn_by_the_tolerance_that_is_told() {
+    for (few, many) in [(8, 12), (8, 16), (10, 12)] {
+        let cut = hemisphere_of_gores(few, many);
+        let examination = examined(&cut, &[0]);
+        let hanging = examination
+            .findings
+            .iter()
+            .find(|f| f.kind == Kind::HangingNodes);
+        let remedy = &hanging.unwrap().remedy;
+        let told = remedy.split_whitespace().nth(2).unwrap();
+        let tolerance_m: f64 = told.parse().unwrap();
+        let welded = weld(&cut, tolerance_m).unwrap();
+        assert!(welded.inserted.len() >= 8 * few as usize / 2);
+        let sewn = examined(&welded.surface, &[0]);
+        assert_eq!(sewn.findings, [], "{few} {many}");
+        assert_eq!([sewn.pieces.len(), sewn.borders.len()], [1, 1]);
+        let length_m = 8.0 * f64::from(many) * tolerance_m;
+        assert!((sewn.area_m2 - examination.area_m2).abs() < length_m);
+        assert!(welded.surface.triangles.len() > cut.triangles.len());
+        assert!(welded.nodes.iter().all(Option::is_some));
+        let mouth = mouth(
+            &welded.surface.positions_m,
+            &welded.surface.triangles,
+            &sewn.borders,
+        )
+        .unwrap();
+        assert!(
+            mouth.direction.distance(DVec3::NEG_Z) < 1e-9 && !mouth.is_flat,
+            "{mouth:?}"
+        );
+    }
+}
+
 #[test]
 fn a_healthy_sheet_is_measured_and_nothing_is_found() {
     let examination = examined(&sheet(), &[0]);
@@ -105,6 +203,15 @@ fn each_defect_is_found_alone() {
         crossing.positions_m.push(DVec3::from_array(place));
     }
     crossing.triangles.push([25, 26, 27]);
+    // A triangle that lies upon parts of others, and one that is folded back upon its neighbour.
+    let mut covering = sheet();
+    for place in [[0.3, 0.3, 0.0], [0.7, 0.35, 0.0], [0.35, 0.7, 0.0]] {
+        covering.positions_m.push(DVec3::from_array(place));
+    }
+    covering.triangles.push([25, 26, 27]);
+    let mut folded = sheet();
+    folded.positions_m.push(DVec3::new(0.45, 0.1, 0.0));
+    folded.triangles.push([1, 0, 25]);
     for (factor, shift) in [(1.0, DVec3::ZERO), (39.37, DVec3::new(5e6, -3e5, 1e3))] {
         let moved = |mut surface: Surface| {
             for place in &mut surface.positions_m {
@@ -125,6 +232,24 @@ fn each_defect_is_found_alone() {
         assert_eq!(found(&turned, &[0]), [(Kind::Orientation, 1)]);
         let through = found(&crossing, &[0, 25]);
         assert_eq!(through, [(Kind::SelfCrossing, 3), (Kind::Pieces, 2)]);
+        let covered = found(&covering, &[0, 25]);
+        assert!(
+            matches!(
+                covered[..],
+                [(Kind::OverlappingFaces, 6..), (Kind::Pieces, 2)]
+            ),
+            "{covered:?}"
+        );
+        let folded = found(&folded, &[0]);
+        assert_eq!(folded, [(Kind::OverlappingFaces, 3)]);
+        assert_eq!(
+            found(&hung_halves(), &[0]),
+            [
+                (Kind::DoubledVertices, 3),
+                (Kind::HangingNodes, 6),
+                (Kind::LoosePieces, 1)
+            ]
+        );
     }
     let mut huge = sheet();
     for place in &mut huge.positions_m {
@@ -213,8 +338,11 @@ fn welding_keeps_edges_and_layers() {
     let sheet = sheet();
     let median = weld(&sheet, 0.03).unwrap_err();
     assert!(matches!(median, TooWide::Median { .. }), "{median:?}");
-    let mut uneven = sheet.clone();
-    uneven.positions_m[1].x = 0.05;
+    // A short edge at a vertex that is joined counts, elsewhere it does not.
+    let mut uneven = with_seam(0.015);
+    uneven.positions_m[0].x = 0.21;
+    assert!(weld(&uneven, 0.02).is_ok());
+    uneven.positions_m[3].x = 0.555;
     let edge = weld(&uneven, 0.02).unwrap_err();
     assert!(matches!(edge, TooWide::Edge { .. }), "{edge:?}");
     assert!(weld(&uneven, edge.largest_m().unwrap()).is_ok());

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::near;
+use super::seams::{self, Hanging};
 use super::topology::{Edges, Sets};
 use super::{edge_lengths_m, median};
 use crate::rigid::Surface;
@@ -12,7 +13,7 @@ use crate::rigid::Surface;
 /// Largest tolerance, as a share of the median edge.
 pub const LARGEST_SHARE: f64 = 0.1;
 
-/// Least length of edges that remain, in tolerances.
+/// Least length of edges that remain where vertices are joined, in their distance, and of parts of sewn edges, in tolerances.
 const SHORTEST_REMAINING: f64 = 4.0;
 
 /// Farthest that a vertex may be from where it comes to lie, in tolerances.
@@ -29,6 +30,8 @@ pub struct Welded {
     pub numbers: Vec<u32>,
     /// Number of each triangle in the file, from 0. `[triangle_count]`
     pub triangle_numbers: Vec<u32>,
+    /// Vertices of seams that were inserted into edges of the other side, by numbers of the file.
+    pub inserted: Vec<Hanging>,
     /// Vertices that were joined to others.
     pub joined: usize,
     /// Triangles that collapsed and were dropped.
@@ -45,7 +48,9 @@ pub enum TooWide {
         median_m: f64,
     },
     /// Edges that remain would be about as short.
-    #[error("there is an edge of {edge_m:.3e} m, which it would neither keep nor join")]
+    #[error(
+        "along what it joins there is an edge of {edge_m:.3e} m, which it would neither keep nor join"
+    )]
     Edge {
         /// That edge [m].
         edge_m: f64,
@@ -79,6 +84,7 @@ impl Welded {
             nodes: (0..nodes).map(Some).collect(),
             numbers: (0..nodes).collect(),
             triangle_numbers: (0..surface.triangles.len() as u32).collect(),
+            inserted: Vec::new(),
             joined: 0,
             collapsed: 0,
             surface,
@@ -109,27 +115,30 @@ impl Welded {
     }
 }
 
-/// Joins vertices that are at most `tolerance_m` apart, of which one lies on an open border or both on one edge; each takes the place of the
-/// vertex with the smallest number. Fabric that lies upon fabric away from its borders stays apart.
+/// Sews seams whose vertices do not match, and joins vertices that are at most `tolerance_m` apart, of which one lies on an open border or
+/// both on one edge; each takes the place of the vertex with the smallest number. Fabric that lies upon fabric away from its borders stays apart.
 ///
 /// # Errors
 ///
-/// [`TooWide`] where edges that remain would be shorter than four tolerances, or the median edge than ten, or where a vertex would move by more
-/// than two.
+/// [`TooWide`] where the median edge would be shorter than ten tolerances, edges at a vertex that is joined than four times its way, parts of a
+/// sewn edge than four tolerances, or where a vertex would move by more than two.
 pub fn weld(surface: &Surface, tolerance_m: f64) -> Result<Welded, TooWide> {
     let lengths_m = edge_lengths_m(surface);
-    let median_m = median(lengths_m.clone());
+    let median_m = median(lengths_m);
     if tolerance_m > LARGEST_SHARE * median_m {
         return Err(TooWide::Median { median_m });
-    }
-    let remaining = lengths_m.iter().copied().filter(|l| *l > tolerance_m);
-    let edge_m = remaining.fold(f64::INFINITY, f64::min);
-    if edge_m < SHORTEST_REMAINING * tolerance_m {
-        return Err(TooWide::Edge { edge_m });
     }
     let (low, _) = surface.bounds_m();
     let places_m: Vec<DVec3> = surface.positions_m.iter().map(|p| *p - low).collect();
     let edges = Edges::new(&surface.triangles, |_| true);
+    let shortest_m = shortest_remaining_m(&places_m, surface, tolerance_m);
+    let sewn = seams::sew(&places_m, surface, &edges, tolerance_m);
+    let shortest_part_m = sewn.shortest_part_m(&places_m);
+    if shortest_part_m < SHORTEST_REMAINING * tolerance_m {
+        return Err(TooWide::Edge {
+            edge_m: shortest_part_m,
+        });
+    }
     let mut on_border = vec![false; places_m.len()];
     let mut is_edge = BTreeSet::new();
     for uses in edges.iter() {
@@ -143,11 +152,23 @@ pub fn weld(surface: &Surface, tolerance_m: f64) -> Result<Welded, TooWide> {
         }
     }
     let mut sets = Sets::new(places_m.len());
-    near::together(&places_m, &vec![tolerance_m; places_m.len()], |a, b, _| {
-        if on_border[a] || on_border[b] || is_edge.contains(&[a, b]) {
-            sets.join(a as u32, b as u32);
-        }
-    });
+    let mut short_m = f64::INFINITY;
+    near::together(
+        &places_m,
+        &vec![tolerance_m; places_m.len()],
+        |a, b, apart_m| {
+            if on_border[a] || on_border[b] || is_edge.contains(&[a, b]) {
+                let edge_m = shortest_m[a].min(shortest_m[b]);
+                if SHORTEST_REMAINING * apart_m > edge_m {
+                    short_m = short_m.min(edge_m);
+                }
+                sets.join(a as u32, b as u32);
+            }
+        },
+    );
+    if short_m < f64::INFINITY {
+        return Err(TooWide::Edge { edge_m: short_m });
+    }
     let firsts = sets.into_firsts();
     let apart = firsts.iter().zip(&places_m);
     let apart_m = apart
@@ -156,7 +177,31 @@ pub fn weld(surface: &Surface, tolerance_m: f64) -> Result<Welded, TooWide> {
     if apart_m > LONGEST_CHAIN * tolerance_m {
         return Err(TooWide::Chain { apart_m });
     }
-    Ok(renumbered(surface, &firsts))
+    let surface = Surface {
+        positions_m: surface.positions_m.clone(),
+        triangles: sewn.triangles,
+    };
+    let mut welded = renumbered(&surface, &firsts);
+    for number in &mut welded.triangle_numbers {
+        *number = sewn.numbers[*number as usize];
+    }
+    welded.inserted = sewn.inserted;
+    Ok(welded)
+}
+
+/// Shortest edge at each vertex that is longer than the tolerance [m].
+fn shortest_remaining_m(places_m: &[DVec3], surface: &Surface, tolerance_m: f64) -> Vec<f64> {
+    let mut shortest_m = vec![f64::INFINITY; places_m.len()];
+    for &[a, b, c] in &surface.triangles {
+        for [a, b] in [[a, b], [b, c], [c, a]].map(|edge| edge.map(|n| n as usize)) {
+            let length_m = places_m[a].distance(places_m[b]);
+            if length_m > tolerance_m {
+                shortest_m[a] = shortest_m[a].min(length_m);
+                shortest_m[b] = shortest_m[b].min(length_m);
+            }
+        }
+    }
+    shortest_m
 }
 
 /// The mesh with one node for each set, without collapsed triangles and what they alone used.
@@ -183,6 +228,7 @@ fn renumbered(surface: &Surface, firsts: &[u32]) -> Welded {
     let joined = (0..firsts.len()).filter(|&v| firsts[v] as usize != v);
     let place = |number: &u32| surface.positions_m[*number as usize];
     Welded {
+        inserted: Vec::new(),
         joined: joined.count(),
         collapsed: surface.triangles.len() - triangles.len(),
         surface: Surface {
