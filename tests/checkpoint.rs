@@ -1,13 +1,14 @@
 //! Runs that are killed, run out of space or find a damaged checkpoint, and what a resumed run delivers then.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use libtest_mimic::Trial;
 
 use crate::command_line::{CANOPY, command, files, finished, program, root};
 use crate::engines::{needs_device, plain};
+use crate::folders::{json, start, wait_for};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -29,6 +30,15 @@ pub fn trials() -> Vec<Trial> {
     trials
 }
 
+/// An end that no test comes to [s].
+const NO_END_S: f64 = 1e3;
+
+/// Names of checkpoints of a run that is not over.
+const CHECKPOINTS: [&str; 3] = ["checkpoint", "checkpoint.next", "checkpoint.previous"];
+
+/// Number of the frame that the last kills wait for.
+const FARTHEST: usize = 3;
+
 /// Kills of the short version; `RIPSTOP_KILLS` asks for more.
 const KILLS: usize = 6;
 
@@ -40,11 +50,10 @@ fn arguments(out: &Path, end_s: f64) -> Vec<String> {
         "structure.flat_circular.rings=8",
         "output.canopy_interval_s=0.01",
         "output.picture_times_s=[0.01]",
+        "output.sample_interval_s=0.001",
         &end,
     ];
-    let mut arguments: Vec<String> = ["run", CANOPY, "--checkpoint-every", "0.02", "--out"]
-        .map(str::to_owned)
-        .to_vec();
+    let mut arguments: Vec<String> = ["run", CANOPY, "--out"].map(str::to_owned).to_vec();
     arguments.push(out.to_string_lossy().into_owned());
     for change in changes {
         arguments.extend(["--set".to_owned(), change.to_owned()]);
@@ -55,6 +64,9 @@ fn arguments(out: &Path, end_s: f64) -> Vec<String> {
 fn run(out: &Path, end_s: f64, more: &[&str]) -> Command {
     let arguments = arguments(out, end_s);
     let mut all: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if !more.contains(&"--checkpoint-every") {
+        all.extend(["--checkpoint-every", "0.02"]);
+    }
     all.extend(more);
     command(&all)
 }
@@ -80,44 +92,68 @@ fn same_results(whole: &Path, resumed: &Path) {
 
 /// SIGKILL at random moments, also while files and checkpoints are written: the run that goes on from what is left delivers the bits of one
 /// that was never touched.
+///
+/// While it is killed the run has no end in sight, so that no kill comes after it; each but the first waits for a checkpoint of its own, so that all
+/// goes on; the first finds none.
 fn killed() {
     let folder = tempfile::tempdir().unwrap();
     let wanted = std::env::var("RIPSTOP_KILLS").map_or(KILLS, |count| count.parse().unwrap());
-    // Long enough for the kills: a step takes about a millisecond.
-    let end_s = 0.05 * (wanted as f64 / KILLS as f64).max(1.0);
     let [whole, out] = ["whole", "killed"].map(|name| folder.path().join(name));
-    assert_eq!(finished(run(&whole, end_s, &[]).output().unwrap()).code, 0);
+    let seldom = ["--checkpoint-every", "1000"];
+    let mut child = start(run(&out, NO_END_S, &seldom));
+    wait_for(&mut child, &out.join("canopy_00000.vtp"));
+    kill(&mut child);
+    assert!(!CHECKPOINTS.iter().any(|name| out.join(name).exists()));
+    let none = finished(run(&out, NO_END_S, &["--resume"]).output().unwrap());
+    assert_eq!(none.code, 2, "{}", none.errors);
+    assert!(
+        none.errors.contains("ended before its first checkpoint"),
+        "{}",
+        none.errors
+    );
+    let written = || {
+        let found = std::fs::metadata(out.join("checkpoint"));
+        found.and_then(|found| found.modified()).ok()
+    };
     let mut state = 1_u64;
-    let mut kills = 0;
-    while kills < wanted {
-        let resumable = ["checkpoint", "checkpoint.next", "checkpoint.previous"]
-            .iter()
-            .any(|name| out.join(name).exists());
-        let more: &[&str] = if resumable { &["--resume"] } else { &[] };
-        let mut child = run(&out, end_s, more)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+    for number in 0..wanted {
+        let more: &[&str] = if number == 0 { &[] } else { &["--resume"] };
+        let mut before = written();
+        let mut child = start(run(&out, NO_END_S, more));
+        // The first two while the wind rises and the fabric is held, the others in its motion, farther and farther on.
+        if number >= 2 {
+            let frame = format!("canopy_{:05}.vtp", (number - 2).min(FARTHEST));
+            wait_for(&mut child, &out.join(frame));
+            before = written();
+        }
+        // Of this process: whatever the machine is busy with.
+        while written() == before || written().is_none() {
+            assert!(child.try_wait().unwrap().is_none(), "ended by itself");
+            std::thread::sleep(Duration::from_millis(1));
+        }
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
-        std::thread::sleep(Duration::from_millis(150 + (state >> 33) % 250));
-        if let Some(status) = child.try_wait().unwrap() {
-            assert_eq!(status.code(), Some(0), "resumed from {resumable}");
-            break;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        kills += 1;
+        std::thread::sleep(Duration::from_millis((state >> 33) % 60));
+        kill(&mut child);
     }
-    println!("killed {kills} times");
-    assert!(kills >= wanted / 2, "the run ended after {kills} kills");
-    if !out.join("summary.json").exists() {
-        let output = finished(run(&out, end_s, &["--resume"]).output().unwrap());
-        assert_eq!(output.code, 0, "{}", output.errors);
-    }
+    // An end that lies behind wherever it has come to.
+    let reached = json(&out.join("run.json"))["reached"]["time_s"].as_f64();
+    let end_s = reached.unwrap().max(0.0) + 0.02;
+    let output = finished(run(&out, end_s, &["--resume"]).output().unwrap());
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert_eq!(
+        finished(run(&whole, end_s, &seldom).output().unwrap()).code,
+        0
+    );
     same_results(&whole, &out);
+}
+
+/// Ends a process that goes on, and no other.
+fn kill(child: &mut Child) {
+    child.kill().unwrap();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), None, "it had ended by itself: {status}");
 }
 
 /// A checkpoint that there is no room for leaves the older ones, to go on from after a kill; a damaged one is passed over.
@@ -139,7 +175,7 @@ fn damaged() {
     child.wait().unwrap();
     // Larger files than the tables of a run fail from now on: the checkpoint is the first. Frames that are missed then are drawn again.
     let script = format!(
-        "trap '' XFSZ; ulimit -f 200; exec '{}' {} --resume",
+        "trap '' XFSZ; ulimit -f 200; exec '{}' {} --checkpoint-every 0.02 --resume",
         program().display(),
         arguments(&out, end_s)
             .iter()

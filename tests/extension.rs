@@ -115,7 +115,6 @@ fn another_run_begins_from_it() {
     let folder = tempfile::tempdir().unwrap();
     let [settled, out] = ["settled", "out"].map(|name| folder.path().join(name));
     assert_eq!(run(&settled, "0.03", &[]).code, 0);
-    let before = contents(&settled);
     let to = ["--set", "time.end_s=0.05"];
     let wind = ["--set", "air.wind_tunnel.speed_m_s=25.0"];
     let other = restart(&settled, &out, &[&to[..], &wind].concat());
@@ -124,14 +123,35 @@ fn another_run_begins_from_it() {
     assert!(other.errors.contains(needle), "{}", other.errors);
     let itself = restart(&settled, &settled, &to);
     assert_eq!(itself.code, 2, "{}", itself.errors);
+    // As if the state had been computed elsewhere.
+    let mut ledger = json(&settled.join("run.json"));
+    let genuine = ledger.to_string();
+    let session = &mut ledger["sessions"][0];
+    session["program"]["version"] = "0.0.9".into();
+    session["machine"]["processor"] = "Another CPU".into();
+    std::fs::write(settled.join("run.json"), ledger.to_string()).unwrap();
+    let before = contents(&settled);
     let output = restart(&settled, &out, &to);
     assert_eq!(output.code, 0, "{}", output.errors);
+    for needle in [
+        "before, the state was computed by version 0.0.9",
+        "Another CPU",
+    ] {
+        assert!(output.printed.contains(needle), "{}", output.printed);
+    }
+    assert!(before == contents(&settled), "the first run was touched");
+    std::fs::write(settled.join("run.json"), genuine).unwrap();
+    // It did none of the solves of the first run.
+    let steps = |out: &Path| json(&out.join("summary.json"))["steps"].as_u64().unwrap();
+    let own = steps(&out) - steps(&settled);
+    let rows = json(&out.join("summary.json"))["account"].to_string();
+    let solves = format!("of {own} solves");
+    assert!(rows.contains(&solves), "{solves} is not in {rows}");
     assert!(
         output.printed.contains("begun from the state in"),
         "{}",
         output.printed
     );
-    assert!(before == contents(&settled), "the first run was touched");
     let ledger = json(&out.join("run.json"));
     assert_eq!(ledger["begun_from"], settled.to_str().unwrap());
     let first_s = times_s(&out)[0];
@@ -144,7 +164,13 @@ fn another_run_begins_from_it() {
         "{}",
         from_rest.errors
     );
-    assert_eq!(restart(&settled, &out, &to).code, 0);
+    let again = restart(&settled, &out, &to);
+    assert_eq!(again.code, 0, "{}", again.errors);
+    assert!(
+        !again.printed.contains("before, the state"),
+        "{}",
+        again.printed
+    );
     // The first run, made as long, ends in the same state.
     let output = run(&settled, "0.05", &["--resume"]);
     assert_eq!(output.code, 0, "{}", output.errors);

@@ -40,6 +40,7 @@ mod faults;
 mod folders;
 mod fuzz;
 mod interrupts;
+mod keeping;
 mod lep_sim;
 mod long_histories;
 mod mesh_files;
@@ -51,6 +52,8 @@ mod permeability;
 mod phases;
 mod plates;
 mod ram_air;
+mod reserve;
+mod resolved;
 mod resumed;
 mod resumption;
 mod sail_support;
@@ -121,10 +124,13 @@ fn main() -> std::process::ExitCode {
         bad_cases::trials(),
         command_line::trials(),
         interrupts::trials(),
+        keeping::trials(),
         checkpoint::trials(),
         folders::trials(),
         fuzz::trials(),
         resumption::trials(),
+        resolved::trials(),
+        reserve::trials(),
         extension::trials(),
         faults::trials(),
         sweep::trials(),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies, descent, plate, rims, wing_tunnel};
+use super::{Problem, bodies, descent, plate, rims, usual, wing_tunnel};
 use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
@@ -77,6 +77,9 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             ));
         }
     };
+    if resolution.cell_size_m.is_none() {
+        usual::noted("resolution.cell_size_m", cell_size_m);
+    }
     let lattice_speed = positive("resolution.lattice_speed", resolution.lattice_speed)?;
     if lattice_speed > LATTICE_SPEED_LIMIT {
         return Err(Problem::new(
@@ -177,7 +180,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
     };
     let reference_speed_m_s = match resolution.reference_speed_m_s {
         Some(speed) => positive("resolution.reference_speed_m_s", speed)?,
-        None if speed_m_s > 0.0 => speed_m_s,
+        None if speed_m_s > 0.0 => usual::noted("resolution.reference_speed_m_s", speed_m_s),
         None => {
             return Err(absent(
                 "resolution.reference_speed_m_s",
@@ -207,6 +210,9 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             ),
         ));
     }
+    // Whole cells make the box.
+    usual::noted("air.cells", cells);
+    usual::noted("air.box_m", cells.map(|n| n as f64 * cell_size_m));
     let air = Air {
         units: Units::from_speed(
             cell_size_m,
@@ -317,6 +323,11 @@ fn check_eddy_viscosity(written: &file::EddyViscosity) -> Result<EddyViscosity, 
             ));
         }
         eddy_viscosity.update_every = every;
+    } else if eddy_viscosity.gradient_model().is_some() {
+        usual::noted(
+            "resolution.eddy_viscosity.update_every",
+            eddy_viscosity.update_every,
+        );
     }
     Ok(eddy_viscosity)
 }
@@ -355,7 +366,11 @@ pub(super) fn check_coupling(
     })?;
     let rim_inset_cells = within(
         "coupling.rim_inset_cells",
-        written.rim_inset_cells.unwrap_or(RIM_INSET_CELLS),
+        usual::or(
+            "coupling.rim_inset_cells",
+            written.rim_inset_cells,
+            RIM_INSET_CELLS,
+        ),
         if has_fabric { 0.0 } else { -1.0 },
         1.0,
     )?;
@@ -394,7 +409,7 @@ pub(super) fn check_coupling(
             "remove coupling.surface_inset_cells",
         ));
     }
-    let passes = written.passes.unwrap_or(1);
+    let passes = usual::or("coupling.passes", written.passes, 1);
     if !(1..=PASSES_LIMIT).contains(&passes) {
         return Err(Problem::new(
             "coupling.passes",
@@ -445,7 +460,7 @@ pub(super) fn check_coupling(
 
 fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {
     const KEY: &str = "coupling.marker_spacing_cells";
-    let spacing = written.marker_spacing_cells.unwrap_or(SPACING_CELLS);
+    let spacing = usual::or(KEY, written.marker_spacing_cells, SPACING_CELLS);
     let [least, most] = SPACING_RANGE_CELLS;
     if (least..=most).contains(&spacing) {
         return Ok(spacing);
@@ -482,6 +497,8 @@ fn check_fabric_coupling(
         for mass in &mut body.structure.masses_kg {
             *mass *= factor;
         }
+    } else {
+        usual::noted("coupling.mass_factor", 1.0);
     }
     if let Some(structure_every) = written.structure_every
         && !(1..=10).contains(&structure_every)

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::{self, BodyTable, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
 use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
 use super::values::{self, check_name};
+use super::{Problem, usual};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
@@ -116,8 +116,8 @@ fn check_body(
         *place = position_m + rotation * *place;
     }
     let coupling = file.coupling.as_ref();
-    let inset = |key: &str, value: Option<f64>, usual: f64| {
-        value.map_or(Ok(usual), |cells| within(key, cells, -1.0, 1.0))
+    let inset = |key: &str, value: Option<f64>, usual_cells: f64| {
+        within(key, usual::or(key, value, usual_cells), -1.0, 1.0)
     };
     let marker_surface = rigid::inset(
         &surface,
@@ -160,7 +160,11 @@ fn check_body(
         reference_length_m: reference(&written, "length_m", |r| r.length_m, shape.length_m())?,
         moment_point_m: match table.reference.as_ref().and_then(|r| r.moment_point_m) {
             Some(point) => vector(&written.key("reference.moment_point_m"), point)?,
-            None => position_m,
+            None => usual::noted(
+                written.key("reference.moment_point_m"),
+                position_m.to_array(),
+            )
+            .into(),
         },
         permeability,
     };
@@ -186,7 +190,8 @@ fn check_permeability(
             "make the body an open surface (disk, plate, open cylinder or mesh), or remove its permeability",
         ));
     }
-    if file.coupling.as_ref().and_then(|c| c.passes).unwrap_or(1) > 1 {
+    let passes = file.coupling.as_ref().and_then(|c| c.passes);
+    if usual::or("coupling.passes", passes, 1) > 1 {
         return Err(Problem::new(
             "coupling.passes",
             format!(
@@ -202,12 +207,12 @@ fn reference(
     written: &Written,
     name: &str,
     pick: fn(&file::Reference) -> Option<f64>,
-    usual: Option<f64>,
+    own: Option<f64>,
 ) -> Result<f64, Problem> {
     let key = written.key(&format!("reference.{name}"));
-    match (written.table.reference.as_ref().and_then(pick), usual) {
+    match (written.table.reference.as_ref().and_then(pick), own) {
         (Some(value), _) => positive(&key, value),
-        (None, Some(usual)) => Ok(usual),
+        (None, Some(own)) => Ok(usual::noted(key, own)),
         (None, None) => Err(Problem::new(
             key.as_str(),
             format!("{key} is missing: a mesh has no area or length of its own to refer to"),

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::Problem;
 use super::file::{self, CanopyCommon, File};
 use super::rigging::{NEEDS_LINES, lines_per_end, rig};
 use super::scene::{Body, absent, positive, within};
+use super::{Problem, usual};
 use crate::geometry::parachute::designs::{
     Design, DesignFault, RadialSlots, Shape, VIKING_DISK, VIKING_GAP,
 };
@@ -168,7 +168,10 @@ fn slotted(t: &file::Slotted) -> Result<Written, Problem> {
         rings: rings(key, t.rings)?,
         vent_diameter_m: vent(key, t.vent_diameter_m)?,
         shape: Shape::Conical {
-            cone_angle_rad: cone_angle(key, t.cone_angle_deg.unwrap_or(0.0))?,
+            cone_angle_rad: cone_angle(
+                key,
+                usual::or(format!("{key}.cone_angle_deg"), t.cone_angle_deg, 0.0),
+            )?,
             slots: Some(RadialSlots {
                 count: t.slots,
                 width_m: within(&width, t.slot_width_m, 0.0, 1e3)?,
@@ -196,7 +199,7 @@ fn extended_skirt(t: &file::ExtendedSkirt) -> Result<Written, Problem> {
             extension_ratio: within(&of("extension_ratio"), t.extension_ratio, 0.01, 0.5)?,
             skirt_width_ratio: within(
                 &of("skirt_width_ratio"),
-                t.skirt_width_ratio.unwrap_or(1.0),
+                usual::or(of("skirt_width_ratio"), t.skirt_width_ratio, 1.0),
                 0.5,
                 1.0,
             )?,
@@ -251,12 +254,19 @@ fn disk_gap_band(t: &file::DiskGapBand) -> Result<Written, Problem> {
     let count = gores(key, t.gores, "a disk-gap-band canopy")?;
     let disk_diameter_m = positive(
         &of("disk_diameter_m"),
-        t.disk_diameter_m
-            .unwrap_or(VIKING_DISK * nominal_diameter_m),
+        usual::or(
+            of("disk_diameter_m"),
+            t.disk_diameter_m,
+            VIKING_DISK * nominal_diameter_m,
+        ),
     )?;
     let gap_width_m = positive(
         &of("gap_width_m"),
-        t.gap_width_m.unwrap_or(VIKING_GAP * nominal_diameter_m),
+        usual::or(
+            of("gap_width_m"),
+            t.gap_width_m,
+            VIKING_GAP * nominal_diameter_m,
+        ),
     )?;
     // Around a polygon of the disk's area.
     let half_gore = PI / count as f64;
@@ -264,7 +274,7 @@ fn disk_gap_band(t: &file::DiskGapBand) -> Result<Written, Problem> {
     let disk_m2 = 0.25 * PI * disk_diameter_m * disk_diameter_m;
     let left_m = (nominal_area_m2 - disk_m2) / around_m - gap_width_m;
     let band_width_m = match t.band_width_m {
-        None if left_m > 0.0 => left_m,
+        None if left_m > 0.0 => usual::noted(of("band_width_m"), left_m),
         None => {
             return Err(Problem::new(
                 of("disk_diameter_m"),

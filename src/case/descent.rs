@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::File;
 use super::payload_bodies::{self, PayloadBody};
 use super::scene::{Air, Body, BodyKind, RigidBody, positive, within};
+use super::{Problem, usual};
 
 /// A mass that falls along −x, followed by the box of the air.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +71,9 @@ pub(super) fn density_kg_m3(file: &super::file::Air) -> Result<f64, Problem> {
         (Some(density), None) => positive("air.density_kg_m3", density),
         (None, Some(altitude)) => {
             let [lowest, highest] = ALTITUDES_M;
-            within("air.descent.altitude_m", altitude, lowest, highest).map(standard_density_kg_m3)
+            within("air.descent.altitude_m", altitude, lowest, highest).map(|altitude_m| {
+                usual::noted("air.density_kg_m3", standard_density_kg_m3(altitude_m))
+            })
         }
         (Some(_), Some(_)) => Err(Problem::new(
             "air.descent.altitude_m",
@@ -153,7 +155,7 @@ pub(super) fn check(
     if let Some(payload) = &file.payload {
         let mass_kg = positive("payload.mass_kg", payload.mass_kg)?;
         let drag_area_m2 = match payload.drag_area_m2 {
-            None => 0.0,
+            None => usual::noted("payload.drag_area_m2", 0.0),
             Some(area) => positive("payload.drag_area_m2", area)?,
         };
         let Some((body, canopy)) = body.and_then(|body| match body.kind {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::file::Fabric;
 
@@ -63,7 +63,7 @@ pub struct WingTunnelTable {
 }
 
 /// Which parts of a wing in the wind hold the air back along them, not only across.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrictionName {
     /// None: air slides along them all.
@@ -75,7 +75,7 @@ pub enum FrictionName {
 }
 
 /// What of a wing in the wind is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldName {
     /// Where the risers hang.

@@ -1,6 +1,6 @@
 //! The parts of a case file that a designer asks of a wing beyond its equilibrium.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::file::CableMaterial;
 use super::file_wing::BallooningTable;
@@ -30,7 +30,7 @@ pub struct PanelShapingTable {
 }
 
 /// What panels are shaped for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapingAim {
     /// Ribs fly as far apart as they were designed.

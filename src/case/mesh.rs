@@ -12,7 +12,7 @@ use super::mesh_examination::{self, ExaminedMesh, FromFiles, Joined};
 use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
 use super::structure::check_fabric;
 use super::values::rotation;
-use super::{Problem, mesh_lines};
+use super::{Problem, mesh_lines, usual};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
 use crate::geometry::fabric_surface;
@@ -99,7 +99,7 @@ pub(super) fn examine(
     }
     let position_m = match written.position_m {
         Some(position) => vector(&format!("{KEY}.position_m"), position)?,
-        None => DVec3::ZERO,
+        None => usual::noted(format!("{KEY}.position_m"), [0.0; 3]).into(),
     };
     for place in &mut structure.positions_m {
         *place += position_m;
@@ -204,7 +204,12 @@ fn joined_start(
     start_m: &[DVec3],
 ) -> Result<Vec<DVec3>, Problem> {
     let (places_m, farthest) = welded.carried_over(start_m);
-    let allowed_m = LARGEST_GAP * written.weld_tolerance_m.unwrap_or(0.0);
+    let weld_m = usual::or(
+        format!("{KEY}.weld_tolerance_m"),
+        written.weld_tolerance_m,
+        0.0,
+    );
+    let allowed_m = LARGEST_GAP * weld_m;
     for hanging in &welded.inserted {
         let [a, b] = hanging.edge.map(|vertex| start_m[vertex as usize]);
         let apart_m = a

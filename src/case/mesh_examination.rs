@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::Problem;
 use super::file::{self, File};
 use super::lep_sim::ImportedWing;
 use super::scene::positive;
+use super::{Problem, usual};
 use crate::cloth::Structure;
 pub use crate::geometry::mesh::doctor::{Border, Examination, Finding, Kind, Mouth, Piece};
 use crate::geometry::mesh::doctor::{NoSides, Subject, Use, Welded, examine, mouth, orient, weld};
@@ -387,7 +387,8 @@ fn oriented(table: &str, welded: &mut Welded) -> Result<usize, Problem> {
 /// A mesh with its vertices joined, if the case gives a tolerance above 0.
 fn welded(table: &str, tolerance_m: Option<f64>, surface: Surface) -> Result<Welded, Problem> {
     let key = format!("{table}.weld_tolerance_m");
-    let Some(tolerance_m) = tolerance_m.filter(|tolerance| *tolerance != 0.0) else {
+    let tolerance_m = usual::or(key.as_str(), tolerance_m, 0.0);
+    let Some(tolerance_m) = Some(tolerance_m).filter(|tolerance| *tolerance != 0.0) else {
         return Ok(Welded::untouched(surface));
     };
     let tolerance_m = positive(&key, tolerance_m)?;

@@ -40,6 +40,7 @@ mod structure;
 mod supports;
 mod time;
 mod trim;
+mod usual;
 mod values;
 pub mod wing;
 pub mod wing_design;
@@ -53,6 +54,7 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 pub use identity::{changed_outputs, changed_physics, number_in};
 pub use mesh_examination::ExaminedMesh;
 pub use scene::Scene;
+pub use usual::Resolved;
 
 use file::File;
 
@@ -232,6 +234,8 @@ pub struct Case {
     pub variant: Option<String>,
     /// Overrides applied.
     pub overrides: Vec<String>,
+    /// What it has for keys that it leaves out, and what follows from others for time step, cells and box.
+    pub resolved: Resolved,
     /// The checked scene.
     pub scene: Scene,
     /// The same scene on the coarser grids that a run begins on, coarsest first; empty without `steady.grid_sequence`.
@@ -299,11 +303,13 @@ pub fn parse(
     folder: &Path,
     choices: &Choices,
 ) -> Result<Case, Box<CaseError>> {
-    let (text, physics, file, (scene, coarser)) = checked(name, source, choices, |file| {
-        let scene = scene::check(file, folder)?;
-        let coarser = grid_sequence::check(file, &scene, folder)?;
-        Ok((scene, coarser))
-    })?;
+    let (text, physics, file, (scene, resolved, coarser)) =
+        checked(name, source, choices, |file| {
+            let (scene, resolved) = usual::collected(|| scene::check(file, folder));
+            let scene = scene?;
+            let coarser = grid_sequence::check(file, &scene, folder)?;
+            Ok((scene, resolved, coarser))
+        })?;
     Ok(Case {
         name: name.to_owned(),
         hash: identity::hash(&text, &file, folder),
@@ -311,6 +317,7 @@ pub fn parse(
         text,
         variant: choices.variant.clone(),
         overrides: choices.overrides.clone(),
+        resolved,
         scene,
         coarser,
         source: source.to_owned(),

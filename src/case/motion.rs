@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file;
 use super::scene::{Time, positive, vector};
 use super::values::direction;
+use super::{Problem, usual};
 use crate::rigid::motion::Table;
 use crate::rigid::{Motion, PrescribedMotion};
 
@@ -18,10 +18,13 @@ pub(super) fn check(
 ) -> Result<PrescribedMotion, Problem> {
     let key = |name: &str| format!("{table_key}.{name}");
     let number = |name: &str, value: f64| Ok(vector(&key(name), [value; 3])?.x);
-    let rise =
-        |name: &str, value: Option<f64>| value.map_or(Ok(0.0), |time| positive(&key(name), time));
+    let rise = |name: &str, value: Option<f64>| match value {
+        Some(time) => positive(&key(name), time),
+        None => Ok(usual::noted(key(name), 0.0)),
+    };
     let centre = |name: &str, value: Option<[f64; 3]>| {
-        value.map_or(Ok(usual_centre_m), |point| vector(&key(name), point))
+        let own = usual_centre_m.to_array();
+        vector(&key(name), usual::or(key(name), value, own))
     };
     // An axis is needed only where something turns.
     let axis = |name: &str, value: Option<[f64; 3]>, turns: bool| match value {
@@ -57,13 +60,14 @@ pub(super) fn check(
             axis: direction(&key("constant_rotation.axis"), given.axis)?,
         }),
         (None, None, Some(given), None, None) => {
-            let displacement = given.displacement_m.unwrap_or([0.0; 3]);
-            let angle_deg = given.angle_deg.unwrap_or(0.0);
+            let of = |name: &str| key(&format!("oscillation.{name}"));
+            let displacement = usual::or(of("displacement_m"), given.displacement_m, [0.0; 3]);
+            let angle_deg = usual::or(of("angle_deg"), given.angle_deg, 0.0);
+            let phase_deg = usual::or(of("phase_deg"), given.phase_deg, 0.0);
             Ok(PrescribedMotion {
                 motion: Motion::Oscillation {
                     frequency_hz: positive(&key("oscillation.frequency_hz"), given.frequency_hz)?,
-                    phase_rad: number("oscillation.phase_deg", given.phase_deg.unwrap_or(0.0))?
-                        .to_radians(),
+                    phase_rad: number("oscillation.phase_deg", phase_deg)?.to_radians(),
                     displacement_m: vector(&key("oscillation.displacement_m"), displacement)?,
                     angle_rad: number("oscillation.angle_deg", angle_deg)?.to_radians(),
                 },

@@ -1,8 +1,8 @@
 //! `[output]`: what is written, and when.
 
-use super::Problem;
 use super::file::File;
 use super::scene::{Output, positive};
+use super::{Problem, usual};
 use crate::frame::{FabricQuantity, FlowQuantity};
 
 /// Checks the table; intervals that are left out follow from the end of the run [s].
@@ -10,12 +10,19 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
     let written = file.output.clone().unwrap_or_default();
     let optional = |key: &str, value: Option<f64>| value.map(|v| positive(key, v)).transpose();
     Ok(Output {
-        sample_interval_s: optional("output.sample_interval_s", written.sample_interval_s)?
-            .unwrap_or(end_s / 500.0),
+        sample_interval_s: usual::or(
+            "output.sample_interval_s",
+            optional("output.sample_interval_s", written.sample_interval_s)?,
+            end_s / 500.0,
+        ),
         canopy_interval_s: optional("output.canopy_interval_s", written.canopy_interval_s)?,
         bodies_interval_s: optional("output.bodies_interval_s", written.bodies_interval_s)?,
         flow_interval_s: optional("output.flow_interval_s", written.flow_interval_s)?,
-        picture_times_s: picture_times(written.picture_times_s.unwrap_or_default())?,
+        picture_times_s: picture_times(usual::or(
+            "output.picture_times_s",
+            written.picture_times_s,
+            Vec::new(),
+        ))?,
         picture_fabric: quantities(
             "picture_fabric",
             written.picture_fabric,
@@ -23,10 +30,10 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
             FabricQuantity::name,
         )?,
         picture_flow: picture_flow(file, written.picture_flow)?,
-        picture_arrows: written.picture_arrows.unwrap_or(false),
+        picture_arrows: usual::or("output.picture_arrows", written.picture_arrows, false),
         animation_interval_s: animation_interval(written.animation_interval_s, end_s)?,
         wing_panels: wing_panels(file, written.wing_panels)?,
-        history_plots: written.history_plots.unwrap_or(false),
+        history_plots: usual::or("output.history_plots", written.history_plots, false),
     })
 }
 
@@ -40,7 +47,11 @@ fn wing_panels(file: &File, written: Option<bool>) -> Result<bool, Problem> {
             "remove it, or describe a wing in [structure.wing]",
         ));
     }
-    Ok(written.unwrap_or(false))
+    Ok(match written {
+        Some(written) => written,
+        None if has_wing => usual::noted("output.wing_panels", false),
+        None => false,
+    })
 }
 
 /// What the slice of air shows; refused without air.
@@ -86,7 +97,10 @@ fn quantities<Q: Copy + PartialEq>(
     all: &[Q],
     name: fn(Q) -> &'static str,
 ) -> Result<Vec<Q>, Problem> {
-    let quantities = written.unwrap_or_else(|| all[..1].to_vec());
+    let quantities = written.unwrap_or_else(|| {
+        usual::noted(format!("output.{key}"), name(all[0]));
+        all[..1].to_vec()
+    });
     let repeated = (1..quantities.len()).find(|&i| quantities[..i].contains(&quantities[i]));
     if quantities.is_empty() || repeated.is_some() {
         let found = repeated.map_or("nothing".to_owned(), |i| {

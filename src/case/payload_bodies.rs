@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::PayloadBodyTable;
 use super::scene::positive;
 use super::structure::check_material;
 use super::values::check_name;
+use super::{Problem, usual};
 use crate::cloth::Structure;
 use crate::frame::CableKind;
 
@@ -63,7 +63,7 @@ pub(super) fn hang(
             let mass_kg = positive(&key("mass_kg"), table.mass_kg)?;
             let length_m = positive(&key("tether_length_m"), table.tether_length_m)?;
             let drag_area_m2 = match table.drag_area_m2 {
-                None => 0.0,
+                None => usual::noted(key("drag_area_m2"), 0.0),
                 Some(area) => positive(&key("drag_area_m2"), area)?,
             };
             let cable = check_material(&key("tether"), &table.tether)?;

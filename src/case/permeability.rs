@@ -1,8 +1,8 @@
 //! Checks of `permeability` tables.
 
-use super::Problem;
 use super::file::PermeabilityTable;
 use super::scene::{positive, within};
+use super::{Problem, usual};
 use crate::fabric::permeability::{NAMED_FABRICS, Permeability};
 
 /// Checks the table at `key`; `thickness_m` is what Ergun's law takes without a thickness of its own, the density that of the air.
@@ -44,7 +44,7 @@ pub(super) fn check(
             }
             let thickness_m = match (ergun.thickness_m, thickness_m) {
                 (Some(own), _) => positive(&key("thickness_m"), own)?,
-                (None, Some(fabric)) => fabric,
+                (None, Some(fabric)) => usual::noted(key("thickness_m"), fabric),
                 (None, None) => {
                     return Err(Problem::new(
                         key("thickness_m"),

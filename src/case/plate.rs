@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file;
 use super::scene::{Air, Body, BodyKind, positive, readable, vector};
+use super::{Problem, usual};
 use crate::fabric::Fabric;
 use crate::geometry::mesh::quality;
 use crate::geometry::plate::{self, Plate};
@@ -84,7 +84,10 @@ pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Prob
             let factor = positive(&key("flexural_rigidity_nm"), given)? / solid[0][0];
             solid.map(|row| row.map(|d| d * factor))
         }
-        None => solid,
+        None => {
+            usual::noted(key("flexural_rigidity_nm"), solid[0][0]);
+            solid
+        }
     };
     let structure = plate::build(&shape, fabric, rigidity).ok_or_else(|| {
         Problem::new(

@@ -1,10 +1,10 @@
 //! Checks of what a canopy hangs on and is folded like: `[lines]`, `[belts]`, the bands and `folding`.
 
-use super::Problem;
 use super::canopy::Written;
 use super::file::{self, File};
 use super::scene::{Body, BodyKind, Canopy, LoadingPressure, absent, positive, vector, within};
 use super::structure::{check_fabric, check_material};
+use super::{Problem, usual};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use crate::geometry::parachute::{self, BuildFault, Rigging, Risers};
@@ -127,13 +127,13 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
     )?;
     let tilt_deg = within(
         &key("folding.tilt_deg"),
-        folding.tilt_deg.unwrap_or(0.0),
+        usual::or(key("folding.tilt_deg"), folding.tilt_deg, 0.0),
         -45.0,
         45.0,
     )?;
     let asymmetry = within(
         &key("folding.asymmetry"),
-        folding.asymmetry.unwrap_or(0.0),
+        usual::or(key("folding.asymmetry"), folding.asymmetry, 0.0),
         0.0,
         0.8,
     )?;
@@ -144,7 +144,7 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
             "remove folding.tilt_deg or apex_guide_n_m",
         ));
     }
-    let line_segments = lines.segments.unwrap_or(1);
+    let line_segments = usual::or("lines.segments", lines.segments, 1);
     if !(1..=SEGMENT_LIMIT).contains(&line_segments) {
         return Err(Problem::new(
             "lines.segments",
@@ -227,7 +227,7 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
 }
 
 fn check_risers(lines: &file::Lines) -> Result<Option<Risers>, Problem> {
-    let count = lines.riser_count.unwrap_or(1);
+    let count = usual::or("lines.riser_count", lines.riser_count, 1);
     if count == 0 || !lines.count.is_multiple_of(count) || count == lines.count {
         return Err(Problem::new(
             "lines.riser_count",
@@ -253,7 +253,7 @@ fn check_risers(lines: &file::Lines) -> Result<Option<Risers>, Problem> {
 
 /// Length that lines have beyond the one drawn \[m\]; negative for lines that are tight.
 fn check_line_slack(lines: &file::Lines) -> Result<f64, Problem> {
-    let slack_m = lines.slack_m.unwrap_or(0.0);
+    let slack_m = usual::or("lines.slack_m", lines.slack_m, 0.0);
     within(
         "lines.slack_m",
         slack_m,

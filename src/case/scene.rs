@@ -18,6 +18,7 @@ pub(super) use super::values::{absent, positive, readable, vector, within};
 use super::wing::{self, Wing};
 use super::{
     Problem, air, bodies, comparison, descent, output, shift, steady, structure, supports, time,
+    usual,
 };
 use crate::cloth::Structure;
 pub use crate::cloth::openings::{Opening, OpeningKind};
@@ -535,7 +536,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         &rigid_bodies,
         descent.is_some(),
     )?;
-    let title = file.title.clone().unwrap_or_else(|| "untitled".to_owned());
+    let title = usual::or("title", file.title.clone(), "untitled".to_owned());
     Ok(Scene {
         title,
         air,
@@ -559,7 +560,11 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
 
 fn check_solver(file: &File) -> Result<Solver, Problem> {
     let written = file.solver.as_ref();
-    let damping_1_s = written.and_then(|s| s.damping_1_s).unwrap_or(0.0);
+    let damping_1_s = written.and_then(|s| s.damping_1_s);
+    let tolerance = written.and_then(|s| s.tolerance);
+    let evaluation_limit = written.and_then(|s| s.evaluation_limit);
+    let allow_unsolved = written.and_then(|s| s.allow_unsolved);
+    let damping_1_s = usual::or("solver.damping_1_s", damping_1_s, 0.0);
     if !(damping_1_s >= 0.0 && damping_1_s.is_finite()) {
         return Err(Problem::new(
             "solver.damping_1_s",
@@ -570,17 +575,19 @@ fn check_solver(file: &File) -> Result<Solver, Problem> {
     Ok(Solver {
         tolerance: within(
             "solver.tolerance",
-            written
-                .and_then(|s| s.tolerance)
-                .unwrap_or_else(|| descent::usual_tolerance(file)),
+            usual::or(
+                "solver.tolerance",
+                tolerance,
+                descent::usual_tolerance(file),
+            ),
             1e-12,
             0.5,
         )?,
         evaluation_limit: at_least_one(
             "solver.evaluation_limit",
-            written.and_then(|s| s.evaluation_limit).unwrap_or(2_000),
+            usual::or("solver.evaluation_limit", evaluation_limit, 2_000),
         )?,
         damping_1_s,
-        allow_unsolved: written.and_then(|s| s.allow_unsolved).unwrap_or(false),
+        allow_unsolved: usual::or("solver.allow_unsolved", allow_unsolved, false),
     })
 }

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::{self, File};
 use super::mesh_examination::FromFiles;
 use super::scene::{Body, BodyKind, absent, positive, vector, within};
 use super::wing::{self, Wing};
+use super::{Problem, usual};
 use super::{canopy, contact, descent, lep_sim, mesh, permeability, plate, specimens};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
@@ -137,7 +137,11 @@ pub(super) fn check_fabric_at(
     let warp_modulus_pa = positive(&key("youngs_modulus_pa"), written.youngs_modulus_pa)?;
     let weft_modulus_pa = positive(
         &key("weft_youngs_modulus_pa"),
-        written.weft_youngs_modulus_pa.unwrap_or(warp_modulus_pa),
+        usual::or(
+            key("weft_youngs_modulus_pa"),
+            written.weft_youngs_modulus_pa,
+            warp_modulus_pa,
+        ),
     )?;
     let poisson_ratio = within(&key("poisson_ratio"), written.poisson_ratio, 0.0, 0.49)?;
     if poisson_ratio * poisson_ratio * weft_modulus_pa >= warp_modulus_pa {
@@ -156,7 +160,7 @@ pub(super) fn check_fabric_at(
         poisson_ratio,
         shear_modulus_pa: positive(
             &key("shear_modulus_pa"),
-            written.shear_modulus_pa.unwrap_or(isotropic),
+            usual::or(key("shear_modulus_pa"), written.shear_modulus_pa, isotropic),
         )?,
         cubic_shear_compliance_1_pa3: written
             .cubic_shear_compliance_1_pa3
@@ -167,7 +171,11 @@ pub(super) fn check_fabric_at(
             .transpose()?,
         residual_stiffness: within(
             &key("residual_stiffness"),
-            written.residual_stiffness.unwrap_or(usual_residual),
+            usual::or(
+                key("residual_stiffness"),
+                written.residual_stiffness,
+                usual_residual,
+            ),
             0.0,
             1.0,
         )?,
@@ -183,7 +191,7 @@ pub(super) fn check_fabric_at(
 const INITIAL_STRAIN: [f64; 2] = [-0.5, 0.5];
 
 fn check_initial_strain(key: &str, written: Option<[f64; 2]>) -> Result<[f64; 2], Problem> {
-    let strain = written.unwrap_or_default();
+    let strain = usual::or(key, written, [0.0; 2]);
     let [least, most] = INITIAL_STRAIN;
     for value in strain {
         within(key, value, least, most)?;
@@ -220,7 +228,7 @@ pub(super) fn check_material(key: &str, material: &file::CableMaterial) -> Resul
             ));
         }
     };
-    let damping_n_s = material.damping_n_s.unwrap_or(0.0);
+    let damping_n_s = usual::or(key("damping_n_s"), material.damping_n_s, 0.0);
     if damping_n_s != 0.0 {
         positive(&key("damping_n_s"), damping_n_s)?;
     }

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use super::Problem;
 use super::file::{File, SupportTable};
 use super::mesh_examination::FromFiles;
 use super::motion;
 use super::scene::{Body, Time, positive, vector};
 use super::values::check_name;
+use super::{Problem, usual};
 use crate::cloth::Structure;
 use crate::rigid::{Motion, PrescribedMotion};
 
@@ -255,7 +255,7 @@ fn check_motion(
                     ));
                 }
                 (Some(ramp_s), Some(_)) => positive(&key("ramp_time_s"), ramp_s)?,
-                (None, Some(time)) => time.end_s,
+                (None, Some(time)) => usual::noted(key("ramp_time_s"), time.end_s),
                 (None, None) => 0.0,
             };
             Ok(PrescribedMotion {

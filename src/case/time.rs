@@ -1,8 +1,8 @@
 //! Checks of `[time]`.
 
-use super::Problem;
 use super::file::{self, File};
 use super::scene::{Air, Flow, absent, positive};
+use super::{Problem, usual};
 
 /// Most times that a step is halved.
 const HALVING_LIMIT: u32 = 30;
@@ -49,7 +49,7 @@ pub(super) fn check(file: &File, air: Option<&Air>) -> Result<Option<Time>, Prob
     };
     let end_s = positive("time.end_s", time.end_s)?;
     let step_s = match (air, time.step_s) {
-        (Some(air), None) => air.units.time_step_s,
+        (Some(air), None) => usual::noted("time.step_s", air.units.time_step_s),
         (None, Some(step)) => positive("time.step_s", step)?,
         (Some(_), Some(_)) => {
             return Err(Problem::new(

@@ -1,8 +1,8 @@
 //! Checks of `[equilibrium.trim]`.
 
-use super::Problem;
 use super::file::{self, File};
 use super::scene::{absent, positive, within};
+use super::{Problem, usual};
 use crate::aero::polar::{Polar, PolarPoint};
 use crate::trim::{Settings, Tolerance};
 
@@ -29,10 +29,10 @@ pub(super) fn check(
             "give [gravity] with acceleration_m_s2 = [0.0, 0.0, -9.81]",
         ));
     }
-    let closed = table
-        .intakes
-        .as_ref()
-        .is_none_or(|intakes| 2 * intakes.closed_tip_cells.unwrap_or(0) >= table.cells);
+    let closed = table.intakes.as_ref().is_none_or(|intakes| {
+        let closed = intakes.closed_tip_cells;
+        2 * usual::or("structure.wing.intakes.closed_tip_cells", closed, 0) >= table.cells
+    });
     if closed && written.internal_pressure_coefficient.is_none() {
         return Err(absent(
             &key("internal_pressure_coefficient"),
@@ -57,7 +57,7 @@ pub(super) fn check(
         })
         .collect::<Result<_, _>>()?;
     let whole = |name: &str, value: Option<usize>, usual: usize, low: usize, high: usize| {
-        let value = value.unwrap_or(usual);
+        let value = usual::or(key(name), value, usual);
         if (low..=high).contains(&value) {
             return Ok(value);
         }
@@ -69,7 +69,7 @@ pub(super) fn check(
         ))
     };
     let share = |name: &str, value: Option<f64>, usual: f64, low: f64, high: f64| {
-        within(&key(name), value.unwrap_or(usual), low, high)
+        within(&key(name), usual::or(key(name), value, usual), low, high)
     };
     let tolerance = &written.tolerance;
     Ok(Settings {
@@ -101,7 +101,11 @@ pub(super) fn check(
         reynolds: share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?,
         panels_per_side: whole("panels_per_side", written.panels_per_side, 20, 4, 200)?,
         strips: whole("strips", written.strips, 40, 2, 400)?,
-        from_coarser_meshes: written.from_coarser_meshes.unwrap_or(true),
+        from_coarser_meshes: usual::or(
+            key("from_coarser_meshes"),
+            written.from_coarser_meshes,
+            true,
+        ),
         relaxation: share("relaxation", written.relaxation, 1.0, 0.01, 1.0)?,
         tolerance: Tolerance {
             speed: share("tolerance.speed", tolerance.speed, 2e-3, 1e-9, 1.0)?,

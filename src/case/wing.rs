@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::Problem;
 use super::file::{self, File};
 pub use super::file::{FrictionName, HeldName};
 use super::scene::{Body, BodyKind, positive, vector, within};
@@ -12,6 +11,7 @@ use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use super::wing_tunnel;
 pub use super::wing_tunnel::{Pull, Tunnel};
+use super::{Problem, usual};
 use crate::cloth::Structure;
 use crate::geometry::mesh::quality;
 use crate::geometry::wing;
@@ -154,9 +154,12 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
         })
     };
     let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
-    let passes = file.coupling.as_ref().and_then(|c| c.passes).unwrap_or(1);
+    let passes = file.coupling.as_ref().and_then(|c| c.passes);
     whole.tunnel = (table.tunnel.as_ref())
-        .map(|written| wing_tunnel::place(&mut whole.wing, table, (written, passes)))
+        .map(|written| {
+            let passes = usual::or("coupling.passes", passes, 1);
+            wing_tunnel::place(&mut whole.wing, table, (written, passes))
+        })
         .transpose()?;
     whole.pulls = wing_tunnel::pulls(file, table, &whole.wing)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {
@@ -309,7 +312,7 @@ fn check_pressure(
         lower: points(&key("lower"), &written.lower, [-20.0, 20.0])?,
         along_span: match &written.along_span {
             Some(table) => points(&key("along_span"), table, [-10.0, 10.0])?,
-            None => vec![[0.0, 1.0]],
+            None => usual::noted(key("along_span"), vec![[0.0, 1.0]]),
         },
     })
 }
@@ -452,7 +455,7 @@ fn check_plan(
         cells: table.cells,
         tip_cell_width_ratio: within(
             &key("tip_cell_width_ratio"),
-            table.tip_cell_width_ratio.unwrap_or(1.0),
+            usual::or(key("tip_cell_width_ratio"), table.tip_cell_width_ratio, 1.0),
             0.1,
             3.0,
         )?,
@@ -512,6 +515,6 @@ fn check_intakes(written: &file::IntakesTable) -> Result<Intakes, Problem> {
     Ok(Intakes {
         from,
         to,
-        closed_tip_cells: written.closed_tip_cells.unwrap_or(0),
+        closed_tip_cells: usual::or(key("intakes.closed_tip_cells"), written.closed_tip_cells, 0),
     })
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::Problem;
 use super::file::{self, File, ShapingAim};
 use super::scene::{absent, within};
 use super::wing::{key, points};
+use super::{Problem, usual};
 use crate::geometry::profile::{self, ProfileError};
 use crate::geometry::wing::section::Profile;
 
@@ -68,7 +68,7 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
     )?;
     let wing = file.structure.as_ref().and_then(|s| s.wing.as_ref());
     let planned = wing.and_then(|wing| wing.ballooning.as_ref());
-    let aim = written.aim.unwrap_or(ShapingAim::Ballooning);
+    let aim = usual::or(key("aim"), written.aim, ShapingAim::Ballooning);
     let target = match (aim, &written.target, planned) {
         (ShapingAim::CellWidth, None, _) => None,
         (ShapingAim::CellWidth, Some(_), _) => {
@@ -94,7 +94,7 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
             ));
         }
     };
-    let limit = written.iteration_limit.unwrap_or(10);
+    let limit = usual::or(key("iteration_limit"), written.iteration_limit, 10);
     if !(1..=100).contains(&limit) {
         return Err(Problem::new(
             key("iteration_limit"),
@@ -106,13 +106,13 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
         target,
         tolerance: within(
             &key("tolerance"),
-            written.tolerance.unwrap_or(2e-3),
+            usual::or(key("tolerance"), written.tolerance, 2e-3),
             1e-6,
             0.1,
         )?,
         relaxation: within(
             &key("relaxation"),
-            written.relaxation.unwrap_or(0.7),
+            usual::or(key("relaxation"), written.relaxation, 0.7),
             0.01,
             2.0,
         )?,

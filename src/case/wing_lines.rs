@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::Problem;
 use super::file;
 use super::scene::{absent, positive, within};
 use super::wing::key;
+use super::{Problem, usual};
 use crate::geometry::wing::plan::{Diagonals, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
@@ -168,7 +168,7 @@ pub(super) fn check_row(
         ));
     }
     let riser_length_m = positive(&key("riser_length_m"), written.riser_length_m)?;
-    let trim_m = written.trim_m.unwrap_or(0.0);
+    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0);
     if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
         return Err(Problem::new(
             key("trim_m"),

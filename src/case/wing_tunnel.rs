@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Problem;
 use super::file::{self, File, FrictionName, HalfName, HeldName};
 use super::scene::{positive, vector, within};
 use super::wing::key;
+use super::{Problem, usual};
 use crate::geometry::wing::{self, LineKind};
 
 /// Shortest that a riser may be hauled in to, over its length.
@@ -112,18 +112,22 @@ pub(super) fn place(
     let place_m = vector(&key("place_m"), written.place_m)?;
     let pitch_rad = within(
         &key("pitch_deg"),
-        written.pitch_deg.unwrap_or(0.0),
+        usual::or(key("pitch_deg"), written.pitch_deg, 0.0),
         -90.0,
         90.0,
     )?
     .to_radians();
     let ratio = within(
         &key("start_thickness_ratio"),
-        written.start_thickness_ratio.unwrap_or(1.0),
+        usual::or(
+            key("start_thickness_ratio"),
+            written.start_thickness_ratio,
+            1.0,
+        ),
         0.05,
         1.0,
     )?;
-    let held = written.held.unwrap_or(HeldName::HangPoints);
+    let held = usual::or(key("held"), written.held, HeldName::HangPoints);
     if held == HeldName::Everything && ratio < 1.0 {
         return Err(Problem::new(
             key("start_thickness_ratio"),
@@ -134,7 +138,7 @@ pub(super) fn place(
             "remove it, or hold less",
         ));
     }
-    let friction = written.friction.unwrap_or(FrictionName::None);
+    let friction = usual::or(key("friction"), written.friction, FrictionName::None);
     if passes > 1 && friction != FrictionName::Everywhere {
         return Err(Problem::new(
             "coupling.passes",

@@ -81,6 +81,18 @@ impl Writer<'_> {
         self.out.write_all(&crc32fast::hash(bytes).to_le_bytes())?;
         self.out.write_all(bytes)
     }
+
+    /// Adds sections that [`sections`] has made; of two with one name the later one counts.
+    pub fn put_all(&mut self, sections: &[u8]) -> io::Result<()> {
+        self.out.write_all(sections)
+    }
+}
+
+/// Sections in memory, for checkpoints that are written later.
+pub fn sections(fill: impl FnOnce(&mut Writer) -> io::Result<()>) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    fill(&mut Writer { out: &mut bytes })?;
+    Ok(bytes)
 }
 
 /// Writes a checkpoint into `folder`; `fill` adds the sections.
@@ -339,6 +351,25 @@ mod tests {
             open(folder.path(), "case-f32"),
             Err(CheckpointError::Unreadable { .. })
         ));
+    }
+
+    /// Sections can be made before the checkpoint, and what has changed since is put behind them.
+    #[test]
+    fn the_later_of_two_sections_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let before = sections(|out| {
+            out.put("number", &[1_u64])?;
+            out.put("other", &[2_u64])
+        })
+        .unwrap();
+        write(folder.path(), "this", |out| {
+            out.put_all(&before)?;
+            out.put("number", &[3_u64])
+        })
+        .unwrap();
+        let reader = open(folder.path(), "this").unwrap().reader;
+        let of = |name| reader.take_exactly::<u64>(name, 1).unwrap()[0];
+        assert_eq!([of("number"), of("other")], [3, 2]);
     }
 
     /// The one before is taken where the newest is damaged, another program's, newer than this program or another run's; a complete one

@@ -7,6 +7,7 @@ mod lock;
 mod origin;
 mod stock;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -68,8 +69,11 @@ pub struct CaseEntry {
     pub hash: String,
     /// The same without title, length, outputs and comparisons: what a checkpoint must agree with.
     pub physics: String,
-    /// The case as it was run, with variant and overrides applied. Keys that are absent have the defaults of the program's version.
+    /// The case as it was run, with variant and overrides applied.
     pub text: String,
+    /// What the run took for keys that the text leaves out, and what follows from others for time step, cells and box.
+    #[serde(default)]
+    pub resolved: BTreeMap<String, serde_json::Value>,
 }
 
 /// One process that worked on the run: its first start, or a resumption.

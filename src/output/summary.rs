@@ -161,6 +161,9 @@ pub struct StageTime {
 /// Why and when a run ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StopInfo {
+    /// `finished`, `interrupted`, `diverged`, or `failed`: then results are those of what was sampled before.
+    #[serde(default)]
+    pub state: String,
     /// One sentence or key word.
     pub reason: String,
     /// Simulated time of the end, in seconds.

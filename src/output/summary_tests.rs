@@ -42,6 +42,7 @@ fn summary() -> Summary {
         stages: Vec::new(),
         device_use: None,
         stop: StopInfo {
+            state: "finished".to_owned(),
             reason: "end time reached".to_owned(),
             when_s: 1.5,
         },

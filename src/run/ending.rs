@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::fault::caught;
 use super::outputs::no_room;
 use super::tables::{self, load_test, panel_shaping, trim};
 use super::{INTERRUPTED, Report, Run, RunError, animation, summary};
@@ -86,11 +87,16 @@ impl Run<'_> {
         let last_picture = self.files.last_picture.take();
         self.notes.append(&mut undelivered.notes);
         self.notes.extend(self.missing.note());
+        let state = match &diverged {
+            Some(_) => State::Diverged,
+            None if interrupted => State::Interrupted,
+            None => State::Finished,
+        };
         let mut summary = summary::summarise(
             self.case,
             (&self.simulation, &self.statics),
             &self.record,
-            reason.clone(),
+            (state, reason.clone()),
             std::mem::take(&mut self.notes),
             began.elapsed().as_secs_f64(),
             self.resumed_at_step,
@@ -126,6 +132,9 @@ impl Run<'_> {
             &self.statics,
         ));
         if !undelivered.notes.is_empty() {
+            if state == State::Finished {
+                State::Failed.name().clone_into(&mut summary.stop.state);
+            }
             summary.notes.append(&mut undelivered.notes);
             undelivered.note(write_summary(&path, &summary));
         }
@@ -133,11 +142,9 @@ impl Run<'_> {
         if delivered && !interrupted {
             animation::remove_frames(folder, frames);
         }
-        let state = match &diverged {
-            Some(_) => State::Diverged,
-            None if interrupted => State::Interrupted,
-            None if !delivered => State::Failed,
-            None => State::Finished,
+        let state = match state {
+            State::Finished if !delivered => State::Failed,
+            state => state,
         };
         let told = undelivered.first.as_ref().map(ToString::to_string);
         self.ledger
@@ -164,6 +171,43 @@ impl Run<'_> {
                 last_picture,
             }),
         }
+    }
+
+    /// Writes what a run leaves that failed in its midst: the summary of what was sampled before, and the ledger. The cause is told by the caller, so
+    /// nothing is said of what fails now.
+    pub(super) fn end_failed(&mut self, why: &str, began: Instant) {
+        let _ = self.history.flush();
+        self.notes.append(&mut self.stand.balance_notes);
+        self.notes.append(&mut self.files.notes);
+        self.notes.extend(self.missing.note());
+        self.notes.push(format!(
+            "warning: the run failed, and the results are those up to then; {}",
+            if checkpoint::exists(self.folder) {
+                "--resume goes on from its last checkpoint"
+            } else {
+                "there is no checkpoint to go on from"
+            }
+        ));
+        let notes = std::mem::take(&mut self.notes);
+        // After a fault the state may be half changed, and what reads it may fail, too.
+        let summary = caught(|| {
+            summary::summarise(
+                self.case,
+                (&self.simulation, &self.statics),
+                &self.record,
+                (State::Failed, why.to_owned()),
+                notes,
+                began.elapsed().as_secs_f64(),
+                self.resumed_at_step,
+            )
+        });
+        self.reserve = None;
+        if let Ok(summary) = summary {
+            let _ = write_summary(&self.folder.join("summary.json"), &summary);
+        }
+        self.ledger.end_session(State::Failed, why);
+        super::identity::account(&mut self.ledger, self.folder, &self.simulation);
+        let _ = self.ledger.write(self.folder);
     }
 
     /// Does without a file that there is no room for.

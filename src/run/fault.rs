@@ -108,7 +108,70 @@ pub(super) fn settle<T>(folder: &Path, result: &mut Result<T, RunError>) {
     }
 }
 
+/// Environment variable with which tests of the program itself ask for a fault: `between:N` before step N, `within:N` in the midst of it.
+///
+/// A variable, since the tests start the program that users have: a feature of the build would test another one.
+const ON_PURPOSE: &str = "RIPSTOP_TEST_FAULT";
+
+/// A fault that a test asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OnPurpose {
+    step: u64,
+    /// Where the state is no longer whole.
+    within: bool,
+}
+
+impl OnPurpose {
+    /// What the environment asks for.
+    pub(super) fn asked_for() -> Result<Option<Self>, RunError> {
+        std::env::var_os(ON_PURPOSE).map_or(Ok(None), |text| {
+            let text = text.to_string_lossy();
+            Self::read(&text).map(Some).ok_or_else(|| {
+                RunError::Start(format!(
+                    "{ON_PURPOSE}={text} is neither between:STEP nor within:STEP; unset it, as it is for tests of the program alone"
+                ))
+            })
+        })
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        let (place, step) = text.split_once(':')?;
+        let step = step.parse().ok()?;
+        match place {
+            "between" => Some(Self {
+                step,
+                within: false,
+            }),
+            "within" => Some(Self { step, within: true }),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for OnPurpose {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let place = if self.within { "in" } else { "before" };
+        let step = self.step;
+        write!(
+            f,
+            "warning: {ON_PURPOSE} is set, so the run ends with a fault {place} step {step}"
+        )
+    }
+}
+
 impl Run<'_> {
+    /// Panics if a test asks for it at this step, and the state is whole as it asks for.
+    #[allow(clippy::panic, reason = "what follows a panic is to be tested")]
+    pub(super) fn fail_on_purpose(&self) {
+        let now = OnPurpose {
+            step: self.simulation.step_count(),
+            within: !self.whole,
+        };
+        if self.on_purpose == Some(now) {
+            panic!("a fault on purpose, as {ON_PURPOSE} asks for");
+        }
+    }
+
     /// After a fault: writes a checkpoint, if the state is whole.
     pub(super) fn rescue(&mut self, fault: &mut Fault) {
         if self.whole && matches!(caught(|| self.save()), Ok(Ok(()))) {
@@ -123,6 +186,16 @@ impl Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn faults_on_purpose_are_read_or_refused() {
+        let of = |text: &str| OnPurpose::read(text).map(|fault| (fault.step, fault.within));
+        assert_eq!(of("between:30"), Some((30, false)));
+        assert_eq!(of("within:7"), Some((7, true)));
+        for text in ["", "30", "between:", "between:-1", "after:3", "within: 3"] {
+            assert_eq!(of(text), None, "{text}");
+        }
+    }
 
     #[test]
     fn a_panic_becomes_an_error() {

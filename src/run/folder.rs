@@ -301,17 +301,21 @@ pub(super) fn what_changed(ledger: &Ledger, case: &Case) -> Vec<String> {
             ledger.sample_interval_s
         ));
     }
-    if let Some(session) = ledger.session() {
-        let (program, machine) = (Program::this(), Machine::this());
-        let before = (&session.program, session.machine.to_string());
-        if before != (&program, machine.to_string()) {
-            notes.push(format!(
-                "before, the run was computed by {} on {}, now by {program} on {machine}: the bits may differ from those of one run on either",
-                before.0, before.1
-            ));
-        }
-    }
+    notes.extend(another_computer(ledger, "the run"));
     notes
+}
+
+/// A note if another program or machine computed `what`, which is gone on with, than computes now.
+pub(super) fn another_computer(ledger: &Ledger, what: &str) -> Option<String> {
+    let session = ledger.session()?;
+    let (program, machine) = (Program::this(), Machine::this());
+    let before = (&session.program, session.machine.to_string());
+    (before != (&program, machine.to_string())).then(|| {
+        format!(
+            "before, {what} was computed by {} on {}, now by {program} on {machine}: the bits may differ from those of one run on either",
+            before.0, before.1
+        )
+    })
 }
 
 /// The first of many lines.

@@ -1,11 +1,12 @@
 //! What a run is known by: in checkpoints and in its ledger.
 
 use std::path::Path;
+use std::time::Duration;
 
 use super::names;
 use crate::case::Case;
 use crate::ledger::{CaseEntry, Ledger, Reached, take_stock};
-use crate::plan::Plan;
+use crate::plan::{Plan, structure_every};
 use crate::simulation::Simulation;
 
 /// What a checkpoint must agree with to be resumed from: the physics of the case, and precision.
@@ -31,7 +32,25 @@ pub(super) fn computed_by(plan: &Plan) -> String {
     )
 }
 
-pub(super) fn case_entry(case: &Case) -> CaseEntry {
+/// Key of the time between checkpoints, which the command line gives.
+const CHECKPOINTS: &str = "checkpoint_every_s";
+
+/// The case of a run, with all that it leaves to the program.
+pub(super) fn case_entry(case: &Case, checkpoint_interval: Duration) -> CaseEntry {
+    let mut resolved = case.resolved.clone();
+    let every = "coupling.structure_every";
+    if case
+        .scene
+        .coupling
+        .is_some_and(|c| c.structure_every.is_none())
+        && case.scene.body.is_some()
+    {
+        resolved.insert(every.to_owned(), structure_every(&case.scene).into());
+    }
+    resolved.insert(
+        CHECKPOINTS.to_owned(),
+        checkpoint_interval.as_secs_f64().into(),
+    );
     CaseEntry {
         title: case.scene.title.clone(),
         file: case.name.clone(),
@@ -40,6 +59,7 @@ pub(super) fn case_entry(case: &Case) -> CaseEntry {
         hash: case.hash.clone(),
         physics: case.physics.clone(),
         text: case.text.clone(),
+        resolved,
     }
 }
 

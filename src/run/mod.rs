@@ -9,11 +9,13 @@ mod fault;
 mod files;
 mod folder;
 mod identity;
+mod keeping;
 mod log;
 mod mesh_pictures;
 mod names;
 mod outputs;
 mod phases;
+mod prepare;
 mod requests;
 mod summary;
 mod tables;
@@ -29,7 +31,7 @@ use crate::case::Case;
 use crate::checkpoint;
 use crate::frame::Frame;
 use crate::gpu::Device;
-use crate::ledger::{Holder, Ledger, Lock, State};
+use crate::ledger::{Holder, Ledger, Lock};
 use crate::measure::{Record, SAMPLES_FILE};
 use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
@@ -41,16 +43,12 @@ pub use error::RunError;
 pub use fault::{Fault, caught, record_panics};
 use files::Files;
 pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
-use identity::{COMPUTED_BY, account, case_entry, computed_by, identity, reached};
+use identity::{COMPUTED_BY, account};
 use log::Log;
 pub use mesh_pictures::draw_findings;
 use outputs::Missing;
 use phases::{Lattice, Stand};
 pub use requests::Requests;
-use verify::Lost;
-
-/// Steps between reports of progress.
-const PROGRESS_INTERVAL: u64 = 20;
 
 /// Who watches a run.
 pub trait Observer {
@@ -105,7 +103,6 @@ struct Run<'a> {
     identity: String,
     computed_by: String,
     checkpoint_interval: Duration,
-    last_checkpoint: Instant,
     simulation: Simulation,
     statics: Statics,
     lattice: Lattice,
@@ -123,12 +120,16 @@ struct Run<'a> {
     /// Step of the checkpoint that the run went on from.
     resumed_at_step: Option<u64>,
     requests: Requests,
+    /// When the last checkpoint was written; before the first, when the run began.
+    last_checkpoint: Instant,
     /// Stop at the end alone, however steady the results are.
     to_the_end: bool,
     /// Keep the state at the end.
     keep_final: bool,
     /// The state is that between two steps, and nothing of it has been sampled.
     whole: bool,
+    /// A fault that a test asks for.
+    on_purpose: Option<fault::OnPurpose>,
     /// Files that there was no room for.
     missing: Missing,
     /// Room for the results, given back before they are written.
@@ -162,6 +163,7 @@ fn run_locked(
     requests: &Requests,
     observer: &mut Log<'_>,
 ) -> Result<Report, RunError> {
+    let on_purpose = fault::OnPurpose::asked_for()?;
     let earlier = folder::admit(&order)?;
     remove_leftovers(order.folder);
     let began = Instant::now();
@@ -191,6 +193,10 @@ fn run_locked(
     requests.set_resumable(matches!(start, Start::Resume | Start::Extend));
     run.requests = requests.clone();
     observer.open(start);
+    if let Some(on_purpose) = on_purpose {
+        observer.note(&on_purpose.to_string());
+        run.on_purpose = Some(on_purpose);
+    }
     let (reason, diverged) = match fault::guarded(|| run.drive(observer)) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
@@ -198,11 +204,7 @@ fn run_locked(
             if let RunError::Fault(fault) = &mut other {
                 run.rescue(fault);
             }
-            // What failed is the cause, whatever fails now.
-            let _ = run.history.flush();
-            run.ledger.end_session(State::Failed, &other.to_string());
-            account(&mut run.ledger, run.folder, &run.simulation);
-            let _ = run.ledger.write(run.folder);
+            run.end_failed(&other.to_string(), began);
             return Err(other);
         }
     };
@@ -247,178 +249,29 @@ fn keep_samples(record: &mut Record, folder: &Path) -> Result<(), OutputError> {
 
 const INTERRUPTED: &str = "interrupted; --resume continues from the checkpoint";
 
-impl<'a> Run<'a> {
-    fn prepare(
-        order: Order<'a>,
-        earlier: Option<Ledger>,
-        observer: &mut dyn Observer,
-    ) -> Result<Self, RunError> {
-        let Order {
-            case,
-            plan,
-            device,
-            folder,
-            start,
-            overwrite: _,
-            keep_final,
-            checkpoint_interval,
-            fallback: _,
-        } = order;
-        let (identity, computed_by) = (identity(case, &plan), computed_by(&plan));
-        // Read first: a checkpoint that cannot be used must leave the folder as it is.
-        let from = match start {
-            Start::New => None,
-            Start::Resume | Start::Extend => Some(folder),
-            Start::From(settled) => Some(settled),
-        };
-        let found = from
-            .map(|from| checkpoint::open(from, &identity))
-            .transpose()?;
-        let (stored, mut notes) = match found {
-            Some(found) => (Some(found.reader), found.passed_over),
-            None => (None, Vec::new()),
-        };
-        if stored.is_some()
-            && let Some(earlier) = &earlier
-        {
-            notes.extend(folder::what_changed(earlier, case));
-        }
-        notes.iter().for_each(|note| observer.note(note));
-        let precision = plan.placement.precision_name();
-        let lattice = match &stored {
-            Some(stored) => Lattice::restore(case, stored)?,
-            None => Lattice::first(case),
-        };
-        let mut simulation = lattice.start(case, plan, device.clone())?;
-        let mut record = Record::new(&simulation);
-        let mut written = files::Written::default();
-        let mut lost = Lost::default();
-        let (mut statics, mut stand) = (Statics::default(), Stand::default());
-        match &stored {
-            Some(stored) => {
-                statics = Statics::restore(stored, &case.scene, &mut simulation)?;
-                simulation.restore(stored)?;
-                stand = Stand::restore(case, stored, simulation.steps_are_left())?;
-                folder::refuse_past_the_end(&simulation)?;
-                if from == Some(folder) {
-                    record.restore(stored, folder)?;
-                    written = files::Written::restore(stored)?;
-                    lost = Lost::find(folder, &written, earlier.as_ref());
-                } else {
-                    names::remove_earlier(folder);
-                    keep_samples(&mut record, folder)?;
-                }
-                let others = |earlier| folder::has_other_pictures(earlier, case);
-                if earlier.as_ref().is_none_or(others) {
-                    written.expect_pictures(&simulation);
-                }
-                if let Some(note) = lost.note() {
-                    observer.note(&note);
-                    notes.push(note);
-                }
-                let text = format!(
-                    "{} at t = {:.6} s, step {}",
-                    match start {
-                        Start::From(settled) =>
-                            format!("begun from the state in {}", settled.display()),
-                        _ => "resumed".to_owned(),
-                    },
-                    simulation.time_s(),
-                    simulation.step_count()
-                );
-                observer.note(&text);
-                notes.push(text);
-                let before = stored.take::<u8>(COMPUTED_BY)?;
-                if before != computed_by.as_bytes() {
-                    let text = format!(
-                        "before, the run was computed with {}, now with {computed_by}: results differ in rounding from those of one run on \
-                         either",
-                        String::from_utf8_lossy(&before)
-                    );
-                    observer.note(&text);
-                    notes.push(text);
-                }
-            }
-            None => {
-                names::remove_earlier(folder);
-                keep_samples(&mut record, folder)?;
-            }
-        }
-        let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
-        for row in record.history_rows() {
-            history.push(&row)?;
-        }
-        let files = Files::create(folder, &case.scene, (&written, &lost), device)?;
-        let entry = case_entry(case);
-        let sample_s = case.scene.output.sample_interval_s;
-        let mut ledger = match earlier {
-            Some(earlier) => Ledger {
-                case: entry,
-                precision: precision.to_owned(),
-                sample_interval_s: sample_s,
-                ..earlier
-            },
-            None => Ledger::new(entry, precision, sample_s),
-        };
-        if let Start::From(settled) = start {
-            ledger.begun_from = Some(settled.display().to_string());
-        }
-        if start == Start::Extend {
-            ledger.extended_to_s = case.scene.time.map(|time| time.end_s);
-        }
-        ledger.begin_session(simulation.step_count(), &computed_by);
-        ledger.reached = reached(&simulation);
-        ledger.write(folder)?;
-        let resumed_at_step = stored.is_some().then(|| simulation.step_count());
-        let good = simulation.structure_frame();
-        let sampled = good.clone();
-        Ok(Self {
-            case,
-            folder,
-            ledger,
-            identity,
-            computed_by,
-            checkpoint_interval,
-            last_checkpoint: Instant::now(),
-            simulation,
-            statics,
-            lattice,
-            stand,
-            detector: None,
-            record,
-            history,
-            files,
-            good,
-            sampled,
-            notes,
-            resumed_at_step,
-            requests: Requests::default(),
-            to_the_end: start == Start::Extend,
-            keep_final,
-            whole: true,
-            missing: Missing::default(),
-            reserve: outputs::reserve(folder),
-        })
-    }
-
+impl Run<'_> {
     fn save(&mut self) -> Result<(), RunError> {
         // The ledger first: whatever a checkpoint says was written is then listed.
         self.history.flush()?;
         account(&mut self.ledger, self.folder, &self.simulation);
         self.ledger.write(self.folder)?;
-        let written = checkpoint::write(self.folder, &self.identity, |out| {
-            out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
-            self.lattice.save(out)?;
-            self.stand.save(out)?;
-            self.statics.save(&self.simulation, out)?;
-            self.simulation.save(out)?;
-            self.record.save(out)?;
-            self.files.save(out)
-        });
+        let (folder, identity) = (self.folder, self.identity.clone());
+        let written = checkpoint::write(folder, &identity, |out| self.fill(out));
         // A device that fails while its state is read is the cause, not the file.
         self.simulation.check_device()?;
         written?;
         self.requests.set_resumable(true);
         Ok(())
+    }
+
+    /// Writes the sections of a checkpoint.
+    fn fill(&mut self, out: &mut checkpoint::Writer) -> std::io::Result<()> {
+        out.put(COMPUTED_BY, self.computed_by.as_bytes())?;
+        self.lattice.save(out)?;
+        self.stand.save(out)?;
+        self.statics.save(&self.simulation, out)?;
+        self.simulation.save(out)?;
+        self.record.save(out)?;
+        self.files.save(out)
     }
 }

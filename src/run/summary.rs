@@ -1,6 +1,7 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
+use crate::ledger::State;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
@@ -32,7 +33,7 @@ pub(super) fn summarise(
     case: &Case,
     (simulation, statics): (&Simulation, &Statics),
     record: &Record,
-    reason: String,
+    (state, reason): (State, String),
     mut notes: Vec<String>,
     wall_s: f64,
     resumed_at_step: Option<u64>,
@@ -202,6 +203,7 @@ pub(super) fn summarise(
             .collect(),
         device_use: super::device_use::of(simulation),
         stop: StopInfo {
+            state: state.name().to_owned(),
             reason,
             when_s: simulation.time_s(),
         },

@@ -82,6 +82,12 @@ impl Adaptive {
         }
     }
 
+    /// Counts parts from here on; how they are chosen stays.
+    pub(super) const fn count_anew(&mut self) {
+        (self.parts, self.refused, self.failed) = (0, 0, 0);
+        (self.coarse, self.most_halvings) = (0, self.halvings);
+    }
+
     /// Parts that steps have been divided into so far.
     #[must_use]
     pub const fn parts(&self) -> u64 {

@@ -75,6 +75,11 @@ impl Cadence {
         self.steps += u64::from(self.every);
     }
 
+    /// Counts spans from here on.
+    pub(super) const fn count_anew(&mut self) {
+        (self.spans, self.shortened, self.steps) = (0, 0, 0);
+    }
+
     /// k of the plan.
     #[must_use]
     pub const fn planned(&self) -> u32 {

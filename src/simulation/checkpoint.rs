@@ -6,6 +6,9 @@ use super::{Opening, Origin, Simulation, SolverAccount};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::ContactState;
 
+/// Where the nodes are.
+pub const POSITIONS_SECTION: &str = "positions";
+
 impl Simulation {
     /// Writes the state.
     pub fn save(&mut self, out: &mut Writer) -> io::Result<()> {
@@ -16,7 +19,7 @@ impl Simulation {
             air.save(out)?;
         }
         if let Some(cloth) = &self.cloth {
-            out.put("positions", &cloth.positions_m)?;
+            out.put(POSITIONS_SECTION, &cloth.positions_m)?;
             out.put("velocities", &cloth.velocities_m_s)?;
             if let Some(contact) = cloth.contact_state() {
                 out.put("contact_forces", &contact.forces_n)?;
@@ -74,7 +77,7 @@ impl Simulation {
         }
         if let Some(cloth) = &mut self.cloth {
             let nodes = cloth.structure.node_count();
-            cloth.positions_m = from.take_exactly("positions", nodes)?;
+            cloth.positions_m = from.take_exactly(POSITIONS_SECTION, nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
             if cloth.contact_state().is_some() {
                 let forces_n = from.take_exactly("contact_forces", nodes)?;
@@ -116,5 +119,17 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    /// Counts solves from here on, as a run does that begins with a state of another one.
+    pub fn count_anew(&mut self) {
+        self.account = SolverAccount::default();
+        self.largest_marker_motion = 0.0;
+        if let Some(cadence) = &mut self.cadence {
+            cadence.count_anew();
+        }
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.count_anew();
+        }
     }
 }

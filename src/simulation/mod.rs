@@ -34,6 +34,7 @@ pub use adaptive::Adaptive;
 pub use air::{AirEngine, Balance};
 pub use bodies::Load;
 pub use cadence::Cadence;
+pub use checkpoint::POSITIONS_SECTION;
 pub use cloth_engine::ClothEngine;
 pub use cost::{Cost, StageCost};
 pub use coupled::Coupled;

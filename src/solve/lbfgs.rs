@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use std::collections::VecDeque;
 
+use glam::DVec3;
+
 use super::{Attempt, Landing, Refreshed, Step, VectorSpace};
 
 /// Pairs usually kept: with a good H₀, more of them cost more cycles at every refresh than they spare.
@@ -77,16 +79,26 @@ pub enum Stop {
 }
 
 /// How far the minimiser is.
-#[derive(Debug, Clone, Copy)]
-pub struct Progress {
+#[derive(Clone, Copy)]
+pub struct Progress<'a> {
     /// Objective evaluations so far.
     pub evaluations: usize,
     /// √(gᵀ H₀ g) over the reference of the space; [`Options::tolerance`] is its goal.
     pub relative_norm: f64,
+    /// Reads the positions of the present point.
+    pub(super) read: &'a dyn Fn() -> Option<Vec<DVec3>>,
+}
+
+impl Progress<'_> {
+    /// Where the nodes are now [m]; `None` where the space cannot tell. On a device this takes a transfer.
+    #[must_use]
+    pub fn positions_m(&self) -> Option<Vec<DVec3>> {
+        (self.read)()
+    }
 }
 
 /// Called once per iteration; false ends the minimisation at the present point.
-pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> bool;
+pub type Watch<'a> = &'a mut dyn FnMut(&Progress<'_>) -> bool;
 
 impl Stop {
     /// True if the minimiser found what it was asked for, as far as its numbers can hold it.
@@ -259,6 +271,7 @@ pub fn minimise_watched<S: VectorSpace>(
         let progress = Progress {
             evaluations: outcome.evaluations,
             relative_norm: outcome.relative_norm,
+            read: &|| space.positions_m(point),
         };
         if !watch(&progress) {
             outcome.stop = Stop::Interrupted;

@@ -5,6 +5,8 @@ pub mod lbfgs;
 pub mod multigrid;
 pub mod newton;
 
+use glam::DVec3;
+
 /// Approximate inverse of the Hessian that a minimiser starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum InitialHessian {
@@ -64,6 +66,12 @@ pub trait VectorSpace {
     fn remainder(&mut self, preconditioned: &Self::Vector) -> Result<(), Self::Error> {
         let _ = preconditioned;
         Ok(())
+    }
+
+    /// Where the nodes are at `point` \[m\], for who watches; `None` where a space has no nodes, or cannot tell.
+    fn positions_m(&self, point: &Self::Point) -> Option<Vec<DVec3>> {
+        let _ = point;
+        None
     }
 
     /// `result = Σ coefficient · vector`; `result` is none of the terms.

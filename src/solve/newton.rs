@@ -141,6 +141,7 @@ pub fn minimise_watched<S: Curvature>(
         let progress = Progress {
             evaluations: outcome.evaluations,
             relative_norm: outcome.relative_norm,
+            read: &|| space.positions_m(point),
         };
         if !watch(&progress) {
             outcome.stop = Stop::Interrupted;

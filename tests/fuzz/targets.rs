@@ -295,8 +295,7 @@ fn told(read: Result<Case, Box<case::CaseError>>) -> bool {
     if plan.sizes.fit_into(None).is_err() {
         return true;
     }
-    let _ = plan.report(&case.scene, 1);
-    let _ = plan::grid_sequence(&case.coarser);
+    let _ = plan.report(&case.scene, &case.coarser, 1);
     let _ = measure::averaging(&case.scene);
     let _ = measure::result_names(&case.scene);
     let _ = validity::beforehand(&case.scene, &plan);

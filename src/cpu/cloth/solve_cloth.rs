@@ -396,6 +396,10 @@ impl VectorSpace for Objective<'_> {
         Ok(vec![DVec3::ZERO; self.structure.node_count()])
     }
 
+    fn positions_m(&self, point: &Vec<DVec3>) -> Option<Vec<DVec3>> {
+        Some(point.clone())
+    }
+
     fn vector(&mut self) -> Result<Vec<Vec3>, Infallible> {
         Ok(vec![Vec3::ZERO; self.structure.node_count()])
     }

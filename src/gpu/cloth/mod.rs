@@ -22,6 +22,7 @@
 mod elements;
 mod gathering;
 pub mod parameters;
+mod points;
 mod solve_cloth;
 mod stiffness;
 mod vectors;

@@ -23,6 +23,7 @@ use crate::solve::{Landing, Step, VectorSpace};
 use super::Cloth;
 use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
+use super::points::Points;
 use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
 use super::workspace::Workspace;
 
@@ -210,6 +211,7 @@ impl Cloth {
             constant_j,
             self.nodes,
         );
+        space.points = Some(self.points()?);
         if let (InitialHessian::Multigrid, Some(whole)) = (kind, &self.multigrid) {
             let mut buffers = self.named_buffers();
             buffers.push(("vectors", &workspace.vectors));
@@ -367,38 +369,20 @@ impl Cloth {
         Ok(())
     }
 
+    /// The points of the minimiser, to be read.
+    fn points(&self) -> Result<Points<'_>, DeviceError> {
+        Ok(Points {
+            device: &self.device,
+            staging: &self.staging,
+            whole: self.buffer("whole")?,
+            remainder: self.buffer("remainder")?,
+            nodes: self.nodes,
+        })
+    }
+
     /// Positions of a point [m].
     fn positions(&self, point: &PointSlot) -> Result<Vec<DVec3>, DeviceError> {
-        let bytes = 12 * self.nodes as u64;
-        let first = u64::from(point.0) * bytes;
-        let mut commands = self.device.record("cloth positions");
-        self.staging
-            .copy(&mut commands, self.buffer("whole")?, first, 0, bytes);
-        self.staging.copy(
-            &mut commands,
-            self.buffer("remainder")?,
-            first,
-            bytes,
-            bytes,
-        );
-        self.device.submit(commands);
-        let mut positions = Vec::new();
-        self.staging.read(&self.device, |view| {
-            let (whole, remainder) = view.split_at(bytes as usize);
-            let whole: Vec<[i32; 3]> = bytemuck::pod_collect_to_vec(whole);
-            let remainder: Vec<[f32; 3]> =
-                bytemuck::pod_collect_to_vec(&remainder[..bytes as usize]);
-            positions = whole
-                .iter()
-                .zip(&remainder)
-                .map(|(whole, remainder)| {
-                    DVec3::from_array(std::array::from_fn(|axis| {
-                        joined(whole[axis], remainder[axis])
-                    }))
-                })
-                .collect();
-        })?;
-        Ok(positions)
+        self.points()?.positions_m(point)
     }
 }
 

@@ -4,6 +4,8 @@
 //! node by node before the step. Sums come back as one number per workgroup and are added on the host in `f64`, always in the
 //! same order.
 
+use glam::DVec3;
+
 use crate::gpu::commands::{Commands, Pass};
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
@@ -12,6 +14,7 @@ use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 use super::gathering::BoundGathering;
 use super::parameters::ClothStage;
+use super::points::Points;
 use super::stiffness::Stiffness;
 use super::workspace::{ENTRY, FIRST_FREE, HEADER, Workspace};
 
@@ -71,6 +74,8 @@ pub(super) struct Space<'a> {
     pub constant_j: f64,
     /// Absent where H₀ is block-Jacobi.
     pub multigrid: Option<MultigridHessian<'a>>,
+    /// To be read by who watches.
+    pub points: Option<Points<'a>>,
     nodes: usize,
     /// H₀ g at the end, where positions cannot hold it; empty where they can [m].
     pub remainder: Vec<[f32; 3]>,
@@ -98,6 +103,7 @@ impl<'a> Space<'a> {
             stage,
             constant_j,
             multigrid: None,
+            points: None,
             program: Vec::new(),
             operations: 0,
             next_vector: FIRST_FREE,
@@ -267,6 +273,11 @@ impl VectorSpace for Space<'_> {
         }
         self.next_point += 1;
         Ok(PointSlot(slot))
+    }
+
+    /// A device that fails says so in the next trial.
+    fn positions_m(&self, point: &PointSlot) -> Option<Vec<DVec3>> {
+        self.points.as_ref()?.positions_m(point).ok()
     }
 
     fn vector(&mut self) -> Result<Slot, DeviceError> {

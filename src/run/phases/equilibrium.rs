@@ -1,6 +1,7 @@
 //! Phase `equilibrium`: the structure at rest.
 
 use super::{Next, PARTS};
+use crate::run::keeping::Sought;
 use crate::run::{Observer, Run, RunError};
 use crate::solve::lbfgs::{Progress, Stop};
 
@@ -18,7 +19,7 @@ impl Run<'_> {
             .scene
             .equilibrium
             .map_or(1.0, |equilibrium| equilibrium.tolerance);
-        let requests = &self.requests;
+        let mut keeping = self.keep(Sought::Equilibrium)?;
         let mut watch = |progress: &Progress| {
             // The norm falls roughly by a constant factor per iteration.
             let share = progress.relative_norm.ln() / tolerance.ln();
@@ -31,10 +32,12 @@ impl Run<'_> {
                 PARTS,
                 &status,
             );
-            !requests.to_stop()
+            keeping.goes_on(progress, observer)
         };
         self.whole = false;
-        let Some(result) = self.statics.equilibrate(&mut self.simulation, &mut watch) else {
+        let result = self.statics.equilibrate(&mut self.simulation, &mut watch);
+        self.kept(keeping)?;
+        let Some(result) = result else {
             return Ok(Next::Phase);
         };
         let outcome = result?;

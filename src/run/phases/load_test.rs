@@ -3,6 +3,7 @@
 use super::Next;
 use crate::case::wing::Wing;
 use crate::measure::{self, LineName};
+use crate::run::keeping::Sought;
 use crate::run::{Observer, Run, RunError};
 use crate::solve::lbfgs::Progress;
 use crate::statics::{LoadStep, LoadTestPart};
@@ -24,7 +25,7 @@ impl Run<'_> {
             if self.pause(observer)? {
                 return Ok(Next::Interrupted);
             }
-            let requests = &self.requests;
+            let mut keeping = self.keep(Sought::Part)?;
             let Some(test) = self.statics.load_test(scene, &self.simulation) else {
                 self.notes
                     .push("no load test was done: there are no loads of an equilibrium".to_owned());
@@ -37,10 +38,14 @@ impl Run<'_> {
                     progress.relative_norm, progress.evaluations
                 );
                 observer.progress(done, steps, &status);
-                !requests.to_stop()
+                keeping.goes_on(progress, observer)
             };
             self.whole = false;
             let part = test.advance(scene, &mut self.simulation, &mut watch)?;
+            self.kept(keeping)?;
+            let Some(test) = &self.statics.load_test else {
+                return Ok(Next::Phase);
+            };
             match part {
                 LoadTestPart::Loaded => {
                     if let Some(step) = test.steps.last() {

@@ -5,7 +5,10 @@ use std::time::Instant;
 use super::Next;
 use crate::case::scene::Flow;
 use crate::run::cadence::{Cadence, PROGRESS_PARTS, parts_done};
-use crate::run::{Observer, PROGRESS_INTERVAL, Run, RunError};
+use crate::run::{Observer, Run, RunError};
+
+/// Steps between reports of progress.
+const PROGRESS_INTERVAL: u64 = 20;
 
 /// When a march began, and what it is part of.
 struct Clock {
@@ -118,7 +121,9 @@ impl Run<'_> {
         planned: u64,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
+        self.fail_on_purpose();
         self.whole = false;
+        self.fail_on_purpose();
         self.simulation.advance()?;
         self.whole = true;
         let done = self.simulation.step_count();

@@ -2,6 +2,7 @@
 
 use super::{Next, PARTS};
 use crate::case::Scene;
+use crate::run::keeping::Sought;
 use crate::run::{Observer, Run, RunError};
 use crate::solve::lbfgs::Progress;
 use crate::statics::{Trim, TrimEnd, TrimIteration, TrimPart};
@@ -19,7 +20,9 @@ impl Run<'_> {
             if self.pause(observer)? {
                 return Ok(Next::Interrupted);
             }
-            let requests = &self.requests;
+            // Before a checkpoint is prepared: that is of the mesh which the trim is on.
+            self.statics.trim(scene, &mut self.simulation)?;
+            let mut keeping = self.keep(Sought::Part)?;
             let trim = self.statics.trim(scene, &mut self.simulation)?;
             let number = trim.iterations.len();
             done = done.max((share_done(scene, trim) * PARTS as f64) as u64);
@@ -35,20 +38,17 @@ impl Run<'_> {
                         progress.evaluations
                     ),
                 );
-                !requests.to_stop()
+                keeping.goes_on(progress, observer)
             };
             self.whole = false;
             let part = trim.advance(scene, &mut self.simulation, &mut watch)?;
             self.whole = true;
+            if let (TrimPart::Iterated, Some(iteration)) = (&part, trim.iterations.last()) {
+                observer.note(&line(iteration));
+            }
+            self.kept(keeping)?;
             let end = match part {
-                TrimPart::Iterated => {
-                    trim.iterations
-                        .iter()
-                        .last()
-                        .into_iter()
-                        .for_each(|iteration| observer.note(&line(iteration)));
-                    continue;
-                }
+                TrimPart::Iterated => continue,
                 TrimPart::Refined => continue,
                 TrimPart::Interrupted => {
                     self.save()?;

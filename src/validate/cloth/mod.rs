@@ -15,7 +15,7 @@ use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::gpu::cloth::Cloth as DeviceCloth;
 use crate::plan::AirPlacement;
-use crate::solve::lbfgs::{HISTORY, Outcome};
+use crate::solve::lbfgs::{HISTORY, Outcome, Progress};
 
 /// How hard equilibria are sought.
 const SETTINGS: SolverSettings = SolverSettings {
@@ -84,7 +84,8 @@ impl Session<'_> {
         input: &StepInput,
         settings: &SolverSettings,
     ) -> Result<Outcome, Stop> {
-        let mut go_on = |_: &_| !self.interrupt.load(std::sync::atomic::Ordering::Relaxed);
+        let mut go_on =
+            |_: &Progress<'_>| !self.interrupt.load(std::sync::atomic::Ordering::Relaxed);
         let outcome = match &mut sheet.device {
             Some(device) => {
                 let settings = SolverSettings {
