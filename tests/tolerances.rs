@@ -236,8 +236,8 @@ pub mod meshes {
     /// Difference of a canopy joined of gores after 12 steps under pressure [m]: where each step's minimiser stops.
     pub const ALIKE_M: f64 = 1e-4;
 
-    /// Difference of a canopy whose gores have 8 and 12 rings from one with 12 everywhere, over the longest way under pressure.
-    pub const SEWN: f64 = 0.1;
+    /// Bulge and tension under pressure of a canopy whose gores have 8 and 12 rings, over those of one with 12 everywhere.
+    pub const SEWN: f64 = 0.01;
 }
 
 pub mod canopies {

@@ -52,11 +52,13 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Of a case that is refused: what its meshes are made of, where they are the reason.
+/// Of a case that is refused: what its meshes are made of, where they or the way they stand may be the reason.
 fn tell_refused(arguments: &CheckArguments) -> Result<(), Failure> {
     let meshes = arguments.case.examine_meshes();
     let meshes = meshes.unwrap_or_default();
-    if !meshes.iter().any(|mesh| mesh.refused().next().is_some()) {
+    let is_across = |mesh: &ExaminedMesh| mesh.heading.is_some_and(|heading| heading.is_odd());
+    let is_reason = |mesh: &ExaminedMesh| mesh.refused().next().is_some() || is_across(mesh);
+    if !meshes.iter().any(is_reason) {
         return Ok(());
     }
     emit(&plan::mesh_report(&meshes))?;
