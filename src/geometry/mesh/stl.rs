@@ -39,7 +39,7 @@ fn plain(mut bytes: Vec<u8>) -> Result<Vec<u8>, String> {
         count
             .iter()
             .rev()
-            .fold(0, |sum, byte| sum << 8 | usize::from(*byte))
+            .fold(0, |sum, byte| (sum << 8) | usize::from(*byte))
     });
     let length = count.map(|count| HEADER + TRIANGLE * count);
     if length != Some(bytes.len()) && is_text(&bytes) {
