@@ -71,6 +71,9 @@ impl Simulation {
             step: steps[0],
             time_s: from.take_exactly("origin_time", 1)?[0],
         };
+        if self.origin.time_s > 0.0 && self.origin.step < self.plan.start_steps {
+            return Err(from.damaged("its steps are counted from before the release".to_owned()));
+        }
         self.count_steps();
         if let Some(air) = &mut self.air {
             air.restore(from)?;
