@@ -86,7 +86,14 @@ fn hanging_nodes(words: &Words, common: &Common) -> Option<(Finding, f64)> {
     let reach = |edge: [u32; 2], vertex: u32| {
         of_edge(edge).min(SEAM_AT_VERTEX * common.shortest_m[vertex as usize])
     };
-    let hanging = seams::hanging(&common.places_m, triangles, &common.edges, of_edge, reach);
+    let hanging = seams::hanging(
+        &common.places_m,
+        triangles,
+        &common.edges,
+        of_edge,
+        reach,
+        0.0,
+    );
     let first = hanging.first()?;
     let mut nodes: Vec<u32> = hanging.iter().map(|h| h.vertex).collect();
     nodes.sort_unstable();

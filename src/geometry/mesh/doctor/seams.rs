@@ -25,13 +25,15 @@ pub struct Hanging {
 /// Every vertex of an open border that lies within reach of another border edge, away from its ends, where both borders run along each other. In
 /// the order of edges, and along each.
 ///
-/// `reach_m` gives the distance that counts for an edge and a vertex; `places_m` should begin near the origin.
+/// `reach_m` gives the distance that counts for an edge and a vertex, `end_reach_m` the least one at the edge's ends; `places_m` should begin
+/// near the origin.
 pub(super) fn hanging(
     places_m: &[DVec3],
     triangles: &[[u32; 3]],
     edges: &Edges,
     largest_reach_m: impl Fn([u32; 2]) -> f64,
     reach_m: impl Fn([u32; 2], u32) -> f64,
+    end_reach_m: f64,
 ) -> Vec<Hanging> {
     let at = |node: u32| places_m[node as usize];
     let borders: Vec<([u32; 2], u32)> = edges
@@ -61,7 +63,7 @@ pub(super) fn hanging(
         let (share, apart_m) = beside(points[point], [a, b]);
         let is_at_end = [a, b]
             .iter()
-            .any(|end| end.distance(points[point]) <= reach);
+            .any(|end| end.distance(points[point]) <= reach.max(end_reach_m));
         if is_at_end || apart_m > reach || !(0.0..=1.0).contains(&share) {
             return;
         }
@@ -133,12 +135,23 @@ impl Sewn {
     }
 }
 
-/// Splits triangles at open borders where vertices of others lie within the tolerance.
-pub(super) fn sew(places_m: &[DVec3], surface: &Surface, edges: &Edges, tolerance_m: f64) -> Sewn {
-    let tolerance = |_: [u32; 2]| tolerance_m;
-    let mut inserted = hanging(places_m, &surface.triangles, edges, tolerance, |_, _| {
-        tolerance_m
-    });
+/// Splits triangles at open borders where vertices of others lie within the tolerance. What lies nearer than `end_reach_m` to a vertex of the
+/// other side belongs to that: it is left to be joined by a wider tolerance, and no sliver is made of it.
+pub(super) fn sew(
+    places_m: &[DVec3],
+    surface: &Surface,
+    edges: &Edges,
+    tolerance_m: f64,
+    end_reach_m: f64,
+) -> Sewn {
+    let mut inserted = hanging(
+        places_m,
+        &surface.triangles,
+        edges,
+        |_| tolerance_m,
+        |_, _| tolerance_m,
+        end_reach_m,
+    );
     // Of those that will be one, the first is enough.
     inserted.dedup_by(|later, kept| {
         let [a, b] = [&later, &kept].map(|hanging| places_m[hanging.vertex as usize]);

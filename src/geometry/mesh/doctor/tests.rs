@@ -328,7 +328,15 @@ fn welding_makes_one_sheet_of_two() {
     let (vertices, apart_m) = apart.unwrap();
     assert_eq!(vertices, [7, 26]);
     assert!((apart_m - 0.5).abs() < 1e-6);
-    // Less than the gap joins nothing, and numbers stay.
+    // Less than the gap joins nothing and makes no slivers, along a seam with other vertices neither; numbers stay.
+    let mut near = hung_halves();
+    for place in &mut near.positions_m[15..] {
+        place.y *= 1.0 + 1e-3;
+    }
+    let sewn = weld(&near, 1e-5).unwrap();
+    assert_eq!([sewn.joined, sewn.inserted.len()], [1, 6]);
+    let left = kinds(&examined(&sewn.surface, &[0]));
+    assert!(left.contains(&(Kind::DoubledVertices, 2)), "{left:?}");
     assert_eq!(weld(&cut, 5e-5).unwrap(), Welded::untouched(cut.clone()));
 }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::near;
 use super::seams::{self, Hanging};
 use super::topology::{Edges, Sets};
-use super::{edge_lengths_m, median};
+use super::{TOGETHER, edge_lengths_m, median};
 use crate::rigid::Surface;
 
 /// Largest tolerance, as a share of the median edge.
@@ -132,7 +132,8 @@ pub fn weld(surface: &Surface, tolerance_m: f64) -> Result<Welded, TooWide> {
     let places_m: Vec<DVec3> = surface.positions_m.iter().map(|p| *p - low).collect();
     let edges = Edges::new(&surface.triangles, |_| true);
     let shortest_m = shortest_remaining_m(&places_m, surface, tolerance_m);
-    let sewn = seams::sew(&places_m, surface, &edges, tolerance_m);
+    let together_m = TOGETHER * median_m;
+    let sewn = seams::sew(&places_m, surface, &edges, tolerance_m, together_m);
     let shortest_part_m = sewn.shortest_part_m(&places_m);
     if shortest_part_m < SHORTEST_REMAINING * tolerance_m {
         return Err(TooWide::Edge {
