@@ -70,7 +70,7 @@ impl Observer for Watching {
             // It is written after the next one.
             self.fault_at = Some(self.iterations + 2);
         }
-        if self.stop_on_trim && begun == 1 {
+        if self.stop_on_trim && line.starts_with("trim ") {
             self.requests.stop.store(true, Ordering::Relaxed);
         }
     }
@@ -168,7 +168,7 @@ fn changes_nothing() {
     same(&seldom, &often);
 }
 
-/// A trim that was interrupted on the case's own mesh goes on there, without the coarser one that it was done with.
+/// A trim that was interrupted on the case's own mesh goes on there, with the iteration that was under way.
 fn a_trim_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -177,7 +177,7 @@ fn a_trim_goes_on() {
     let changes = [
         "structure.wing.mesh.along_chord=24",
         "structure.wing.mesh.across_cell=4",
-        "equilibrium.trim.iteration_limit=2",
+        "equilibrium.trim.iteration_limit=3",
     ];
     let meshes = |watching: &Watching| {
         let of_trim = watching
