@@ -64,7 +64,7 @@
 //! | [`simulation`] | runs the plan | plan, cpu, gpu |
 //! | [`statics`] | equilibrium, trim, panel shaping and load test, part by part | simulation, trim, geometry |
 //! | [`frame`] | host snapshot in SI units | – |
-//! | [`measure`], [`steady`] | time series, statistics, results, when to stop | simulation, statics |
+//! | [`measure`] | time series, statistics, results, when to stop ([`measure::steady`]) | simulation, statics |
 //! | [`validity`] | whether a set-up supports its results, and the error to expect | case, geometry, plan, measure, frame, output |
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
@@ -127,7 +127,6 @@ pub mod run;
 pub mod simulation;
 pub mod solve;
 pub mod statics;
-pub mod steady;
 pub mod sweep;
 pub mod trim;
 pub mod units;

@@ -5,7 +5,7 @@
 //! speed; without wind a body's constant speed, else the reference speed of the lattice. Forces on closed bodies are those of the air
 //! outside: what the air inside takes up, moving with the body, is taken off.
 //!
-//! Means of bodies in a steady stream begin when the flow has settled ([`crate::steady::bodies`]), those beside a canopy with the canopy's;
+//! Means of bodies in a steady stream begin when the flow has settled ([`crate::measure::steady::bodies`]), those beside a canopy with the canopy's;
 //! all others are taken over the second half of the run.
 
 use glam::DVec3;
@@ -16,10 +16,10 @@ use super::statistics::{Mean, batch_mean, student};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::case::steady::never_steady;
+use crate::measure::steady::bodies::{BodyWindow, Settling, second_half};
+use crate::measure::steady::{self, Watched};
 use crate::output::{Quantity, Results};
 use crate::rigid::Motion;
-use crate::steady::bodies::{BodyWindow, Settling, second_half};
-use crate::steady::{self, Watched};
 
 /// Columns of every body; a scene with more than one thing in the air puts the body's name before them.
 pub(super) const COLUMNS: [&str; 9] = [

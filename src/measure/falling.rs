@@ -9,14 +9,14 @@ use super::statistics::{Mean, first_peak, slope};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Descent};
 use crate::measure::Record;
+use crate::measure::steady::{self, SETTLING, SHORTEST_WINDOW};
 use crate::output::{Quantity, Results};
 use crate::simulation::{Fall, Simulation};
-use crate::steady::{self, SETTLING, SHORTEST_WINDOW};
 
 /// Speed over that of release below which coefficients mean nothing.
 const SLOWEST: f64 = 0.01;
 
-/// Length of a batch of means [lengths], as [`crate::steady`] has it.
+/// Length of a batch of means [lengths], as [`crate::measure::steady`] has it.
 const BATCH: f64 = 1.2;
 
 /// Relative change of the speed between the halves of the window up to which a fall counts as settled, whatever its interval.

@@ -21,6 +21,7 @@ mod skirt;
 mod solver;
 mod spectrum;
 pub mod statistics;
+pub mod steady;
 mod supports;
 mod wing;
 mod wing_lines;

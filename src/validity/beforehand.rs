@@ -4,9 +4,9 @@ use super::Rule;
 use super::subject::{Kind, Subject, subjects};
 use crate::case::Scene;
 use crate::case::scene::{Air, Flow};
+use crate::measure::steady::{SETTLING, SHORTEST_WINDOW};
 use crate::output::{Bound, Supports, ValidityRow, When};
 use crate::plan::Plan;
-use crate::steady::{SETTLING, SHORTEST_WINDOW};
 
 /// Sound in air at 15 °C [m/s].
 const SOUND_M_S: f64 = 340.3;

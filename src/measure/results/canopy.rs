@@ -6,9 +6,9 @@ use crate::case::scene::{Air, BodyKind, Canopy, Flow};
 use crate::measure::blockage::THREE_DIMENSIONS;
 use crate::measure::record::largest as largest_of;
 use crate::measure::statistics::Mean;
+use crate::measure::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 use crate::measure::{Record, bodies};
 use crate::output::{Quantity, Results, Supports};
-use crate::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
 
 /// As close as times of samples come [D₀/U].
 const ROUND_OFF: f64 = 1e-6;

@@ -4,8 +4,8 @@ use super::filling::{FULL_SHARE, filling};
 use super::{column_max, largest, quantity};
 use crate::measure::Record;
 use crate::measure::spectrum::{Spectrum, oscillation, periodogram};
+use crate::measure::steady::{self, Window};
 use crate::output::{Quantity, Results};
-use crate::steady::{self, Window};
 
 /// Depth of the apex below the farthest node downstream, over the height of the canopy, from which its top counts as collapsed.
 const COLLAPSED: f64 = 0.05;

@@ -17,10 +17,10 @@ use super::{
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
+use crate::measure::steady;
 use crate::output::{Quantity, Results};
 use crate::simulation::Simulation;
 use crate::statics::Statics;
-use crate::steady;
 
 /// All results that the scene of a simulation defines.
 #[must_use]

@@ -7,11 +7,11 @@ use crate::case::scene::BodyKind;
 use crate::case::{Case, Scene};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::Device;
+use crate::measure::steady::{self, Detector};
 use crate::measure::{Record, bodies};
 use crate::plan::Plan;
 use crate::run::{Observer, Run, RunError};
 use crate::simulation::{Failure, Simulation};
-use crate::steady::{self, Detector};
 
 /// In a descent the time step grows by [`STEP_RATIO`] once the air comes at less than this share of `lattice_speed`, and shrinks above the other.
 const LATTICE_SPEED_SHARES: [f64; 2] = [0.8, 1.2];
