@@ -7,6 +7,8 @@
 //! iteration. Coarser meshes of the same plan come first, each starting from the one before: what takes most evaluations from the drawn shape, the
 //! way of whole panels and of the wing, is found where an evaluation is cheap.
 
+mod changes;
+
 use std::time::Instant;
 
 use glam::DVec3;
@@ -21,12 +23,10 @@ use crate::gpu::DeviceError;
 use crate::simulation::{Failure, Simulation, StaticLoads, StructureState};
 use crate::solve::lbfgs::{Outcome, Progress, Stop, Watch};
 use crate::trim::{Flight, Glider, Settings};
+use changes::{changes, moving};
 
 /// Least share of the case's tolerance to which the fabric is solved.
 const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
-
-/// Difference of a strip's lift from its polar's beyond which the sections count as not agreeing.
-const SECTION_AGREEMENT: f64 = 1e-3;
 
 /// What a trim lacks where the scene has none to be sought.
 const NO_WING: &str = "there is no wing whose fabric could be solved";
@@ -429,83 +429,4 @@ fn change(wing: &Wing, before: &[DVec3], after: &[DVec3]) -> f64 {
         )
     });
     (sum / f64::max(count, 1.0)).sqrt()
-}
-
-/// What has not come to rest, in words.
-fn moving(last: &TrimIteration, now: &TrimIteration, settings: &Settings) -> Vec<String> {
-    let changes = changes(last, now, settings).into_iter();
-    let moving = changes.filter(|c| c.value.is_nan() || c.value > c.allowed);
-    moving.map(|change| change.text).collect()
-}
-
-/// Something that is to come to rest.
-struct Change {
-    value: f64,
-    allowed: f64,
-    text: String,
-}
-
-fn changes(last: &TrimIteration, now: &TrimIteration, settings: &Settings) -> Vec<Change> {
-    let tolerance = &settings.tolerance;
-    let relative = |name: &str, old: f64, new: f64, allowed: f64| {
-        let value = (new / old - 1.0).abs();
-        Change {
-            value,
-            allowed,
-            text: format!("{name} changes by {value:.1e} of itself ({allowed:.0e} allowed)"),
-        }
-    };
-    let mut changes = vec![
-        relative("speed", last.speed_m_s, now.speed_m_s, tolerance.speed),
-        relative(
-            "glide ratio",
-            last.glide_ratio,
-            now.glide_ratio,
-            tolerance.glide,
-        ),
-        Change {
-            value: now.turn_rad.abs(),
-            allowed: tolerance.pitch_rad,
-            text: format!(
-                "the balance turns the wing by {:.3} degrees ({:.3} allowed)",
-                now.turn_rad.to_degrees(),
-                tolerance.pitch_rad.to_degrees()
-            ),
-        },
-        Change {
-            value: now.shape_change,
-            allowed: tolerance.shape,
-            text: format!(
-                "outlines move by {:.1e} mean chords ({:.0e} allowed)",
-                now.shape_change, tolerance.shape
-            ),
-        },
-        Change {
-            value: now.balance_error,
-            allowed: tolerance.balance,
-            text: format!(
-                "the risers lack {:.1e} of the weight ({:.0e} allowed)",
-                now.balance_error, tolerance.balance
-            ),
-        },
-        Change {
-            value: now.section_residual,
-            allowed: SECTION_AGREEMENT,
-            text: format!(
-                "sections lift {:.1e} more or less than their polars say: they stall, or the wing has collapsed",
-                now.section_residual
-            ),
-        },
-    ];
-    if now.outcome.stop != Stop::Converged {
-        changes.push(Change {
-            value: f64::NAN,
-            allowed: 0.0,
-            text: format!(
-                "the fabric is not in equilibrium (energy norm {:.1e} of the loads')",
-                now.relative_norm
-            ),
-        });
-    }
-    changes
 }
