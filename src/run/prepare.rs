@@ -73,6 +73,11 @@ impl<'a> Run<'a> {
                 statics = Statics::restore(stored, &case.scene, &mut simulation)?;
                 simulation.restore(stored)?;
                 stand = Stand::restore(case, stored, simulation.steps_are_left())?;
+                if simulation.steps_are_left() {
+                    // With a later end, what is sought at rest is sought after it.
+                    statics = Statics::default();
+                    simulation.set_static_loads(None);
+                }
                 folder::refuse_past_the_end(&simulation)?;
                 if from == Some(folder) {
                     record.restore(stored, folder)?;

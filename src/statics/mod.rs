@@ -56,7 +56,12 @@ impl Statics {
             return self.trim.is_none() && self.shaping.is_none() && self.load_test.is_none();
         };
         let structure = &body.structure;
-        self.trim.as_ref().is_none_or(|trim| trim.fits(scene))
+        let mut cut = self.cut().into_iter().flatten();
+        let is_cut = |side: &Vec<[f64; 2]>| {
+            !side.is_empty() && side.iter().flatten().all(|number| number.is_finite())
+        };
+        cut.all(is_cut)
+            && self.trim.as_ref().is_none_or(|trim| trim.fits(scene))
             && self
                 .load_test
                 .as_ref()

@@ -145,10 +145,11 @@ impl Trim {
         self.coarser <= coarser_meshes(wing)
             && begun.is_some() == (self.coarser > 0)
             && begun.is_none_or(|state| state.fits(own))
-            && self
-                .flight
-                .as_ref()
-                .is_none_or(|flight| flight.loads.fits(present))
+            && self.flight.as_ref().is_none_or(|flight| {
+                let outer = &flight.outer;
+                flight.loads.fits(present)
+                    && outer.coefficients.len() >= flight.strips.len() * outer.around.len()
+            })
     }
 
     /// Puts the coarser mesh that the trim is on into the simulation; leaves the wing's own where it is.
@@ -318,8 +319,8 @@ impl Trim {
         let positions = &before.0.positions_m;
         let flown = glider.panel_nodes_m(positions);
         let nodes = match &self.seen_m {
-            Some(old) => mixed(old, &flown, settings.relaxation),
-            None => flown,
+            Some(old) if old.len() == flown.len() => mixed(old, &flown, settings.relaxation),
+            _ => flown,
         };
         let flight = match glider.glide(positions, &nodes, self.stream_rad) {
             Ok(flight) => flight,
