@@ -20,6 +20,7 @@ pub fn trials() -> Vec<Trial> {
         plain("keeping::an_equilibrium_goes_on", an_equilibrium_goes_on),
         plain("keeping::changes_nothing", changes_nothing),
         plain("keeping::a_trim_goes_on_on_its_mesh", a_trim_goes_on),
+        plain("keeping::no_later_end_from_half_way", no_later_end),
     ]
     .into_iter()
     .flatten()
@@ -38,6 +39,7 @@ struct Watching {
     iterations: usize,
     checkpoint_at: Option<usize>,
     fault_at: Option<usize>,
+    stop_at: Option<usize>,
     /// After the first iteration of the second mesh, in place of numbers.
     fault_on_second_mesh: bool,
     /// After the first iteration of a trim.
@@ -57,6 +59,9 @@ impl Observer for Watching {
         let now = Some(self.iterations);
         if now == self.checkpoint_at {
             self.requests.checkpoint.store(true, Ordering::Relaxed);
+        }
+        if now == self.stop_at {
+            self.requests.stop.store(true, Ordering::Relaxed);
         }
         assert_ne!(now, self.fault_at, "a fault on purpose");
     }
@@ -215,6 +220,27 @@ fn a_trim_goes_on() {
             broken.iterations
         );
     }
+}
+
+/// The steps of a run do not go on from a shape that was on its way to rest.
+fn no_later_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let sheet = ("cases/cloth/hanging-sheet.toml", None);
+    let changes = ["structure.sheet.divisions=[12, 12]", "time.end_s=0.01"];
+    let watching = Watching {
+        stop_at: Some(1),
+        ..Watching::default()
+    };
+    let (report, _) = attempt(sheet, &changes, anew(&out), NEVER_S, watching);
+    assert!(report.unwrap().interrupted);
+    let resume = || (out.as_path(), Start::Resume);
+    let later = [changes[0], "time.end_s=0.02"];
+    let (refused, _) = attempt(sheet, &later, resume(), NEVER_S, Watching::default());
+    let error = refused.unwrap_err().to_string();
+    assert!(error.contains("may not be raised"), "{error}");
+    let (report, _) = attempt(sheet, &changes, resume(), NEVER_S, Watching::default());
+    assert!(!report.unwrap().interrupted);
 }
 
 /// SIGUSR1, and the time between checkpoints, while an equilibrium is sought that takes long.

@@ -263,7 +263,8 @@ pub fn is_unfinished_run(folder: &Path, case: &Case) -> bool {
 
 /// Refuses a state that lies behind the end that the case asks for.
 pub(super) fn refuse_past_the_end(simulation: &Simulation) -> Result<(), RunError> {
-    let planned = simulation.plan().start_steps + simulation.plan().steps;
+    let plan = simulation.plan();
+    let planned = plan.start_steps.saturating_add(plan.steps);
     let Some(time) = simulation.scene().time else {
         return Ok(());
     };

@@ -49,11 +49,11 @@ impl Keeping {
         let asked = self.requests.takes_checkpoint();
         if asked || self.last.elapsed() >= self.interval {
             match self.write(progress) {
-                Ok(()) if asked => observer.note(&format!(
+                Ok(true) if asked => observer.note(&format!(
                     "checkpoint after {} evaluations, as asked for",
                     progress.evaluations
                 )),
-                Ok(()) => {}
+                Ok(_) => {}
                 Err(error) => match no_room(&error) {
                     Some(cause) if self.told.is_none() => {
                         let text = format!(
@@ -72,13 +72,14 @@ impl Keeping {
         self.failed.is_none() && !self.requests.to_stop()
     }
 
-    fn write(&self, progress: &Progress) -> Result<(), RunError> {
+    /// False if the device cannot tell where the nodes are.
+    fn write(&self, progress: &Progress) -> Result<bool, RunError> {
         let places_m = match self.sought {
             Sought::Part => None,
             Sought::Equilibrium => match progress.positions_m() {
                 Some(places_m) => Some(self.with_held(places_m)),
                 // The device that cannot tell them says why in the next trial.
-                None => return Ok(()),
+                None => return Ok(false),
             },
         };
         self.ledger.write(&self.folder)?;
@@ -90,7 +91,7 @@ impl Keeping {
             }
         })?;
         self.requests.set_resumable(true);
-        Ok(())
+        Ok(true)
     }
 
     /// Positions with those of held nodes to the last bit; a device rounds them.

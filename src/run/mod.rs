@@ -199,11 +199,15 @@ fn run_locked(
     }
     let (reason, diverged) = match fault::guarded(|| run.drive(observer)) {
         Ok(reason) => (reason, None),
-        Err(RunError::Diverged(diverged)) => (diverged.to_string(), Some(diverged)),
+        Err(RunError::Diverged(diverged)) => {
+            run.leave_phase();
+            (diverged.to_string(), Some(diverged))
+        }
         Err(mut other) => {
             if let RunError::Fault(fault) = &mut other {
                 run.rescue(fault);
             }
+            run.leave_phase();
             run.end_failed(&other.to_string(), began);
             return Err(other);
         }

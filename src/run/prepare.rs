@@ -72,11 +72,13 @@ impl<'a> Run<'a> {
             Some(stored) => {
                 statics = Statics::restore(stored, &case.scene, &mut simulation)?;
                 simulation.restore(stored)?;
-                stand = Stand::restore(case, stored, simulation.steps_are_left())?;
-                if simulation.steps_are_left() {
-                    // With a later end, what is sought at rest is sought after it.
-                    statics = Statics::default();
-                    simulation.set_static_loads(None);
+                stand = Stand::restore(case, stored, lattice)?;
+                if simulation.steps_are_left() && stand.is_after_time(case) {
+                    return Err(RunError::Resume(
+                        "the run has begun to seek its state at rest, from where its steps ended: time.end_s may not be raised; leave it, or begin \
+                         anew with --overwrite"
+                            .to_owned(),
+                    ));
                 }
                 folder::refuse_past_the_end(&simulation)?;
                 if from == Some(folder) {

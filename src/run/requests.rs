@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Flags between a run and who may interrupt it, such as handlers of signals.
 #[derive(Debug, Clone, Default)]
 pub struct Requests {
-    /// Write a checkpoint and end, after the present step.
+    /// Write a checkpoint and end, after the present step or iteration of a minimiser.
     pub stop: Arc<AtomicBool>,
-    /// Write a checkpoint after the present step, and go on.
+    /// Write a checkpoint after the present step or iteration, and go on.
     pub checkpoint: Arc<AtomicBool>,
     /// Set by the run: its folder holds a checkpoint to go on from.
     pub resumable: Arc<AtomicBool>,

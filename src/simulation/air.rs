@@ -173,8 +173,7 @@ impl AirEngine {
     }
 }
 
-/// The lattice of a scene's air.
-/// What the engine has to know of the air; how often a stage runs is the plan's.
+/// The lattice of a scene's air; how often a stage runs is the plan's.
 fn setup(air: &Air, plan: &Plan) -> Setup {
     let (ends, sides, sponge_cells) = match air.flow {
         Flow::WindTunnel {

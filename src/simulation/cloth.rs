@@ -106,7 +106,7 @@ impl Simulation {
         if !on_device {
             self.begin_solve();
         }
-        let before = self.before();
+        let before = if on_device { None } else { self.before() };
         let solved = self.with_fabric(|engine, cloth, input, settings| {
             engine.solve_cloth(cloth, input, settings)
         });

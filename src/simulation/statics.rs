@@ -208,7 +208,9 @@ impl Simulation {
 
     /// Puts another structure in the place of this one, as it was drawn and at rest.
     pub fn replace_fabric(&mut self, structure: Structure) -> Result<(), DeviceError> {
-        self.take_fabric(Cloth::new(structure))
+        self.take_fabric(Cloth::new(structure))?;
+        self.haul_risers(self.time_s());
+        Ok(())
     }
 
     /// Goes on with other fabric, on the device too where that solves it.

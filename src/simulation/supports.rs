@@ -17,13 +17,17 @@ impl Simulation {
         }
     }
 
-    /// Shortens the risers of a wing as the case says.
+    /// Shortens the risers of a wing as the case says, on its own mesh.
     pub(super) fn haul_risers(&mut self, time_s: f64) {
         let (Some(wing), Some(body), Some(cloth)) =
             (&self.scene.wing, &self.scene.body, &mut self.cloth)
         else {
             return;
         };
+        // A coarser mesh of the wing has other cables.
+        if cloth.structure.cables.len() != body.structure.cables.len() {
+            return;
+        }
         for pull in &wing.pulls {
             for &cable in &pull.cables {
                 let designed_m = body.structure.cables[cable].rest_length_m;

@@ -18,7 +18,7 @@ use crate::case::wing_design::Ballooning;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::DeviceError;
 use crate::simulation::{Failure, Simulation, StaticLoads, StructureState};
-use crate::solve::lbfgs::Outcome;
+use crate::solve::lbfgs::{Outcome, Stop};
 
 /// How far something has come.
 enum Ended<T> {
@@ -75,8 +75,10 @@ impl Statics {
         simulation: &mut Simulation,
         watch: crate::solve::lbfgs::Watch,
     ) -> Option<Result<Outcome, Failure>> {
+        self.equilibrium = None;
         let solved = simulation.equilibrate(watch);
-        self.equilibrium = solved.as_ref().and_then(|s| s.as_ref().ok()).copied();
+        let ended = solved.as_ref().and_then(|solved| solved.as_ref().ok());
+        self.equilibrium = ended.copied().filter(|o| o.stop != Stop::Interrupted);
         solved
     }
 

@@ -64,6 +64,11 @@ impl Lattice {
         ))
     }
 
+    /// Grids left until the case's own.
+    pub(in crate::run) const fn coarser(self) -> usize {
+        self.coarser as usize
+    }
+
     /// True on the case's own grid.
     pub(in crate::run) const fn is_finest(self) -> bool {
         self.coarser == 0

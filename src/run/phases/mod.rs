@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use change_lattice::{Lattice, detector};
 
+use super::fault::caught;
 use super::{INTERRUPTED, Observer, Run, RunError};
 use crate::case::Case;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -55,30 +56,33 @@ impl Stand {
         out.put(STAND, &bytes)
     }
 
-    /// Takes it from a checkpoint; `steps_are_left`: the end of the run lies behind that of before.
+    /// Takes it from a checkpoint of a run that is on that lattice.
     pub(super) fn restore(
         case: &Case,
         from: &Reader,
-        steps_are_left: bool,
+        lattice: Lattice,
     ) -> Result<Self, CheckpointError> {
         let bytes: Vec<u8> = from.take(STAND)?;
         let stand: Self = postcard::from_bytes(&bytes)
             .map_err(|error| from.damaged(format!("its phase cannot be read: {error}")))?;
         let phases = phases(&case.scene, &case.coarser);
-        if stand.phase >= phases.len() {
+        let is_known = match phases.get(stand.phase) {
+            Some(Phase::March { coarser }) => *coarser == lattice.coarser(),
+            phase => phase.is_some(),
+        };
+        if !is_known {
             return Err(from.damaged("it names a phase that the case does not have".to_owned()));
         }
-        let last_march = phases
+        Ok(stand)
+    }
+
+    /// True once all steps are behind the run.
+    pub(super) fn is_after_time(&self, case: &Case) -> bool {
+        let phases = phases(&case.scene, &case.coarser);
+        let last = phases
             .iter()
             .rposition(|p| matches!(p, Phase::March { .. }));
-        match last_march {
-            // With a later end there is something to be done before.
-            Some(march) if steps_are_left && stand.phase > march => Ok(Self {
-                phase: march,
-                ..Self::default()
-            }),
-            _ => Ok(stand),
-        }
+        last.is_some_and(|march| self.phase > march)
     }
 }
 
@@ -137,6 +141,13 @@ impl Run<'_> {
         Ok(self.stand.reason.clone())
     }
 
+    /// After an error: brings back what the results are read from, the wing's own mesh under the loads of its equilibrium.
+    pub(super) fn leave_phase(&mut self) {
+        let scene = &self.case.scene;
+        // The error is the cause, whatever fails now.
+        let _ = caught(|| self.statics.leave(scene, &mut self.simulation));
+    }
+
     /// Between two parts of a phase: writes a checkpoint if one is due; true if the run is to stop, with its checkpoint written.
     fn pause(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
         if self.requests.to_stop() {
@@ -176,6 +187,7 @@ impl Run<'_> {
         self.stand.reason = reason;
         self.stand.unbalanced = out_of_balance.is_some();
         self.stand.balance_notes = out_of_balance.into_iter().collect();
+        self.whole = false;
         self.sample(observer)?;
         Ok(Next::Phase)
     }

@@ -6,7 +6,9 @@ use crate::run::{Observer, Run, RunError};
 impl Run<'_> {
     pub(super) fn open_canopy(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
         observer.note("opening the folded canopy by loading pressure");
+        self.whole = false;
         self.simulation.open_canopy()?;
+        self.whole = true;
         if let Some(opening) = self.simulation.opening() {
             observer.note(&format!(
                 "canopy opened by loading pressure: D_p/D_0 {:.3} -> {:.3} in {} steps",

@@ -63,7 +63,7 @@ impl Run<'_> {
                     .flatten()
                     .filter(|p| p[1] == 0.0 && p[0] < 1.0)
                     .count();
-                self.notes.push(format!(
+                self.stand.balance_notes.push(format!(
                     "panels do NOT fly as designed within {changes} changes: the largest difference is {error:.4} ({:.4} allowed){}; raise equilibrium.panel_shaping.iteration_limit or its tolerance, lower its relaxation, or ask for what this wing can fly",
                     shaping.tolerance,
                     if flat > 0 {

@@ -48,8 +48,7 @@ impl Run<'_> {
             }
             self.kept(keeping)?;
             let end = match part {
-                TrimPart::Iterated => continue,
-                TrimPart::Refined => continue,
+                TrimPart::Iterated | TrimPart::Refined => continue,
                 TrimPart::Interrupted => {
                     self.save()?;
                     return Ok(Next::Interrupted);

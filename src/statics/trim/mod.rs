@@ -143,6 +143,7 @@ impl Trim {
         let present = mesh(wing, self.coarser).1.unwrap_or(own);
         let begun = self.begun_from.as_ref();
         self.coarser <= coarser_meshes(wing)
+            && (0.0..=1.0).contains(&self.tolerance_share)
             && begun.is_some() == (self.coarser > 0)
             && begun.is_none_or(|state| state.fits(own))
             && self.flight.as_ref().is_none_or(|flight| {
