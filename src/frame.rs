@@ -57,7 +57,7 @@ pub enum FabricState {
 }
 
 /// What a picture of fabric shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FabricQuantity {
     /// Larger principal tension [N/m].
@@ -97,7 +97,7 @@ impl FabricQuantity {
 }
 
 /// What a picture shows of the air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FlowQuantity {
     /// Speed [m/s].

@@ -363,7 +363,7 @@ fn of_a_mesh() {
         "belts=absent",
     ]);
     let body = drawn.scene.body.as_ref().unwrap();
-    let (BodyKind::Canopy(canopy), structure) = (body.kind, &body.structure) else {
+    let (BodyKind::Canopy(canopy), structure) = (&body.kind, &body.structure) else {
         panic!("no canopy");
     };
     let flat = gores::mesh(&FlatCircular {

@@ -295,8 +295,8 @@ fn drawn_here() {
     for (name, text) in SHIPPED {
         let choices = Choices::default();
         let case = case::parse(name, text, &root().join("cases"), &choices).unwrap();
-        let structure = match case.scene.body {
-            Some(body) if !body.structure.triangles.is_empty() => body.structure,
+        let structure = match &case.scene.body {
+            Some(body) if !body.structure.triangles.is_empty() => &body.structure,
             _ => continue,
         };
         let meant: &[Kind] = match name {
@@ -307,7 +307,7 @@ fn drawn_here() {
             _ => &[],
         };
         // Of a wing its panels: ribs meet them in threes, and their normals all point to the right, at both tips.
-        let tags = case.scene.wing.as_ref().map(|wing| &wing.wing.tags[..]);
+        let tags = case.scene.wing().map(|wing| &wing.built.tags[..]);
         let is_looked_at = |number: usize| {
             tags.is_none_or(|tags| matches!(tags[number].part, Part::Upper | Part::Lower))
         };

@@ -123,9 +123,9 @@ const OPEN: &str = "intakes = { from = 0.0, to = 0.1 }\nholes = [{ position = 0.
 fn volumes() {
     for intakes in ["", OPEN] {
         let case = parse(&text("4418", (20.0, "hang_points"), 0.1, intakes));
-        let wing = case.scene.wing.unwrap();
-        let tunnel = wing.tunnel.unwrap();
-        let wing = wing.wing;
+        let known = case.scene.wing().unwrap();
+        let tunnel = known.tunnel.as_ref().unwrap();
+        let wing = &known.built;
         let whole = |places: &[DVec3]| -> f64 {
             (0..4).map(|cell| wing.cell_volume_m3(cell, places)).sum()
         };
@@ -199,7 +199,7 @@ fn pulls() {
     let case = parse(&pulled);
     let plan = Plan::new(&case.scene, Precision::F32);
     let mut simulation = Simulation::new(case.scene.clone(), plan, None).unwrap();
-    let known = case.scene.wing.as_ref().unwrap();
+    let known = case.scene.wing().unwrap();
     let designed = &case.scene.body.as_ref().unwrap().structure;
     let steps = simulation.plan().start_steps + simulation.plan().steps;
     while simulation.step_count() < steps {
@@ -208,9 +208,9 @@ fn pulls() {
             continue;
         }
         let cloth = simulation.cloth().unwrap();
-        for (i, kind) in known.wing.line_kinds.iter().enumerate() {
+        for (i, kind) in known.built.line_kinds.iter().enumerate() {
             let (now, then) = (&cloth.structure.cables[i], &designed.cables[i]);
-            let right = then.nodes.contains(&known.wing.hang_points[0]);
+            let right = then.nodes.contains(&known.built.hang_points[0]);
             let pull = match kind {
                 LineKind::Riser { row: 1 } if right => {
                     0.1 * ((simulation.time_s() - 0.02) / 0.06).clamp(0.0, 1.0)
@@ -223,7 +223,7 @@ fn pulls() {
     }
     let cloth = simulation.cloth().unwrap();
     let way = |rib: usize| {
-        let tail = known.wing.outlines[rib][12] as usize;
+        let tail = known.built.outlines[rib][12] as usize;
         cloth.positions_m[tail].z - designed.positions_m[tail].z
     };
     let [left, right] = [way(1), way(3)];

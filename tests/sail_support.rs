@@ -35,11 +35,11 @@ fn evenly_taut() -> (Simulation, StructureFrame) {
 /// A strip of an upper panel and, apart from it, one of a rib are without tension: these two are told, with their panel or rib, area and place.
 fn slack_fabric() {
     let (simulation, mut structure) = evenly_taut();
-    let wing = simulation.scene().wing.as_ref().unwrap();
+    let wing = simulation.scene().wing().unwrap();
     assert!(slack_regions(wing, &structure).is_empty());
     let strips = [(Part::Upper, 5, [0.3, 0.7]), (Part::Rib, 12, [0.2, 0.8])];
     let mut areas_m2 = [0.0; 2];
-    for (triangle, tag) in wing.wing.tags.iter().enumerate() {
+    for (triangle, tag) in wing.built.tags.iter().enumerate() {
         for ((part, number, [from, to]), area_m2) in strips.iter().zip(&mut areas_m2) {
             if tag.part == *part && tag.number == *number && (*from..*to).contains(&tag.chord_place)
             {
@@ -62,9 +62,9 @@ fn slack_fabric() {
 /// Three triangles of lower panels stand out, two of them beside each other: two peaks, the higher first.
 fn peaks() {
     let (simulation, mut structure) = evenly_taut();
-    let wing = simulation.scene().wing.as_ref().unwrap();
+    let wing = simulation.scene().wing().unwrap();
     let of_panel = |number: u32| {
-        let tags = wing.wing.tags.iter();
+        let tags = wing.built.tags.iter();
         tags.clone()
             .position(|tag| tag.part == Part::Lower && tag.number == number)
             .unwrap()
@@ -80,7 +80,7 @@ fn peaks() {
     let [first, second] = [of_panel(2), of_panel(20)];
     // The nearest of the same panel.
     let beside = (0..structure.triangles.len())
-        .filter(|&t| t != first && wing.wing.tags[t].part == Part::Lower)
+        .filter(|&t| t != first && wing.built.tags[t].part == Part::Lower)
         .min_by(|&a, &b| {
             let distance = |t: usize| middle(t).distance(middle(first));
             distance(a).total_cmp(&distance(b))

@@ -42,16 +42,19 @@ fn coarser() {
         "structure.wing.mesh.along_chord=24",
         "structure.wing.mesh.across_cell=4",
     ]);
-    let (wing, body) = (case.scene.wing.unwrap(), case.scene.body.unwrap());
+    let (wing, body) = (
+        case.scene.wing().unwrap(),
+        case.scene.body.as_ref().unwrap(),
+    );
     let coarser = wing.coarser.as_ref().unwrap();
     assert!(coarser.structure.node_count() < body.structure.node_count() / 2);
     assert!(coarser.wing.coarser.is_none());
     let from = Meshed {
-        wing: &coarser.wing.wing,
+        wing: &coarser.wing.built,
         structure: &coarser.structure,
     };
     let to = Meshed {
-        wing: &wing.wing,
+        wing: &wing.built,
         structure: &body.structure,
     };
     let shift = DVec3::new(0.3, -0.1, 0.2);
@@ -75,11 +78,11 @@ fn coarser() {
 fn balance() {
     let case = school(&[]);
     let scene = &case.scene;
-    let (wing, body) = (scene.wing.as_ref().unwrap(), scene.body.as_ref().unwrap());
+    let (wing, body) = (scene.wing().unwrap(), scene.body.as_ref().unwrap());
     let settings = wing.trim.as_ref().unwrap();
     let structure = &body.structure;
     let glider = Glider::new(
-        &wing.wing,
+        &wing.built,
         structure,
         &wing.line_diameters_m,
         settings,
@@ -91,7 +94,7 @@ fn balance() {
         .glide(designed, &glider.panel_nodes_m(designed), None)
         .unwrap();
     let positions = glider.turned_m(designed, flight.balance.turn_rad);
-    let hang = designed[wing.wing.hang_points[0] as usize].with_y(0.0);
+    let hang = designed[wing.built.hang_points[0] as usize].with_y(0.0);
     let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
     let mut add = |at: DVec3, pull: DVec3| {
         force += pull;
@@ -135,12 +138,12 @@ fn balance() {
 fn skin() {
     let case = school(&["structure.wing.ballooning=absent"]);
     let (wing, body) = (
-        case.scene.wing.as_ref().unwrap(),
+        case.scene.wing().unwrap(),
         case.scene.body.as_ref().unwrap(),
     );
     let settings = wing.trim.as_ref().unwrap();
     let glider = Glider::new(
-        &wing.wing,
+        &wing.built,
         &body.structure,
         &wing.line_diameters_m,
         settings,
@@ -151,7 +154,7 @@ fn skin() {
     let around = 2 * settings.panels_per_side;
     let surface = PanelSurface::new(nodes, around, true, true).unwrap();
     assert_eq!(surface.panels.len(), glider.skin.panel_count());
-    let ratio = surface.volume_m3() / wing.wing.measures.section_volume_m3;
+    let ratio = surface.volume_m3() / wing.built.measures.section_volume_m3;
     assert!((ratio - 1.0).abs() < tolerance::VOLUME, "{ratio}");
 }
 

@@ -14,7 +14,7 @@ use ripstop::geometry::wing::frames::Station;
 use ripstop::geometry::wing::plan::{Fineness, Intakes, PartFabrics, Plan};
 use ripstop::geometry::wing::pressure::{Distribution, jumps_pa};
 use ripstop::geometry::wing::section::Profile;
-use ripstop::geometry::wing::{Part, Wing, build};
+use ripstop::geometry::wing::{BuiltWing, Part, build};
 use ripstop::rigid::Surface;
 
 use crate::command_line::{ripstop, root};
@@ -96,7 +96,7 @@ fn station(span_m: f64, chord_m: f64, roll_deg: f64) -> Station {
 }
 
 /// Panels and tip ribs.
-fn skin(wing: &Wing) -> Surface {
+fn skin(wing: &BuiltWing) -> Surface {
     let triangles = wing.structure.triangles.iter().zip(&wing.tags);
     let triangles = triangles.filter_map(|(triangle, tag)| {
         let [a, b, c] = triangle.nodes;
@@ -235,7 +235,7 @@ fn ballooning() {
 }
 
 /// The shipped school wing, coarse.
-fn school() -> (Wing, case::Case) {
+fn school() -> (BuiltWing, case::Case) {
     let path = root().join("cases/wing-school.toml");
     let text = std::fs::read_to_string(path).unwrap();
     let choices = Choices {
@@ -243,7 +243,7 @@ fn school() -> (Wing, case::Case) {
         overrides: Vec::new(),
     };
     let case = case::parse("school", &text, root(), &choices).unwrap();
-    let mut wing = case.scene.wing.as_ref().unwrap().wing.clone();
+    let mut wing = case.scene.wing().unwrap().built.clone();
     wing.structure = case.scene.body.as_ref().unwrap().structure.clone();
     (wing, case)
 }

@@ -210,7 +210,7 @@ fn profiles() {
             overrides: vec![format!("structure.wing.profiles.middle={profile}")],
         };
         let case = case::parse("school", &source, folder.path(), &choices).unwrap();
-        case.scene.wing.unwrap().wing
+        case.scene.wing().unwrap().built.clone()
     };
     let (read, known) = (wing("{ file = \"p.dat\" }"), wing("{ naca = \"0017\" }"));
     for i in 0..=200 {

@@ -31,9 +31,9 @@ pub fn trials() -> Vec<Trial> {
 /// Seams of panels laid flat are as long as the edges of the ribs that they are sewn to, and as those of the panel on the other side.
 fn seams() {
     let scene = school();
-    let (wing, body) = (scene.wing.unwrap().wing, scene.body.unwrap());
+    let (wing, body) = (&scene.wing().unwrap().built, scene.body.as_ref().unwrap());
     let places = &body.structure.positions_m;
-    let panels = patterns(&wing, places);
+    let panels = patterns(wing, places);
     assert_eq!(panels.len(), 2 * wing.cells);
     for panel in &panels {
         let rows = panel.chord_places.len();
@@ -176,9 +176,9 @@ fn drawn_ballooning() {
     use ripstop::geometry::wing::section::lookup;
     use ripstop::measure::{ballooning_differences, cell_width_ratios, flown_ballooning};
     let scene = school();
-    let (wing, body) = (scene.wing.unwrap(), scene.body.unwrap());
+    let (wing, body) = (scene.wing().unwrap(), scene.body.as_ref().unwrap());
     let places = &body.structure.positions_m;
-    let drawn = flown_ballooning(&wing, places);
+    let drawn = flown_ballooning(wing, places);
     for (side, planned) in drawn.iter().zip(&wing.plan.ballooning) {
         assert!(side.len() >= 6);
         for [x, b] in side {
@@ -186,14 +186,14 @@ fn drawn_ballooning() {
             assert!(error.abs() < 1e-9, "{x}: {b}, {error}");
         }
     }
-    let ratios = cell_width_ratios(&wing, places, places);
+    let ratios = cell_width_ratios(wing, places, places);
     assert!(ballooning_differences(&ratios, None)[0] < 1e-12);
     // Stretched along y by a tenth, ribs that stand upright are as much farther apart; leaning ones by less.
     let wider: Vec<DVec3> = places
         .iter()
         .map(|p| DVec3::new(p.x, 1.1 * p.y, p.z))
         .collect();
-    let [largest, _] = ballooning_differences(&cell_width_ratios(&wing, places, &wider), None);
+    let [largest, _] = ballooning_differences(&cell_width_ratios(wing, places, &wider), None);
     assert!((0.05..0.1).contains(&largest), "{largest}");
 }
 

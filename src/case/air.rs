@@ -1,17 +1,14 @@
-//! Checks of `[air]`, `[resolution]` and `[coupling]`.
+//! The air: `[air]` and `[resolution]`.
 
-use glam::DVec3;
-
+use super::body::Body;
+use super::density::density_kg_m3;
 use super::file::{self, File};
-use super::scene::{Air, Body, BodyKind, Coupling, Flow, absent, positive, readable, within};
-use super::{Problem, bodies, descent, plate, rims, usual, wing_tunnel};
-use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
-
-/// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
-const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 
 /// Most steps between two evaluations of the eddy viscosity: the wind passes a cell in so many at a lattice speed of 0.06.
 const UPDATE_EVERY_LIMIT: u32 = 16;
@@ -19,29 +16,78 @@ const UPDATE_EVERY_LIMIT: u32 = 16;
 /// Smallest number of cells along any axis of the air.
 const SMALLEST_AXIS_CELLS: usize = 4;
 
-/// Most passes of forcing.
-const PASSES_LIMIT: u32 = 20;
-
 /// Largest lattice speed allowed: Mach 0.26, where the error of weak compressibility, of order Ma², reaches 7 %.
 pub const LATTICE_SPEED_LIMIT: f64 = 0.15;
 
+/// The air.
+#[derive(Debug, Clone, Copy)]
+pub struct Air {
+    /// Scales.
+    pub units: Units,
+    /// Kinematic viscosity [m²/s].
+    pub kinematic_viscosity_m2_s: f64,
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// Speed that is `lattice_speed` on the lattice [m/s].
+    pub reference_speed_m_s: f64,
+    /// Cells per step at the reference speed.
+    pub lattice_speed: f64,
+    /// Collision operator.
+    pub operator: Operator,
+    /// Eddy viscosity; `None` without one.
+    pub eddy_viscosity: Option<EddyViscosity>,
+    /// What the air does.
+    pub flow: Flow,
+}
+
+impl Air {
+    /// Wind speed, to which coefficients and times refer; without wind the speed that the lattice is scaled with [m/s].
+    #[must_use]
+    pub const fn wind_or_reference_m_s(&self) -> f64 {
+        match self.flow {
+            Flow::WindTunnel { speed_m_s, .. } if speed_m_s > 0.0 => speed_m_s,
+            _ => self.reference_speed_m_s,
+        }
+    }
+}
+
+/// What the air does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flow {
+    /// Wind along +x between frictionless walls.
+    WindTunnel {
+        /// Wind speed [m/s].
+        speed_m_s: f64,
+        /// Time in which the wind rises, before t = 0 [s].
+        start_time_s: f64,
+        /// Length of the viscous sponge before the outlet [m].
+        sponge_length_m: Option<f64>,
+    },
+    /// Decaying Taylor–Green vortices in a periodic box.
+    TaylorGreen {
+        /// Largest initial speed [m/s].
+        speed_m_s: f64,
+        /// Period along x and y [m].
+        side_m: f64,
+    },
+}
+
 /// Checks `[air]` and `[resolution]`.
 pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Result<Air, Problem> {
-    let density_kg_m3 = descent::density_kg_m3(air)?;
+    let density_kg_m3 = density_kg_m3(air)?;
     let kinematic_viscosity_m2_s =
         positive("air.kinematic_viscosity_m2_s", air.kinematic_viscosity_m2_s)?;
     let resolution = file
         .resolution
         .as_ref()
         .ok_or_else(|| absent("resolution", "air needs a lattice"))?;
-    let diameter = body.and_then(|b| match b.kind {
-        BodyKind::Canopy(canopy) => Some(canopy.nominal_diameter_m),
-        _ => None,
-    });
-    let diameter = diameter.or_else(|| bodies::only_diameter_m(file));
+    let diameter = body
+        .and_then(Body::canopy)
+        .map(|canopy| canopy.nominal_diameter_m);
+    let diameter = diameter.or_else(|| file.only_diameter_m());
     let of_chord = resolution
         .cells_per_chord
-        .map(|cells| wing_tunnel::cell_size_m(file, cells))
+        .map(|cells| cell_of_chord_m(file, cells))
         .transpose()?;
     let cell_size_m = match (
         resolution.cells_per_diameter,
@@ -236,6 +282,28 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
     Ok(air)
 }
 
+/// Size of a cell of which `cells` make the largest chord [m].
+fn cell_of_chord_m(file: &File, cells: f64) -> Result<f64, Problem> {
+    const KEY: &str = "resolution.cells_per_chord";
+    let resolution = file.resolution.as_ref();
+    if resolution.is_some_and(|r| r.cell_size_m.is_some()) {
+        return Err(Problem::new(
+            KEY,
+            "cells_per_chord and cell_size_m are both given",
+            "keep one of the two",
+        ));
+    }
+    let Some(table) = file.wing() else {
+        return Err(Problem::new(
+            KEY,
+            "cells_per_chord needs [structure.wing]",
+            "give resolution.cell_size_m instead",
+        ));
+    };
+    let chord_m = table.stations.iter().map(|s| s.chord_m).fold(0.0, f64::max);
+    Ok(chord_m / positive(KEY, cells)?)
+}
+
 /// Refuses a flow that the operator did not survive when the stability map was measured. Flow around bodies is faster than the wind:
 /// the plan warns of that.
 fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
@@ -330,211 +398,4 @@ fn check_eddy_viscosity(written: &file::EddyViscosity) -> Result<EddyViscosity, 
         );
     }
     Ok(eddy_viscosity)
-}
-
-/// Checks `[coupling]`, and that markers and structure fit the air.
-pub(super) fn check_coupling(
-    file: &File,
-    air: Option<&Air>,
-    body: Option<&mut Body>,
-) -> Result<Option<Coupling>, Problem> {
-    let has_fabric = body.is_some();
-    let has_bodies = !file.bodies.is_empty();
-    let (Some(air), true) = (air, has_fabric || has_bodies) else {
-        if file.coupling.is_some() {
-            return Err(Problem::new(
-                "coupling",
-                "[coupling] needs both air and a structure or a rigid body",
-                "remove [coupling], or add what is missing",
-            ));
-        }
-        return Ok(None);
-    };
-    let written = file.coupling.as_ref().ok_or_else(|| {
-        if has_fabric {
-            return Problem::new(
-                "structure",
-                "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
-                "add [coupling] with over_relaxation = 1.6",
-            );
-        }
-        Problem::new(
-            "bodies",
-            "[coupling] is missing: the case has air and rigid bodies, but does not say how they are coupled",
-            "add [coupling] with over_relaxation = 1.6",
-        )
-    })?;
-    let rim_inset_cells = within(
-        "coupling.rim_inset_cells",
-        usual::or(
-            "coupling.rim_inset_cells",
-            written.rim_inset_cells,
-            RIM_INSET_CELLS,
-        ),
-        if has_fabric { 0.0 } else { -1.0 },
-        1.0,
-    )?;
-    let structure_every = match body {
-        Some(body) => {
-            let structure_every = check_fabric_coupling(written, air, body)?;
-            match body.kind {
-                BodyKind::Plate(shape) => plate::check_cells(&shape, air, rim_inset_cells)?,
-                _ => rims::check(body, air, rim_inset_cells)?,
-            }
-            structure_every
-        }
-        None => {
-            for (key, given) in [
-                (
-                    "coupling.structure_every",
-                    written.structure_every.is_some(),
-                ),
-                ("coupling.mass_factor", written.mass_factor.is_some()),
-            ] {
-                if given {
-                    return Err(Problem::new(
-                        key,
-                        format!("{key} has no effect: it needs [structure]"),
-                        format!("remove {key}"),
-                    ));
-                }
-            }
-            None
-        }
-    };
-    if written.surface_inset_cells.is_some() && !has_bodies {
-        return Err(Problem::new(
-            "coupling.surface_inset_cells",
-            "coupling.surface_inset_cells has no effect: it needs [bodies]",
-            "remove coupling.surface_inset_cells",
-        ));
-    }
-    let passes = usual::or("coupling.passes", written.passes, 1);
-    if !(1..=PASSES_LIMIT).contains(&passes) {
-        return Err(Problem::new(
-            "coupling.passes",
-            format!("coupling.passes = {passes} is out of range"),
-            format!(
-                "allowed are 1 to {PASSES_LIMIT} passes of forcing; 1 is usual with over_relaxation = 1.6, 5 with 1.0"
-            ),
-        ));
-    }
-    if passes > 1 && has_fabric {
-        return Err(Problem::new(
-            "coupling.passes",
-            format!(
-                "coupling.passes = {passes}, but the case has fabric, which feels the air inside its own implicit step, once"
-            ),
-            "remove coupling.passes; several passes are for rigid bodies alone",
-        ));
-    }
-    if air.cells.iter().any(|&n| n < SMALLEST_COUPLED_AXIS_CELLS) {
-        return Err(Problem::new(
-            "resolution",
-            format!(
-                "the air has only {} x {} x {} cells: too few around a {}",
-                air.cells[0],
-                air.cells[1],
-                air.cells[2],
-                if has_fabric { "structure" } else { "body" }
-            ),
-            format!(
-                "at least {SMALLEST_COUPLED_AXIS_CELLS} cells are needed along every axis: choose smaller cells"
-            ),
-        ));
-    }
-    Ok(Some(Coupling {
-        over_relaxation: within(
-            "coupling.over_relaxation",
-            written.over_relaxation,
-            0.1,
-            8.0 / 3.0 + 1e-9,
-        )?,
-        structure_every,
-        passes,
-        marker_spacing_cells: check_marker_spacing(written)?,
-        rim_inset_cells,
-        averaging_steps: 1,
-    }))
-}
-
-fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {
-    const KEY: &str = "coupling.marker_spacing_cells";
-    let spacing = usual::or(KEY, written.marker_spacing_cells, SPACING_CELLS);
-    let [least, most] = SPACING_RANGE_CELLS;
-    if (least..=most).contains(&spacing) {
-        return Ok(spacing);
-    }
-    let why = if spacing > most {
-        ": air would pass between the markers"
-    } else {
-        ""
-    };
-    Err(Problem::new(
-        KEY,
-        format!("{KEY} = {} is out of range{why}", readable(spacing)),
-        format!(
-            "allowed are {least} to {most} cells; {SPACING_CELLS} is usual, and what holds without this key"
-        ),
-    ))
-}
-
-/// Checks what concerns fabric alone; returns the steps of the air per step of the fabric, if they are given.
-fn check_fabric_coupling(
-    written: &file::Coupling,
-    air: &Air,
-    body: &mut Body,
-) -> Result<Option<u32>, Problem> {
-    if body.structure.triangles.is_empty() {
-        return Err(Problem::new(
-            "structure",
-            "cables alone do not feel the air",
-            "remove [air], or choose a structure with fabric",
-        ));
-    }
-    if let Some(factor) = written.mass_factor {
-        positive("coupling.mass_factor", factor)?;
-        for mass in &mut body.structure.masses_kg {
-            *mass *= factor;
-        }
-    } else {
-        usual::noted("coupling.mass_factor", 1.0);
-    }
-    if let Some(structure_every) = written.structure_every
-        && !(1..=10).contains(&structure_every)
-    {
-        return Err(Problem::new(
-            "coupling.structure_every",
-            format!("coupling.structure_every = {structure_every} is out of range"),
-            "allowed are 1 to 10 steps of the air per step of the fabric; 1 is fastest and quietest, and what holds without this key",
-        ));
-    }
-    let size = DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m;
-    let margin = 2.0 * air.units.cell_size_m;
-    let mut is_fabric = vec![false; body.structure.node_count()];
-    for node in body.structure.triangles.iter().flat_map(|t| t.nodes) {
-        is_fabric[node as usize] = true;
-    }
-    for (node, position) in body.structure.positions_m.iter().enumerate() {
-        // Only fabric has markers; of what is held, a plate's edge may stand in a wall.
-        let free = match body.kind {
-            BodyKind::Wing => !is_fabric[node],
-            _ => body.structure.held[node],
-        };
-        if free {
-            continue;
-        }
-        if position.min_element() < margin || (size - *position).min_element() < margin {
-            return Err(Problem::new(
-                "air.wind_tunnel.size_m",
-                format!(
-                    "the structure does not fit: node {node} at ({:.3}, {:.3}, {:.3}) m lies outside or within two cells \
-                     of the walls of the tunnel of {:.3} × {:.3} × {:.3} m",
-                    position.x, position.y, position.z, size.x, size.y, size.z
-                ),
-                "enlarge the tunnel or move the structure (structure.*.confluence_m, structure.wing.tunnel.place_m)",
-            ));
-        }
-    }
-    Ok(written.structure_every)
 }

@@ -1,17 +1,19 @@
-//! Checks of `[bodies.NAME]`, and the building of their surfaces.
+//! Rigid bodies and their surfaces: `[bodies.NAME]`.
 
 use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::file::{self, BodyTable, File};
+use super::air::{Air, Flow};
+use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
-use super::scene::{Air, Flow, RigidBody, Shape, Time, positive, vector, within};
-use super::values::{self, check_name};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::time::Time;
+use super::usual;
+use super::values::{self, check_name, positive, vector, within};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
@@ -30,16 +32,62 @@ const TRIANGLE_LIMIT: f64 = 2e7;
 /// Instants at which a prescribed motion is looked at.
 const LOOKS: u32 = 400;
 
-/// Diameter of the only body, if it has one.
-pub(super) fn only_diameter_m(file: &File) -> Option<f64> {
-    let mut bodies = file.bodies.values();
-    let (Some(body), None) = (bodies.next(), bodies.next()) else {
-        return None;
-    };
-    let sphere = body.sphere.as_ref().map(|s| s.diameter_m);
-    let disk = body.disk.as_ref().map(|d| d.diameter_m);
-    let cylinder = body.cylinder.as_ref().map(|c| c.diameter_m);
-    sphere.or(disk).or(cylinder).filter(|d| *d > 0.0)
+/// A rigid body.
+#[derive(Debug, Clone)]
+pub struct RigidBody {
+    /// Its name in the case.
+    pub name: String,
+    /// What it is.
+    pub shape: Shape,
+    /// Normal of a disk or plate before it moves.
+    pub normal: DVec3,
+    /// Its surface before it moves.
+    pub surface: Surface,
+    /// The surface that markers stand on, a little inside; the same triangles.
+    pub marker_surface: Surface,
+    /// How it moves.
+    pub motion: PrescribedMotion,
+    /// Volume and its centroid before the body moves, if the surface is closed [m³, m].
+    pub volume_m3: Option<(f64, DVec3)>,
+    /// Area that coefficients refer to [m²].
+    pub reference_area_m2: f64,
+    /// Length that the Reynolds number and coefficients of moments refer to [m].
+    pub reference_length_m: f64,
+    /// Point of the body that moments are about, before it moves [m].
+    pub moment_point_m: DVec3,
+    /// Permeability of the surface; `None`: no air passes.
+    pub permeability: Option<Permeability>,
+}
+
+/// Shape of a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A sphere.
+    Sphere {
+        /// Diameter [m].
+        diameter_m: f64,
+    },
+    /// A disk without thickness.
+    Disk {
+        /// Diameter [m].
+        diameter_m: f64,
+    },
+    /// A rectangle without thickness.
+    Plate {
+        /// Width and height [m].
+        size_m: [f64; 2],
+    },
+    /// A circular cylinder.
+    Cylinder {
+        /// Diameter [m].
+        diameter_m: f64,
+        /// Length [m].
+        length_m: f64,
+        /// True if its ends are closed.
+        closed: bool,
+    },
+    /// A surface from a file.
+    Mesh,
 }
 
 /// Checks all bodies.
@@ -86,7 +134,7 @@ pub(super) fn check(
 /// A body's name and table, for messages.
 struct Written<'a> {
     key: String,
-    table: &'a BodyTable,
+    table: &'a file::Body,
 }
 
 impl Written<'_> {
@@ -98,7 +146,7 @@ impl Written<'_> {
 fn check_body(
     file: &File,
     name: &str,
-    table: &BodyTable,
+    table: &file::Body,
     files: &mut FromFiles,
     air: &Air,
     time: &Time,

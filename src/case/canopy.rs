@@ -2,10 +2,12 @@
 
 use std::f64::consts::PI;
 
-use super::file::{self, CanopyCommon, File};
-use super::rigging::{NEEDS_LINES, lines_per_end, rig};
-use super::scene::{Body, absent, positive, within};
-use super::{Problem, usual};
+use super::body::Body;
+use super::file::{self, File};
+use super::problem::Problem;
+use super::rigging::{NEEDS_LINES, Written, lines_per_end, rig};
+use super::usual;
+use super::values::{absent, positive, within};
 use crate::geometry::parachute::designs::{
     Design, DesignFault, RadialSlots, Shape, VIKING_DISK, VIKING_GAP,
 };
@@ -14,38 +16,6 @@ use crate::geometry::parachute::sewn::Cut;
 
 /// How far the parts of a disk-gap-band canopy may miss the nominal area.
 const AREA_TOLERANCE: f64 = 0.01;
-
-/// A canopy as written: the key of its table, what it is, and what all canopies have.
-pub(super) struct Written {
-    pub(super) key: String,
-    pub(super) cut: Cut,
-    pub(super) common: CanopyCommon,
-}
-
-/// The canopy of a case, if it has one.
-pub(super) fn check(file: &File) -> Result<Option<Body>, Problem> {
-    let Some(table) = &file.structure else {
-        return Ok(None);
-    };
-    let written = if let Some(t) = &table.flat_circular {
-        flat_circular(t)
-    } else if let Some(t) = &table.conical {
-        conical(t)
-    } else if let Some(t) = &table.slotted {
-        slotted(t)
-    } else if let Some(t) = &table.extended_skirt {
-        extended_skirt(t)
-    } else if let Some(t) = &table.annular {
-        annular(t)
-    } else if let Some(t) = &table.disk_gap_band {
-        disk_gap_band(t)
-    } else if let Some(t) = &table.cruciform {
-        cruciform(t, file)
-    } else {
-        return Ok(None);
-    };
-    rig(file, &written?).map(Some)
-}
 
 fn gores(key: &str, gores: usize, what: &str) -> Result<usize, Problem> {
     if (3..=200).contains(&gores) {
@@ -96,7 +66,7 @@ fn cut(key: &str, design: Design) -> Result<Cut, Problem> {
     Ok(Cut::Gores(design, pattern))
 }
 
-fn flat_circular(t: &file::FlatCircular) -> Result<Written, Problem> {
+pub(super) fn flat_circular(file: &File, t: &file::FlatCircular) -> Result<Body, Problem> {
     let key = "structure.flat_circular";
     let nominal_area_m2 = positive(&format!("{key}.nominal_area_m2"), t.nominal_area_m2)?;
     let gores = gores(key, t.gores, "a flat circular canopy")?;
@@ -121,18 +91,19 @@ fn flat_circular(t: &file::FlatCircular) -> Result<Written, Problem> {
             },
         )?,
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
 fn cone_angle(key: &str, degrees: f64) -> Result<f64, Problem> {
     within(&format!("{key}.cone_angle_deg"), degrees, 0.0, 60.0).map(f64::to_radians)
 }
 
-fn conical(t: &file::Conical) -> Result<Written, Problem> {
+pub(super) fn conical(file: &File, t: &file::Conical) -> Result<Body, Problem> {
     let key = "structure.conical";
     let design = Design {
         nominal_area_m2: positive(&format!("{key}.nominal_area_m2"), t.nominal_area_m2)?,
@@ -144,14 +115,15 @@ fn conical(t: &file::Conical) -> Result<Written, Problem> {
             slots: None,
         },
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
-fn slotted(t: &file::Slotted) -> Result<Written, Problem> {
+pub(super) fn slotted(file: &File, t: &file::Slotted) -> Result<Body, Problem> {
     let key = "structure.slotted";
     let count = gores(key, t.gores, "a slotted canopy")?;
     if t.slots == 0 || !count.is_multiple_of(t.slots) {
@@ -180,14 +152,15 @@ fn slotted(t: &file::Slotted) -> Result<Written, Problem> {
             }),
         },
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
-fn extended_skirt(t: &file::ExtendedSkirt) -> Result<Written, Problem> {
+pub(super) fn extended_skirt(file: &File, t: &file::ExtendedSkirt) -> Result<Body, Problem> {
     let key = "structure.extended_skirt";
     let of = |name: &str| format!("{key}.{name}");
     let design = Design {
@@ -205,14 +178,15 @@ fn extended_skirt(t: &file::ExtendedSkirt) -> Result<Written, Problem> {
             )?,
         },
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
-fn annular(t: &file::Annular) -> Result<Written, Problem> {
+pub(super) fn annular(file: &File, t: &file::Annular) -> Result<Body, Problem> {
     let key = "structure.annular";
     let of = |name: &str| format!("{key}.{name}");
     if t.apex_guide_n_m.is_some() {
@@ -229,14 +203,15 @@ fn annular(t: &file::Annular) -> Result<Written, Problem> {
         vent_diameter_m: Some(positive(&of("opening_diameter_m"), t.opening_diameter_m)?),
         shape: Shape::Annular,
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
-fn disk_gap_band(t: &file::DiskGapBand) -> Result<Written, Problem> {
+pub(super) fn disk_gap_band(file: &File, t: &file::DiskGapBand) -> Result<Body, Problem> {
     let key = "structure.disk_gap_band";
     let of = |name: &str| format!("{key}.{name}");
     let nominal_area_m2 = match (t.nominal_area_m2, t.nominal_diameter_m) {
@@ -313,14 +288,15 @@ fn disk_gap_band(t: &file::DiskGapBand) -> Result<Written, Problem> {
             band_width_m,
         },
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }
 
-fn cruciform(t: &file::Cruciform, file: &File) -> Result<Written, Problem> {
+pub(super) fn cruciform(file: &File, t: &file::Cruciform) -> Result<Body, Problem> {
     let key = "structure.cruciform";
     let of = |name: &str| format!("{key}.{name}");
     let length_m = positive(&of("length_m"), t.length_m)?;
@@ -347,9 +323,10 @@ fn cruciform(t: &file::Cruciform, file: &File) -> Result<Written, Problem> {
             lines_per_end,
         },
     };
-    Ok(Written {
-        key: key.to_owned(),
+    let canopy = Written {
+        key,
         cut: cut(key, design)?,
         common: t.common(),
-    })
+    };
+    rig(file, &canopy)
 }

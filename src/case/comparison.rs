@@ -1,7 +1,7 @@
 //! `[comparison.NAME]`: values of others that results are set beside at the end of a run.
 
-use super::Problem;
 use super::file::{ComparisonEntry, File};
+use super::problem::Problem;
 
 /// A value that a result is compared with, in the unit of the result.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,9 @@
 //! Checks of `[contact]`.
 
-use super::Problem;
+use super::body::Body;
 use super::file::File;
-use super::scene::{Body, positive};
+use super::problem::Problem;
+use super::values::positive;
 use crate::cloth::contact::{self, Contact, ContactFault, LARGEST_THICKNESS};
 
 /// Gives the fabric of a structure its contact, if the case asks for it.

@@ -2,10 +2,14 @@
 
 use glam::DVec3;
 
+use super::air::Air;
+use super::bodies::RigidBody;
+use super::body::{Body, BodyKind};
 use super::file::File;
 use super::payload_bodies::{self, PayloadBody};
-use super::scene::{Air, Body, BodyKind, RigidBody, positive, within};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::positive;
 
 /// A mass that falls along −x, followed by the box of the air.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,53 +53,6 @@ impl Descent {
     }
 }
 
-/// Altitudes of the standard atmosphere's lowest layer [m].
-const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
-
-/// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere, over the geometric altitude [kg/m³].
-pub(super) fn standard_density_kg_m3(altitude_m: f64) -> f64 {
-    const LAPSE_K_M: f64 = 0.0065;
-    const SEA_LEVEL_K: f64 = 288.15;
-    const SEA_LEVEL_KG_M3: f64 = 1.225;
-    // g M/(R L) − 1
-    const EXPONENT: f64 = 4.255_88;
-    const EARTH_RADIUS_M: f64 = 6_356_766.0;
-    let geopotential_m = EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m);
-    SEA_LEVEL_KG_M3 * (1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K).powf(EXPONENT)
-}
-
-/// Density of the air: as given, or of the standard atmosphere.
-pub(super) fn density_kg_m3(file: &super::file::Air) -> Result<f64, Problem> {
-    let altitude = file.descent.as_ref().and_then(|descent| descent.altitude_m);
-    match (file.density_kg_m3, altitude) {
-        (Some(density), None) => positive("air.density_kg_m3", density),
-        (None, Some(altitude)) => {
-            let [lowest, highest] = ALTITUDES_M;
-            within("air.descent.altitude_m", altitude, lowest, highest).map(|altitude_m| {
-                usual::noted("air.density_kg_m3", standard_density_kg_m3(altitude_m))
-            })
-        }
-        (Some(_), Some(_)) => Err(Problem::new(
-            "air.descent.altitude_m",
-            "air.density_kg_m3 and air.descent.altitude_m both say how dense the air is",
-            "keep one of the two",
-        )),
-        (None, None) => Err(super::scene::absent(
-            "air.density_kg_m3",
-            "air has a density (or air.descent.altitude_m)",
-        )),
-    }
-}
-
-/// Tolerance of a step of the fabric without one in the case. A payload hides in the energy norm, which its mass makes small: with 1e-2 the
-/// lines of `cases/finite-mass-drop.toml` pulled 3.5 % less than the canopy.
-pub(super) const fn usual_tolerance(file: &File) -> f64 {
-    match file.payload {
-        Some(_) => 1e-3,
-        None => 1e-2,
-    }
-}
-
 /// What falls, and what it needs; frees the confluence of a canopy that carries a payload.
 pub(super) fn check(
     file: &File,
@@ -109,7 +66,7 @@ pub(super) fn check(
         .iter()
         .enumerate()
         .filter_map(|(number, (name, table))| {
-            let fall = table.motion.as_ref()?.free_fall.as_ref()?;
+            let fall = table.free_fall()?;
             Some((number, name, fall.mass_kg))
         })
         .collect();
@@ -234,21 +191,4 @@ fn two_masses(key: &str) -> Problem {
         format!("[{key}] is a second mass that falls: the box follows only one"),
         "keep one of them",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    /// Densities over geometric altitudes as tabulated in ICAO Doc 7488.
-    #[test]
-    fn densities_are_those_of_the_tables() {
-        for (altitude, density) in [
-            (0.0, 1.225),
-            (1000.0, 1.11166),
-            (5000.0, 0.736_43),
-            (11_000.0, 0.364_80),
-        ] {
-            let found = super::standard_density_kg_m3(altitude);
-            assert!((found / density - 1.0).abs() < 1e-4, "{altitude}: {found}");
-        }
-    }
 }

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use super::Problem;
+use super::air::Flow;
 use super::file::File;
-use super::scene::{self, BodyKind, Flow, Scene, readable};
+use super::problem::Problem;
+use super::scene::{self, Scene};
+use super::values::readable;
 
 /// Largest ratio of cell sizes from one grid to the next.
 const LARGEST_RATIO: f64 = 4.0;
@@ -19,15 +21,11 @@ pub(super) fn check(file: &File, scene: &Scene, folder: &Path) -> Result<Vec<Sce
     let Some(ratios) = file.steady.as_ref().and_then(|s| s.grid_sequence.as_ref()) else {
         return Ok(Vec::new());
     };
-    let canopy = matches!(
-        scene.body.as_ref().map(|body| body.kind),
-        Some(BodyKind::Canopy(_))
-    );
     let wind = matches!(
         scene.air.map(|air| air.flow),
         Some(Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0
     );
-    if !canopy || !wind || scene.descent.is_some() {
+    if scene.canopy().is_none() || !wind || scene.descent.is_some() {
         return Err(Problem::new(
             KEY,
             format!(

@@ -107,17 +107,6 @@ fn flatten(path: &str, value: &toml::Value, keys: &mut BTreeMap<String, String>)
     }
 }
 
-/// The number under a dotted path of a case's text; `None` where it is absent.
-#[must_use]
-pub fn number_in(text: &str, path: &str) -> Option<f64> {
-    let table: toml::Table = toml::from_str(text).ok()?;
-    match super::lookup(&table, path)? {
-        toml::Value::Float(value) => Some(*value),
-        toml::Value::Integer(value) => Some(*value as f64),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,9 +135,6 @@ mod tests {
                 "time.steps was absent, is now 0.1"
             ]
         );
-        assert_eq!(number_in(CASE, "time.end_s"), Some(1.0));
-        assert_eq!(number_in(CASE, "output.flow"), Some(2.0));
-        assert_eq!(number_in(CASE, "output.other"), None);
     }
 
     /// Displacements that take the whole run are others in a longer one.

@@ -1,32 +1,19 @@
 //! Checks of `[structure.lep_sim]`: a wing that LEparagliding Studio has drawn, under one pressure inside.
 
-use super::Problem;
+use super::body::{Body, BodyKind, ImportedWing};
+use super::cable_material::check_material;
+use super::fabric::check_fabric;
 use super::file::{self, File};
 use super::mesh_examination::{ExaminedMesh, FromFiles};
-use super::scene::{Body, BodyKind, absent};
-use super::structure::{check_fabric, check_material};
-use crate::geometry::mesh::{lep_sim, quality};
+use super::problem::Problem;
+use super::values::absent;
+use crate::geometry::mesh::lep_sim;
 
 const KEY: &str = "structure.lep_sim";
 
-/// What is known of an imported wing beside its structure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImportedWing {
-    /// Row of every line, `[cable_count]`.
-    pub rows: Vec<String>,
-    /// Nodes where lines are held.
-    pub held: Vec<u32>,
-    /// Pressure inside, on the skin alone \[Pa\], `[triangle_count]`.
-    pub inside_pa: Vec<f64>,
-    /// Volume as drawn [m³].
-    pub volume_m3: f64,
-    /// Farthest that the end of a line or strap was moved to a node [m].
-    pub moved_max_m: f64,
-}
-
 pub(super) fn check(
     file: &File,
-    written: &file::LepSimTable,
+    written: &file::LepSim,
     files: &mut FromFiles,
 ) -> Result<Body, Problem> {
     let key = |name: &str| format!("{KEY}.{name}");
@@ -57,21 +44,16 @@ pub(super) fn check(
     let text = std::fs::read_to_string(&path).map_err(|error| refused(error.to_string()))?;
     let imported = lep_sim::read(&text, &fabric, &material).map_err(refused)?;
     let structure = imported.structure;
-    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
     let inside = |is_skin: &bool| if *is_skin { pressure_pa } else { 0.0 };
     files
         .meshes
         .push(ExaminedMesh::of_wing(KEY, &path, &structure));
-    files.imported = Some(ImportedWing {
+    let kind = BodyKind::ImportedWing(ImportedWing {
         rows: imported.rows,
         held: imported.held,
         inside_pa: imported.is_skin.iter().map(inside).collect(),
         volume_m3: imported.volume_m3,
         moved_max_m: imported.moved_max_m,
     });
-    Ok(Body {
-        quality: quality::measure(&structure.positions_m, &triangles),
-        kind: BodyKind::ImportedWing,
-        structure,
-    })
+    Ok(Body::at_rest(structure, kind))
 }

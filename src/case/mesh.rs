@@ -7,12 +7,13 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 
+use super::body::{Body, BodyKind, Canopy};
+use super::fabric::check_fabric;
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles, Joined};
-use super::scene::{Body, BodyKind, Canopy, absent, positive, vector};
-use super::structure::check_fabric;
-use super::values::rotation;
-use super::{Problem, mesh_lines, usual};
+use super::problem::Problem;
+use super::values::{absent, positive, rotation, vector};
+use super::{mesh_lines, usual};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
 use crate::geometry::fabric_surface;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::file::{self, File};
-use super::lep_sim::ImportedWing;
-use super::scene::positive;
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::positive;
 use crate::cloth::Structure;
 pub use crate::geometry::mesh::doctor::{Border, Examination, Finding, Kind, Mouth, Piece};
 use crate::geometry::mesh::doctor::{NoSides, Subject, Use, Welded, examine, mouth, orient, weld};
@@ -19,8 +19,6 @@ use crate::rigid::Surface;
 pub(super) struct FromFiles<'a> {
     /// Folder that files are looked up in.
     pub folder: &'a Path,
-    /// What is known of a wing of another program.
-    pub imported: Option<ImportedWing>,
     /// What meshes are made of.
     pub meshes: Vec<ExaminedMesh>,
     /// Nodes of a structure by the vertices of its file, where some were joined.
@@ -32,7 +30,6 @@ impl<'a> FromFiles<'a> {
     pub const fn new(folder: &'a Path) -> Self {
         Self {
             folder,
-            imported: None,
             meshes: Vec::new(),
             joined: None,
         }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 
-use super::Problem;
+use super::cable_material::check_material;
 use super::file::MeshFile;
-use super::scene::absent;
-use super::structure::check_material;
+use super::problem::Problem;
+use super::values::absent;
 use crate::cloth::Structure;
 use crate::frame::CableKind;
 use crate::geometry::line_table;

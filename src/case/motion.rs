@@ -3,16 +3,17 @@
 use glam::DVec3;
 
 use super::file;
-use super::scene::{Time, positive, vector};
-use super::values::direction;
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::time::Time;
+use super::usual;
+use super::values::{direction, positive, vector};
 use crate::rigid::motion::Table;
 use crate::rigid::{Motion, PrescribedMotion};
 
 /// Checks the motion written in the table `table_key`; rotations go about `usual_centre_m` where they name no other centre.
 pub(super) fn check(
     table_key: &str,
-    table: &file::MotionTable,
+    written: &file::Motion,
     usual_centre_m: DVec3,
     time: &Time,
 ) -> Result<PrescribedMotion, Problem> {
@@ -36,14 +37,8 @@ pub(super) fn check(
         )),
         None => Ok(DVec3::X),
     };
-    match (
-        &table.constant_velocity,
-        &table.constant_rotation,
-        &table.oscillation,
-        &table.table,
-        &table.free_fall,
-    ) {
-        (Some(given), None, None, None, None) => Ok(PrescribedMotion {
+    match written {
+        file::Motion::ConstantVelocity(given) => Ok(PrescribedMotion {
             motion: Motion::ConstantVelocity {
                 velocity_m_s: vector(&key("constant_velocity.velocity_m_s"), given.velocity_m_s)?,
                 rise_s: rise("constant_velocity.start_time_s", given.start_time_s)?,
@@ -51,7 +46,7 @@ pub(super) fn check(
             centre_m: usual_centre_m,
             axis: DVec3::X,
         }),
-        (None, Some(given), None, None, None) => Ok(PrescribedMotion {
+        file::Motion::ConstantRotation(given) => Ok(PrescribedMotion {
             motion: Motion::ConstantRotation {
                 rate_rad_s: number("constant_rotation.rate_rad_s", given.rate_rad_s)?,
                 rise_s: rise("constant_rotation.start_time_s", given.start_time_s)?,
@@ -59,7 +54,7 @@ pub(super) fn check(
             centre_m: centre("constant_rotation.centre_m", given.centre_m)?,
             axis: direction(&key("constant_rotation.axis"), given.axis)?,
         }),
-        (None, None, Some(given), None, None) => {
+        file::Motion::Oscillation(given) => {
             let of = |name: &str| key(&format!("oscillation.{name}"));
             let displacement = usual::or(of("displacement_m"), given.displacement_m, [0.0; 3]);
             let angle_deg = usual::or(of("angle_deg"), given.angle_deg, 0.0);
@@ -76,8 +71,8 @@ pub(super) fn check(
             })
         }
         // The box of the air falls with the body, in which it stays in its place.
-        (None, None, None, None, Some(_)) => Ok(PrescribedMotion::held()),
-        (None, None, None, Some(rows), None) => {
+        file::Motion::FreeFall(_) => Ok(PrescribedMotion::held()),
+        file::Motion::Table(rows) => {
             let spline = check_table(table_key, rows, time)?;
             Ok(PrescribedMotion {
                 motion: Motion::Table(spline),
@@ -85,11 +80,6 @@ pub(super) fn check(
                 axis: axis("table.axis", rows.axis, rows.angles_deg.is_some())?,
             })
         }
-        _ => Err(Problem::new(
-            table_key,
-            format!("[{table_key}] needs exactly one motion"),
-            "keep or add just one of constant_velocity, constant_rotation, oscillation, table, and for bodies free_fall; what is held has no [motion]",
-        )),
     }
 }
 

@@ -1,9 +1,37 @@
 //! `[output]`: what is written, and when.
 
 use super::file::File;
-use super::scene::{Output, positive};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::positive;
 use crate::frame::{FabricQuantity, FlowQuantity};
+
+/// What to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Panels of a wing laid flat.
+    pub wing_panels: bool,
+    /// Time between rows of `history.csv` [s].
+    pub sample_interval_s: f64,
+    /// Time between `canopy_*.vtp` files; absent: only the last.
+    pub canopy_interval_s: Option<f64>,
+    /// Time between `bodies_*.vtp` files; absent: only the last.
+    pub bodies_interval_s: Option<f64>,
+    /// Time between `flow_*.vti` files; absent: only the last.
+    pub flow_interval_s: Option<f64>,
+    /// Times of pictures besides the last [s].
+    pub picture_times_s: Vec<f64>,
+    /// What the fabric's colours show: one picture each.
+    pub picture_fabric: Vec<FabricQuantity>,
+    /// What the slice of air shows: one picture each.
+    pub picture_flow: Vec<FlowQuantity>,
+    /// Arrows of the air's velocity on the slice.
+    pub picture_arrows: bool,
+    /// Time between frames of `animation.png`; absent: none.
+    pub animation_interval_s: Option<f64>,
+    /// Charts of the history's main columns at the end.
+    pub history_plots: bool,
+}
 
 /// Checks the table; intervals that are left out follow from the end of the run [s].
 pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
@@ -39,7 +67,7 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
 
 /// Panels laid flat; refused without a wing.
 fn wing_panels(file: &File, written: Option<bool>) -> Result<bool, Problem> {
-    let has_wing = file.structure.as_ref().is_some_and(|s| s.wing.is_some());
+    let has_wing = file.wing().is_some();
     if written.is_some() && !has_wing {
         return Err(Problem::new(
             "output.wing_panels",

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::file::PayloadBodyTable;
-use super::scene::positive;
-use super::structure::check_material;
-use super::values::check_name;
-use super::{Problem, usual};
+use super::cable_material::check_material;
+use super::file;
+use super::problem::Problem;
+use super::usual;
+use super::values::{check_name, positive};
 use crate::cloth::Structure;
 use crate::frame::CableKind;
 
@@ -29,7 +29,7 @@ pub struct PayloadBody {
 
 /// Hangs all bodies below `payload`, the node of the payload, straight down (−x) on tethers without tension.
 pub(super) fn hang(
-    tables: &BTreeMap<String, PayloadBodyTable>,
+    tables: &BTreeMap<String, file::PayloadBody>,
     payload: usize,
     structure: &mut Structure,
 ) -> Result<Vec<PayloadBody>, Problem> {

@@ -1,24 +1,20 @@
 //! Checks of `permeability` tables.
 
-use super::file::PermeabilityTable;
-use super::scene::{positive, within};
-use super::{Problem, usual};
+use super::file;
+use super::problem::Problem;
+use super::usual;
+use super::values::{positive, within};
 use crate::fabric::permeability::{NAMED_FABRICS, Permeability};
 
 /// Checks the table at `key`; `thickness_m` is what Ergun's law takes without a thickness of its own, the density that of the air.
 pub(super) fn check(
     key: &str,
-    table: &PermeabilityTable,
+    written: &file::Permeability,
     thickness_m: Option<f64>,
     density_kg_m3: f64,
 ) -> Result<Permeability, Problem> {
-    match (
-        &table.ergun,
-        &table.measured,
-        &table.material,
-        table.discharge_coefficient,
-    ) {
-        (Some(ergun), None, None, None) => {
+    match written {
+        file::Permeability::Ergun(ergun) => {
             let key = |name: &str| format!("{key}.ergun.{name}");
             let coefficient = |name: &str, value: f64| {
                 if value == 0.0 {
@@ -58,17 +54,17 @@ pub(super) fn check(
             };
             Ok(Permeability::ergun(thickness_m, viscous, inertial))
         }
-        (None, Some(measured), None, None) => check_points(
+        file::Permeability::Measured(measured) => check_points(
             &format!("{key}.measured"),
             &measured.pressures_pa,
             &measured.air_speeds_m_s,
         ),
-        (None, None, None, Some(coefficient)) => {
+        file::Permeability::DischargeCoefficient(coefficient) => {
             let key = format!("{key}.discharge_coefficient");
-            let coefficient = within(&key, coefficient, 0.05, 1.0)?;
+            let coefficient = within(&key, *coefficient, 0.05, 1.0)?;
             Ok(Permeability::opening(density_kg_m3, coefficient))
         }
-        (None, None, Some(name), None) => NAMED_FABRICS
+        file::Permeability::Material(name) => NAMED_FABRICS
             .iter()
             .find(|fabric| fabric.name == name)
             .map(crate::fabric::permeability::NamedFabric::permeability)
@@ -80,11 +76,6 @@ pub(super) fn check(
                     format!("known are {}; or give ergun or measured", known.join(", ")),
                 )
             }),
-        _ => Err(Problem::new(
-            key,
-            format!("[{key}] needs exactly one law"),
-            "keep or add just one of ergun, measured, material, discharge_coefficient",
-        )),
     }
 }
 

@@ -1,12 +1,12 @@
 //! Checks of `[structure.plate]`.
 
-use glam::DVec3;
-
+use super::air::Air;
+use super::body::{Body, BodyKind};
 use super::file;
-use super::scene::{Air, Body, BodyKind, positive, readable, vector};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::{direction, positive, readable, vector};
 use crate::fabric::Fabric;
-use crate::geometry::mesh::quality;
 use crate::geometry::plate::{self, Plate};
 
 const KEY: &str = "structure.plate";
@@ -22,16 +22,6 @@ const LEAST_WIDTH_CELLS: f64 = 2.0;
 
 fn key(name: &str) -> String {
     format!("{KEY}.{name}")
-}
-
-fn direction(name: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
-    vector(&key(name), value)?.try_normalize().ok_or_else(|| {
-        Problem::new(
-            key(name),
-            format!("{} = {value:?} has no direction", key(name)),
-            "give a vector that is not zero; its length does not matter",
-        )
-    })
 }
 
 pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Problem> {
@@ -54,8 +44,8 @@ pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Prob
         ));
     }
     let (along, across) = (
-        direction("along", written.along)?,
-        direction("across", written.across)?,
+        direction(&key("along"), written.along)?,
+        direction(&key("across"), written.across)?,
     );
     if along.dot(across).abs() > SKEW {
         return Err(Problem::new(
@@ -96,12 +86,7 @@ pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Prob
             "make the plate larger, or divide it less",
         )
     })?;
-    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
-    Ok(Body {
-        quality: quality::measure(&structure.positions_m, &triangles),
-        kind: BodyKind::Plate(shape),
-        structure,
-    })
+    Ok(Body::at_rest(structure, BodyKind::Plate(shape)))
 }
 
 /// Refuses a plate that the cells are too coarse for, with its markers' rim `inset_cells` inside its own.

@@ -1,10 +1,12 @@
 //! Checks of what a canopy hangs on and is folded like: `[lines]`, `[belts]`, the bands and `folding`.
 
-use super::canopy::Written;
-use super::file::{self, File};
-use super::scene::{Body, BodyKind, Canopy, LoadingPressure, absent, positive, vector, within};
-use super::structure::{check_fabric, check_material};
-use super::{Problem, usual};
+use super::body::{Body, BodyKind, Canopy, LoadingPressure};
+use super::cable_material::check_material;
+use super::fabric::check_fabric;
+use super::file::{self, CanopyCommon, File};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive, vector, within};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
 use crate::geometry::parachute::{self, BuildFault, Rigging, Risers};
@@ -13,6 +15,13 @@ use crate::lines::drag::LineDrag;
 
 /// Most segments of a line.
 const SEGMENT_LIMIT: usize = 200;
+
+/// A canopy as written: the key of its table, what it is, and what all canopies have.
+pub(super) struct Written<'a> {
+    pub(super) key: &'a str,
+    pub(super) cut: Cut,
+    pub(super) common: CanopyCommon,
+}
 
 pub(super) const NEEDS_LINES: &str = "a canopy hangs on suspension lines";
 

@@ -1,7 +1,9 @@
 //! Whether the cells are fine enough for the fabric's rims: markers stand a little inside them.
 
-use super::Problem;
-use super::scene::{Air, Body, readable};
+use super::air::Air;
+use super::body::Body;
+use super::problem::Problem;
+use super::values::readable;
 use crate::cloth::rims::RimInsets;
 
 /// Least share of the fabric's area that markers must stand for.

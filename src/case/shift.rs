@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use super::Problem;
-use super::file::{File, MotionTable};
-use super::scene::{Air, Body, BodyKind, readable};
-use super::wing::Wing;
+use super::air::Air;
+use super::body::{Body, BodyKind};
+use super::file::{File, Motion};
+use super::problem::Problem;
+use super::values::readable;
 
 /// The key.
 const KEY: &str = "resolution.shift_cells";
@@ -37,53 +38,37 @@ pub(super) fn check(file: &File, air: Option<&Air>) -> Result<DVec3, Problem> {
 }
 
 /// Moves a structure with what holds and guides it.
-pub(super) fn move_structure(by_m: DVec3, body: Option<&mut Body>, wing: Option<&mut Wing>) {
-    if let Some(body) = body {
-        for place in &mut body.structure.positions_m {
-            *place += by_m;
-        }
-        for guide in &mut body.structure.guides {
-            guide.anchor_m += by_m;
-        }
-        if let BodyKind::Plate(plate) = &mut body.kind {
-            plate.held_edge_m += by_m;
-        }
-    }
-    for place in wing
-        .and_then(|wing| wing.tunnel.as_mut())
-        .into_iter()
-        .flat_map(|tunnel| &mut tunnel.designed_m)
-    {
+pub(super) fn move_structure(by_m: DVec3, body: &mut Body) {
+    for place in &mut body.structure.positions_m {
         *place += by_m;
+    }
+    for guide in &mut body.structure.guides {
+        guide.anchor_m += by_m;
+    }
+    match &mut body.kind {
+        BodyKind::Plate(plate) => plate.held_edge_m += by_m,
+        BodyKind::Wing(wing) => {
+            for place in wing.tunnel.iter_mut().flat_map(|t| &mut t.designed_m) {
+                *place += by_m;
+            }
+        }
+        _ => {}
     }
 }
 
 /// The file with its rigid bodies moved, and the centres of their motions and the points of their moments with them.
 pub(super) fn with_moved_bodies(file: &File, by_m: DVec3) -> File {
     let moved = |place: [f64; 3]| (DVec3::from_array(place) + by_m).to_array();
-    let centre = |place: &mut Option<[f64; 3]>| *place = place.map(moved);
     let mut file = file.clone();
     for body in file.bodies.values_mut() {
         body.position_m = moved(body.position_m);
-        if let Some(reference) = &mut body.reference {
-            centre(&mut reference.moment_point_m);
-        }
-        if let Some(MotionTable {
-            constant_rotation,
-            oscillation,
-            table,
-            ..
-        }) = &mut body.motion
-        {
-            if let Some(given) = constant_rotation {
-                centre(&mut given.centre_m);
-            }
-            if let Some(given) = oscillation {
-                centre(&mut given.centre_m);
-            }
-            if let Some(given) = table {
-                centre(&mut given.centre_m);
-            }
+        let moment_point_m = body
+            .reference
+            .as_mut()
+            .and_then(|r| r.moment_point_m.as_mut());
+        let centre_m = body.motion.as_mut().and_then(Motion::centre_m);
+        for point in moment_point_m.into_iter().chain(centre_m) {
+            *point = moved(*point);
         }
     }
     file
@@ -125,10 +110,10 @@ mod tests {
                 body.structure.guides.iter().map(|g| g.anchor_m).collect()
             };
             assert_moved(&anchors(a), &anchors(b), by_m);
-            if let (BodyKind::Plate(a), BodyKind::Plate(b)) = (a.kind, b.kind) {
+            if let (Some(a), Some(b)) = (a.plate(), b.plate()) {
                 assert_moved(&[a.flat_tip_m()], &[b.flat_tip_m()], by_m);
             }
-            if let (Some(a), Some(b)) = (&before.wing, &after.wing) {
+            if let (Some(a), Some(b)) = (a.wing(), b.wing()) {
                 let [a, b] = [a, b].map(|wing| wing.tunnel.as_ref().unwrap());
                 assert_moved(&a.designed_m, &b.designed_m, by_m);
             }

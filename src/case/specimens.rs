@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::Problem;
+use super::body::{Airbag, Body, BodyKind, Coupon};
 use super::file;
-use super::scene::{Body, BodyKind, Coupon, positive, within};
-use crate::cloth::Structure;
+use super::problem::Problem;
+use super::values::{positive, within};
 use crate::fabric::Fabric;
-use crate::geometry::mesh::quality;
 use crate::geometry::{airbag, coupon, fabric_surface, surfaces};
 
 /// Most cells along a side, or rings.
@@ -33,15 +32,6 @@ fn impossible(key: &str) -> Problem {
     )
 }
 
-fn body(structure: Structure, rest_m: &[DVec3], kind: BodyKind) -> Body {
-    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
-    Body {
-        quality: quality::measure(rest_m, &triangles),
-        kind,
-        structure,
-    }
-}
-
 pub(super) fn check_airbag(written: &file::Airbag, fabric: &Fabric) -> Result<Body, Problem> {
     const KEY: &str = "structure.airbag";
     let side_m = positive(&format!("{KEY}.side_m"), written.side_m)?;
@@ -60,13 +50,10 @@ pub(super) fn check_airbag(written: &file::Airbag, fabric: &Fabric) -> Result<Bo
         .iter()
         .map(|x| x.with_z(0.0))
         .collect();
-    Ok(body(
-        bag.structure,
-        &flat,
-        BodyKind::Airbag {
-            middles: bag.middles,
-        },
-    ))
+    let kind = BodyKind::Airbag(Airbag {
+        middles: bag.middles,
+    });
+    Ok(Body::new(bag.structure, &flat, kind))
 }
 
 pub(super) fn check_disc(written: &file::Disc, fabric: &Fabric) -> Result<Body, Problem> {
@@ -88,7 +75,7 @@ pub(super) fn check_disc(written: &file::Disc, fabric: &Fabric) -> Result<Body, 
             place.z = 1e-3 * radius_m * (1.0 - share);
         }
     }
-    Ok(body(structure, &surface.positions_m, BodyKind::Sheet))
+    Ok(Body::new(structure, &surface.positions_m, BodyKind::Sheet))
 }
 
 pub(super) fn check_coupon(written: &file::Coupon, fabric: &Fabric) -> Result<Body, Problem> {
@@ -126,10 +113,8 @@ pub(super) fn check_coupon(written: &file::Coupon, fabric: &Fabric) -> Result<Bo
         structure.positions_m[node as usize] = place;
     }
     // Stretched a little, which the quality of triangles does not feel.
-    let rest = structure.positions_m.clone();
-    Ok(body(
+    Ok(Body::at_rest(
         structure,
-        &rest,
         BodyKind::Coupon(Coupon {
             cross_section_m2: shape.width_m * fabric.thickness_m,
             gauge: strip.gauge,

@@ -1,8 +1,11 @@
 //! Checks of `[steady]`: what can become steady at all.
 
-use super::Problem;
+use super::air::{Air, Flow};
+use super::bodies::RigidBody;
+use super::body::Body;
 use super::file::File;
-use super::scene::{Air, Body, BodyKind, Flow, RigidBody, within};
+use super::problem::Problem;
+use super::values::within;
 use crate::rigid::Motion;
 
 /// Why the flow past a rigid body never becomes steady; `None` if it may.
@@ -32,7 +35,7 @@ pub(super) fn check(
     let Some(table) = &file.steady else {
         return Ok(None);
     };
-    let canopy = matches!(body.map(|body| body.kind), Some(BodyKind::Canopy(_)));
+    let canopy = body.is_some_and(|body| body.canopy().is_some());
     if let (false, Some(air)) = (canopy, air) {
         if body.is_some() {
             return Err(Problem::new(

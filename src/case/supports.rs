@@ -2,12 +2,14 @@
 
 use glam::DVec3;
 
-use super::file::{File, SupportTable};
+use super::body::Body;
+use super::file::{self, File};
 use super::mesh_examination::FromFiles;
 use super::motion;
-use super::scene::{Body, Time, positive, vector};
-use super::values::check_name;
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::time::Time;
+use super::usual;
+use super::values::{check_name, positive, vector};
 use crate::cloth::Structure;
 use crate::rigid::{Motion, PrescribedMotion};
 
@@ -96,7 +98,7 @@ pub(super) fn check(
 
 fn check_support(
     name: &str,
-    table: &SupportTable,
+    table: &file::Support,
     structure: &Structure,
     time: Option<&Time>,
     files: &FromFiles,
@@ -239,7 +241,7 @@ fn nodes_by_number(
 
 fn check_motion(
     table_key: &str,
-    table: &SupportTable,
+    table: &file::Support,
     middle_m: DVec3,
     time: Option<&Time>,
 ) -> Result<PrescribedMotion, Problem> {
@@ -281,7 +283,7 @@ fn check_motion(
             "remove it: the motion has times of its own",
         )),
         (None, Some(written), Some(time)) => {
-            if written.free_fall.is_some() {
+            if matches!(written, file::Motion::FreeFall(_)) {
                 return Err(Problem::new(
                     key("motion.free_fall"),
                     "a support does not fall: nothing would hold the structure",

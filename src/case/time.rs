@@ -1,8 +1,10 @@
 //! Checks of `[time]`.
 
+use super::air::{Air, Flow};
 use super::file::{self, File};
-use super::scene::{Air, Flow, absent, positive};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive};
 
 /// Most times that a step is halved.
 const HALVING_LIMIT: u32 = 30;
@@ -92,7 +94,7 @@ pub(super) fn check(file: &File, air: Option<&Air>) -> Result<Option<Time>, Prob
 }
 
 fn check_adaptive(
-    written: &file::AdaptiveTable,
+    written: &file::AdaptiveSteps,
     step_s: f64,
     in_air: bool,
 ) -> Result<AdaptiveStep, Problem> {

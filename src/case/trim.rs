@@ -1,8 +1,9 @@
 //! Checks of `[equilibrium.trim]`.
 
 use super::file::{self, File};
-use super::scene::{absent, positive, within};
-use super::{Problem, usual};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive, within};
 use crate::aero::polar::{Polar, PolarPoint};
 use crate::trim::{Settings, Tolerance};
 
@@ -18,8 +19,8 @@ fn key(name: &str) -> String {
 /// Checks the table of a wing whose profiles have the given names, in their order.
 pub(super) fn check(
     file: &File,
-    written: &file::TrimTable,
-    table: &file::WingTable,
+    written: &file::Trim,
+    table: &file::Wing,
 ) -> Result<Settings, Problem> {
     let gravity = file.gravity.as_ref().map(|g| g.acceleration_m_s2);
     if !gravity.is_some_and(|[x, y, z]| x == 0.0 && y == 0.0 && z < 0.0) {

@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 
-use super::Problem;
 use super::file::Rotation;
+use super::problem::Problem;
 
 /// Largest and (inverted) smallest quantity taken for a real one, in SI units.
 pub(super) const PLAUSIBLE: f64 = 1e15;
@@ -116,4 +116,27 @@ pub(super) fn rotation(key: &str, written: Option<&Rotation>) -> Result<DQuat, P
             .x
             .to_radians(),
     ))
+}
+
+/// Refuses tables of points whose places do not grow, or lie outside 0 to 1, or whose values are out of range.
+pub(super) fn points(
+    key: &str,
+    table: &[[f64; 2]],
+    [low, high]: [f64; 2],
+) -> Result<Vec<[f64; 2]>, Problem> {
+    let grows = table.windows(2).all(|p| p[1][0] > p[0][0]);
+    let inside = table.iter().all(|p| (0.0..=1.0).contains(&p[0]));
+    if table.is_empty() || !grows || !inside {
+        return Err(Problem::new(
+            key,
+            format!(
+                "{key} is not a table of points [place, value] with places growing from 0 to 1"
+            ),
+            "e.g. [[0.0, 0.01], [0.3, 0.03], [1.0, 0.0]]",
+        ));
+    }
+    for point in table {
+        within(key, point[1], low, high)?;
+    }
+    Ok(table.to_vec())
 }

@@ -2,27 +2,25 @@
 
 use std::path::Path;
 
-use super::file::{self, File};
+use super::fabric::{USUAL_RESIDUAL, check_fabric_at};
+use super::file::{self, File, wing_key as key};
 pub use super::file::{FrictionName, HeldName};
-use super::scene::{Body, BodyKind, positive, vector, within};
-use super::structure::{USUAL_RESIDUAL, check_fabric_at};
+use super::problem::Problem;
 use super::trim;
+use super::usual;
+use super::values::{points, positive, vector, within};
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use super::wing_tunnel;
 pub use super::wing_tunnel::{Pull, Tunnel};
-use super::{Problem, usual};
 use crate::cloth::Structure;
-use crate::geometry::mesh::quality;
 use crate::geometry::wing;
-pub use crate::geometry::wing::LineKind;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, Hole, Intakes, PartFabrics, Plan, Tape, WingFault};
 use crate::geometry::wing::pressure::{Distribution, jumps_pa};
 pub use crate::geometry::wing::section::{Profile, Side};
+pub use crate::geometry::wing::{BuiltWing, LineKind};
 use crate::trim::Settings;
-
-const KEY: &str = "structure.wing";
 
 /// Most nodes of a wing: some 6 GB.
 const NODE_LIMIT: usize = 4_000_000;
@@ -30,8 +28,8 @@ const NODE_LIMIT: usize = 4_000_000;
 /// A wing with what acts on it and what its lines bear.
 #[derive(Debug, Clone)]
 pub struct Wing {
-    /// The wing; its structure is the body's.
-    pub wing: wing::Wing,
+    /// What was built from the plan, but for its structure, which is the body's.
+    pub built: BuiltWing,
     /// How fine its mesh is.
     pub fineness: Fineness,
     /// What it was built from.
@@ -65,33 +63,44 @@ pub struct CoarserWing {
     pub structure: Structure,
 }
 
-/// Dotted path of a key of the wing.
-pub(super) fn key(name: &str) -> String {
-    format!("{KEY}.{name}")
+/// Refuses loads of a wing where there is none.
+pub(super) fn check_loads(file: &File) -> Result<(), Problem> {
+    if file.wing().is_some() {
+        return Ok(());
+    }
+    wing_design::check_load_test(file)?;
+    wing_design::check_panel_shaping(file)?;
+    let of = |what: fn(&file::Equilibrium) -> bool| file.equilibrium.as_ref().is_some_and(what);
+    for (key, present, remedy) in [
+        (
+            "equilibrium.wing_pressure",
+            of(|e| e.wing_pressure.is_some()),
+            "remove it, or use equilibrium.pressure_pa",
+        ),
+        ("equilibrium.trim", of(|e| e.trim.is_some()), "remove it"),
+    ] {
+        if present {
+            return Err(Problem::new(
+                key,
+                format!("[{key}] has no effect: it needs [structure.wing]"),
+                remedy,
+            ));
+        }
+    }
+    Ok(())
 }
 
-/// Builds the wing of a case, if it has one; files are looked up relative to `folder`.
-pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem> {
+/// Builds the wing of a case with its structure at the start; files are looked up relative to `folder`.
+pub(super) fn check(
+    file: &File,
+    table: &file::Wing,
+    folder: &Path,
+) -> Result<(Wing, Structure), Problem> {
     let equilibrium = file.equilibrium.as_ref();
     let prescribed = equilibrium.and_then(|e| e.wing_pressure.as_ref());
     let sought = equilibrium.and_then(|e| e.trim.as_ref());
     let load_test = wing_design::check_load_test(file)?;
     let panel_shaping = wing_design::check_panel_shaping(file)?;
-    let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
-        let (key, remedy) = match (prescribed, sought) {
-            (Some(_), _) => (
-                "equilibrium.wing_pressure",
-                "remove it, or use equilibrium.pressure_pa",
-            ),
-            (None, Some(_)) => ("equilibrium.trim", "remove it"),
-            (None, None) => return Ok(None),
-        };
-        return Err(Problem::new(
-            key,
-            format!("[{key}] has no effect: it needs [structure.wing]"),
-            remedy,
-        ));
-    };
     if prescribed.is_some() && sought.is_some() {
         return Err(Problem::new(
             "equilibrium.trim",
@@ -137,18 +146,18 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
         (area_m2 / std::f64::consts::FRAC_PI_4).sqrt()
     };
     let meshed = |fineness: Fineness| {
-        let wing = wing::build(&plan, fineness)?;
+        let built = wing::build(&plan, fineness)?;
         Ok(Wing {
             fineness,
-            load_pa: distribution.as_ref().map(|d| jumps_pa(&wing, d)),
+            load_pa: distribution.as_ref().map(|d| jumps_pa(&built, d)),
             trim: trim.clone(),
-            breaking_loads_n: wing.line_kinds.iter().map(breaking).collect(),
-            line_diameters_m: wing.line_kinds.iter().map(diameter).collect(),
+            breaking_loads_n: built.line_kinds.iter().map(breaking).collect(),
+            line_diameters_m: built.line_kinds.iter().map(diameter).collect(),
             load_test: None,
             panel_shaping: None,
             tunnel: None,
             pulls: Vec::new(),
-            wing,
+            built,
             plan: plan.clone(),
             coarser: None,
         })
@@ -158,10 +167,10 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
     whole.tunnel = (table.tunnel.as_ref())
         .map(|written| {
             let passes = usual::or("coupling.passes", passes, 1);
-            wing_tunnel::place(&mut whole.wing, table, (written, passes))
+            wing_tunnel::place(&mut whole.built, table, (written, passes))
         })
         .transpose()?;
-    whole.pulls = wing_tunnel::pulls(file, table, &whole.wing)?;
+    whole.pulls = wing_tunnel::pulls(file, table, &whole.built)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {
         let mut finest = &mut whole;
         while let Some(fineness) = finest.fineness.halved() {
@@ -169,7 +178,7 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
             let Ok(mut wing) = meshed(fineness) else {
                 break;
             };
-            let structure = std::mem::take(&mut wing.wing.structure);
+            let structure = std::mem::take(&mut wing.built.structure);
             let coarser = finest
                 .coarser
                 .insert(Box::new(CoarserWing { wing, structure }));
@@ -178,18 +187,8 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<Wing>, Problem>
     }
     // Only the mesh asked for is tested and shaped.
     (whole.load_test, whole.panel_shaping) = (load_test, panel_shaping);
-    Ok(Some(whole))
-}
-
-/// The wing's structure as the body of the scene.
-pub(super) fn body(wing: &mut Wing) -> Body {
-    let structure = std::mem::take(&mut wing.wing.structure);
-    let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
-    Body {
-        quality: quality::measure(&structure.positions_m, &triangles),
-        kind: BodyKind::Wing,
-        structure,
-    }
+    let structure = std::mem::take(&mut whole.built.structure);
+    Ok((whole, structure))
 }
 
 fn refused(fault: WingFault) -> Problem {
@@ -213,7 +212,7 @@ fn refused(fault: WingFault) -> Problem {
     }
 }
 
-fn check_fineness(table: &file::WingTable) -> Result<Fineness, Problem> {
+fn check_fineness(table: &file::Wing) -> Result<Fineness, Problem> {
     let mesh = &table.mesh;
     let range = |name: &str, value: usize, low: usize, high: usize| {
         if (low..=high).contains(&value) {
@@ -250,33 +249,7 @@ fn check_fineness(table: &file::WingTable) -> Result<Fineness, Problem> {
     })
 }
 
-/// Refuses tables of points whose places do not grow, or lie outside 0 to 1, or whose values are out of range.
-pub(super) fn points(
-    key: &str,
-    table: &[[f64; 2]],
-    [low, high]: [f64; 2],
-) -> Result<Vec<[f64; 2]>, Problem> {
-    let grows = table.windows(2).all(|p| p[1][0] > p[0][0]);
-    let inside = table.iter().all(|p| (0.0..=1.0).contains(&p[0]));
-    if table.is_empty() || !grows || !inside {
-        return Err(Problem::new(
-            key,
-            format!(
-                "{key} is not a table of points [place, value] with places growing from 0 to 1"
-            ),
-            "e.g. [[0.0, 0.01], [0.3, 0.03], [1.0, 0.0]]",
-        ));
-    }
-    for point in table {
-        within(key, point[1], low, high)?;
-    }
-    Ok(table.to_vec())
-}
-
-fn check_pressure(
-    written: &file::WingPressureTable,
-    cells: usize,
-) -> Result<Distribution, Problem> {
+fn check_pressure(written: &file::WingPressure, cells: usize) -> Result<Distribution, Problem> {
     const KEY: &str = "equilibrium.wing_pressure";
     let key = |name: &str| format!("{KEY}.{name}");
     let coefficient = |key: &str, value: f64| within(key, value, -20.0, 20.0);
@@ -317,7 +290,7 @@ fn check_pressure(
     })
 }
 
-fn check_stations(table: &file::WingTable, names: &[&String]) -> Result<Vec<Station>, Problem> {
+fn check_stations(table: &file::Wing, names: &[&String]) -> Result<Vec<Station>, Problem> {
     let key = key("stations");
     let refuse = |message: String, help: &str| Err(Problem::new(&key, message, help));
     if table.stations.len() < 2 {
@@ -372,7 +345,7 @@ fn check_stations(table: &file::WingTable, names: &[&String]) -> Result<Vec<Stat
     Ok(stations)
 }
 
-fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
+fn check_holes(table: &file::Wing) -> Result<Vec<Hole>, Problem> {
     let key = key("holes");
     let mut last = 0.02;
     let mut holes = Vec::new();
@@ -401,11 +374,7 @@ fn check_holes(table: &file::WingTable) -> Result<Vec<Hole>, Problem> {
     Ok(holes)
 }
 
-fn check_plan(
-    table: &file::WingTable,
-    materials: &Materials,
-    folder: &Path,
-) -> Result<Plan, Problem> {
+fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Result<Plan, Problem> {
     if !(1..=400).contains(&table.cells) {
         return Err(Problem::new(
             key("cells"),
@@ -502,7 +471,7 @@ fn check_fabrics(written: &file::WingFabrics) -> Result<PartFabrics, Problem> {
     })
 }
 
-fn check_intakes(written: &file::IntakesTable) -> Result<Intakes, Problem> {
+fn check_intakes(written: &file::Intakes) -> Result<Intakes, Problem> {
     let from = within(&key("intakes.from"), written.from, 0.0, 0.3)?;
     let to = within(&key("intakes.to"), written.to, 0.0, 0.3)?;
     if to < from + 1e-3 {

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::file::{self, File, ShapingAim};
-use super::scene::{absent, within};
-use super::wing::{key, points};
-use super::{Problem, usual};
+use super::file::{self, File, ShapingAim, wing_key as key};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, points, within};
 use crate::geometry::profile::{self, ProfileError};
 use crate::geometry::wing::section::Profile;
 
@@ -41,7 +41,7 @@ pub type Ballooning = [Vec<[f64; 2]>; 2];
 /// Checks a table of ballooning.
 pub(super) fn check_ballooning(
     key: &str,
-    written: &file::BallooningTable,
+    written: &file::Ballooning,
 ) -> Result<Ballooning, Problem> {
     const RANGE: [f64; 2] = [0.0, 0.5];
     Ok([
@@ -66,8 +66,7 @@ pub(super) fn check_panel_shaping(file: &File) -> Result<Option<PanelShaping>, P
         KEY,
         "no loads of a wing are there to shape its panels",
     )?;
-    let wing = file.structure.as_ref().and_then(|s| s.wing.as_ref());
-    let planned = wing.and_then(|wing| wing.ballooning.as_ref());
+    let planned = file.wing().and_then(|wing| wing.ballooning.as_ref());
     let aim = usual::or(key("aim"), written.aim, ShapingAim::Ballooning);
     let target = match (aim, &written.target, planned) {
         (ShapingAim::CellWidth, None, _) => None,
@@ -137,7 +136,7 @@ fn needs_loads(file: &File, key: &str, what: &str) -> Result<(), Problem> {
 pub(super) fn check_load_test(file: &File) -> Result<Option<LoadTest>, Problem> {
     const KEY: &str = "equilibrium.load_test";
     const FACTORS: &str = "equilibrium.load_test.load_factors";
-    let written: Option<&file::LoadTestTable> =
+    let written: Option<&file::LoadTest> =
         file.equilibrium.as_ref().and_then(|e| e.load_test.as_ref());
     let Some(written) = written else {
         return Ok(None);
@@ -161,10 +160,7 @@ pub(super) fn check_load_test(file: &File) -> Result<Option<LoadTest>, Problem> 
 }
 
 /// Reads or computes the profiles of a wing; files are looked up relative to `folder`.
-pub(super) fn check_profiles(
-    table: &file::WingTable,
-    folder: &Path,
-) -> Result<Vec<Profile>, Problem> {
+pub(super) fn check_profiles(table: &file::Wing, folder: &Path) -> Result<Vec<Profile>, Problem> {
     table
         .profiles
         .iter()
@@ -175,11 +171,7 @@ pub(super) fn check_profiles(
 /// Farthest that a cut of the nose may reach back, per chord.
 const DEEPEST_CUT: f64 = 0.3;
 
-fn check_profile(
-    key: &str,
-    written: &file::ProfileTable,
-    folder: &Path,
-) -> Result<Profile, Problem> {
+fn check_profile(key: &str, written: &file::Profile, folder: &Path) -> Result<Profile, Problem> {
     let whole = whole_profile(key, written, folder)?;
     let Some([above, below]) = written.nose_cut else {
         return Ok(whole);
@@ -196,11 +188,7 @@ fn check_profile(
     })
 }
 
-fn whole_profile(
-    key: &str,
-    written: &file::ProfileTable,
-    folder: &Path,
-) -> Result<Profile, Problem> {
+fn whole_profile(key: &str, written: &file::Profile, folder: &Path) -> Result<Profile, Problem> {
     match (&written.naca, &written.file) {
         (Some(digits), None) => Profile::naca(digits).ok_or_else(|| {
             Problem::new(

@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use super::file;
-use super::scene::{absent, positive, within};
-use super::wing::key;
-use super::{Problem, usual};
+use super::file::{self, wing_key as key};
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive, within};
 use crate::geometry::wing::plan::{Diagonals, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 /// Cables by name, with their breaking loads [N].
 pub(super) type Materials = BTreeMap<String, (Cable, Option<f64>)>;
 
-pub(super) fn check_materials(table: &file::WingTable) -> Result<Materials, Problem> {
+pub(super) fn check_materials(table: &file::Wing) -> Result<Materials, Problem> {
     let mut materials = Materials::new();
     for (name, written) in &table.line_materials {
         let key = key(&format!("line_materials.{name}"));
@@ -38,7 +38,7 @@ pub(super) fn check_materials(table: &file::WingTable) -> Result<Materials, Prob
     Ok(materials)
 }
 
-fn check_law(key: &str, written: &file::LineMaterialTable) -> Result<CableLaw, Problem> {
+fn check_law(key: &str, written: &file::LineMaterial) -> Result<CableLaw, Problem> {
     let key = |name: &str| format!("{key}.{name}");
     match (written.axial_stiffness_n, &written.force_strain) {
         (Some(stiffness), None) => Ok(CableLaw::Linear {
@@ -80,8 +80,8 @@ pub(super) fn material(materials: &Materials, key: &str, name: &str) -> Result<C
 }
 
 pub(super) fn check_row(
-    table: &file::WingTable,
-    (name, written): (&String, &file::RowTable),
+    table: &file::Wing,
+    (name, written): (&String, &file::LineRow),
     materials: &Materials,
 ) -> Result<Row, Problem> {
     let row_key = key(&format!("rows.{name}"));

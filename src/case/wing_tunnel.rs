@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::file::{self, File, FrictionName, HalfName, HeldName};
-use super::scene::{positive, vector, within};
-use super::wing::key;
-use super::{Problem, usual};
+use super::file::{self, File, FrictionName, HalfName, HeldName, wing_key as key};
+use super::problem::Problem;
+use super::usual;
+use super::values::{vector, within};
 use crate::geometry::wing::{self, LineKind};
 
 /// Shortest that a riser may be hauled in to, over its length.
@@ -64,7 +64,7 @@ impl Pull {
 }
 
 /// Checks that air and `[structure.wing.tunnel]` go together.
-pub(super) fn check_air(file: &File, table: &file::WingTable) -> Result<(), Problem> {
+pub(super) fn check_air(file: &File, table: &file::Wing) -> Result<(), Problem> {
     let own = key("tunnel");
     let Some(air) = &file.air else {
         if table.tunnel.is_some() {
@@ -104,9 +104,9 @@ pub(super) fn check_air(file: &File, table: &file::WingTable) -> Result<(), Prob
 
 /// Puts a wing where it stands in the wind; its structure then is at its start.
 pub(super) fn place(
-    wing: &mut wing::Wing,
-    table: &file::WingTable,
-    (written, passes): (&file::WingTunnelTable, u32),
+    wing: &mut wing::BuiltWing,
+    table: &file::Wing,
+    (written, passes): (&file::WingTunnel, u32),
 ) -> Result<Tunnel, Problem> {
     let key = |name: &str| key(&format!("tunnel.{name}"));
     let place_m = vector(&key("place_m"), written.place_m)?;
@@ -191,8 +191,8 @@ pub(super) fn place(
 /// Checks the pulls of all rows.
 pub(super) fn pulls(
     file: &File,
-    table: &file::WingTable,
-    wing: &wing::Wing,
+    table: &file::Wing,
+    wing: &wing::BuiltWing,
 ) -> Result<Vec<Pull>, Problem> {
     let mut pulls = Vec::new();
     for (row, (name, written)) in table.rows.iter().enumerate() {
@@ -257,28 +257,6 @@ pub(super) fn pulls(
         });
     }
     Ok(pulls)
-}
-
-/// Size of a cell of which `cells` make the largest chord [m].
-pub(super) fn cell_size_m(file: &File, cells: f64) -> Result<f64, Problem> {
-    const KEY: &str = "resolution.cells_per_chord";
-    let resolution = file.resolution.as_ref();
-    if resolution.is_some_and(|r| r.cell_size_m.is_some()) {
-        return Err(Problem::new(
-            KEY,
-            "cells_per_chord and cell_size_m are both given",
-            "keep one of the two",
-        ));
-    }
-    let Some(table) = file.structure.as_ref().and_then(|s| s.wing.as_ref()) else {
-        return Err(Problem::new(
-            KEY,
-            "cells_per_chord needs [structure.wing]",
-            "give resolution.cell_size_m instead",
-        ));
-    };
-    let chord_m = table.stations.iter().map(|s| s.chord_m).fold(0.0, f64::max);
-    Ok(chord_m / positive(KEY, cells)?)
 }
 
 #[cfg(test)]

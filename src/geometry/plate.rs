@@ -11,7 +11,7 @@ use crate::fabric::Fabric;
 use crate::immersed::markers::Marker;
 
 /// How the edge is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Support {
     /// Place and tangent.

@@ -6,7 +6,9 @@ use crate::cloth::{Bending, Spring, Structure, Triangle};
 use crate::fabric::{Fabric, network};
 
 /// How the fabric is modelled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum FabricModel {
     /// Membrane triangles (default).

@@ -20,7 +20,7 @@ use super::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use super::operators::{dot, scale};
 
 /// Model of the eddy viscosity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EddyViscosityModel {
     /// From the strain rate.

@@ -17,7 +17,9 @@ pub mod start;
 pub use real::{Lanes, Number, Real};
 
 /// Collision operator of the air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Operator {
     /// [`operators::single_relaxation_time`] (BGK): for comparison only.

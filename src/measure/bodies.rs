@@ -199,7 +199,7 @@ enum Averaging {
 impl Averaging {
     fn new(record: &Record, scene: &Scene, air: &Air, body: &RigidBody) -> Option<Self> {
         if let (Some(BodyKind::Canopy(canopy)), None) =
-            (scene.body.as_ref().map(|body| body.kind), &scene.descent)
+            (scene.body.as_ref().map(|body| &body.kind), &scene.descent)
         {
             let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
             return Some(Self::Canopy(steady::window(record, unit_s)?));

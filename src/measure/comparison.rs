@@ -75,13 +75,13 @@ fn lattice_error(scene: &Scene) -> LatticeError {
     let Some(air) = &scene.air else {
         return LatticeError::None;
     };
-    let kind = scene.body.as_ref().map(|body| body.kind);
+    let kind = scene.body.as_ref().map(|body| &body.kind);
     let (cells_per_diameter, key) = match kind {
         Some(BodyKind::Canopy(canopy)) => (
             Some(canopy.nominal_diameter_m / air.units.cell_size_m),
             "cells_per_diameter",
         ),
-        Some(BodyKind::Wing) => (None, "cells_per_chord"),
+        Some(BodyKind::Wing(_)) => (None, "cells_per_chord"),
         _ => (None, "cell_size_m"),
     };
     LatticeError::OneLattice {

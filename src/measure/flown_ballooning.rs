@@ -24,9 +24,9 @@ fn of_height(height: f64) -> f64 {
 
 /// Height of the middle of a cell's panel over the width at place `k` of the outline; `None` where there is no node, or a mini-rib.
 fn height(wing: &Wing, positions_m: &[DVec3], cell: usize, k: usize) -> Option<f64> {
-    let count = wing.wing.outlines[cell].len();
-    let place = |rib: usize, k: usize| positions_m[wing.wing.outlines[rib][k % count] as usize];
-    let across = &wing.wing.rows_across[cell][k];
+    let count = wing.built.outlines[cell].len();
+    let place = |rib: usize, k: usize| positions_m[wing.built.outlines[rib][k % count] as usize];
+    let across = &wing.built.rows_across[cell][k];
     let middle = positions_m[*across.get(across.len() / 2)? as usize];
     let (left, right) = (place(cell, k), place(cell + 1, k));
     let along = |rib: usize| place(rib, k + 1) - place(rib, k + count - 1);
@@ -40,18 +40,18 @@ fn height(wing: &Wing, positions_m: &[DVec3], cell: usize, k: usize) -> Option<f
 /// Ballooning of both sides for positions of the mesh [m]: points [x/c, b].
 #[must_use]
 pub fn flown_ballooning(wing: &Wing, positions_m: &[DVec3]) -> Ballooning {
-    let count = wing.wing.outlines[0].len();
+    let count = wing.built.outlines[0].len();
     let tail = count / 2;
     let held_from = wing.plan.mini_ribs_from.unwrap_or(1.0);
     [Side::Upper, Side::Lower].map(|side| {
-        let places = wing.wing.places.of(side);
+        let places = wing.built.places.of(side);
         // Mini-ribs begin at the node nearest to their place.
-        let last = wing.wing.places.nearest(side, held_from).min(tail);
+        let last = wing.built.places.nearest(side, held_from).min(tail);
         (1..last)
             .filter_map(|j| {
                 let k = if side == Side::Upper { j } else { count - j };
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for (cell, pair) in wing.wing.frames.windows(2).enumerate() {
+                for (cell, pair) in wing.built.frames.windows(2).enumerate() {
                     let area =
                         (pair[1].span_m - pair[0].span_m) * (pair[0].chord_m + pair[1].chord_m);
                     if let Some(height) = height(wing, positions_m, cell, k) {
@@ -69,19 +69,19 @@ pub fn flown_ballooning(wing: &Wing, positions_m: &[DVec3]) -> Ballooning {
 /// [x/c, ratio] of both sides.
 #[must_use]
 pub fn width_ratios(wing: &Wing, designed_m: &[DVec3], flown_m: &[DVec3]) -> Ballooning {
-    let count = wing.wing.outlines[0].len();
+    let count = wing.built.outlines[0].len();
     let distance = |positions_m: &[DVec3], cell: usize, k: usize| {
-        let [a, b] = [cell, cell + 1].map(|rib| positions_m[wing.wing.outlines[rib][k] as usize]);
+        let [a, b] = [cell, cell + 1].map(|rib| positions_m[wing.built.outlines[rib][k] as usize]);
         a.distance(b)
     };
     [Side::Upper, Side::Lower].map(|side| {
-        let places = wing.wing.places.of(side);
+        let places = wing.built.places.of(side);
         (1..count / 2)
             .filter_map(|j| {
                 let k = if side == Side::Upper { j } else { count - j };
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for (cell, pair) in wing.wing.frames.windows(2).enumerate() {
-                    if wing.wing.rows_across[cell][k].is_empty() {
+                for (cell, pair) in wing.built.frames.windows(2).enumerate() {
+                    if wing.built.rows_across[cell][k].is_empty() {
                         continue;
                     }
                     let area =

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::case::lep_sim::ImportedWing;
+use crate::case::scene::ImportedWing;
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
 

@@ -44,7 +44,7 @@ pub struct LoadReading {
 /// The parts that the wing has.
 #[must_use]
 pub fn parts(wing: &Wing) -> Vec<Part> {
-    let has = |part: &Part| wing.wing.tags.iter().any(|tag| tag.part == *part);
+    let has = |part: &Part| wing.built.tags.iter().any(|tag| tag.part == *part);
     Part::ALL.into_iter().filter(has).collect()
 }
 
@@ -59,7 +59,7 @@ fn nearest_of(
     tensions_n: &[f64],
     is_asked: impl Fn(&LineKind) -> bool,
 ) -> Option<Nearest> {
-    let kinds = wing.wing.line_kinds.iter().zip(&wing.breaking_loads_n);
+    let kinds = wing.built.line_kinds.iter().zip(&wing.breaking_loads_n);
     kinds
         .zip(tensions_n)
         .enumerate()
@@ -87,7 +87,7 @@ fn projected_area_m2(wing: &Wing, positions_m: &[DVec3]) -> f64 {
             .sum();
         0.5 * twice.abs()
     };
-    wing.wing.outlines.windows(2).map(area).sum()
+    wing.built.outlines.windows(2).map(area).sum()
 }
 
 /// Reads a step.
@@ -100,14 +100,14 @@ pub fn read(wing: &Wing, step: &LoadStep) -> LoadReading {
             LineKind::Tape(_) => false,
         }
     };
-    let rows = 0..wing.wing.row_names.len();
+    let rows = 0..wing.built.row_names.len();
     let riser_load = |row: usize| {
-        let kinds = wing.wing.line_kinds.iter().zip(tensions);
+        let kinds = wing.built.line_kinds.iter().zip(tensions);
         let own = kinds.filter(|(kind, _)| **kind == LineKind::Riser { row });
         own.map(|(_, tension)| *tension).sum()
     };
     let largest = |part: Part| {
-        let own = wing.wing.tags.iter().enumerate();
+        let own = wing.built.tags.iter().enumerate();
         let own = own.filter(|(_, tag)| tag.part == part);
         let stresses = own.map(|(triangle, _)| (triangle, step.stress_pa[triangle]));
         stresses.fold(
@@ -179,11 +179,11 @@ pub fn line_names(wing: &Wing, designed: &Structure) -> Vec<LineName> {
 /// Sum of the breaking loads of a level counted from the risers up, from 0, brakes left out [N]; `None` where one of them is not told, or the level has
 /// no lines.
 fn strength_of_level_n(wing: &Wing, level: usize) -> Option<f64> {
-    let wing_rows = &wing.wing.row_names;
+    let wing_rows = &wing.built.row_names;
     let depths: Vec<usize> = (0..wing_rows.len())
         .map(|row| {
             let of_row = wing
-                .wing
+                .built
                 .line_kinds
                 .iter()
                 .filter_map(move |kind| match kind {
@@ -193,7 +193,7 @@ fn strength_of_level_n(wing: &Wing, level: usize) -> Option<f64> {
             of_row.max().unwrap_or(0)
         })
         .collect();
-    let kinds = wing.wing.line_kinds.iter().zip(&wing.breaking_loads_n);
+    let kinds = wing.built.line_kinds.iter().zip(&wing.breaking_loads_n);
     let own: Vec<Option<f64>> = kinds
         .filter(|(kind, _)| match kind {
             LineKind::Line { row, level: own } => {
@@ -273,7 +273,7 @@ pub(super) fn results(
         nearest,
         why,
     );
-    for (row, name) in wing.wing.row_names.iter().enumerate() {
+    for (row, name) in wing.built.row_names.iter().enumerate() {
         let nearest = last.as_ref().and_then(|r| as_quantity(&r.rows[row]));
         let key = format!("row_{name}_load_over_breaking_load_max");
         insert(key, "1", nearest, why);
@@ -288,7 +288,7 @@ pub(super) fn results(
     for (number, part) in parts(wing).into_iter().enumerate() {
         let stress = last.as_ref().map(|reading| {
             let (triangle, stress) = reading.stresses[number];
-            (stress, place(wing, &wing.wing.tags[triangle]))
+            (stress, place(wing, &wing.built.tags[triangle]))
         });
         insert(
             format!("{}_stress_max_pa", key(part)),
@@ -318,7 +318,7 @@ fn strengths(results: &mut Results, wing: &Wing, designed: &Structure, gravity_m
     let weight_n = mass * gravity_m_s2;
     for level in 0.. {
         let has_lines = wing
-            .wing
+            .built
             .line_kinds
             .iter()
             .any(|kind| matches!(kind, LineKind::Line { level: own, .. } if *own == level));

@@ -123,7 +123,7 @@ impl Record {
         };
         let mut columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
         if let (Some(BodyKind::Plate(_)), Some(_)) =
-            (scene.body.as_ref().map(|b| b.kind), &scene.air)
+            (scene.body.as_ref().map(|b| &b.kind), &scene.air)
         {
             columns.extend(plate::COLUMNS.map(str::to_owned));
         }
@@ -240,12 +240,12 @@ impl Record {
     pub fn add(&mut self, simulation: &mut Simulation) -> Result<&[f64], DeviceError> {
         let scene = simulation.scene();
         let in_air = scene.air.is_some();
-        let kind = scene.body.as_ref().map(|body| body.kind);
+        let kind = scene.body.as_ref().map(|body| body.kind.clone());
         let has_bodies = !scene.rigid_bodies.is_empty();
         let mut details = Vec::new();
-        let mut row = match kind {
+        let mut row = match &kind {
             Some(BodyKind::Canopy(canopy)) if in_air => {
-                let (row, of_parts) = self.canopy_row(simulation, &canopy)?;
+                let (row, of_parts) = self.canopy_row(simulation, canopy)?;
                 details = of_parts;
                 row
             }
@@ -254,11 +254,11 @@ impl Record {
             None if has_bodies => self.bodies_row(simulation)?,
             None => air_row(simulation)?,
         };
-        if let (Some(BodyKind::Plate(plate)), true) = (kind, in_air) {
-            row.extend(plate::tip_displacement_m(simulation, &plate).to_array());
+        if let (Some(BodyKind::Plate(plate)), true) = (&kind, in_air) {
+            row.extend(plate::tip_displacement_m(simulation, plate).to_array());
             row.push(self.last.map_or(f64::NAN, |last| last.supports.x));
         }
-        if let (Some(BodyKind::Wing), true) = (kind, in_air) {
+        if let (Some(BodyKind::Wing(_)), true) = (&kind, in_air) {
             let last = self.last.map(|l| [l.markers.z, l.momentum_box.z]);
             let force_n = DVec3::from_slice(&row[2..5]);
             row.extend(wing_wind::values(

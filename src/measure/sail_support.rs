@@ -86,7 +86,7 @@ type EdgeOfPart = ([u32; 2], (usize, u32));
 /// Mean over the area at rest of a part's tension (false) or stress (true).
 fn mean_of(wing: &Wing, structure: &StructureFrame, part: Part, of: impl Fn(usize) -> f64) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
-    for (triangle, tag) in wing.wing.tags.iter().enumerate() {
+    for (triangle, tag) in wing.built.tags.iter().enumerate() {
         if tag.part == part {
             let own = structure.rest_areas_m2[triangle];
             sum += own * of(triangle).max(0.0);
@@ -99,7 +99,7 @@ fn mean_of(wing: &Wing, structure: &StructureFrame, part: Part, of: impl Fn(usiz
 /// Regions without tension of panels and ribs, largest first.
 #[must_use]
 pub fn slack_regions(wing: &Wing, structure: &StructureFrame) -> Vec<SlackRegion> {
-    let tags = &wing.wing.tags;
+    let tags = &wing.built.tags;
     let tension = |triangle: usize| structure.principal_tensions_n_m[triangle][0];
     let parts = [Part::Upper, Part::Lower, Part::Rib];
     let limits = parts.map(|part| SLACK_SHARE * mean_of(wing, structure, part, tension));
@@ -170,12 +170,12 @@ pub fn slack_regions(wing: &Wing, structure: &StructureFrame) -> Vec<SlackRegion
 
 /// Ribs attached to lines of every row, from the left tip; those of brakes are none.
 fn attached_ribs(wing: &Wing, cables: &[[u32; 2]]) -> Vec<Vec<usize>> {
-    let mut rows = vec![Vec::new(); wing.wing.row_names.len()];
-    for (cable, kind) in cables.iter().zip(&wing.wing.line_kinds) {
+    let mut rows = vec![Vec::new(); wing.built.row_names.len()];
+    for (cable, kind) in cables.iter().zip(&wing.built.line_kinds) {
         if let LineKind::Line { row, level: 0 } = kind
             && wing.plan.rows[*row].position < 1.0
             && let Some(rib) = wing
-                .wing
+                .built
                 .outlines
                 .iter()
                 .position(|o| o.contains(&cable[0]))
@@ -198,12 +198,12 @@ pub fn standing_ribs(
     designed: &Structure,
     structure: &StructureFrame,
 ) -> Vec<StandingRib> {
-    let outlines = &wing.wing.outlines;
+    let outlines = &wing.built.outlines;
     let mut standing = Vec::new();
     for (row, attached) in attached_ribs(wing, &structure.cables).iter().enumerate() {
         let k = outlines[0].len()
             - wing
-                .wing
+                .built
                 .places
                 .nearest(Side::Lower, wing.plan.rows[row].position);
         let moved = |rib: usize| {
@@ -215,7 +215,7 @@ pub fn standing_ribs(
             for rib in a + 1..b {
                 let share = (rib - a) as f64 / (b - a) as f64;
                 let expected = moved(a).lerp(moved(b), share);
-                let frame = &wing.wing.frames[rib];
+                let frame = &wing.built.frames[rib];
                 standing.push(StandingRib {
                     rib,
                     row,
@@ -236,7 +236,7 @@ pub fn concentrations(wing: &Wing, structure: &StructureFrame, part: Part) -> Ve
     if mean.is_nan() || mean <= 0.0 {
         return Vec::new();
     }
-    let measures = &wing.wing.measures;
+    let measures = &wing.built.measures;
     let near_m = APART * measures.flat_area_m2 / measures.flat_span_m;
     let middle = |triangle: usize| {
         let nodes = structure.triangles[triangle];
@@ -246,7 +246,7 @@ pub fn concentrations(wing: &Wing, structure: &StructureFrame, part: Part) -> Ve
             .sum::<DVec3>()
             / 3.0
     };
-    let tags = wing.wing.tags.iter().enumerate();
+    let tags = wing.built.tags.iter().enumerate();
     let mut own: Vec<usize> = tags
         .filter(|(_, tag)| tag.part == part)
         .map(|(triangle, _)| triangle)
@@ -278,25 +278,25 @@ fn nearest_attachment(wing: &Wing, structure: &StructureFrame, triangle: usize) 
     let attachments = structure
         .cables
         .iter()
-        .zip(&wing.wing.line_kinds)
+        .zip(&wing.built.line_kinds)
         .filter_map(|(cable, kind)| match kind {
             LineKind::Line { row, level: 0 } => Some((*row, cable[0])),
             _ => None,
         });
     let distance = |node: u32| structure.positions_m[node as usize].distance(middle);
     let (row, node) = attachments.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
-    let rib = wing.wing.outlines.iter().position(|o| o.contains(&node))?;
+    let rib = wing.built.outlines.iter().position(|o| o.contains(&node))?;
     Some(format!(
         "{:.2} m from the attachment {} of rib {} on the {}",
         distance(node),
-        wing.wing.row_names[row],
-        from_the_middle(wing.wing.cells, rib),
+        wing.built.row_names[row],
+        from_the_middle(wing.built.cells, rib),
         half_of(structure.positions_m[node as usize].y)
     ))
 }
 
 fn number_in_words(wing: &Wing, part: Part, number: usize) -> String {
-    let cells = wing.wing.cells;
+    let cells = wing.built.cells;
     match part {
         Part::Upper | Part::Lower | Part::MiniRib => {
             format!("cell {} of {cells} from the left tip", number + 1)
@@ -315,7 +315,7 @@ fn standing_in_words(wing: &Wing, rib: &StandingRib) -> String {
         "{} by {:.1} % of its chord at row {}, between the attachments of ribs {} and {}",
         number_in_words(wing, Part::Rib, rib.rib),
         100.0 * rib.out,
-        wing.wing.row_names[rib.row],
+        wing.built.row_names[rib.row],
         rib.between[0] + 1,
         rib.between[1] + 1
     )
@@ -377,7 +377,7 @@ pub fn warnings(wing: &Wing, designed: &Structure, structure: &StructureFrame) -
                     "{:.1} MPa, {:.1} times the mean, in {}{}",
                     1e-6 * peak.stress_pa,
                     peak.over_mean,
-                    place(wing, &wing.wing.tags[peak.triangle]),
+                    place(wing, &wing.built.tags[peak.triangle]),
                     near.map_or_else(String::new, |near| format!(", {near}"))
                 )
             })
@@ -433,7 +433,7 @@ pub(super) fn results(
                     let near = nearest_attachment(wing, structure, peak.triangle);
                     Quantity::new(peak.over_mean, "1").with_note(&format!(
                         "{}{}",
-                        place(wing, &wing.wing.tags[peak.triangle]),
+                        place(wing, &wing.built.tags[peak.triangle]),
                         near.map_or_else(String::new, |near| format!(", {near}"))
                     ))
                 }

@@ -179,7 +179,7 @@ fn equilibrium(simulation: &Simulation, statics: &Statics) -> Option<AccountRow>
 
 /// The last iteration of a trim.
 fn trim(simulation: &Simulation, statics: &Statics) -> Option<AccountRow> {
-    let settings = simulation.scene().wing.as_ref()?.trim.as_ref()?;
+    let settings = simulation.scene().wing()?.trim.as_ref()?;
     let last = statics.trim.as_ref()?.iterations.last()?;
     let row = AccountRow::at_most(
         "trim",

@@ -67,7 +67,7 @@ fn forces(
         );
     }
     let [right, left] = wing
-        .wing
+        .built
         .hang_points
         .map(|n| structure.reactions_n[n as usize]);
     for (name, force) in [("right", right), ("left", left)] {
@@ -77,8 +77,8 @@ fn forces(
         );
     }
     let mut guide = DVec3::ZERO;
-    if let Some([stiffness, anchor_m]) = wing.wing.pitch_guide {
-        let [nose, _] = wing.wing.middle_chord;
+    if let Some([stiffness, anchor_m]) = wing.built.pitch_guide {
+        let [nose, _] = wing.built.middle_chord;
         guide.x = match trim {
             Some(trim) => trim.iterations.last().map_or(0.0, |last| last.guide_n),
             None => -stiffness * (structure.positions_m[nose as usize].x - anchor_m),
@@ -119,7 +119,12 @@ pub struct RowLoad {
 /// Loads of all rows.
 #[must_use]
 pub fn row_loads(wing: &Wing, structure: &StructureFrame) -> Vec<RowLoad> {
-    let kinds = || wing.wing.line_kinds.iter().zip(&structure.cable_tensions_n);
+    let kinds = || {
+        wing.built
+            .line_kinds
+            .iter()
+            .zip(&structure.cable_tensions_n)
+    };
     let row = |(number, name): (usize, &String)| {
         let tensions = |is: LineKind| {
             let own = kinds().filter(move |(kind, _)| **kind == is);
@@ -134,7 +139,7 @@ pub fn row_loads(wing: &Wing, structure: &StructureFrame) -> Vec<RowLoad> {
             })),
         }
     };
-    wing.wing.row_names.iter().enumerate().map(row).collect()
+    wing.built.row_names.iter().enumerate().map(row).collect()
 }
 
 fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
@@ -192,9 +197,9 @@ pub(super) fn place(wing: &Wing, tag: &Tag) -> String {
         tag.part.name(),
         number + 1,
         if kind == "cell" {
-            wing.wing.cells
+            wing.built.cells
         } else {
-            wing.wing.cells + 1
+            wing.built.cells + 1
         },
         tag.chord_place
     )
@@ -204,7 +209,7 @@ pub(super) fn place(wing: &Wing, tag: &Tag) -> String {
 pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     for part in Part::ALL {
         let own = || {
-            let tags = wing.wing.tags.iter().enumerate();
+            let tags = wing.built.tags.iter().enumerate();
             tags.filter(move |(_, tag)| tag.part == part)
         };
         let stress = |triangle: usize| structure.stress_pa[triangle];
@@ -237,12 +242,12 @@ pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &Structure
 
 fn shape(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     let place = |node: u32| structure.positions_m[node as usize];
-    let [left, right] = wing.wing.tip_noses.map(place);
+    let [left, right] = wing.built.tip_noses.map(place);
     results.insert(
         "projected_span_m",
         Quantity::new(right.y - left.y, "m").with_note("between the noses of the tip ribs"),
     );
-    let [nose, tail] = wing.wing.middle_chord.map(place);
+    let [nose, tail] = wing.built.middle_chord.map(place);
     let chord = tail - nose;
     results.insert(
         "pitch_deg",

@@ -62,7 +62,7 @@ pub fn half_of(y_m: f64) -> &'static str {
 #[must_use]
 pub fn names(wing: &Wing, cables: &[[u32; 2]], positions_m: &[DVec3]) -> Vec<LineName> {
     let mut rib_of = HashMap::new();
-    for (rib, outline) in wing.wing.outlines.iter().enumerate() {
+    for (rib, outline) in wing.built.outlines.iter().enumerate() {
         for node in outline {
             rib_of.insert(*node, rib);
         }
@@ -70,7 +70,7 @@ pub fn names(wing: &Wing, cables: &[[u32; 2]], positions_m: &[DVec3]) -> Vec<Lin
     // Lines stand level by level from the attachments down.
     let mut carried: HashMap<u32, BTreeSet<usize>> = HashMap::new();
     let mut names = Vec::with_capacity(cables.len());
-    for (nodes, kind) in cables.iter().zip(&wing.wing.line_kinds) {
+    for (nodes, kind) in cables.iter().zip(&wing.built.line_kinds) {
         let [upper, lower] = *nodes;
         let (row, ribs) = match kind {
             LineKind::Line { row, level } => {
@@ -80,10 +80,10 @@ pub fn names(wing: &Wing, cables: &[[u32; 2]], positions_m: &[DVec3]) -> Vec<Lin
                     carried.get(&upper).cloned().unwrap_or_default()
                 };
                 carried.entry(lower).or_default().extend(&own);
-                (wing.wing.row_names[*row].clone(), own)
+                (wing.built.row_names[*row].clone(), own)
             }
             LineKind::Riser { row } => (
-                wing.wing.row_names[*row].clone(),
+                wing.built.row_names[*row].clone(),
                 carried.get(&upper).cloned().unwrap_or_default(),
             ),
             LineKind::Tape(number) => (format!("tape {}", number + 1), BTreeSet::new()),
@@ -92,7 +92,7 @@ pub fn names(wing: &Wing, cables: &[[u32; 2]], positions_m: &[DVec3]) -> Vec<Lin
         // From the middle to the tip, whichever half.
         let mut ribs: Vec<usize> = ribs
             .into_iter()
-            .map(|rib| from_the_middle(wing.wing.cells, rib))
+            .map(|rib| from_the_middle(wing.built.cells, rib))
             .collect();
         ribs.sort_unstable();
         names.push(LineName {

@@ -42,7 +42,7 @@ pub(super) fn results(
 }
 
 fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
-    let area_m2 = wing.wing.measures.flat_area_m2;
+    let area_m2 = wing.built.measures.flat_area_m2;
     let mut insert = |name: &str, unit: &str, note: &str, of: &dyn Fn(&Flight) -> f64| {
         let quantity = match flight {
             Some(flight) => Quantity::new(of(flight), unit),
@@ -126,7 +126,7 @@ fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
 #[must_use]
 pub fn cell_widths_m(wing: &Wing, positions_m: &[DVec3]) -> Vec<f64> {
     let place = |n: u32| positions_m[n as usize];
-    wing.wing
+    wing.built
         .outlines
         .windows(2)
         .map(|pair| {
@@ -143,11 +143,11 @@ pub fn cell_widths_m(wing: &Wing, positions_m: &[DVec3]) -> Vec<f64> {
 /// How far the middle of a cell's panel stands out over the distance of its ribs, mean over the upper side between a tenth and 0.7 of the chord.
 fn ballooning(wing: &Wing, positions_m: &[DVec3], cell: usize) -> Option<f64> {
     let place = |n: u32| positions_m[n as usize];
-    let [left, right] = [cell, cell + 1].map(|rib| &wing.wing.outlines[rib]);
-    let upper = wing.wing.places.upper.iter().enumerate();
+    let [left, right] = [cell, cell + 1].map(|rib| &wing.built.outlines[rib]);
+    let upper = wing.built.places.upper.iter().enumerate();
     let (mut sum, mut count) = (0.0, 0.0);
     for (k, _) in upper.filter(|(_, x)| (0.1..0.7).contains(*x)) {
-        let across = &wing.wing.rows_across[cell][k];
+        let across = &wing.built.rows_across[cell][k];
         let Some(middle) = across.get(across.len() / 2) else {
             continue;
         };
@@ -172,7 +172,7 @@ fn shape(results: &mut Results, wing: &Wing, designed: &Structure, flown: &Struc
         Quantity::new(ratios.iter().copied().fold(f64::INFINITY, f64::min), "1"),
     );
     let bulges = |p: &[DVec3]| {
-        let own: Vec<f64> = (0..wing.wing.cells)
+        let own: Vec<f64> = (0..wing.built.cells)
             .filter_map(|cell| ballooning(wing, p, cell))
             .collect();
         own.iter().sum::<f64>() / own.len() as f64
@@ -197,7 +197,7 @@ fn shape(results: &mut Results, wing: &Wing, designed: &Structure, flown: &Struc
 /// Root of the mean square deviation of outlines, each turned to its chord and scaled by it.
 fn section_deviation(wing: &Wing, [designed, flown]: [&Vec<DVec3>; 2]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for outline in &wing.wing.outlines {
+    for outline in &wing.built.outlines {
         let [a, b] = [designed, flown].map(|p| in_chord(outline, p));
         for (a, b) in a.iter().zip(&b) {
             sum += (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
@@ -233,11 +233,11 @@ fn in_chord(outline: &[u32], positions_m: &[DVec3]) -> Vec<[f64; 2]> {
 
 /// How much lines are longer under load.
 fn lines(results: &mut Results, wing: &Wing, designed: &Structure, flown: &StructureFrame) {
-    for (number, name) in wing.wing.row_names.iter().enumerate() {
+    for (number, name) in wing.built.row_names.iter().enumerate() {
         let own = designed
             .cables
             .iter()
-            .zip(&wing.wing.line_kinds)
+            .zip(&wing.built.line_kinds)
             .filter(|(_, kind)| matches!(kind, LineKind::Line { row, .. } | LineKind::Riser { row } if *row == number));
         let stretched = own.map(|(cable, _)| {
             let [a, b] = cable.nodes.map(|n| flown.positions_m[n as usize]);

@@ -56,7 +56,7 @@ struct InWind<'a> {
 
 impl<'a> InWind<'a> {
     fn of(scene: &'a Scene) -> Option<Self> {
-        let wing = scene.wing.as_ref()?;
+        let wing = scene.wing()?;
         Some(Self {
             wing,
             air: scene.air.as_ref()?,
@@ -71,12 +71,12 @@ impl<'a> InWind<'a> {
 
     /// c/U [s].
     fn unit_s(&self) -> f64 {
-        self.wing.wing.measures.largest_chord_m / self.air.wind_or_reference_m_s()
+        self.wing.built.measures.largest_chord_m / self.air.wind_or_reference_m_s()
     }
 
     fn volumes_m3(&self, positions_m: &[DVec3]) -> Vec<f64> {
-        let volume = |cell| self.wing.wing.cell_volume_m3(cell, positions_m);
-        (0..self.wing.wing.cells).map(volume).collect()
+        let volume = |cell| self.wing.built.cell_volume_m3(cell, positions_m);
+        (0..self.wing.built.cells).map(volume).collect()
     }
 }
 
@@ -90,15 +90,15 @@ pub(super) fn columns(scene: &Scene) -> Vec<String> {
         return Vec::new();
     };
     let mut columns: Vec<String> = COLUMNS.map(str::to_owned).to_vec();
-    for row in &known.wing.wing.row_names {
+    for row in &known.wing.built.row_names {
         columns.push(format!("row_{row}_load_n"));
     }
     for pull in &known.wing.pulls {
-        let row = &known.wing.wing.row_names[pull.row];
+        let row = &known.wing.built.row_names[pull.row];
         columns.push(format!("row_{row}_pull_m"));
     }
     for name in ["internal_pressure_coefficient", "volume_ratio"] {
-        columns.extend((0..known.wing.wing.cells).map(|cell| of_cell(name, cell)));
+        columns.extend((0..known.wing.built.cells).map(|cell| of_cell(name, cell)));
     }
     columns
 }
@@ -115,7 +115,7 @@ pub(super) fn values(
     let Some(structure) = simulation.structure_frame().structure else {
         return Ok(Vec::new());
     };
-    let wing = &known.wing.wing;
+    let wing = &known.wing.built;
     let positions_m = &structure.positions_m;
     let scale = known.dynamic_pressure_pa() * wing.measures.flat_area_m2;
     let (volumes, designed) = (
@@ -160,7 +160,7 @@ pub(super) fn values(
 
 /// How far the part of the middle rib behind the last row before the trailing edge points down against the part before it [°].
 fn deflection_deg(known: &InWind, positions_m: &[DVec3]) -> f64 {
-    let wing = &known.wing.wing;
+    let wing = &known.wing.built;
     let [nose, tail] = wing.middle_chord.map(|n| positions_m[n as usize]);
     let outline = &wing.outlines[wing.cells.div_ceil(2)];
     let at = |side, x| {
@@ -191,7 +191,7 @@ fn air_around(
     known: &InWind,
     positions_m: &[DVec3],
 ) -> Result<Around, DeviceError> {
-    let wing = &known.wing.wing;
+    let wing = &known.wing.built;
     let cells = known.air.cells;
     let size_m = known.air.units.cell_size_m;
     let mut wanted: Vec<[usize; 3]> = Vec::new();
@@ -247,7 +247,7 @@ fn air_around(
 
 /// Cells of the air around the middle of the middle cell (right of the middle, if there are two), outside the wing.
 fn outside_section(known: &InWind, positions_m: &[DVec3]) -> Vec<[usize; 3]> {
-    let wing = &known.wing.wing;
+    let wing = &known.wing.built;
     let section = wing.middle_section_m(wing.cells / 2, positions_m);
     let size_m = known.air.units.cell_size_m;
     let chord = wing.measures.largest_chord_m;
@@ -387,12 +387,12 @@ fn rows(
     mean: &dyn Fn(&str) -> Mean,
     quantity: &dyn Fn(Mean, &str) -> Quantity,
 ) {
-    let names: Vec<String> = (known.wing.wing.row_names.iter())
+    let names: Vec<String> = (known.wing.built.row_names.iter())
         .map(|row| format!("row_{row}_load_n"))
         .collect();
     let loads: Vec<Mean> = names.iter().map(|name| mean(name)).collect();
     let sum: f64 = loads.iter().map(|load| load.value).sum();
-    for ((name, load), row) in names.iter().zip(loads).zip(&known.wing.wing.row_names) {
+    for ((name, load), row) in names.iter().zip(loads).zip(&known.wing.built.row_names) {
         let share = if sum > 0.0 { load.value / sum } else { 0.0 };
         results.insert(name, quantity(load, "N"));
         results.insert(&format!("row_{row}_load_share"), Quantity::new(share, "1"));
@@ -406,7 +406,7 @@ fn inside(
     quantity: &dyn Fn(Mean, &str) -> Quantity,
 ) {
     let name = "internal_pressure_coefficient";
-    let cells: Vec<Mean> = (0..known.wing.wing.cells)
+    let cells: Vec<Mean> = (0..known.wing.built.cells)
         .map(|cell| mean(&of_cell(name, cell)))
         .collect();
     let values = || cells.iter().map(|cell| cell.value);
@@ -501,7 +501,7 @@ fn imbalance(results: &mut Results, record: &Record, first: usize) {
 }
 
 fn place_of_largest(results: &mut Results, known: &Wing, structure: &StructureFrame) {
-    let stresses = structure.stress_pa.iter().zip(&known.wing.tags);
+    let stresses = structure.stress_pa.iter().zip(&known.built.tags);
     let most = stresses.max_by(|a, b| a.0.total_cmp(b.0));
     let Some((stress, tag)) = most else { return };
     results.insert(
@@ -517,7 +517,7 @@ const LOWER_LINE: f64 = 0.3;
 #[must_use]
 pub fn lower_surface_line(scene: &Scene, structure: &StructureFrame) -> Option<Vec<Vec<f64>>> {
     let known = InWind::of(scene)?;
-    let line = known.wing.wing.span_line(Side::Lower, LOWER_LINE);
+    let line = known.wing.built.span_line(Side::Lower, LOWER_LINE);
     let row = |(span, node): (f64, u32)| {
         let [from, to] = [
             known.designed_m[node as usize],
@@ -540,7 +540,7 @@ pub const LOWER_SURFACE_COLUMNS: [&str; 5] = [
 /// Columns of the history per cell, by what a chart of them shows.
 #[must_use]
 pub fn cell_columns(scene: &Scene, name: &str) -> Vec<String> {
-    let cells = InWind::of(scene).map_or(0, |known| known.wing.wing.cells);
+    let cells = InWind::of(scene).map_or(0, |known| known.wing.built.cells);
     (0..cells).map(|cell| of_cell(name, cell)).collect()
 }
 

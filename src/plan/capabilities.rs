@@ -35,19 +35,19 @@ const NEEDS: [Need; 5] = [
     (
         "the case has a wing in the wind, or pulls risers",
         |scene| {
-            let wing = scene.wing.as_ref();
+            let wing = scene.wing();
             wing.is_some_and(|wing| wing.tunnel.is_some() || !wing.pulls.is_empty())
         },
         LEAVE_OUT,
     ),
     (
         "the case has [equilibrium.trim]",
-        |scene| scene.wing.as_ref().is_some_and(|wing| wing.trim.is_some()),
+        |scene| scene.wing().is_some_and(|wing| wing.trim.is_some()),
         LEAVE_OUT,
     ),
     (
         "the case has [equilibrium.wing_pressure], which is renewed on the shape that it makes",
-        |scene| scene.wing.as_ref().is_some_and(|w| w.load_pa.is_some()),
+        |scene| scene.wing().is_some_and(|w| w.load_pa.is_some()),
         LEAVE_OUT,
     ),
 ];
@@ -85,7 +85,7 @@ pub fn check(scene: &Scene, placement: &Placement) -> Result<(), Lacking> {
 
 /// Pressure of the static equilibrium on every triangle [Pa]; `None` where none is prescribed.
 fn prescribed_pressure_pa(scene: &Scene) -> Option<Vec<f64>> {
-    if let Some(wing) = &scene.imported {
+    if let Some(wing) = scene.imported_wing() {
         return Some(wing.inside_pa.clone());
     }
     let pressure_pa = scene.equilibrium?.pressure_pa?;

@@ -57,7 +57,7 @@ pub(super) fn of(scene: &Scene) -> Option<Evaluations> {
             "with contact it depends on how often fabric meets itself",
         ));
     }
-    let slack = match body.kind {
+    let slack = match &body.kind {
         BodyKind::Canopy(canopy) => canopy.loading.is_some(),
         BodyKind::Sheet => true,
         // A flag lies along the wind.

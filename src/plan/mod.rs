@@ -205,7 +205,7 @@ fn skips(scene: &Scene) -> Vec<Skip> {
             if scene.gravity_m_s2.is_none() {
                 skip("gravity", "the case has no [gravity]".into());
             }
-            if let BodyKind::Canopy(_) = body.kind
+            if let BodyKind::Canopy(_) = &body.kind
                 && scene.steady_drag_confidence.is_none()
             {
                 skip(
@@ -259,7 +259,7 @@ fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String
         skip("a fall (accelerated box)", "no [air.descent]".into());
     }
     let has_line_drag = fabric.is_some_and(|body| body.structure.line_drag.is_some());
-    if let Some(BodyKind::Canopy(_)) = fabric.map(|body| body.kind)
+    if let Some(BodyKind::Canopy(_)) = fabric.map(|body| &body.kind)
         && !has_line_drag
     {
         let why = if scene.body.as_ref().is_some_and(Body::is_from_mesh) {

@@ -73,7 +73,7 @@ pub fn phases(scene: &Scene, coarser: &[Scene]) -> Vec<Phase> {
     if scene.equilibrium.is_none() {
         return phases;
     }
-    let wing = scene.wing.as_ref();
+    let wing = scene.wing();
     let has = |what: fn(&Wing) -> bool| wing.is_some_and(what);
     phases.push(if has(|wing| wing.trim.is_some()) {
         Phase::Trim
@@ -117,7 +117,7 @@ fn describe(phase: Phase, scene: &Scene, coarser: &[Scene]) -> String {
         let found = number.and_then(|number| coarser.get(number));
         found.unwrap_or(scene)
     };
-    let wing = scene.wing.as_ref();
+    let wing = scene.wing();
     match phase {
         Phase::OpenCanopy => loading(scene).map_or_else(String::new, |loading| {
             format!(

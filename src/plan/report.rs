@@ -273,7 +273,7 @@ impl Plan {
             out,
             "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
         )?;
-        if let BodyKind::Plate(plate) = body.kind {
+        if let BodyKind::Plate(plate) = &body.kind {
             let [length, width] = plate.size_m.map(|size| size / cell);
             writeln!(
                 out,
@@ -288,14 +288,14 @@ impl Plan {
                 100.0 * body.marked_share(&coupling.rim_insets(structure, air))
             )?;
         }
-        if let BodyKind::Canopy(canopy) = body.kind {
+        if let BodyKind::Canopy(canopy) = &body.kind {
             let diameter = canopy.nominal_diameter_m;
             writeln!(
                 out,
                 "  cells per D_0       {:.1} (D_0 = {diameter:.4} m)",
                 diameter / cell
             )?;
-            let released = body.released_diameter_ratio(&canopy);
+            let released = body.released_diameter_ratio(canopy);
             writeln!(
                 out,
                 "  cells across mouth  {:.1} at release (D_p/D_0 = {released:.3}), about {:.1} inflated (0.7)",

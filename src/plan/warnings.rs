@@ -79,7 +79,7 @@ impl Plan {
 /// A nominal area that hardly is that of the fabric: coefficients would be wrong by the square of D_0.
 fn nominal_area(scene: &Scene) -> Option<String> {
     let body = scene.body.as_ref()?;
-    let BodyKind::Canopy(canopy) = body.kind else {
+    let BodyKind::Canopy(canopy) = &body.kind else {
         return None;
     };
     let fabric_m2 = body.structure.rest_area_m2();
@@ -99,7 +99,7 @@ fn blockage(scene: &Scene) -> Option<String> {
         return None;
     };
     let section = air.units.cell_size_m.powi(2) * (air.cells[1] * air.cells[2]) as f64;
-    let canopy = scene.body.as_ref().and_then(|body| match body.kind {
+    let canopy = scene.body.as_ref().and_then(|body| match &body.kind {
         BodyKind::Canopy(canopy) => Some(canopy.nominal_area_m2),
         _ => None,
     });

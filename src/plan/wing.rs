@@ -12,10 +12,10 @@ use crate::trim::skin::Skin;
 
 /// Sizes, masses, parts, rows, and where the prescribed pressure pulls.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
-    let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
+    let (Some(wing), Some(body)) = (scene.wing(), &scene.body) else {
         return Ok(());
     };
-    let measures = &wing.wing.measures;
+    let measures = &wing.built.measures;
     writeln!(out, "\nwing")?;
     writeln!(
         out,
@@ -34,7 +34,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(
         out,
         "  mesh                {} edges along each side of a rib, {} across each of {} cells",
-        wing.fineness.along_chord, wing.fineness.across_cell, wing.wing.cells
+        wing.fineness.along_chord, wing.fineness.across_cell, wing.built.cells
     )?;
     if let Some(angle) = smallest_angle_deg(scene) {
         writeln!(out, "  smallest angle      {angle:.1} degrees")?;
@@ -51,9 +51,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         "  lines               {} with {:.2} m in all; with risers and tapes {:.3} kg",
         measures.lines, measures.line_length_m, measures.cable_mass_kg
     )?;
-    for (row, name) in wing.wing.row_names.iter().enumerate() {
+    for (row, name) in wing.built.row_names.iter().enumerate() {
         let of = |is: &dyn Fn(&LineKind) -> bool| {
-            let cables = body.structure.cables.iter().zip(&wing.wing.line_kinds);
+            let cables = body.structure.cables.iter().zip(&wing.built.line_kinds);
             let lengths = cables.filter(|(_, kind)| is(kind));
             lengths.fold((0, 0.0), |(count, sum), (cable, _)| {
                 (count + 1, sum + cable.rest_length_m)
@@ -88,7 +88,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
     if let Some(jumps_pa) = &wing.load_pa {
         let structure = &body.structure;
-        let hang = structure.positions_m[wing.wing.hang_points[0] as usize].with_y(0.0);
+        let hang = structure.positions_m[wing.built.hang_points[0] as usize].with_y(0.0);
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for (triangle, jump) in structure.triangles.iter().zip(jumps_pa) {
             let places = triangle.nodes.map(|n| structure.positions_m[n as usize]);
@@ -116,7 +116,7 @@ fn write_tunnel(
     scene: &Scene,
     (wing, tunnel): (&Wing, &Tunnel),
 ) -> std::fmt::Result {
-    let (Some(air), measures) = (&scene.air, &wing.wing.measures) else {
+    let (Some(air), measures) = (&scene.air, &wing.built.measures) else {
         return Ok(());
     };
     let cell = air.units.cell_size_m;
@@ -142,20 +142,20 @@ fn write_tunnel(
             out,
             "  hauled in           {} risers of row {} by up to {most:.3} m, until {:.3} s",
             pull.cables.len(),
-            wing.wing.row_names[pull.row],
+            wing.built.row_names[pull.row],
             pull.end_s()
         )?;
     }
     let chord = measures.largest_chord_m;
-    let rib = &wing.wing.frames[wing.wing.cells / 2];
+    let rib = &wing.built.frames[wing.built.cells / 2];
     let thickness = (1..20)
         .map(|i| f64::from(i) / 20.0)
         .map(|x| {
-            let height = |side| rib.height(&wing.wing.profiles, side, x);
+            let height = |side| rib.height(&wing.built.profiles, side, x);
             height(Side::Upper) - height(Side::Lower)
         })
         .fold(0.0, f64::max);
-    let width = measures.flat_span_m / wing.wing.cells as f64;
+    let width = measures.flat_span_m / wing.built.cells as f64;
     writeln!(
         out,
         "  cells of air        {:.1} per chord, {:.1} across the thickest section, {:.1} across a cell; the kernel reaches 2 on both sides of fabric",
@@ -179,7 +179,7 @@ fn write_tunnel(
 
 /// Unknowns of the air and what they take.
 fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::Result {
-    let skin = Skin::new(&wing.wing, settings.panels_per_side, settings.strips);
+    let skin = Skin::new(&wing.built, settings.panels_per_side, settings.strips);
     let (panels, strips) = (skin.panel_count(), skin.sections.len() - 1);
     writeln!(
         out,

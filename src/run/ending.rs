@@ -228,7 +228,7 @@ impl Run<'_> {
     /// Notes where a wing in equilibrium lacks support and where stress gathers; of one that is out of balance it would mean nothing.
     fn warn_of_the_sail(&mut self) {
         let scene = self.simulation.scene();
-        let (Some(wing), Some(body), Some(_)) = (&scene.wing, &scene.body, scene.equilibrium)
+        let (Some(wing), Some(body), Some(_)) = (scene.wing(), &scene.body, scene.equilibrium)
         else {
             return;
         };

@@ -461,16 +461,16 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
             confluence + DVec3::new(2.3, 0.6, 0.6) * reach,
         ]);
     }
-    if let Some(wing) = &scene.wing
+    if let Some(wing) = scene.wing()
         && let Some(tunnel) = &wing.tunnel
     {
         // Of the fabric as designed, with some wake.
-        let fabric = &tunnel.designed_m[..wing.wing.hang_points[0] as usize];
+        let fabric = &tunnel.designed_m[..wing.built.hang_points[0] as usize];
         let (low, high) = fabric.iter().fold(
             (DVec3::INFINITY, DVec3::NEG_INFINITY),
             |(low, high), place| (low.min(*place), high.max(*place)),
         );
-        let chord = wing.wing.measures.largest_chord_m;
+        let chord = wing.built.measures.largest_chord_m;
         options.framing_box_m = Some([
             low - DVec3::new(0.3, 0.0, 0.3) * chord,
             high + DVec3::new(0.8, 0.0, 0.4) * chord,
@@ -481,11 +481,8 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
 
 /// The middle of the middle cell of a wing in the wind, or of that right of the middle.
 fn section_through_the_middle(scene: &Scene, frame: &Frame) -> Option<Section> {
-    let wing = &scene
-        .wing
-        .as_ref()
-        .filter(|wing| wing.tunnel.is_some())?
-        .wing;
+    let known = scene.wing().filter(|wing| wing.tunnel.is_some())?;
+    let wing = &known.built;
     let structure = frame.structure.as_ref()?;
     let skin = wing.middle_skin_m(wing.cells / 2, &structure.positions_m);
     Some(Section {

@@ -30,9 +30,9 @@ pub(super) struct Across {
 impl Across {
     /// Those of the parts of a wing in the wind that let the air slide; `count` markers are there in all, those of the fabric first.
     pub(super) fn new(scene: &Scene, fabric: &[Marker], count: usize) -> Option<Self> {
-        let wing = scene.wing.as_ref()?;
+        let wing = scene.wing()?;
         let friction = wing.tunnel.as_ref()?.friction;
-        let inner = wing.wing.inner_triangles();
+        let inner = wing.built.inner_triangles();
         let slides = |triangle: u32| match friction {
             FrictionName::None => true,
             FrictionName::Outside => inner[triangle as usize],

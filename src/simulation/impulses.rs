@@ -460,7 +460,7 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
                 high + DVec3::splat(PLATE_REACH * length),
             )
         }
-        Some(BodyKind::Wing) => {
+        Some(BodyKind::Wing(_)) => {
             // The lines below do not feel the air.
             let fabric = cloth.structure.triangles.iter().flat_map(|t| t.nodes);
             let (low, high) = fabric

@@ -9,7 +9,7 @@ impl Simulation {
     /// Sews the wing anew with panels of another ballooning; nodes stay where they are. The mesh keeps its topology, so loads of triangles and nodes keep
     /// their places.
     pub fn reshape_panels(&mut self, ballooning: Ballooning) -> Result<(), Failure> {
-        let (Some(known), Some(old)) = (&self.scene.wing, &self.cloth) else {
+        let (Some(known), Some(old)) = (self.scene.wing(), &self.cloth) else {
             return Ok(());
         };
         let plan = Plan {

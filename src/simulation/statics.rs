@@ -224,10 +224,10 @@ impl Simulation {
 
 /// Pressure that acts in the equilibrium that the case asks for.
 fn prescribed_pressure(scene: &Scene) -> Pressure<'_> {
-    if let Some(jumps_pa) = scene.wing.as_ref().and_then(|wing| wing.load_pa.as_ref()) {
+    if let Some(jumps_pa) = scene.wing().and_then(|wing| wing.load_pa.as_ref()) {
         return Pressure::Lagged(jumps_pa);
     }
-    if let Some(wing) = &scene.imported {
+    if let Some(wing) = scene.imported_wing() {
         return Pressure::PerTriangle(&wing.inside_pa);
     }
     scene

@@ -20,7 +20,7 @@ impl Simulation {
     /// Shortens the risers of a wing as the case says, on its own mesh.
     pub(super) fn haul_risers(&mut self, time_s: f64) {
         let (Some(wing), Some(body), Some(cloth)) =
-            (&self.scene.wing, &self.scene.body, &mut self.cloth)
+            (self.scene.wing(), &self.scene.body, &mut self.cloth)
         else {
             return;
         };

@@ -112,7 +112,7 @@ impl LoadTest {
 
     /// Load factors to come, that of the wing as it flies first.
     fn load_factors(scene: &Scene) -> impl Iterator<Item = f64> {
-        let test = scene.wing.as_ref().and_then(|wing| wing.load_test.as_ref());
+        let test = scene.wing().and_then(|wing| wing.load_test.as_ref());
         let raised = test.map_or(&[][..], |test| &test.load_factors);
         std::iter::once(1.0).chain(raised.iter().copied())
     }
@@ -130,9 +130,10 @@ impl LoadTest {
         simulation: &mut Simulation,
         watch: Watch,
     ) -> Result<LoadTestPart, Failure> {
-        let (Some(load_factor), Some(wing)) =
-            (Self::load_factors(scene).nth(self.steps.len()), &scene.wing)
-        else {
+        let (Some(load_factor), Some(wing)) = (
+            Self::load_factors(scene).nth(self.steps.len()),
+            scene.wing(),
+        ) else {
             self.leave(simulation);
             return Ok(LoadTestPart::Ended);
         };
@@ -163,7 +164,7 @@ impl LoadTest {
             balance_error: balance_error(simulation),
             guide_n: simulation.guide_pull_n(),
             riser_forces_n: wing
-                .wing
+                .built
                 .hang_points
                 .map(|node| structure.reactions_n[node as usize]),
             positions_m: structure.positions_m,

@@ -146,7 +146,7 @@ impl Statics {
     /// The load test that is under way, begun if none is; `None` where there are no loads of an equilibrium.
     pub fn load_test(&mut self, scene: &Scene, simulation: &Simulation) -> Option<&mut LoadTest> {
         if self.load_test.is_none() {
-            let wing = scene.wing.as_ref()?;
+            let wing = scene.wing()?;
             self.load_test = LoadTest::begin(self, wing, simulation);
         }
         self.load_test.as_mut()

@@ -17,7 +17,7 @@ use crate::aero::surface::PanelSurface;
 use crate::cloth::Structure;
 use crate::geometry::profile;
 use crate::geometry::wing::section::{Profile, Side};
-use crate::geometry::wing::{LineKind, Part, Wing};
+use crate::geometry::wing::{BuiltWing, LineKind, Part};
 
 /// Points per side that stand for a profile.
 const PROFILE_POINTS: usize = 100;
@@ -37,7 +37,7 @@ const WAKE_TOLERANCE_RAD: f64 = 2e-3;
 /// A wing with what hangs on it.
 #[derive(Debug)]
 pub struct Glider<'a> {
-    wing: &'a Wing,
+    wing: &'a BuiltWing,
     structure: &'a Structure,
     settings: &'a Settings,
     /// Diameter of every cable in the stream [m]; zero where it is sewn on.
@@ -149,7 +149,7 @@ struct Sample {
 impl<'a> Glider<'a> {
     /// Prepares polars and panels; `gravity_m_s2` pulls down.
     pub fn new(
-        wing: &'a Wing,
+        wing: &'a BuiltWing,
         structure: &'a Structure,
         diameters_m: &'a [f64],
         settings: &'a Settings,

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use crate::aero::surface::mirrored;
-use crate::geometry::wing::Wing;
+use crate::geometry::wing::BuiltWing;
 
 /// Which ribs and places of the mesh make panels.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Skin {
 impl Skin {
     /// Sections at all ribs, or at about `strips + 1` of them.
     #[must_use]
-    pub fn new(wing: &Wing, per_side: usize, strips: usize) -> Self {
+    pub fn new(wing: &BuiltWing, per_side: usize, strips: usize) -> Self {
         let cells = wing.cells;
         let half = 0.5 * cells as f64;
         let mut all: Vec<f64> = (0..=cells)
@@ -88,7 +88,7 @@ impl Skin {
 
     /// Nodes of the panel surface for positions of the mesh [m], section by section as `PanelSurface::new` takes them.
     #[must_use]
-    pub fn nodes_m(&self, wing: &Wing, positions_m: &[DVec3]) -> Vec<DVec3> {
+    pub fn nodes_m(&self, wing: &BuiltWing, positions_m: &[DVec3]) -> Vec<DVec3> {
         let mut nodes = Vec::with_capacity(self.sections.len() * self.around.len());
         for &u in &self.sections {
             let half = 0.5 * self.cells as f64;
@@ -114,7 +114,7 @@ impl Skin {
     }
 
     /// Nodes of a rib's outline from the trailing edge along the lower side to the trailing edge.
-    fn outline(&self, wing: &Wing, positions_m: &[DVec3], rib: usize) -> Vec<DVec3> {
+    fn outline(&self, wing: &BuiltWing, positions_m: &[DVec3], rib: usize) -> Vec<DVec3> {
         let nodes = &wing.outlines[rib];
         let count = nodes.len();
         (0..=count)
@@ -123,7 +123,7 @@ impl Skin {
     }
 
     /// The same with half of what the cells on both sides bulge; tips as they are.
-    fn at_rib(&self, wing: &Wing, positions_m: &[DVec3], rib: usize) -> Vec<DVec3> {
+    fn at_rib(&self, wing: &BuiltWing, positions_m: &[DVec3], rib: usize) -> Vec<DVec3> {
         let mut outline = self.outline(wing, positions_m, rib);
         if rib == 0 || rib == self.cells {
             return outline;
@@ -139,7 +139,7 @@ impl Skin {
 
     /// How far the mean of a cell's panel stands from the straight line between its ribs [m], along the outline; over an opening as at its
     /// edges.
-    fn bulge(&self, wing: &Wing, positions_m: &[DVec3], cell: usize) -> Vec<DVec3> {
+    fn bulge(&self, wing: &BuiltWing, positions_m: &[DVec3], cell: usize) -> Vec<DVec3> {
         let count = wing.outlines[cell].len();
         let place = |node: u32| positions_m[node as usize];
         let known: Vec<Option<DVec3>> = (0..=count)

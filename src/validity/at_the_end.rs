@@ -60,7 +60,7 @@ const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
             supports: Supports::Everything,
             remedy: "take stronger lines: this one would break",
             value: |ended| {
-                let loads = &ended.scene.wing.as_ref()?.breaking_loads_n;
+                let loads = &ended.scene.wing()?.breaking_loads_n;
                 let tensions = ended.structure.cable_tensions_n.iter();
                 let shares = tensions
                     .zip(loads)

@@ -130,8 +130,8 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
             mouth_m: Some(body.released_diameter_ratio(canopy) * canopy.nominal_diameter_m),
             ..rest
         },
-        BodyKind::Wing => {
-            let plan = &scene.wing.as_ref()?.plan;
+        BodyKind::Wing(_) => {
+            let plan = &scene.wing()?.plan;
             let chords = plan.stations.iter().map(|station| station.chord_m);
             let chord_m = chords.fold(0.0, f64::max);
             let root = plan.stations.first()?;

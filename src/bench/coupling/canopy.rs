@@ -81,7 +81,7 @@ pub(super) fn run(
     else {
         return Err(refused("the case has no canopy in air"));
     };
-    let BodyKind::Canopy(canopy) = body.kind else {
+    let BodyKind::Canopy(canopy) = &body.kind else {
         return Err(refused("the case has no canopy"));
     };
     coupling.over_relaxation = scheme.over_relaxation;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Part, Tag, Wing};
+use super::{BuiltWing, Part, Tag};
 use crate::cloth::Structure;
 
 /// Triangles whose middles are this far from a node's along the chord are looked at for it, per chord; where there are none, all of its panel or rib.
@@ -15,7 +15,7 @@ const REACH: f64 = 0.15;
 #[derive(Clone, Copy)]
 pub struct Meshed<'a> {
     /// The wing.
-    pub wing: &'a Wing,
+    pub wing: &'a BuiltWing,
     /// Its structure at rest.
     pub structure: &'a Structure,
 }

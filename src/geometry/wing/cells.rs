@@ -6,12 +6,12 @@
 use glam::DVec3;
 
 use super::section::Side;
-use super::{LineKind, Part, Tag, Wing};
+use super::{BuiltWing, LineKind, Part, Tag};
 
 /// Part of the chord over which the air inside a cell is looked at: behind the intake, before the section gets thin.
 const PROBED: [f64; 2] = [0.15, 0.6];
 
-impl Wing {
+impl BuiltWing {
     /// Edges along each side of a rib.
     const fn along_chord(&self) -> usize {
         self.places.upper.len() - 1

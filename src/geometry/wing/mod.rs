@@ -121,7 +121,7 @@ pub enum LineKind {
 
 /// A wing as a mesh, with what reports need to know of it.
 #[derive(Debug, Clone)]
-pub struct Wing {
+pub struct BuiltWing {
     /// The structure at its start, free of stress; normals of panels point outwards, of ribs to the right.
     pub structure: Structure,
     /// What every triangle belongs to, `[triangle_count]`.
@@ -291,7 +291,7 @@ fn turning_place(plan: &Plan) -> f64 {
 }
 
 /// Builds the mesh of a wing.
-pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
+pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
     let half_span_m = plan.stations.last().map_or(0.0, |s| s.span_m);
     let spans = rib_spans_m(plan.cells, half_span_m, plan.tip_cell_width_ratio);
     let right: Vec<f64> = spans.iter().copied().filter(|s| *s >= 0.0).collect();
@@ -345,7 +345,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<Wing, WingFault> {
     let pitch_guide = plan
         .pitch_guide_n_m
         .map(|stiffness| [stiffness, structure.positions_m[middle_chord[0] as usize].x]);
-    Ok(Wing {
+    Ok(BuiltWing {
         structure,
         tags,
         line_kinds,

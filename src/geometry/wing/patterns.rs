@@ -8,7 +8,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Part, Wing};
+use super::{BuiltWing, Part};
 
 /// Halvings in the search for the angle of a row.
 const HALVINGS: usize = 60;
@@ -153,7 +153,7 @@ pub fn unroll(rows: &[Vec<DVec3>]) -> Flat {
 /// All panels laid flat, the upper ones first, from the left tip. The upper panel goes around the nose to the front edge of the intake, where there is one.
 /// `positions_m` are those of the sewn, unloaded shape.
 #[must_use]
-pub fn patterns(wing: &Wing, positions_m: &[DVec3]) -> Vec<Pattern> {
+pub fn patterns(wing: &BuiltWing, positions_m: &[DVec3]) -> Vec<Pattern> {
     let count = wing.outlines[0].len();
     let tail = count / 2;
     let place = |node: u32| positions_m[node as usize];

@@ -5,7 +5,7 @@
 //! of both sides. Diagonals and mini-ribs have the same pressure on both sides.
 
 use super::section::lookup;
-use super::{Part, Wing};
+use super::{BuiltWing, Part};
 
 /// A prescribed distribution of pressure.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ impl Distribution {
 
 /// Jumps along the normals of the triangles [Pa], `[triangle_count]`.
 #[must_use]
-pub fn jumps_pa(wing: &Wing, distribution: &Distribution) -> Vec<f64> {
+pub fn jumps_pa(wing: &BuiltWing, distribution: &Distribution) -> Vec<f64> {
     let share = |cell: usize| lookup(&distribution.along_span, wing.cell_places[cell]);
     let outside = |cell: usize, table: &[[f64; 2]], place: f64| share(cell) * lookup(table, place);
     let of_tip = |cell: usize, place: f64| {

@@ -25,7 +25,7 @@ pub fn averaging(scene: &Scene) -> Option<String> {
     let (Some(air), Some(body), Some(time)) = (&scene.air, &scene.body, &scene.time) else {
         return None;
     };
-    let (BodyKind::Canopy(canopy), Flow::WindTunnel { speed_m_s, .. }) = (body.kind, air.flow)
+    let (BodyKind::Canopy(canopy), Flow::WindTunnel { speed_m_s, .. }) = (&body.kind, air.flow)
     else {
         return None;
     };

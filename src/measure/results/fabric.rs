@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::case::scene::BodyKind;
+use crate::case::scene::{Airbag, BodyKind, HangingCable};
 use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::measure::record::largest as largest_of;
 use crate::measure::{Record, catenary, plate};
@@ -62,11 +62,11 @@ pub(super) fn alone(
         .iter()
         .map(|p| p.z)
         .fold(f64::NEG_INFINITY, f64::max);
-    if let BodyKind::Cable {
+    if let BodyKind::Cable(HangingCable {
         span_m,
         length_m,
         weight_n_m,
-    } = *kind
+    }) = *kind
     {
         let exact = catenary::solve(span_m, length_m, weight_n_m).filter(|_| rests);
         let source = "exact catenary of an inextensible cable";
@@ -166,7 +166,7 @@ pub(super) fn alone(
 fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &StructureFrame) {
     let place = |node: u32| structure.positions_m[node as usize];
     match kind {
-        BodyKind::Airbag { middles } => {
+        BodyKind::Airbag(Airbag { middles }) => {
             let [up, down] = middles.map(place);
             results.insert(
                 "half_height_m",
@@ -199,7 +199,7 @@ fn specimen_results(results: &mut Results, kind: &BodyKind, structure: &Structur
         | BodyKind::Sheet
         | BodyKind::Cable { .. }
         | BodyKind::Mesh
-        | BodyKind::Wing
-        | BodyKind::ImportedWing => {}
+        | BodyKind::Wing(_)
+        | BodyKind::ImportedWing(_) => {}
     }
 }

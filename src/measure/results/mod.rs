@@ -73,10 +73,10 @@ pub(super) fn of_scene(
                     * scene.gravity_m_s2.map_or(0.0, DVec3::length);
                 let rests = scene.equilibrium.is_some() && scene.supports.is_empty();
                 fabric::alone(&mut results, &body.kind, structure, (weight, rests));
-                if let Some(known) = &scene.imported {
+                if let Some(known) = scene.imported_wing() {
                     imported_wing::results(&mut results, known, structure);
                 }
-                if let Some(known) = &scene.wing {
+                if let Some(known) = scene.wing() {
                     let gravity = scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
                     let mass: f64 = body.structure.masses_kg.iter().sum();
                     let trim = statics.trim.as_ref();

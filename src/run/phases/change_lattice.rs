@@ -143,7 +143,7 @@ impl Lattice {
         let scene = simulation.scene();
         let (Some(air), Some(BodyKind::Canopy(canopy)), true) = (
             &scene.air,
-            scene.body.as_ref().map(|b| b.kind),
+            scene.body.as_ref().map(|b| &b.kind),
             simulation.spans_are_over(),
         ) else {
             return false;
@@ -192,7 +192,7 @@ impl Lattice {
 /// Who decides when the run may stop: a canopy, else all rigid bodies; `None` where the case does not ask.
 pub(in crate::run) fn detector(scene: &Scene) -> Option<Detector> {
     let confidence = scene.steady_drag_confidence?;
-    if let Some(BodyKind::Canopy(canopy)) = scene.body.as_ref().map(|body| body.kind) {
+    if let Some(BodyKind::Canopy(canopy)) = scene.body.as_ref().map(|body| &body.kind) {
         let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
         return Some(Detector::new(unit_s, confidence));
     }

@@ -12,7 +12,7 @@ impl Run<'_> {
     /// Raises the loads step by step. An interrupted one is begun anew when the run goes on.
     pub(super) fn test_loads(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
         let scene = &self.case.scene;
-        let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
+        let (Some(wing), Some(body)) = (scene.wing(), &scene.body) else {
             return Ok(Next::Phase);
         };
         let Some(asked) = &wing.load_test else {
@@ -90,7 +90,7 @@ fn line(wing: &Wing, names: &[LineName], step: &LoadStep) -> String {
         },
     );
     let rows: Vec<String> = wing
-        .wing
+        .built
         .row_names
         .iter()
         .zip(&reading.row_loads_n)

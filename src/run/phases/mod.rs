@@ -168,7 +168,7 @@ impl Run<'_> {
 
     /// Seeks the trim, or the equilibrium, that the case asks for.
     fn balance(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
-        let wing = self.case.scene.wing.as_ref();
+        let wing = self.case.scene.wing();
         if wing.is_some_and(|wing| wing.trim.is_some()) {
             self.seek_trim(observer)
         } else {

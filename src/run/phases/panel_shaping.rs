@@ -20,7 +20,7 @@ const WIDEST: f64 = 0.5;
 impl Run<'_> {
     /// Shapes the panels, from the equilibrium that was found.
     pub(super) fn shape_panels(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
-        let Some(wing) = &self.case.scene.wing else {
+        let Some(wing) = self.case.scene.wing() else {
             return Ok(Next::Phase);
         };
         let Some(shaping) = &wing.panel_shaping else {
@@ -117,7 +117,7 @@ fn widen(
 /// A table of ballooning at the nodes of the mesh.
 fn at_nodes(wing: &Wing, ballooning: &Ballooning) -> Ballooning {
     let of = |side: Side, table: &[[f64; 2]]| {
-        let places = wing.wing.places.of(side).iter();
+        let places = wing.built.places.of(side).iter();
         places.map(|x| [*x, lookup(table, *x)]).collect()
     };
     [

@@ -85,7 +85,7 @@ fn told(end: TrimEnd, iterations: usize) -> (String, Option<String>) {
 
 /// How much of a trim is done, as far as can be told: meshes count by their nodes, and on each what still moves falls by a constant factor.
 fn share_done(scene: &Scene, trim: &Trim) -> f64 {
-    let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
+    let (Some(wing), Some(body)) = (scene.wing(), &scene.body) else {
         return 0.0;
     };
     let mut nodes = vec![body.structure.node_count()];

@@ -27,7 +27,7 @@ pub(in crate::run) fn write(
     scene: &Scene,
     load_test: Option<&LoadTest>,
 ) -> Result<(), OutputError> {
-    let (Some(wing), Some(body), Some(state)) = (&scene.wing, &scene.body, load_test) else {
+    let (Some(wing), Some(body), Some(state)) = (scene.wing(), &scene.body, load_test) else {
         return Ok(());
     };
     if state.steps.is_empty() {
@@ -50,7 +50,7 @@ fn steps_table(
     state: &LoadTest,
     readings: &[LoadReading],
 ) -> Result<(), OutputError> {
-    let rows = &wing.wing.row_names;
+    let rows = &wing.built.row_names;
     let parts = measure::wing_parts(wing);
     let mut columns: Vec<String> = [
         "load_factor",
@@ -156,7 +156,7 @@ fn charts(
         bars: Vec::new(),
         markers: true,
     };
-    let rows = || wing.wing.row_names.iter().enumerate();
+    let rows = || wing.built.row_names.iter().enumerate();
     let shares: Vec<Series> = rows()
         .map(|(row, name)| {
             series(name.clone(), &|r| {

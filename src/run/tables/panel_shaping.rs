@@ -34,7 +34,7 @@ pub(in crate::run) fn write(
     simulation: &Simulation,
     statics: &Statics,
 ) -> Result<(), OutputError> {
-    let Some(wing) = &scene.wing else {
+    let Some(wing) = scene.wing() else {
         return Ok(());
     };
     let steps = statics.shaping_steps();
@@ -50,7 +50,7 @@ pub(in crate::run) fn write(
             return Ok(());
         };
         // Free of stress as they are sewn.
-        let panels = patterns::patterns(&wing.wing, &cloth.structure.positions_m);
+        let panels = patterns::patterns(&wing.built, &cloth.structure.positions_m);
         let pieces: Vec<PatternPiece> = panels.iter().map(|panel| piece(wing, panel)).collect();
         write_patterns(&folder.join(PATTERNS), &scene.title, &pieces)?;
     }

@@ -115,7 +115,7 @@ pub(in crate::run) fn write(
     .write(&folder.join(CHARTS[0]))?;
     pressure(folder, title, flight)?;
     if let (Some(wing), Some(structure)) = (
-        &simulation.scene().wing,
+        simulation.scene().wing(),
         &simulation.structure_frame().structure,
     ) {
         let rows = measure::row_loads(wing, structure);
@@ -198,7 +198,7 @@ fn pressure(folder: &Path, title: &str, flight: &crate::trim::Flight) -> Result<
 /// Widths of the cells, flown and designed.
 fn cells(folder: &Path, title: &str, simulation: &Simulation) -> Result<(), OutputError> {
     let (Some(wing), Some(body), Some(cloth)) = (
-        &simulation.scene().wing,
+        simulation.scene().wing(),
         &simulation.scene().body,
         simulation.cloth(),
     ) else {

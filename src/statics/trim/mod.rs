@@ -120,8 +120,7 @@ impl Trim {
     ) -> Result<Self, DeviceError> {
         simulation.set_static_loads(Some(StaticLoads::Prescribed));
         let coarser = scene
-            .wing
-            .as_ref()
+            .wing()
             .filter(|_| from_coarser)
             .map_or(0, coarser_meshes);
         let trim = Self {
@@ -136,7 +135,7 @@ impl Trim {
 
     /// True if the trim is one of the wing of `scene`.
     pub(super) fn fits(&self, scene: &Scene) -> bool {
-        let (Some(wing), Some(body)) = (&scene.wing, &scene.body) else {
+        let (Some(wing), Some(body)) = (scene.wing(), &scene.body) else {
             return false;
         };
         let own = &body.structure;
@@ -159,7 +158,7 @@ impl Trim {
         scene: &Scene,
         simulation: &mut Simulation,
     ) -> Result<(), DeviceError> {
-        let found = scene.wing.as_ref().map(|wing| mesh(wing, self.coarser));
+        let found = scene.wing().map(|wing| mesh(wing, self.coarser));
         match found {
             Some((_, Some(structure))) => simulation.replace_fabric(structure.clone()),
             _ => Ok(()),
@@ -222,7 +221,7 @@ impl Trim {
         simulation: &mut Simulation,
         watch: Watch,
     ) -> Result<TrimPart, Failure> {
-        let Some(wing) = &scene.wing else {
+        let Some(wing) = scene.wing() else {
             return Ok(TrimPart::Ended(TrimEnd::Refused(NO_WING.to_owned())));
         };
         if self.ended.is_none() {
@@ -255,7 +254,7 @@ impl Trim {
         scene: &Scene,
         simulation: &mut Simulation,
     ) -> Result<(), Failure> {
-        let Some(own) = &scene.wing else {
+        let Some(own) = scene.wing() else {
             return Ok(());
         };
         let (coarse_wing, coarse) = mesh(own, self.coarser);
@@ -272,11 +271,11 @@ impl Trim {
         let fine = fine.or_else(|| scene.body.as_ref().map(|body| &body.structure));
         if let (true, Some(coarse), Some(fine)) = (settled, coarse, fine) {
             let from = Meshed {
-                wing: &coarse_wing.wing,
+                wing: &coarse_wing.built,
                 structure: coarse,
             };
             let to = Meshed {
-                wing: &fine_wing.wing,
+                wing: &fine_wing.built,
                 structure: fine,
             };
             if let Some(places) = carried_over(from, &flown_m, to) {
@@ -310,7 +309,7 @@ impl Trim {
         };
         let gravity = scene.gravity_m_s2.map_or(0.0, |g| -g.z);
         let diameters_m = &wing.line_diameters_m;
-        let glider = match Glider::new(&wing.wing, &designed, diameters_m, settings, gravity) {
+        let glider = match Glider::new(&wing.built, &designed, diameters_m, settings, gravity) {
             Ok(glider) => glider,
             Err(why) => return refused(why.to_string()),
         };
@@ -355,7 +354,7 @@ impl Trim {
         let pitch_rad = glider.pitch_rad(&now);
         // A turn about the hang points is the guide's matter, not the shape's.
         let upright = glider.turned_m(&now, glider.pitch_rad(&turned) - pitch_rad);
-        let chord_m = wing.wing.measures.flat_area_m2 / wing.wing.measures.flat_span_m;
+        let chord_m = wing.built.measures.flat_area_m2 / wing.built.measures.flat_span_m;
         let iteration = TrimIteration {
             nodes: now.len(),
             number: self.iterations.len() + 1,
@@ -422,7 +421,7 @@ fn mixed(old: &[DVec3], new: &[DVec3], share: f64) -> Vec<DVec3> {
 
 /// Root of the mean square of how far the nodes of the ribs' outlines move [m].
 fn change(wing: &Wing, before: &[DVec3], after: &[DVec3]) -> f64 {
-    let nodes = wing.wing.outlines.iter().flatten();
+    let nodes = wing.built.outlines.iter().flatten();
     let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), &node| {
         let node = node as usize;
         (

@@ -14,7 +14,7 @@ use crate::fabric::Fabric;
 use crate::geometry::wing::frames::Station;
 use crate::geometry::wing::plan::{Fineness, PartFabrics, Plan};
 use crate::geometry::wing::section::Profile;
-use crate::geometry::wing::{Wing, build};
+use crate::geometry::wing::{BuiltWing, build};
 use crate::trim::balance::stream;
 use crate::trim::{Flight, Glider, Settings, Tolerance, TrimError};
 
@@ -60,7 +60,7 @@ impl From<TrimError> for Stop {
     }
 }
 
-fn wing(cells: usize, along_chord: usize) -> Result<Wing, Stop> {
+fn wing(cells: usize, along_chord: usize) -> Result<BuiltWing, Stop> {
     let stations = (0..=30)
         .map(|i| {
             let share = (0.5 * PI * f64::from(i) / 30.0).sin();
@@ -104,7 +104,7 @@ fn wing(cells: usize, along_chord: usize) -> Result<Wing, Stop> {
 }
 
 /// Angle between stream and chord, speed and glide ratio by lifting-line theory.
-fn lifting_line(wing: &Wing, section_slope: f64) -> [f64; 3] {
+fn lifting_line(wing: &BuiltWing, section_slope: f64) -> [f64; 3] {
     let area = wing.measures.flat_area_m2;
     let ratio = wing.measures.flat_aspect_ratio();
     let slope = section_slope / (1.0 + section_slope / (PI * ratio));
@@ -148,7 +148,7 @@ fn lifting_line(wing: &Wing, section_slope: f64) -> [f64; 3] {
 }
 
 /// What is left of force and moment over weight, and weight times height, once all loads act on the turned wing.
-fn residuals(wing: &Wing, glider: &Glider, flight: &Flight) -> [f64; 2] {
+fn residuals(wing: &BuiltWing, glider: &Glider, flight: &Flight) -> [f64; 2] {
     let structure = &wing.structure;
     let positions = glider.turned_m(&structure.positions_m, flight.balance.turn_rad);
     let hang = HANG.with_y(0.0);

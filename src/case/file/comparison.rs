@@ -1,27 +1,38 @@
-//! `[comparison.NAME]`: what others found for a result of the run.
+//! What may be written in `[comparison.NAME]`: what others found for a result of the run.
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// One or several reference values of one result: `[comparison.NAME]` or `[[comparison.NAME]]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ComparisonTable(pub Vec<ComparisonEntry>);
+/// What others found for the result NAME of `summary.json`: one table, or several as `[[comparison.NAME]]` (docs/parachutes.md).
+#[derive(Debug, Clone, PartialEq, JsonSchema)]
+pub struct ComparisonTable(#[schemars(with = "OneOrSeveralEntries")] pub Vec<ComparisonEntry>);
 
-/// One reference; exactly one of value and range.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// One finding of others; exactly one of `value` and `range`.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "the keys are documented in docs/case-files.md; the unit is that of the result"
-)]
 pub struct ComparisonEntry {
+    /// The value, in the unit of the result.
     pub value: Option<f64>,
+    /// Or the range in which it lies.
     pub range: Option<[f64; 2]>,
+    /// Where it is from.
     pub source: String,
+    /// What should be known of it.
     pub note: Option<String>,
+}
+
+/// For the schema alone.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+enum OneOrSeveralEntries {
+    #[expect(dead_code, reason = "stands in the schema")]
+    One(ComparisonEntry),
+    #[expect(dead_code, reason = "stands in the schema")]
+    Several(Vec<ComparisonEntry>),
 }
 
 impl<'de> Deserialize<'de> for ComparisonTable {

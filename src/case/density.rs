@@ -1,0 +1,61 @@
+//! Density of the undisturbed air.
+
+use super::file::Air;
+use super::problem::Problem;
+use super::usual;
+use super::values::{absent, positive, within};
+
+/// Altitudes of the standard atmosphere's lowest layer [m].
+const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
+
+/// Density of the air: as given, or of the standard atmosphere.
+pub(super) fn density_kg_m3(file: &Air) -> Result<f64, Problem> {
+    let altitude = file.descent.as_ref().and_then(|descent| descent.altitude_m);
+    match (file.density_kg_m3, altitude) {
+        (Some(density), None) => positive("air.density_kg_m3", density),
+        (None, Some(altitude)) => {
+            let [lowest, highest] = ALTITUDES_M;
+            within("air.descent.altitude_m", altitude, lowest, highest).map(|altitude_m| {
+                usual::noted("air.density_kg_m3", standard_density_kg_m3(altitude_m))
+            })
+        }
+        (Some(_), Some(_)) => Err(Problem::new(
+            "air.descent.altitude_m",
+            "air.density_kg_m3 and air.descent.altitude_m both say how dense the air is",
+            "keep one of the two",
+        )),
+        (None, None) => Err(absent(
+            "air.density_kg_m3",
+            "air has a density (or air.descent.altitude_m)",
+        )),
+    }
+}
+
+/// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere, over the geometric altitude [kg/m³].
+fn standard_density_kg_m3(altitude_m: f64) -> f64 {
+    const LAPSE_K_M: f64 = 0.0065;
+    const SEA_LEVEL_K: f64 = 288.15;
+    const SEA_LEVEL_KG_M3: f64 = 1.225;
+    // g M/(R L) − 1
+    const EXPONENT: f64 = 4.255_88;
+    const EARTH_RADIUS_M: f64 = 6_356_766.0;
+    let geopotential_m = EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m);
+    SEA_LEVEL_KG_M3 * (1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K).powf(EXPONENT)
+}
+
+#[cfg(test)]
+mod tests {
+    /// Densities over geometric altitudes as tabulated in ICAO Doc 7488.
+    #[test]
+    fn densities_are_those_of_the_tables() {
+        for (altitude, density) in [
+            (0.0, 1.225),
+            (1000.0, 1.11166),
+            (5000.0, 0.736_43),
+            (11_000.0, 0.364_80),
+        ] {
+            let found = super::standard_density_kg_m3(altitude);
+            assert!((found / density - 1.0).abs() < 1e-4, "{altitude}: {found}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What may be written in `[air]` and `[resolution]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::lattice::Operator;
+use crate::lattice::eddy_viscosity::EddyViscosityModel;
+
+/// The undisturbed air, and exactly one flow of it: a wind tunnel, a descent, or decaying vortices.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Air {
+    /// Density [kg/m³]. Required unless `air.descent.altitude_m` gives it.
+    pub density_kg_m3: Option<f64>,
+    /// Kinematic viscosity [m²/s].
+    pub kinematic_viscosity_m2_s: f64,
+    /// A box that falls with what it holds.
+    pub descent: Option<Descent>,
+    /// Wind along +x past what stands in it.
+    pub wind_tunnel: Option<WindTunnel>,
+    /// Decaying vortices in a periodic box: a test of the air alone.
+    pub taylor_green: Option<TaylorGreen>,
+}
+
+/// Wind along +x between frictionless walls.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WindTunnel {
+    /// Speed of the wind [m/s]. It may be 0, if `resolution.reference_speed_m_s` is given.
+    pub speed_m_s: f64,
+    /// Length, width and height of the box [m].
+    pub size_m: [f64; 3],
+    /// Time in which the wind rises, uniformly, while the structure is held [s]. t = 0 is its end.
+    pub start_time_s: f64,
+    /// Length of a viscous layer before the outlet [m]; absent: none.
+    pub sponge_length_m: Option<f64>,
+}
+
+/// A box that falls along −x with the payload, or with a body in free fall: the air comes along +x. Needs `[gravity]` along −x.
+/// Coefficients refer to the speed of release, those of falls (docs/parachutes.md) to the present one.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Descent {
+    /// Speed at release, at t = 0 [m/s].
+    pub release_speed_m_s: f64,
+    /// Length, width and height of the box [m].
+    pub size_m: [f64; 3],
+    /// Time in which the air comes to the speed of release, before t = 0 [s].
+    pub start_time_s: f64,
+    /// Length of a viscous layer before the outlet [m]; absent: none.
+    pub sponge_length_m: Option<f64>,
+    /// Altitude whose standard density is used instead of `air.density_kg_m3` [m]. It stays the same on the way.
+    pub altitude_m: Option<f64>,
+}
+
+impl Descent {
+    /// The tunnel that the box is at release.
+    pub(in crate::case) const fn tunnel(&self) -> WindTunnel {
+        WindTunnel {
+            speed_m_s: self.release_speed_m_s,
+            size_m: self.size_m,
+            start_time_s: self.start_time_s,
+            sponge_length_m: self.sponge_length_m,
+        }
+    }
+}
+
+/// Decaying Taylor–Green vortices in a periodic box.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TaylorGreen {
+    /// Largest speed at the start [m/s].
+    pub speed_m_s: f64,
+    /// Period along x and y [m].
+    pub side_m: f64,
+    /// Period along z [m].
+    pub depth_m: f64,
+}
+
+/// Lattice of the air. Exactly one of `cell_size_m`, `cells_per_diameter` and `cells_per_chord`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Resolution {
+    /// Cells per nominal diameter of the canopy, or per diameter of the only rigid body.
+    pub cells_per_diameter: Option<f64>,
+    /// Cells per largest chord of a wing.
+    pub cells_per_chord: Option<f64>,
+    /// Side of a cell [m].
+    pub cell_size_m: Option<f64>,
+    /// Cells per step at the speed of the wind, at most 0.15; it sets the time step. In `[air.descent]` at the speed of release: as the
+    /// speed falls, the time step grows with it, by a quarter of an octave at a time.
+    pub lattice_speed: f64,
+    /// Speed that `lattice_speed` stands for [m/s]; the speed of the wind if absent. It sets the time step only: coefficients refer to
+    /// the wind.
+    pub reference_speed_m_s: Option<f64>,
+    /// Collision operator of the lattice.
+    pub operator: Operator,
+    /// Eddy viscosity; absent: none.
+    pub eddy_viscosity: Option<EddyViscosity>,
+    /// Moves all that stands in the air against the lattice: parts of a cell along x, y, z, each between −1 and 1; 0 if absent. Walls
+    /// come nearer by as much. `ripstop sweep --ensemble` tells by it what the place on the lattice does to a result
+    /// (docs/parachutes.md).
+    pub shift_cells: Option<[f64; 3]>,
+}
+
+/// Eddy viscosity of a subgrid model.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EddyViscosity {
+    /// Subgrid model.
+    pub model: EddyViscosityModel,
+    /// C_s, C_w or c of the model; published 0.1 to 0.2, 0.325 to 0.6, 0.025 to 0.07. With the regularised operator, which dissipates by
+    /// itself, the smallest err least (`ripstop validate taylor-green-vortex`).
+    pub constant: f64,
+    /// Steps between evaluations, only of `wale` and `vreman`, 1 to 16; 4 if absent.
+    pub update_every: Option<u32>,
+}

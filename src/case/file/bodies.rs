@@ -1,0 +1,222 @@
+//! What may be written in `[bodies.NAME]`: rigid bodies and their motions.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::fabric::Permeability;
+use crate::geometry::mesh::doctor::Kind;
+
+/// A rigid body in the air (docs/rigid-bodies.md). Exactly one shape: `sphere`, `disk`, `plate`, `cylinder` or `mesh`. Its name has letters,
+/// digits, - and _.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Middle of its shape at t = 0; of a mesh the file's origin [m].
+    pub position_m: [f64; 3],
+    /// Turns the shape about its `position_m`; absent: not at all.
+    pub rotation: Option<Rotation>,
+    /// A sphere.
+    pub sphere: Option<SphereShape>,
+    /// A disk without thickness, normal along x.
+    pub disk: Option<DiskShape>,
+    /// A rectangle without thickness, normal along x.
+    pub plate: Option<PlateShape>,
+    /// A circular cylinder along z.
+    pub cylinder: Option<CylinderShape>,
+    /// A surface from a file.
+    pub mesh: Option<SurfaceFile>,
+    /// How it moves; absent: it is held.
+    pub motion: Option<Motion>,
+    /// What coefficients refer to; absent: what follows from the shape. Required of a mesh.
+    pub reference: Option<Reference>,
+    /// How air passes an open surface, such as a panel in an opening; absent: not at all. Not together with `coupling.passes`.
+    pub permeability: Option<Permeability>,
+}
+
+impl Body {
+    /// Its diameter as written, if it has one [m].
+    pub(in crate::case) fn diameter_m(&self) -> Option<f64> {
+        let sphere = self.sphere.as_ref().map(|s| s.diameter_m);
+        let disk = self.disk.as_ref().map(|d| d.diameter_m);
+        let cylinder = self.cylinder.as_ref().map(|c| c.diameter_m);
+        sphere.or(disk).or(cylinder).filter(|d| *d > 0.0)
+    }
+
+    /// Its free fall, if it has one.
+    pub(in crate::case) const fn free_fall(&self) -> Option<&FreeFall> {
+        match &self.motion {
+            Some(Motion::FreeFall(fall)) => Some(fall),
+            _ => None,
+        }
+    }
+}
+
+/// A turn.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// Axis, of any length.
+    pub axis: [f64; 3],
+    /// Angle about it [°].
+    pub angle_deg: f64,
+}
+
+/// A sphere.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SphereShape {
+    /// Diameter [m].
+    pub diameter_m: f64,
+}
+
+/// A disk.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiskShape {
+    /// Diameter [m].
+    pub diameter_m: f64,
+}
+
+/// A rectangle.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlateShape {
+    /// Width along y, height along z [m].
+    pub size_m: [f64; 2],
+}
+
+/// A circular cylinder.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderShape {
+    /// Diameter [m].
+    pub diameter_m: f64,
+    /// Length [m].
+    pub length_m: f64,
+    /// Whether it has flat ends.
+    pub closed: bool,
+}
+
+/// A surface from a file, closed or open.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceFile {
+    /// OBJ, STL or PLY file, relative to the case file.
+    pub file: String,
+    /// Metres per unit of the file.
+    pub scale: f64,
+    /// Vertices nearer than this are joined [m]; 0 if absent (docs/meshes.md).
+    pub weld_tolerance_m: Option<f64>,
+    /// Turns triangles that run against their neighbours; `false` if absent.
+    #[serde(default)]
+    pub orient_triangles: bool,
+    /// Findings that are meant; others refuse the case (docs/meshes.md). None if absent.
+    #[serde(default)]
+    pub accept: Vec<Kind>,
+}
+
+/// What coefficients refer to.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    /// Area [m²]; the frontal area if absent.
+    pub area_m2: Option<f64>,
+    /// Length [m]; diameter or smaller side if absent.
+    pub length_m: Option<f64>,
+    /// Point of the body that moments are about [m]; `position_m` if absent.
+    pub moment_point_m: Option<[f64; 3]>,
+}
+
+/// A motion; exactly one.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Motion {
+    /// At constant velocity from t = 0.
+    ConstantVelocity(ConstantVelocity),
+    /// Turning at constant rate from t = 0.
+    ConstantRotation(ConstantRotation),
+    /// `displacement_m` · sin and `angle_deg` · sin about `axis` through `centre_m`.
+    Oscillation(Oscillation),
+    /// Places and angles over time, joined by a natural cubic spline.
+    Table(MotionRows),
+    /// Falls along −x, only in `[air.descent]`, of open surfaces only, without turning; the box stays with it. Not of supports.
+    FreeFall(FreeFall),
+}
+
+impl Motion {
+    /// The point that it turns about, where it names one [m].
+    pub(in crate::case) const fn centre_m(&mut self) -> Option<&mut [f64; 3]> {
+        match self {
+            Self::ConstantRotation(given) => given.centre_m.as_mut(),
+            Self::Oscillation(given) => given.centre_m.as_mut(),
+            Self::Table(given) => given.centre_m.as_mut(),
+            Self::ConstantVelocity(_) | Self::FreeFall(_) => None,
+        }
+    }
+}
+
+/// Constant velocity.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantVelocity {
+    /// Velocity [m/s].
+    pub velocity_m_s: [f64; 3],
+    /// Time in which it rises, from t = 0 [s]; 0 if absent.
+    pub start_time_s: Option<f64>,
+}
+
+/// Constant rotation.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantRotation {
+    /// Axis, of any length.
+    pub axis: [f64; 3],
+    /// Angular velocity about it [rad/s].
+    pub rate_rad_s: f64,
+    /// Point on the axis [m]; `position_m` if absent.
+    pub centre_m: Option<[f64; 3]>,
+    /// Time in which it rises, from t = 0 [s]; 0 if absent.
+    pub start_time_s: Option<f64>,
+}
+
+/// Harmonic motion.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Oscillation {
+    /// Frequency [Hz].
+    pub frequency_hz: f64,
+    /// Phase at t = 0 [°]; 0 if absent.
+    pub phase_deg: Option<f64>,
+    /// Amplitude of the displacement [m]; 0 if absent.
+    pub displacement_m: Option<[f64; 3]>,
+    /// Amplitude of the angle [°]; 0 if absent.
+    pub angle_deg: Option<f64>,
+    /// Axis of the angle, of any length; required where it turns.
+    pub axis: Option<[f64; 3]>,
+    /// Point on the axis [m]; `position_m` if absent.
+    pub centre_m: Option<[f64; 3]>,
+}
+
+/// Motion by a table, which must cover the run.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotionRows {
+    /// Times, ascending [s].
+    pub times_s: Vec<f64>,
+    /// Displacement at each [m]; 0 if absent.
+    pub displacements_m: Option<Vec<[f64; 3]>>,
+    /// Angle about `axis` at each [°]; 0 if absent.
+    pub angles_deg: Option<Vec<f64>>,
+    /// Axis of the angles, of any length; required with them.
+    pub axis: Option<[f64; 3]>,
+    /// Point on the axis [m]; `position_m` if absent.
+    pub centre_m: Option<[f64; 3]>,
+}
+
+/// Free fall.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FreeFall {
+    /// Mass [kg].
+    pub mass_kg: f64,
+}

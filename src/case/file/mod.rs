@@ -1,0 +1,30 @@
+//! What may be written in a case file, in SI units with the unit in the key: mirrors of its tables, whose comments are the documentation of
+//! the keys (`docs/case-files.md`, the JSON schema).
+
+mod air;
+mod bodies;
+mod canopy;
+mod case_file;
+mod comparison;
+mod fabric;
+mod output;
+mod payload;
+mod structure;
+mod supports;
+mod time;
+mod wing;
+mod wing_run;
+
+pub use air::*;
+pub use bodies::*;
+pub use canopy::*;
+pub use case_file::File;
+pub use comparison::*;
+pub use fabric::*;
+pub use output::*;
+pub use payload::*;
+pub use structure::*;
+pub use supports::*;
+pub use time::*;
+pub use wing::*;
+pub use wing_run::*;

@@ -1,0 +1,229 @@
+//! What may be written in `[structure]`: one kind of structure, with its own table.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::bodies::Rotation;
+use super::canopy::{
+    Annular, Conical, Cruciform, DiskGapBand, ExtendedSkirt, FlatCircular, Slotted,
+};
+use super::fabric::CableMaterial;
+use super::wing::Wing;
+use crate::geometry::mesh::doctor::Kind;
+use crate::geometry::plate::Support;
+use crate::geometry::sheet::FabricModel;
+
+/// What hangs or flies; exactly one.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Structure {
+    /// A flat circular canopy.
+    FlatCircular(FlatCircular),
+    /// A conical canopy.
+    Conical(Conical),
+    /// A slotted canopy.
+    Slotted(Slotted),
+    /// An extended-skirt canopy.
+    ExtendedSkirt(ExtendedSkirt),
+    /// An annular canopy.
+    Annular(Annular),
+    /// A disk-gap-band canopy.
+    DiskGapBand(DiskGapBand),
+    /// A cruciform canopy.
+    Cruciform(Cruciform),
+    /// A vertical sheet.
+    Sheet(Sheet),
+    /// A plate with bending stiffness.
+    Plate(Plate),
+    /// A hanging cable.
+    Cable(HangingCable),
+    /// A mesh from a file.
+    Mesh(MeshFile),
+    /// A wing from LEparagliding Studio.
+    LepSim(LepSim),
+    /// A square airbag.
+    Airbag(Airbag),
+    /// A clamped disc.
+    Disc(Disc),
+    /// A strip in a tensile test.
+    Coupon(Coupon),
+    /// A ram-air wing.
+    Wing(Box<Wing>),
+}
+
+impl Structure {
+    /// True for a parachute canopy that is drawn in the case.
+    #[must_use]
+    pub const fn is_drawn_canopy(&self) -> bool {
+        matches!(
+            self,
+            Self::FlatCircular(_)
+                | Self::Conical(_)
+                | Self::Slotted(_)
+                | Self::ExtendedSkirt(_)
+                | Self::Annular(_)
+                | Self::DiskGapBand(_)
+                | Self::Cruciform(_)
+        )
+    }
+
+    /// True for a parachute canopy, drawn in the case or from a mesh with a nominal area.
+    #[must_use]
+    pub const fn is_canopy(&self) -> bool {
+        self.is_drawn_canopy() || matches!(self, Self::Mesh(mesh) if mesh.nominal_area_m2.is_some())
+    }
+
+    /// The wing, if it is one.
+    #[must_use]
+    pub fn wing(&self) -> Option<&Wing> {
+        match self {
+            Self::Wing(wing) => Some(wing),
+            _ => None,
+        }
+    }
+
+    /// Files that it is taken from, relative to the case.
+    pub(super) fn named_files(&self) -> Vec<&str> {
+        match self {
+            Self::Mesh(mesh) => std::iter::once(mesh.file.as_str())
+                .chain(mesh.start_file.as_deref())
+                .chain(mesh.lines.as_deref())
+                .collect(),
+            Self::LepSim(wing) => vec![&wing.file],
+            Self::Wing(wing) => (wing.profiles.values())
+                .filter_map(|profile| profile.file.as_deref())
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A vertical sheet, held at its two upper corners.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sheet {
+    /// Width and height [m].
+    pub size_m: [f64; 2],
+    /// Cells along width and height, 1 to 5000.
+    pub divisions: [usize; 2],
+    /// How its fabric is modelled.
+    pub model: FabricModel,
+    /// Upper left corner [m].
+    pub corner_m: [f64; 3],
+    /// Distance of the held corners [m].
+    pub hung_width_m: f64,
+}
+
+/// A rectangle of fabric with bending stiffness, held along one edge; its other edges are free. Pairs are along the length, from the held
+/// edge to the free one, and across it. In air, markers stand inside all four edges, and the foot stands in the stream.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Plate {
+    /// Length and width [m].
+    pub size_m: [f64; 2],
+    /// Cells along length and width.
+    pub divisions: [usize; 2],
+    /// Middle of the held edge [m].
+    pub held_edge_m: [f64; 3],
+    /// Direction of the length, the warp; of any length.
+    pub along: [f64; 3],
+    /// Direction of the held edge, at a right angle to it.
+    pub across: [f64; 3],
+    /// How the edge is held.
+    pub support: Support,
+    /// Bending stiffness D along the length [N m]; that of the fabric as a solid sheet, E h³/12(1 − ν²), if absent.
+    pub flexural_rigidity_nm: Option<f64>,
+}
+
+/// A cable between two held ends.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HangingCable {
+    /// Both ends [m].
+    pub ends_m: [[f64; 3]; 2],
+    /// Unstretched length, more than their distance [m].
+    pub length_m: f64,
+    /// Straight pieces, 2 to 100000.
+    pub segments: usize,
+    /// What it is made of.
+    pub material: CableMaterial,
+}
+
+/// Two square sheets joined along their edges, in the plane z = 0.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Airbag {
+    /// Side of the flat bag [m].
+    pub side_m: f64,
+    /// Cells along a side; even.
+    pub cells_per_side: usize,
+}
+
+/// A disc clamped at its rim, in the plane z = 0.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Disc {
+    /// Radius [m].
+    pub radius_m: f64,
+    /// Rings of triangles.
+    pub rings: usize,
+}
+
+/// A strip along x, clamped at both ends, of which one is pulled.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupon {
+    /// Length between the clamps [m].
+    pub length_m: f64,
+    /// Width [m].
+    pub width_m: f64,
+    /// Cells over the width.
+    pub cells_across: usize,
+    /// Angle from the length to the warp [°].
+    pub warp_angle_deg: f64,
+    /// Way of the pulled clamp over the length.
+    pub elongation: f64,
+}
+
+/// Triangles of an OBJ, STL or PLY file: the shape at rest. With `nominal_area_m2` a parachute canopy (docs/canopies.md).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// The mesh as it is sewn, relative to the case file.
+    pub file: String,
+    /// Metres per unit of the file.
+    pub scale: f64,
+    /// Numbers of held nodes, from 1 as in an OBJ file.
+    pub held_nodes: Vec<u32>,
+    /// Vertices nearer than this are joined, and seams with other vertices on either side are sewn [m]; 0 if absent (docs/meshes.md).
+    pub weld_tolerance_m: Option<f64>,
+    /// Turns triangles that run against their neighbours; `false` if absent.
+    #[serde(default)]
+    pub orient_triangles: bool,
+    /// Findings that are meant; others refuse the case (docs/meshes.md). None if absent.
+    #[serde(default)]
+    pub accept: Vec<Kind>,
+    /// OBJ file with the same faces where they are at the start, such as a folded canopy; as sewn if absent. Edges may be 10 % longer than
+    /// at rest, at most.
+    pub start_file: Option<String>,
+    /// Where the origin of the files is in the box of the air [m]; 0 if absent.
+    pub position_m: Option<[f64; 3]>,
+    /// Turns all that the files name about their origin, before it is moved.
+    pub rotation: Option<Rotation>,
+    /// Nominal area S_0 [m²]: makes it a parachute canopy, whose lines lead upstream (−x).
+    pub nominal_area_m2: Option<f64>,
+    /// Table of lines (CSV), with `line_material`; absent: none.
+    pub lines: Option<String>,
+    /// What these lines are made of.
+    pub line_material: Option<CableMaterial>,
+}
+
+/// A wing that LEparagliding Studio has drawn, blown up by `equilibrium.pressure_pa` (docs/wing-design.md). Without air and motion.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LepSim {
+    /// Its `lep-sim.json`, relative to the case file.
+    pub file: String,
+    /// What all its lines are made of.
+    pub line_material: CableMaterial,
+}

@@ -1,0 +1,108 @@
+//! What may be written in `[time]`, `[gravity]`, `[coupling]`, `[solver]`, `[equilibrium]` and `[steady]`: how a scene is computed.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::wing_run::{LoadTest, PanelShaping, Trim, WingPressure};
+
+/// Acts on the structure and on what falls.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    /// Acceleration [m/s²].
+    pub acceleration_m_s2: [f64; 3],
+}
+
+/// Coupling of the air with fabric and rigid bodies.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// Over-relaxation a of the force, at most 8/3; 1.6 is usual.
+    pub over_relaxation: f64,
+    /// Steps of the air per step of the fabric at most, 1 to 10, only with fabric; fewer are taken where a marker would move more than
+    /// 0.25 cells between two. If absent the plan takes 1, quietest and exact in momentum (docs/coupling.md).
+    pub structure_every: Option<u32>,
+    /// Passes of multi-direct forcing, only without fabric; 1 if absent. 5 with `over_relaxation = 1.0` is P0's scheme.
+    pub passes: Option<u32>,
+    /// How far markers stand inside closed surfaces of rigid bodies [cells]; 0.5 if absent.
+    pub surface_inset_cells: Option<f64>,
+    /// How far markers stand inside rims of rigid bodies and fabric [cells]; 0.65 if absent. Narrow openings have a wider inset, in
+    /// proportion (docs/coupling.md).
+    pub rim_inset_cells: Option<f64>,
+    /// Largest distance of neighbouring markers, 0.25 to 1.5 [cells]; 1 if absent. Insets were calibrated with 1; the farther apart, the
+    /// lower the drag (`ripstop validate marker-spacing`).
+    pub marker_spacing_cells: Option<f64>,
+    /// Multiplies the masses of the structure, to study light and heavy sheets; 1 if absent.
+    pub mass_factor: Option<f64>,
+}
+
+/// Solver of the fabric (see "When a solve of the fabric ends" in docs/case-files.md).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// Tolerance of one step, relative to the loads in the energy norm; 1e-2 if absent, with a payload 1e-3.
+    pub tolerance: Option<f64>,
+    /// Evaluations allowed in one step; 2000 if absent.
+    pub evaluation_limit: Option<usize>,
+    /// Damping in proportion to the mass [1/s]; 0 if absent.
+    pub damping_1_s: Option<f64>,
+    /// Whether a run whose solves missed their tolerance ends with exit code 0 all the same; its account says so as before. `false` if
+    /// absent.
+    pub allow_unsolved: Option<bool>,
+}
+
+/// Simulated time; absent: no motion, only the equilibrium.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// End of the run [s].
+    pub end_s: f64,
+    /// Implicit step of the fabric, only without air [s]; with `[time.adaptive]` the largest. The air has its own.
+    pub step_s: Option<f64>,
+    /// Divides steps as accuracy asks for, only without air; absent: every step is solved at once.
+    pub adaptive: Option<AdaptiveSteps>,
+}
+
+/// Steps are halved where positions would err by more than a tolerance in one, or the solver does not reach its own (see "Adaptive steps"
+/// in docs/case-files.md).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AdaptiveSteps {
+    /// Error of positions allowed in one step, root mean square over the mass [m].
+    pub tolerance_m: f64,
+    /// Shortest part of a step [s].
+    pub smallest_step_s: f64,
+}
+
+/// Static equilibrium, after the motion if there is one; only without air. Not reached: exit code 20.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Equilibrium {
+    /// Tolerance, relative to the loads in the energy norm; without loads to the smallest element.
+    pub tolerance: f64,
+    /// Evaluations allowed.
+    pub evaluation_limit: usize,
+    /// Pressure jump along the normals of the triangles, which follows the fabric [Pa]; 0 if absent.
+    pub pressure_pa: Option<f64>,
+    /// Prescribed pressure inside and outside of a wing.
+    pub wing_pressure: Option<WingPressure>,
+    /// Steady glide of a wing: speed, glide angle and attitude are sought. Needs `[gravity]`.
+    pub trim: Option<Trim>,
+    /// The loads of a wing's equilibrium, several times over.
+    pub load_test: Option<LoadTest>,
+    /// Widths of panels with which the flown shape of a wing is the designed one.
+    pub panel_shaping: Option<PanelShaping>,
+}
+
+/// The run stops when the mean drag is known well enough (docs/steady-runs.md, docs/rigid-bodies.md); absent: at its end. Refused where
+/// nothing becomes steady.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Steady {
+    /// Half width of the 95 % interval of the mean drag over it at which the run stops. Of a canopy over 6 D_0/U at least, averaged from
+    /// 18 D_0/U after the first peak of the diameter on; of rigid bodies alone, of every body.
+    pub drag_confidence: f64,
+    /// Cell sizes of coarser grids that the run of a canopy begins on, as multiples of its own, falling; `[2.0]` is usual; absent: none.
+    /// Fabric, time and forces go on from grid to grid.
+    pub grid_sequence: Option<Vec<f64>>,
+}

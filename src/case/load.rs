@@ -1,0 +1,237 @@
+//! From the text of a case to the checked one: variant and overrides applied, what is wrong marked in the text.
+
+use std::path::Path;
+
+use super::error::CaseError;
+use super::file::{File, Structure};
+use super::mesh_examination::ExaminedMesh;
+use super::problem::Problem;
+use super::scene::{self, Scene};
+use super::text::{apply_override, lookup, merge};
+use super::usual::{self, Resolved};
+use super::{bodies, grid_sequence, identity, locate, mesh};
+
+/// What was asked for on the command line.
+#[derive(Debug, Clone, Default)]
+pub struct Choices {
+    /// Name of a variant in the file.
+    pub variant: Option<String>,
+    /// `key.path=value` overrides.
+    pub overrides: Vec<String>,
+}
+
+/// A checked case with the text it came from.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// File name as given.
+    pub name: String,
+    /// CRC-32, in hexadecimal, of the text with variant and overrides applied and of the files that it names.
+    pub hash: String,
+    /// The same of what acts on the state alone: without title, length, outputs and comparisons.
+    pub physics: String,
+    /// The case as it is run, with variant and overrides applied.
+    pub text: String,
+    /// Variant taken, if any.
+    pub variant: Option<String>,
+    /// Overrides applied.
+    pub overrides: Vec<String>,
+    /// What it has for keys that it leaves out, and what follows from others for time step, cells and box.
+    pub resolved: Resolved,
+    /// The checked scene.
+    pub scene: Scene,
+    /// The same scene on the coarser grids that a run begins on, coarsest first; empty without `steady.grid_sequence`.
+    pub coarser: Vec<Scene>,
+    source: String,
+}
+
+impl Case {
+    /// An error about one key of this case, marked in its text.
+    #[must_use]
+    pub fn error(&self, problem: Problem) -> Box<CaseError> {
+        let span = locate::span_of(&self.source, &problem.key);
+        let label = problem.key.clone();
+        CaseError::located(&self.name, &self.source, span, &label, problem)
+    }
+}
+
+/// Reads and checks a case file.
+pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
+    let (name, source) = read(path)?;
+    parse(&name, &source, folder_of(path), choices)
+}
+
+/// Reads and examines the meshes of a case file, whether they would be refused or not.
+pub fn examine_meshes(path: &Path, choices: &Choices) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
+    let (name, source) = read(path)?;
+    let folder = folder_of(path);
+    let (_, _, _, meshes) = checked(&name, &source, choices, |file| {
+        let mut meshes = Vec::new();
+        if let Some(Structure::Mesh(written)) = &file.structure {
+            meshes.push(mesh::examine(file, written, folder)?.examined);
+        }
+        let cell_size_m = file.resolution.as_ref().and_then(|r| r.cell_size_m);
+        for (body, table) in &file.bodies {
+            if let Some(written) = &table.mesh {
+                let key = format!("bodies.{body}.mesh");
+                meshes.push(bodies::read_mesh(&key, written, folder, cell_size_m)?.1);
+            }
+        }
+        Ok(meshes)
+    })?;
+    Ok(meshes)
+}
+
+/// Name and text of a case file.
+fn read(path: &Path) -> Result<(String, String), Box<CaseError>> {
+    let name = path.display().to_string();
+    let source = std::fs::read_to_string(path).map_err(|error| {
+        CaseError::about_file(
+            format!("cannot read the case file {name}: {error}"),
+            "give the path of a TOML case file; `ripstop new flat-circular-tunnel > case.toml` writes one to start from",
+        )
+    })?;
+    Ok((name, source))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new("."))
+}
+
+/// Checks the text of a case; mesh files are looked up relative to `folder`.
+pub fn parse(
+    name: &str,
+    source: &str,
+    folder: &Path,
+    choices: &Choices,
+) -> Result<Case, Box<CaseError>> {
+    let (text, physics, file, (scene, resolved, coarser)) =
+        checked(name, source, choices, |file| {
+            let (scene, resolved) = usual::collected(|| scene::check(file, folder));
+            let scene = scene?;
+            let coarser = grid_sequence::check(file, &scene, folder)?;
+            Ok((scene, resolved, coarser))
+        })?;
+    Ok(Case {
+        name: name.to_owned(),
+        hash: identity::hash(&text, &file, folder),
+        physics: identity::hash(&physics, &file, folder),
+        text,
+        variant: choices.variant.clone(),
+        overrides: choices.overrides.clone(),
+        resolved,
+        scene,
+        coarser,
+        source: source.to_owned(),
+    })
+}
+
+/// Reads the text of a case with variant and overrides applied, and checks it; what is wrong is marked in the text. Returns the text as
+/// applied, the physics of it alone, what is written in it, and what the check returned.
+fn checked<T>(
+    name: &str,
+    source: &str,
+    choices: &Choices,
+    check: impl FnOnce(&File) -> Result<T, Problem>,
+) -> Result<(String, String, File, T), Box<CaseError>> {
+    let mut table: toml::Table = toml::from_str(source).map_err(|error| {
+        let problem = Problem::new(
+            "",
+            format!("{name} is not valid TOML: {}", error.message()),
+            "correct the marked place",
+        );
+        CaseError::located(name, source, error.span(), "here", problem)
+    })?;
+    let mut prefix = None;
+    if let Some(variant) = &choices.variant {
+        let known: Vec<String> = table
+            .get("variants")
+            .and_then(|v| v.as_table())
+            .map(|v| v.keys().cloned().collect())
+            .unwrap_or_default();
+        let changes = table
+            .get("variants")
+            .and_then(|v| v.get(variant))
+            .and_then(|v| v.as_table())
+            .cloned();
+        let Some(changes) = changes else {
+            let names = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            return Err(CaseError::about_file(
+                format!("{name} has no variant `{variant}`"),
+                &format!(
+                    "variants in this file: {names}; leave --variant out to run the case as written"
+                ),
+            ));
+        };
+        merge(&mut table, changes);
+        prefix = Some(format!("variants.{variant}."));
+    }
+    for change in &choices.overrides {
+        apply_override(&mut table, change)?;
+    }
+    let locate = |problem: Problem| {
+        let in_variant = prefix.as_ref().and_then(|prefix| {
+            let path = format!("{prefix}{}", problem.key);
+            let exists = lookup(&toml::from_str(source).ok()?, &path).is_some();
+            exists.then(|| locate::span_of(source, &path)).flatten()
+        });
+        let within = |inner: &str, outer: &str| {
+            inner
+                .strip_prefix(outer)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let overriding = choices.overrides.iter().find(|change| {
+            let key = change.split('=').next().unwrap_or_default().trim();
+            within(key, &problem.key) || within(&problem.key, key)
+        });
+        if let Some(change) = overriding {
+            // What is wrong does not stand in the file.
+            let message = format!("{} (from --set {change})", problem.message);
+            return CaseError::about_file(message, &problem.help);
+        }
+        let nearest = ["structure", "air", "version"];
+        let span = in_variant
+            .or_else(|| locate::span_of(source, &problem.key))
+            .or_else(|| nearest.iter().find_map(|key| locate::span_of(source, key)));
+        let label = problem.key.clone();
+        CaseError::located(name, source, span, &label, problem)
+    };
+    let text = toml::to_string(&table).unwrap_or_default();
+    let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
+    let file: File = serde_path_to_error::deserialize(table).map_err(|error| {
+        let path = error.path().to_string();
+        let message = plain_words(error.inner().message());
+        // An unknown key is reported at its table; add the key itself to mark its line.
+        let unknown = message
+            .strip_prefix("unknown field `")
+            .and_then(|rest| rest.split('`').next());
+        let key = match unknown {
+            Some(field) if path == "." => field.to_owned(),
+            Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
+            _ => path,
+        };
+        let help = if unknown.is_some() {
+            "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
+        } else {
+            "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
+        };
+        locate(Problem::new(key, format!("in {name}: {message}"), help))
+    })?;
+    let in_file = |problem: Problem| {
+        let message = format!("in {name}: {}", problem.message);
+        locate(Problem { message, ..problem })
+    };
+    let result = check(&file).map_err(in_file)?;
+    Ok((text, physics, file, result))
+}
+
+/// Names of Rust types mean nothing to the author of a case.
+fn plain_words(message: &str) -> String {
+    message
+        .replace("expected f64", "expected a number")
+        .replace("expected u32", "expected a whole number")
+        .replace("expected usize", "expected a whole number")
+}
