@@ -20,6 +20,7 @@ mod cadence;
 mod canopies;
 mod canopy;
 mod capabilities;
+mod case_schema;
 mod cases;
 mod change_of_lattice;
 mod checkpoint;
@@ -120,6 +121,7 @@ fn main() -> std::process::ExitCode {
         descent::trials(),
         change_of_lattice::trials(),
         capabilities::trials(),
+        case_schema::trials(),
         cases::trials(),
         bad_cases::trials(),
         command_line::trials(),

@@ -9,7 +9,7 @@ use super::problem::Problem;
 use super::scene::{self, Scene};
 use super::text::{apply_override, lookup, merge};
 use super::usual::{self, Resolved};
-use super::{bodies, grid_sequence, identity, locate, mesh};
+use super::{bodies, grid_sequence, identity, locate, mesh, schema};
 
 /// What was asked for on the command line.
 #[derive(Debug, Clone, Default)]
@@ -202,22 +202,7 @@ fn checked<T>(
     let text = toml::to_string(&table).unwrap_or_default();
     let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
     let file: File = serde_path_to_error::deserialize(table).map_err(|error| {
-        let path = error.path().to_string();
-        let message = plain_words(error.inner().message());
-        // An unknown key is reported at its table; add the key itself to mark its line.
-        let unknown = message
-            .strip_prefix("unknown field `")
-            .and_then(|rest| rest.split('`').next());
-        let key = match unknown {
-            Some(field) if path == "." => field.to_owned(),
-            Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
-            _ => path,
-        };
-        let help = if unknown.is_some() {
-            "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
-        } else {
-            "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
-        };
+        let Problem { key, message, help } = misread(&error);
         locate(Problem::new(key, format!("in {name}: {message}"), help))
     })?;
     let in_file = |problem: Problem| {
@@ -228,10 +213,42 @@ fn checked<T>(
     Ok((text, physics, file, result))
 }
 
-/// Names of Rust types mean nothing to the author of a case.
-fn plain_words(message: &str) -> String {
-    message
+/// What could not be read, in the words of the author of a case.
+fn misread(error: &serde_path_to_error::Error<toml::de::Error>) -> Problem {
+    let path = error.path().to_string();
+    // Names of Rust types mean nothing to the author of a case.
+    let message = error
+        .inner()
+        .message()
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number")
-        .replace("expected usize", "expected a whole number")
+        .replace("expected usize", "expected a whole number");
+    if message.starts_with("wanted exactly 1 element") {
+        let names = schema::alternatives(&path).join(", ");
+        return Problem::new(
+            path.as_str(),
+            format!("[{path}] needs exactly one of {names}"),
+            "keep or add just one of them; `\"absent\"` removes one in a variant",
+        );
+    }
+    // An unknown key is reported at its table; add the key itself to mark its line.
+    let unknown = message
+        .strip_prefix("unknown field `")
+        .or_else(|| {
+            let is_table = !schema::alternatives(&path).is_empty();
+            let rest = message.strip_prefix("unknown variant `")?;
+            is_table.then_some(rest)
+        })
+        .and_then(|rest| rest.split('`').next());
+    let key = match unknown {
+        Some(field) if path == "." => field.to_owned(),
+        Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
+        _ => path,
+    };
+    let help = if message.starts_with("unknown field") {
+        "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
+    } else {
+        "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
+    };
+    Problem::new(key, message, help)
 }

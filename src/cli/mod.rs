@@ -9,6 +9,7 @@ mod new;
 mod profile;
 mod progress;
 mod run;
+mod schema;
 mod signals;
 mod sweep;
 mod validate;
@@ -73,6 +74,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Print a shipped case to start from.
     New(new::NewArguments),
+    /// Print the JSON schema of case files, which editors complete keys from.
+    Schema(schema::SchemaArguments),
     /// Measure error against seconds over resolution, Mach number, operator, storage and engine.
     Bench(bench::BenchArguments),
     /// List the adapters of this machine, and which one `auto` takes.
@@ -264,6 +267,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Schema(arguments) => schema::schema(arguments),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Devices => devices::devices(),
         Command::Validate(arguments) => validate::validate(arguments),

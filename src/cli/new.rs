@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::log::say;
 use super::{Failure, emit, exit};
-use crate::case::{SHIPPED, SHIPPED_FILES};
+use crate::case::{SCHEMA_DIRECTIVE, SCHEMA_FILE, SHIPPED, SHIPPED_FILES, schema_text};
 use crate::output::{OutputError, prepare_directory, write_atomically};
 
 #[derive(Debug, Args)]
@@ -14,7 +14,7 @@ pub(super) struct NewArguments {
     /// Name of a shipped case.
     name: String,
 
-    /// Folder to write NAME.toml and the files that it names into, instead of printing the case.
+    /// Folder to write NAME.toml, the files that it names and the JSON schema for editors into, instead of printing the case.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -36,10 +36,16 @@ pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
         .filter(|(of, _, _)| of == name)
         .map(|&(_, path, text)| (path, text))
         .collect();
+    // Where its schema is in the repository.
+    let text = match text.split_once('\n') {
+        Some((first, rest)) if first.starts_with(SCHEMA_DIRECTIVE) => rest,
+        _ => text,
+    };
     if let Some(folder) = &arguments.out {
         let case = format!("{name}.toml");
+        let text = format!("{SCHEMA_DIRECTIVE} {SCHEMA_FILE}\n{text}");
         let mut files = beside;
-        files.push((&case, text));
+        files.push((&case, &text));
         return write(folder, &files);
     }
     emit(text)?;
@@ -53,7 +59,8 @@ pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Writes files, given by their paths in a folder and their texts, none of which may be there already.
+/// Writes files, given by their paths in a folder and their texts, none of which may be there already; and the schema, which other cases
+/// there may have.
 fn write(folder: &Path, files: &[(&str, &str)]) -> Result<u8, Failure> {
     let paths = || files.iter().map(|(file, _)| folder.join(file));
     if let Some(there) = paths().find(|path| path.exists()) {
@@ -66,7 +73,9 @@ fn write(folder: &Path, files: &[(&str, &str)]) -> Result<u8, Failure> {
         ));
     }
     let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
-    for (path, (_, text)) in paths().zip(files) {
+    let schema = schema_text();
+    let schema = (folder.join(SCHEMA_FILE), &(SCHEMA_FILE, &schema[..]));
+    for (path, (_, text)) in paths().zip(files).chain([schema]) {
         prepare_directory(path.parent().unwrap_or(folder)).map_err(failed)?;
         write_atomically(&path, |out| out.write_all(text.as_bytes())).map_err(failed)?;
         emit(&format!("{}\n", path.display()))?;

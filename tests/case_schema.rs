@@ -1,0 +1,205 @@
+//! The keys of case files in words: the JSON schema beside the cases, and the tables of docs/case-files.md, are those of the program.
+
+use libtest_mimic::Trial;
+use ripstop::case::{SCHEMA_DIRECTIVE, SHIPPED, key_reference, schema_text};
+use serde_json::Value;
+
+use crate::cases::files;
+use crate::command_line::{ripstop, root};
+use crate::engines::plain;
+
+/// Set where the files shall be written anew.
+const WRITE: &str = "RIPSTOP_WRITE_DOCS";
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("case_schema::docs_have_all_keys", docs),
+        plain("case_schema::links_lead_to_keys", links),
+        plain("case_schema::cases_have_their_schema", beside_cases),
+        plain("case_schema::every_key_has_a_meaning", meanings),
+        plain("case_schema::cases_hold_to_it", cases_hold),
+        plain("case_schema::new_cases_bring_it", new_cases),
+        plain("case_schema::of_alternatives_one", alternatives),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Compares a file with what it should hold, or writes it.
+fn assert_written(path: &str, expected: &str) {
+    let file = root().join(path);
+    if std::env::var_os(WRITE).is_some() {
+        std::fs::write(&file, expected).unwrap();
+    }
+    let found = std::fs::read_to_string(&file).unwrap();
+    let differs = (found.lines().zip(expected.lines())).find(|(found, expected)| found != expected);
+    assert!(
+        found == expected,
+        "{path} is not what the program says ({differs:?}): run this test with {WRITE}=1, and read what changed"
+    );
+}
+
+fn docs() {
+    const PATH: &str = "docs/case-files.md";
+    let page = std::fs::read_to_string(root().join(PATH)).unwrap();
+    let (before, rest) = page.split_once("<!-- keys: begin").unwrap();
+    let (marker, rest) = rest.split_once('\n').unwrap();
+    let (_, after) = rest.split_once("<!-- keys: end -->").unwrap();
+    let keys = key_reference();
+    let expected = format!("{before}<!-- keys: begin{marker}\n{keys}<!-- keys: end -->{after}");
+    assert_written(PATH, &expected);
+}
+
+/// What other pages say of keys leads to a heading that is there.
+fn links() {
+    let page = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();
+    let anchor = |heading: &str| -> String {
+        let kept = |c: &char| c.is_alphanumeric() || ['_', '-', ' '].contains(c);
+        let plain: String = heading.to_lowercase().chars().filter(kept).collect();
+        plain.replace(' ', "-")
+    };
+    let keys = page("docs/case-files.md");
+    let anchors: Vec<String> = (keys.lines())
+        .filter_map(|line| line.strip_prefix('#'))
+        .map(|line| anchor(line.trim_start_matches('#').trim()))
+        .collect();
+    let mut names = vec!["README.md".to_owned()];
+    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".md") {
+            names.push(format!("docs/{name}"));
+        }
+    }
+    let mut seen = 0;
+    for name in names {
+        let text = page(&name);
+        let own = name.ends_with("case-files.md");
+        let begin = if own { "](#" } else { "case-files.md#" };
+        for link in text.split(begin).skip(1) {
+            let link = link.split(')').next().unwrap();
+            assert!(anchors.iter().any(|a| a == link), "{name}: #{link}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 100, "{seen}");
+}
+
+fn beside_cases() {
+    assert_written("cases/ripstop.schema.json", &schema_text());
+    for path in files().values() {
+        let text = std::fs::read_to_string(root().join(path)).unwrap();
+        let line = text.lines().next().unwrap();
+        let named = line.strip_prefix(SCHEMA_DIRECTIVE).unwrap().trim();
+        let schema = root().join(path).parent().unwrap().join(named);
+        assert!(schema.exists(), "{path}: {line}");
+    }
+}
+
+fn schema() -> Value {
+    serde_json::from_str(&schema_text()).unwrap()
+}
+
+/// No key without words, and none of Rust's links or paths in them.
+fn meanings() {
+    fn look(path: &str, part: &Value, seen: &mut usize) {
+        for (key, of) in part["properties"].as_object().into_iter().flatten() {
+            let own = of["description"].as_str();
+            let words = own.or_else(|| part["description"].as_str()).unwrap_or("");
+            assert!(words.len() > 5, "{path}.{key} has no meaning");
+            assert!(!words.contains("::") && !words.contains("[`"), "{words}");
+            *seen += 1;
+        }
+        for one in part["oneOf"].as_array().into_iter().flatten() {
+            look(path, one, seen);
+        }
+    }
+    let (schema, mut seen) = (schema(), 0);
+    look("", &schema, &mut seen);
+    for (name, part) in schema["definitions"].as_object().unwrap() {
+        look(name, part, &mut seen);
+    }
+    assert!(seen > 250, "{seen}");
+}
+
+/// Editors find nothing wrong with shipped cases, and what is wrong with cases of unknown keys and other types.
+fn cases_hold() {
+    let (mut known, mut compiler) = (boon::Schemas::new(), boon::Compiler::new());
+    compiler.add_resource("case.json", schema()).unwrap();
+    let schema = compiler.compile("case.json", &mut known).unwrap();
+    let looked_at = |text: &str| -> Result<(), String> {
+        let case: Value = toml::from_str(text).unwrap();
+        known.validate(&case, schema).map_err(|why| why.to_string())
+    };
+    for (name, text) in SHIPPED {
+        assert_eq!(looked_at(text), Ok(()), "{name}");
+    }
+    for (name, why) in [
+        (
+            "unknown-key",
+            "additionalProperties 'apex_guide' not allowed",
+        ),
+        ("wrong-type", "want number, but got string"),
+        ("wrong-unit", "not allowed"),
+        ("unknown-operator", "oneOf failed, none matched"),
+        ("structure-two-kinds", "oneOf failed, none matched"),
+        ("structure-unknown-kind", "oneOf failed, none matched"),
+        ("comparison-without-source", "missing properties 'source'"),
+    ] {
+        let path = root().join(format!("cases/bad/{name}.toml"));
+        let found = looked_at(&std::fs::read_to_string(path).unwrap()).unwrap_err();
+        assert!(found.contains(why), "{name}: {found}");
+    }
+}
+
+fn new_cases() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    for name in ["airbag", "sphere"] {
+        let printed = ripstop(&["new", name]);
+        assert!(
+            !printed.printed.contains(SCHEMA_DIRECTIVE),
+            "{}",
+            printed.printed
+        );
+        let output = ripstop(&["new", name, "--out", out]);
+        assert_eq!(output.code, 0, "{}", output.errors);
+        let text = std::fs::read_to_string(folder.path().join(format!("{name}.toml"))).unwrap();
+        let (line, rest) = text.split_once('\n').unwrap();
+        assert_eq!(rest, printed.printed);
+        let schema = line.strip_prefix(SCHEMA_DIRECTIVE).unwrap().trim();
+        let schema = std::fs::read_to_string(folder.path().join(schema)).unwrap();
+        assert_eq!(schema, ripstop(&["schema"]).printed);
+    }
+    let tables = ripstop(&["schema", "--markdown"]);
+    assert_eq!((tables.code, tables.printed), (0, key_reference()));
+}
+
+/// Where exactly one of several tables belongs, the message names them all.
+fn alternatives() {
+    let sphere = std::fs::read_to_string(root().join("cases/sphere.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("case.toml");
+    for (added, said) in [
+        (
+            "[structure]\n",
+            "[structure] needs exactly one of flat_circular, conical, slotted,",
+        ),
+        (
+            "[bodies.sphere.motion]\n",
+            "[bodies.sphere.motion] needs exactly one of constant_velocity, constant_rotation, oscillation, table, free_fall",
+        ),
+        (
+            "[bodies.sphere.permeability]\nmaterial = \"pia_c_44378_type_2\"\ndischarge_coefficient = 0.6\n",
+            "[bodies.sphere.permeability] needs exactly one of ergun, measured, discharge_coefficient, material",
+        ),
+        ("[bodies.sphere.motion.hop]\n", "unknown variant `hop`"),
+    ] {
+        std::fs::write(&path, format!("{sphere}\n{added}")).unwrap();
+        let output = ripstop(&["check", path.to_str().unwrap()]);
+        assert_eq!(output.code, 2, "{}", output.errors);
+        let errors = output.errors.replace("\n  │ ", " ").replace('\n', " ");
+        let flat: Vec<&str> = errors.split_whitespace().collect();
+        assert!(flat.join(" ").contains(said), "{}", output.errors);
+    }
+}
