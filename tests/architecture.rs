@@ -298,17 +298,13 @@ fn no_circle() {
 }
 
 /// Rooms whose files may make circles still.
-const ROOMS_WITH_CIRCLES: [&str; 20] = [
+const ROOMS_WITH_CIRCLES: [&str; 16] = [
     "case",       // to be removed
     "measure",    // to be removed
     "bench",      // to be removed
     "cli",        // to be removed
     "cloth",      // to be removed
-    "cpu",        // to be removed
-    "fabric",     // to be removed
-    "geometry",   // to be removed
     "gpu",        // to be removed
-    "lattice",    // to be removed
     "output",     // to be removed
     "plan",       // to be removed
     "render",     // to be removed

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use proc_macro2::{TokenStream, TokenTree};
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemUse, Meta, UseTree, Visibility};
 
@@ -107,6 +107,8 @@ struct Module {
     parent: Option<usize>,
     names: HashMap<String, Vec<Binding>>,
     globs: Vec<Vec<String>>,
+    /// True where macros are called, which may define further names.
+    calls_macros: bool,
 }
 
 /// Modules of a crate; the first is its root.
@@ -171,9 +173,10 @@ impl Modules {
                 self.bind(at, name, Binding::Module(child));
                 continue;
             }
-            if let Some(name) = defined(&item) {
+            for name in defined(&item) {
                 self.bind(at, name, Binding::Item);
             }
+            self.modules[at].calls_macros |= matches!(&item, Item::Macro(m) if m.ident.is_none());
             let mut imports = Imports::default();
             imports.visit_item(&item);
             for (name, path) in imports.names {
@@ -246,7 +249,25 @@ impl Modules {
                     .map(Target::Module)
                     .into_iter()
                     .collect(),
-                (Target::Module(at), name) => self.look_up(at, name, seen),
+                (Target::Module(at), name) => {
+                    let Module {
+                        file,
+                        names,
+                        calls_macros,
+                        ..
+                    } = &self.modules[at];
+                    let found = self.look_up(at, name, seen);
+                    if found.is_empty() && number > 0 && *calls_macros && !names.contains_key(name)
+                    {
+                        // What else could it be, where the crate compiles?
+                        vec![Target::Item {
+                            file: *file,
+                            name: name.to_owned(),
+                        }]
+                    } else {
+                        found
+                    }
+                }
                 (item, _) => vec![item],
             };
             targets = targets.into_iter().flat_map(next).collect();
@@ -427,20 +448,37 @@ fn is_test(attributes: &[Attribute]) -> bool {
     })
 }
 
-/// Name of the item that a module defines, if it has one.
-fn defined(item: &Item) -> Option<String> {
+/// Names that an item defines; of a macro that is called those before braces and before an equals sign.
+fn defined(item: &Item) -> Vec<String> {
     let name = match item {
         Item::Const(item) => &item.ident,
         Item::Enum(item) => &item.ident,
         Item::Fn(item) => &item.sig.ident,
-        Item::Macro(item) => item.ident.as_ref()?,
         Item::Static(item) => &item.ident,
         Item::Struct(item) => &item.ident,
         Item::Trait(item) => &item.ident,
         Item::TraitAlias(item) => &item.ident,
         Item::Type(item) => &item.ident,
         Item::Union(item) => &item.ident,
-        _ => return None,
+        Item::Macro(item) => match &item.ident {
+            Some(name) => name,
+            None => return defined_by_call(item.mac.tokens.clone()),
+        },
+        _ => return Vec::new(),
     };
-    Some(name.to_string())
+    vec![name.to_string()]
+}
+
+fn defined_by_call(tokens: TokenStream) -> Vec<String> {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let named = |pair: &[TokenTree]| match pair {
+        [TokenTree::Ident(name), TokenTree::Group(body)] => {
+            (body.delimiter() == Delimiter::Brace).then(|| name.to_string())
+        }
+        [TokenTree::Ident(name), TokenTree::Punct(mark)] => {
+            (mark.as_char() == '=').then(|| name.to_string())
+        }
+        _ => None,
+    };
+    tokens.windows(2).filter_map(named).collect()
 }

@@ -9,7 +9,8 @@ use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::{self, parameters};
 use crate::lattice::Storage;
-use crate::lattice::eddy_viscosity::{Beyond, GradientModel, beyond};
+use crate::lattice::eddy_viscosity::GradientModel;
+use crate::lattice::grid::{Beyond, beyond};
 use crate::lattice::grid::{Grid, Setup};
 
 parameters! {
