@@ -298,13 +298,12 @@ fn no_circle() {
 }
 
 /// Rooms whose files may make circles still.
-const ROOMS_WITH_CIRCLES: [&str; 16] = [
+const ROOMS_WITH_CIRCLES: [&str; 15] = [
     "case",       // to be removed
     "measure",    // to be removed
     "bench",      // to be removed
     "cli",        // to be removed
     "cloth",      // to be removed
-    "gpu",        // to be removed
     "output",     // to be removed
     "plan",       // to be removed
     "render",     // to be removed

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use libtest_mimic::Trial;
 use ripstop::gpu::adapters::STORAGE_BUFFERS_NEEDED;
 use ripstop::gpu::pipeline::{bindings, validate};
-use ripstop::gpu::shaders;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
+use ripstop::gpu::{layouts, shaders};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
@@ -93,7 +93,7 @@ fn every_shader() {
             if point.stage == naga::ShaderStage::Compute {
                 assert_eq!(
                     point.workgroup_size,
-                    [ripstop::gpu::pipeline::WORKGROUP, 1, 1],
+                    [ripstop::gpu::shaders::WORKGROUP, 1, 1],
                     "{}::{}",
                     shader.name,
                     point.name
@@ -105,7 +105,7 @@ fn every_shader() {
 
 /// Structs of the same name have the same fields at the same offsets, in Rust and in every shader.
 fn structs() {
-    let layouts = shaders::layouts();
+    let layouts = layouts::all();
     let mut seen = BTreeSet::new();
     for shader in &shaders::all() {
         let (module, _) = validate(shader).unwrap();

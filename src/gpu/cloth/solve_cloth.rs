@@ -23,8 +23,9 @@ use crate::solve::{Landing, Step, VectorSpace};
 use super::Cloth;
 use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
+use super::points::PointSlot;
 use super::points::Points;
-use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
+use super::vectors::{DRIVE, MultigridHessian, Space};
 use super::workspace::Workspace;
 
 /// Displacement that positions on the device cannot hold [m]: half a unit of the last place of the largest remainder, 2⁻¹⁷ m in `f32`.
