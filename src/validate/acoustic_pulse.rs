@@ -4,7 +4,9 @@
 //! inlet; when all of it has arrived, the largest wave of the other kind is what came back. It is compared with the pulse in air without ends
 //! at the same time.
 
-use super::{Gate, OPERATORS, Session, Stop, states};
+use super::flows::{OPERATORS, states};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use crate::lattice::{Operator, SOUND_SPEED_SQUARED};
 

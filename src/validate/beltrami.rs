@@ -6,7 +6,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{OPERATORS, periodic, velocity_error, viscosity};
+use super::session::{Session, Stop};
 
 const RELAXATION_TIME: f64 = 0.65;
 

@@ -1,6 +1,8 @@
 //! Cubic cavity under a moving lid at Re 1000, steady: velocity on two centre lines against the tables of Albensoeder & Kuhlmann 2005.
 
-use super::{Gate, OPERATORS, Session, Stop, relaxation_time, states};
+use super::flows::{OPERATORS, relaxation_time, states};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use crate::simulation::AirEngine;

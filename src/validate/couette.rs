@@ -5,7 +5,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Gate, OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{OPERATORS, periodic, velocity_error, viscosity};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, Wall};
 

@@ -3,7 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{OPERATORS, periodic, velocity_error, viscosity};
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 
 const RELAXATION_TIME: f64 = 0.6;

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::{BYTES_PER_CELL, Rows, Stop, Tuning};
+use super::rows::{BYTES_PER_CELL, Rows};
+use crate::bench::Stop;
+use crate::gpu::Tuning;
 use crate::gpu::fluid::Fluid;
 use crate::gpu::{AdapterChoice, Device, DeviceError, Padding};
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
