@@ -38,11 +38,6 @@ pub(super) fn relaxation_time(viscosity: f64) -> f64 {
     0.5 + 3.0 * viscosity
 }
 
-pub(super) const OPERATORS: [(Operator, &str); 2] = [
-    (Operator::TwoRelaxationTimes, "TRT"),
-    (Operator::RecursiveRegularised, "regularised"),
-];
-
 /// Density excess and bare velocity of all cells, x fastest, in the engine's precision.
 pub(super) fn states(air: &AirEngine) -> Result<Vec<(f64, [f64; 3])>, DeviceError> {
     let [nx, ny, nz] = air.grid().cells;

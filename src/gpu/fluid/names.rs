@@ -1,8 +1,8 @@
 //! What shaders of the air call buffers and the numbers that a scene fixes.
 
 use crate::gpu::tuning::Tuning;
+use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::{Grid, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
-use crate::lattice::{DIRECTION_COUNT, Operator};
 
 const NEAR_FAR: [[&str; 2]; 9] = [
     ["near_x", "far_x"],
@@ -51,14 +51,7 @@ pub(super) fn constants(tuning: Tuning, setup: &Setup, grid: &Grid) -> Vec<(&'st
         ("STRIDE_Y", grid.stride_y as f64),
         ("STRIDE_Z", grid.stride_z as f64),
         ("RELAXATION_TIME", setup.relaxation_time),
-        (
-            "OPERATOR",
-            match setup.operator {
-                Operator::TwoRelaxationTimes => 0.0,
-                Operator::RecursiveRegularised => 1.0,
-                Operator::SingleRelaxationTime => 2.0,
-            },
-        ),
+        ("OPERATOR", setup.operator.number().into()),
         ("EDDY", f64::from(u8::from(smagorinsky.is_some()))),
         (
             "EDDY_FACTOR",
