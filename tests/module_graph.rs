@@ -326,13 +326,21 @@ struct Uses<'a> {
 
 impl Uses<'_> {
     fn add(&mut self, path: &[String]) {
-        let from = self.modules.modules[self.module].file;
-        for target in self.modules.follow(self.module, path, &mut HashSet::new()) {
-            if let Target::Item { file, name } = target
-                && file != from
-            {
-                self.arrows.entry((from, file)).or_default().insert(name);
+        for target in self.follow(path) {
+            if let Target::Item { file, name } = target {
+                self.add_arrow(file, name);
             }
+        }
+    }
+
+    fn follow(&self, path: &[String]) -> Vec<Target> {
+        self.modules.follow(self.module, path, &mut HashSet::new())
+    }
+
+    fn add_arrow(&mut self, file: usize, name: String) {
+        let from = self.modules.modules[self.module].file;
+        if file != from {
+            self.arrows.entry((from, file)).or_default().insert(name);
         }
     }
 
@@ -392,8 +400,7 @@ impl<'a> Visit<'a> for Uses<'_> {
 
     fn visit_path(&mut self, path: &'a syn::Path) {
         if path.leading_colon.is_none() {
-            let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
-            self.add(&names);
+            self.add(&names_of(path));
         }
         visit::visit_path(self, path);
     }
@@ -403,20 +410,31 @@ impl<'a> Visit<'a> for Uses<'_> {
         self.scan(called.tokens.clone());
     }
 
-    /// Functions that derived code calls: `#[serde(with = "path::to::module")]`.
+    /// Functions that derived code calls, or modules that hold them: `#[serde(with = "path::to::module")]`.
     fn visit_attribute(&mut self, attribute: &'a Attribute) {
-        if let Meta::List(list) = &attribute.meta {
-            for token in list.tokens.clone() {
-                if let TokenTree::Literal(text) = token
-                    && let Ok(text) = syn::parse_str::<syn::LitStr>(&text.to_string())
-                    && let Ok(path) = text.parse::<syn::Path>()
-                    && path.segments.len() > 1
-                {
-                    self.visit_path(&path);
+        let Meta::List(list) = &attribute.meta else {
+            return;
+        };
+        for token in list.tokens.clone() {
+            if let TokenTree::Literal(text) = token
+                && let Ok(text) = syn::parse_str::<syn::LitStr>(&text.to_string())
+                && let Ok(path) = text.parse::<syn::Path>()
+                && path.segments.len() > 1
+            {
+                let path = names_of(&path);
+                self.add(&path);
+                for target in self.follow(&path) {
+                    if let Target::Module(at) = target {
+                        self.add_arrow(self.modules.modules[at].file, path.join("::"));
+                    }
                 }
             }
         }
     }
+}
+
+fn names_of(path: &syn::Path) -> Vec<String> {
+    path.segments.iter().map(|s| s.ident.to_string()).collect()
 }
 
 fn attributes(item: &Item) -> &[Attribute] {
