@@ -1,4 +1,4 @@
-//! Stage `solve_cloth`: the implicit step, or the static equilibrium, as a minimisation of the [`Objective`] from a predicted shape.
+//! Stage `solve_cloth`: the implicit step, or the static equilibrium, as a minimisation of the objective (`objective.rs`) from a predicted shape.
 
 use glam::DVec3;
 
