@@ -1,4 +1,4 @@
-// Stage nodal_forces: energy Π(x) and its gradient (src/cpu/cloth/solve_cloth.rs), elements first, then nodes.
+// Stage nodal_forces: energy Π(x) and its gradient (src/cpu/cloth/objective.rs), elements first, then nodes.
 
 @group(0) @binding(13) var<storage, read_write> energies: array<vec2<f32>>;
 @group(0) @binding(17) var<storage, read> loads: array<f32>;

@@ -1,8 +1,11 @@
 // Collision operators on one cell (src/lattice/operators.rs: sources and departures there). `forced` is always a literal, so that
 // the force-free stage carries no forcing terms.
 
-// 0: two relaxation times, 1: recursive regularised, 2: single relaxation time.
-override OPERATOR: u32 = 1u;
+// Names and numbers of `Operator` (src/lattice/collision.rs).
+const SINGLE_RELAXATION_TIME: u32 = 0u;
+const TWO_RELAXATION_TIMES: u32 = 1u;
+const RECURSIVE_REGULARISED: u32 = 2u;
+override OPERATOR: u32 = RECURSIVE_REGULARISED;
 // Smagorinsky's eddy viscosity, evaluated within the collision.
 override EDDY: bool = false;
 // 18 sqrt(2) C_s^2
@@ -13,10 +16,23 @@ const AXIS: f32 = 1.0 / 18.0;
 const DIAGONAL: f32 = 1.0 / 36.0;
 
 fn collide(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
-    if OPERATOR == 1u {
-        return recursive_regularised(f, relaxation_time, force, forced);
+    switch OPERATOR {
+        case SINGLE_RELAXATION_TIME: {
+            return relax_pairs(f, relaxation_time, force, forced, true);
+        }
+        case TWO_RELAXATION_TIMES: {
+            return relax_pairs(f, relaxation_time, force, forced, false);
+        }
+        case RECURSIVE_REGULARISED: {
+            return recursive_regularised(f, relaxation_time, force, forced);
+        }
+        default: {
+            // No operator has this number: the run is to break down, not to take another one.
+            var none: Populations;
+            none[0] = sqrt(-1.0 - f[0] * f[0]);
+            return none;
+        }
     }
-    return relax_pairs(f, relaxation_time, force, forced);
 }
 
 // Relaxation time with the eddy viscosity of a non-equilibrium stress.
@@ -30,8 +46,8 @@ fn symmetric_shear(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return 0.5 * vec3<f32>(a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y);
 }
 
-// Relaxes even and odd parts of all pairs, at one rate or at two.
-fn relax_pairs(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+// Relaxes even and odd parts of all pairs, at one rate (`single`, always a literal) or at two.
+fn relax_pairs(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool, single: bool) -> Populations {
     let m = moments(f);
     let density = 1.0 + m.density_excess;
     let inverse_density = 1.0 / density;
@@ -56,7 +72,7 @@ fn relax_pairs(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: b
     }
     let even_rate = 1.0 / tau;
     var odd_rate = even_rate;
-    if OPERATOR == 0u {
+    if !single {
         odd_rate = 1.0 / (0.5 + TRT_MAGIC / (tau - 0.5));
     }
     let rest = m.density_excess - 1.5 * density * dot(u, u);

@@ -60,7 +60,7 @@
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
 //! | [`units`] | SI ↔ lattice, only here | – |
 //! | [`case`] | case files and their errors | geometry, laws |
-//! | [`plan`] | what a run will do, as data | case, counts of markers |
+//! | [`plan`] | what a run will do, as data | case, geometry, counts of markers |
 //! | [`simulation`] | runs the plan | plan, cpu, gpu |
 //! | [`statics`] | equilibrium, trim, panel shaping and load test, part by part | simulation, trim, geometry |
 //! | [`frame`] | host snapshot in SI units | – |
@@ -76,7 +76,8 @@
 //! | [`bench`] | error against seconds, the map of stability, schemes of coupling, what a device does | bluff_body, case, cpu, geometry, immersed, lattice, simulation, measure, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
-//! A test (`tests/architecture.rs`) holds these arrows.
+//! A test (`tests/architecture.rs`) holds these arrows, and that the files of a room make no circle either: types stand below, then the stages that
+//! act on them, then the head that runs them. A struct whose `impl` blocks lie in several files has its definition below all of these.
 //!
 //! ## The coupling in one paragraph
 //!

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use libtest_mimic::Trial;
 use ripstop::gpu::adapters::STORAGE_BUFFERS_NEEDED;
 use ripstop::gpu::pipeline::{bindings, validate};
-use ripstop::gpu::shaders;
 use ripstop::gpu::{AdapterChoice, Device, DeviceError};
+use ripstop::gpu::{layouts, shaders};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
@@ -27,6 +27,7 @@ pub fn trials() -> Vec<Trial> {
         plain("contract::no_orphan_shader", orphans),
         plain("contract::every_shader_validates", every_shader),
         plain("contract::structs_match_by_offset", structs),
+        plain("contract::operators_match_by_number", operators),
         plain("contract::bindings_match_by_name", names),
         plain("contract::adapters_are_asked_for_enough", storage_buffers),
     ]
@@ -93,7 +94,7 @@ fn every_shader() {
             if point.stage == naga::ShaderStage::Compute {
                 assert_eq!(
                     point.workgroup_size,
-                    [ripstop::gpu::pipeline::WORKGROUP, 1, 1],
+                    [ripstop::gpu::shaders::WORKGROUP, 1, 1],
                     "{}::{}",
                     shader.name,
                     point.name
@@ -103,9 +104,52 @@ fn every_shader() {
     }
 }
 
+/// Every operator has a constant of its name and a case of its number in every shader that collides, and no shader has others.
+fn operators() {
+    let mut seen = 0;
+    for shader in &shaders::all() {
+        let (module, _) = validate(shader).unwrap();
+        let mut functions = module.functions.iter().map(|(_, function)| function);
+        let Some(collide) = functions.find(|f| f.name.as_deref() == Some("collide")) else {
+            continue;
+        };
+        seen += 1;
+        for operator in Operator::ALL {
+            let name = operator.name().to_uppercase();
+            let mut constants = module.constants.iter().map(|(_, constant)| constant);
+            let constant = constants.find(|c| c.name.as_deref() == Some(&name));
+            let constant = constant.unwrap_or_else(|| panic!("{}: no {name}", shader.name));
+            assert_eq!(
+                module.global_expressions[constant.init],
+                naga::Expression::Literal(naga::Literal::U32(operator.number())),
+                "{name} in {}",
+                shader.name
+            );
+        }
+        let cases = collide.body.iter().find_map(|statement| match statement {
+            naga::Statement::Switch { cases, .. } => Some(cases),
+            _ => None,
+        });
+        let cases: Vec<naga::SwitchValue> = cases
+            .unwrap()
+            .iter()
+            .map(|case| {
+                assert!(!case.fall_through, "{}: {:?}", shader.name, case.value);
+                case.value
+            })
+            .collect();
+        let mut expected = Operator::ALL
+            .map(|o| naga::SwitchValue::U32(o.number()))
+            .to_vec();
+        expected.push(naga::SwitchValue::Default);
+        assert_eq!(cases, expected, "{}", shader.name);
+    }
+    assert!(seen > 0);
+}
+
 /// Structs of the same name have the same fields at the same offsets, in Rust and in every shader.
 fn structs() {
-    let layouts = shaders::layouts();
+    let layouts = layouts::all();
     let mut seen = BTreeSet::new();
     for shader in &shaders::all() {
         let (module, _) = validate(shader).unwrap();

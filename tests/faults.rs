@@ -212,7 +212,7 @@ fn of_the_program() {
             "{}",
             failed.errors
         );
-        assert!(last[0].contains("src/run/fault.rs"), "{last:?}");
+        assert!(last[0].contains("src/run/rescue.rs"), "{last:?}");
         assert!(
             last[0].ends_with("please report it, with run.log"),
             "{last:?}"

@@ -48,6 +48,7 @@ mod mesh_files;
 mod mesh_findings;
 mod mesh_seams;
 mod meshes;
+mod module_graph;
 mod out_of_memory;
 mod permeability;
 mod phases;

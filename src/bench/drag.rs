@@ -3,7 +3,7 @@
 //! The error is that against the published drag times a factor for the walls of the benchmark's narrow tunnel, so that it is the error of
 //! the lattice and of the immersed surface, not of the tunnel.
 
-use super::work_precision::Setting;
+use super::measurement::Setting;
 use crate::bluff_body::{BluffBody, Shape, Until};
 
 /// Drag of the sphere in a tunnel of 7 × 6 × 6 D over that in one of 18 × 16 × 16 D: 1.210 and 1.160, measured at 8 cells per diameter, with

@@ -15,6 +15,7 @@ pub mod device;
 mod drag;
 pub mod fabric;
 mod front;
+mod measurement;
 mod plots;
 pub mod stability;
 mod taylor_green;

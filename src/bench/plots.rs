@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 
-use super::{Stop, work_precision};
+use super::{Stop, measurement};
 use crate::lattice::stability::Point;
 use crate::output::write_atomically;
 
@@ -47,7 +47,7 @@ pub(super) fn work_precision(
     path: &Path,
     name: &str,
     error: &str,
-    points: &[work_precision::Point],
+    points: &[measurement::Point],
 ) -> Result<(), Stop> {
     let results = || points.iter().filter(|p| p.is_result());
     let title = if points.iter().any(|p| p.cancels) {
@@ -80,13 +80,13 @@ pub(super) fn work_precision(
         return Ok(());
     }
     let mut plots: Vec<Plot> = Vec::new();
-    let spans = |value: f64, pick: fn(&work_precision::Point) -> f64| {
+    let spans = |value: f64, pick: fn(&measurement::Point) -> f64| {
         results().any(|p| pick(p) <= value) && results().any(|p| pick(p) >= value)
     };
     let (first, last) = results().fold((f64::INFINITY, 0.0_f64), |(first, last), p| {
         (first.min(p.seconds), last.max(p.seconds))
     });
-    for limit in work_precision::ERROR_LIMITS {
+    for limit in measurement::ERROR_LIMITS {
         if spans(limit, |p| p.error) {
             plots.push(
                 LinePlot::new()

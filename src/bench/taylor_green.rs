@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::work_precision::{Flow, Setting};
+use super::measurement::{Flow, Setting};
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 
 const REYNOLDS: f64 = 100.0;

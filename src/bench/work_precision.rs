@@ -4,13 +4,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use serde::Serialize;
-
 use super::front::{fastest_within, pareto};
+pub use super::measurement::Point;
+use super::measurement::{ERROR_LIMITS, Flow, Setting};
 use super::{Engine, Stop, Watch, drag, go_on, plots, taylor_green};
 use crate::bluff_body::BluffBody;
 use crate::lattice::Operator;
-use crate::lattice::grid::Setup;
 use crate::output::write_atomically;
 use crate::plan::AirPlacement;
 use crate::simulation::AirEngine;
@@ -21,34 +20,8 @@ const STEPS_AT_ONCE: usize = 256;
 /// A flow that takes less is computed up to three times, and the shortest time counts [s].
 const REPEATED_BELOW_S: f64 = 0.2;
 
-/// Errors for which the fastest setting is named.
-pub(super) const ERROR_LIMITS: [f64; 2] = [0.05, 0.01];
-
 /// Ratio of a finer grid's error to a coarser one's beyond which the coarser one was lucky.
 const CANCELLING: f64 = 1.1;
-
-/// What is varied.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Setting {
-    /// Cells along the reference length.
-    pub resolution: usize,
-    /// Reference speed [cells per step].
-    pub lattice_speed: f64,
-    pub operator: Operator,
-}
-
-type Velocity = dyn Fn([usize; 3]) -> [f64; 3] + Sync;
-
-type Initial = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync;
-
-/// A flow with a known end.
-pub(super) struct Flow {
-    pub setup: Setup,
-    pub initial: Box<Initial>,
-    pub steps: usize,
-    /// Velocity at the end [cells per step].
-    pub exact: Box<Velocity>,
-}
 
 /// What a problem computes.
 enum Kind {
@@ -116,40 +89,6 @@ const PROBLEMS: [Problem; 3] = [
         largest: DRAG_LARGEST,
     },
 ];
-
-/// One measurement.
-#[derive(Debug, Clone, Serialize)]
-pub struct Point {
-    /// Name of the problem.
-    pub problem: &'static str,
-    /// Engine and precision.
-    pub engine: String,
-    /// Collision operator.
-    pub operator: Operator,
-    /// Cells along the reference length.
-    pub resolution: usize,
-    /// Reference speed over the speed of sound.
-    pub mach: f64,
-    /// Cells in all.
-    pub cells: usize,
-    /// Steps.
-    pub steps: u64,
-    /// Time of the steps [s].
-    pub seconds: f64,
-    /// The problem's error, relative; not finite where the flow broke down.
-    pub error: f64,
-    /// Whether a finer grid of the same Mach number, operator and engine is clearly worse: errors of two signs cancel here, by chance.
-    pub cancels: bool,
-    /// Whether no other point of the problem is as fast and as accurate, those that cancel left out.
-    pub pareto: bool,
-}
-
-impl Point {
-    /// False if the flow broke down, or is wrong by more than itself: the table keeps it, front and plot leave it out.
-    pub(super) const fn is_result(&self) -> bool {
-        self.error <= 1.0 && self.seconds.is_finite()
-    }
-}
 
 /// Names of the problems.
 pub fn names() -> impl Iterator<Item = &'static str> {

@@ -7,9 +7,11 @@ use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
 
 use super::engine::Engine;
+use super::exit;
+use super::failure::Failure;
+use super::log::emit;
 use super::progress::Progress;
 use super::signals::requests;
-use super::{Failure, emit, exit};
 use crate::bench::{
     self, Stop, Watch, aerodynamics, coupling, device, fabric, stability, work_precision,
 };

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::case_arguments::CaseArguments;
+use super::failure::Failure;
+use super::log::emit;
 use super::run::{exit_code, strict, validity_text};
-use super::{CaseArguments, Failure, emit};
 use crate::case::ExaminedMesh;
 use crate::measure;
 use crate::plan;

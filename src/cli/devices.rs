@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{Failure, emit};
+use super::failure::Failure;
+use super::log::emit;
 use crate::gpu::AdapterChoice;
 use crate::gpu::adapters::{adapters, chosen};
 

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 
+use super::exit;
+use super::failure::Failure;
 use super::log::say;
-use super::{Failure, exit};
 use crate::case::Scene;
 use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;

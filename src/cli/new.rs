@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::log::say;
-use super::{Failure, emit, exit};
+use super::exit;
+use super::failure::Failure;
+use super::log::{emit, say};
 use crate::case::{SCHEMA_DIRECTIVE, SCHEMA_FILE, SHIPPED, SHIPPED_FILES, schema_text};
 use crate::output::{OutputError, prepare_directory, write_atomically};
 

@@ -5,10 +5,13 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::case_arguments::{CaseArguments, Prepared};
+use super::exit;
+use super::failure::Failure;
+use super::log::emit;
 use super::profile;
 use super::progress::Progress;
 use super::signals::requests;
-use super::{CaseArguments, Failure, Prepared, emit, exit};
 use crate::output::{AccountRow, ExpectedError, ValidityRow, comparison_text};
 use crate::run::{self, Order, Report, RunError, Start};
 

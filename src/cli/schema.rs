@@ -2,7 +2,8 @@
 
 use clap::Args;
 
-use super::{Failure, emit};
+use super::failure::Failure;
+use super::log::emit;
 use crate::case::{key_reference, schema_text};
 
 #[derive(Debug, Args)]

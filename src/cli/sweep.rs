@@ -5,11 +5,13 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::log::say;
+use super::case_arguments::{CaseArguments, Prepared};
+use super::exit;
+use super::failure::Failure;
+use super::log::{emit, say};
 use super::progress::Progress;
 use super::run::seconds;
 use super::signals::requests;
-use super::{CaseArguments, Failure, Prepared, emit, exit};
 use crate::case::Case;
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};

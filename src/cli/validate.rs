@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::engine::{self, Engine, PrecisionChoice};
+use super::exit;
+use super::failure::Failure;
+use super::log::emit;
 use super::progress::Progress;
 use super::signals::requests;
-use super::{Failure, emit, exit};
 use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
@@ -63,7 +65,11 @@ pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
         None => Ok(()),
     };
     // A file that cannot be written is noticed before anything is computed.
-    write(&Report::new(&order))?;
+    write(&Report::new(
+        order.full,
+        order.placement,
+        order.device.as_deref(),
+    ))?;
     let mut progress = Progress::new();
     let (report, end) = validate::validate(&order, &interrupt, &mut progress);
     progress.finish();

@@ -1,10 +1,10 @@
 //! Structures sewn of several fabrics: which law, thickness and yield stress a triangle has.
 //!
-//! The first fabric is the structure's own ([`Structure::membrane`], [`Structure::thickness_m`], [`Structure::yield_stress_pa`]);
+//! The first fabric is the structure's own ([`super::Structure::membrane`], [`super::Structure::thickness_m`], [`super::Structure::yield_stress_pa`]);
 //! the others stand beside it. A structure of one fabric therefore costs nothing more, and computes the same bits, as if there were no
 //! others: the number of a triangle's fabric fills a gap in its layout and is 0.
 
-use super::{Structure, Triangle};
+use super::Triangle;
 use crate::fabric::Fabric;
 use crate::fabric::membrane::Membrane;
 
@@ -32,8 +32,8 @@ impl From<&Fabric> for SewnFabric {
 /// Laws of all triangles of a structure.
 #[derive(Debug, Clone, Copy)]
 pub struct Laws<'a> {
-    first: &'a Membrane,
-    further: &'a [SewnFabric],
+    pub(super) first: &'a Membrane,
+    pub(super) further: &'a [SewnFabric],
 }
 
 impl<'a> Laws<'a> {
@@ -55,40 +55,3 @@ impl<'a> Laws<'a> {
 
 /// Share of compressive stiffness below which fabric counts as tension-only: what keeps more is meant to push, as a plate is.
 pub const TENSION_ONLY: f64 = 0.1;
-
-impl Structure {
-    /// True of a structure of membranes all of which are tension-only.
-    #[must_use]
-    pub fn is_tension_only(&self) -> bool {
-        self.laws()
-            .is_some_and(|laws| laws.all().all(|law| law.residual() < TENSION_ONLY))
-    }
-
-    /// Laws of the triangles; `None` where they have none.
-    #[inline]
-    #[must_use]
-    pub fn laws(&self) -> Option<Laws<'_>> {
-        Some(Laws {
-            first: self.membrane.as_ref()?,
-            further: &self.further_fabrics,
-        })
-    }
-
-    /// Thickness of the fabric of a triangle [m].
-    #[must_use]
-    pub fn thickness_of_m(&self, triangle: &Triangle) -> f64 {
-        match (triangle.fabric as usize).checked_sub(1) {
-            None => self.thickness_m,
-            Some(further) => self.further_fabrics[further].thickness_m,
-        }
-    }
-
-    /// Yield stress of the fabric of a triangle [Pa], if it has one.
-    #[must_use]
-    pub fn yield_stress_of_pa(&self, triangle: &Triangle) -> Option<f64> {
-        match (triangle.fabric as usize).checked_sub(1) {
-            None => self.yield_stress_pa,
-            Some(further) => self.further_fabrics[further].yield_stress_pa,
-        }
-    }
-}

@@ -18,12 +18,10 @@ pub use fabrics::{Laws, SewnFabric, TENSION_ONLY};
 
 use contact::Contact;
 use openings::Opening;
-use rims::RimInsets;
 
 use crate::fabric::membrane::Membrane;
 use crate::fabric::permeability::Permeability;
 use crate::frame::CableKind;
-use crate::immersed::markers::Extent;
 use crate::lines::drag::LineDrag;
 use crate::lines::{CableLaw, CableState};
 
@@ -128,16 +126,6 @@ impl Structure {
         self.cable_laws[cable.law as usize].at(length_m / cable.rest_length_m - 1.0)
     }
 
-    /// Rest sizes of the triangles, and how far inside the line on which markers end they lie where that matters.
-    pub fn extents(&self, insets: &RimInsets) -> impl Iterator<Item = Extent> {
-        let depths = (insets.rim_m > 0.0).then(|| rims::depths_m(self, insets));
-        self.triangles.iter().enumerate().map(move |(i, t)| Extent {
-            area_m2: t.rest_area_m2,
-            longest_edge_m: t.rest_squares_m2.iter().copied().fold(0.0, f64::max).sqrt(),
-            rim_depths_m: depths.as_ref().map_or([f64::INFINITY; 3], |d| d[i]),
-        })
-    }
-
     /// Shortest rest length of an edge or a cable segment [m]; zero without any.
     #[must_use]
     pub fn smallest_element_m(&self) -> f64 {
@@ -182,5 +170,42 @@ impl Structure {
         // Blocks of the stiffness matrix and their columns; the coarser levels add two fifths.
         let blocks = nodes + (3 * triangles).max(2 * springs) + 2 * bendings;
         (of_nodes + of_elements + of_contact + blocks * 56) as u64
+    }
+}
+
+impl Structure {
+    /// True of a structure of membranes all of which are tension-only.
+    #[must_use]
+    pub fn is_tension_only(&self) -> bool {
+        self.laws()
+            .is_some_and(|laws| laws.all().all(|law| law.residual() < TENSION_ONLY))
+    }
+
+    /// Laws of the triangles; `None` where they have none.
+    #[inline]
+    #[must_use]
+    pub fn laws(&self) -> Option<Laws<'_>> {
+        Some(Laws {
+            first: self.membrane.as_ref()?,
+            further: &self.further_fabrics,
+        })
+    }
+
+    /// Thickness of the fabric of a triangle [m].
+    #[must_use]
+    pub fn thickness_of_m(&self, triangle: &Triangle) -> f64 {
+        match (triangle.fabric as usize).checked_sub(1) {
+            None => self.thickness_m,
+            Some(further) => self.further_fabrics[further].thickness_m,
+        }
+    }
+
+    /// Yield stress of the fabric of a triangle [Pa], if it has one.
+    #[must_use]
+    pub fn yield_stress_of_pa(&self, triangle: &Triangle) -> Option<f64> {
+        match (triangle.fabric as usize).checked_sub(1) {
+            None => self.yield_stress_pa,
+            Some(further) => self.further_fabrics[further].yield_stress_pa,
+        }
     }
 }

@@ -36,6 +36,21 @@ impl RimInsets {
     }
 }
 
+impl Structure {
+    /// Rest sizes of the triangles, and how far inside the line on which markers end they lie where that matters.
+    pub fn extents(&self, insets: &RimInsets) -> impl Iterator<Item = markers::Extent> {
+        let depths = (insets.rim_m > 0.0).then(|| depths_m(self, insets));
+        self.triangles
+            .iter()
+            .enumerate()
+            .map(move |(i, t)| markers::Extent {
+                area_m2: t.rest_area_m2,
+                longest_edge_m: t.rest_squares_m2.iter().copied().fold(0.0, f64::max).sqrt(),
+                rim_depths_m: depths.as_ref().map_or([f64::INFINITY; 3], |d| d[i]),
+            })
+    }
+}
+
 /// How far every triangle's corners lie inside the line on which markers end [m], `[triangle_count]`; negative outside. Exact along straight rims, somewhat
 /// short where fronts of two rims meet in long triangles, infinite where it cannot matter, or without
 /// rims. A rim is made of the edges that one triangle alone has.

@@ -8,6 +8,7 @@
 pub mod membrane;
 pub mod network;
 pub mod permeability;
+mod plane;
 pub mod shear;
 mod wrinkles;
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::membrane::{Matrix3, dot, smaller_direction, times};
+use super::plane::{Matrix3, dot, smaller_direction, times};
 
 /// Iterations for the direction of wrinkles; five are usual, and halving alone takes forty.
 const DIRECTION_LIMIT: usize = 50;

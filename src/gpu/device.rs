@@ -5,14 +5,12 @@
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use bytemuck::Pod;
 
 use super::adapters::{self, AdapterChoice, AdapterInfo};
-use super::commands::Commands;
 use super::error::DeviceError;
 use super::latency::Latencies;
 use super::meter::{DeviceWork, Meter};
@@ -327,141 +325,5 @@ impl Device {
             .unwrap_or_else(PoisonError::into_inner)
             .clear();
         self.check()
-    }
-
-    /// Elements `first..first + count` of a buffer, after everything submitted so far.
-    pub(super) fn read<T: Pod>(
-        &self,
-        buffer: &wgpu::Buffer,
-        first: usize,
-        count: usize,
-    ) -> Result<Vec<T>, DeviceError> {
-        let mut result = vec![T::zeroed(); count];
-        let per_chunk = (TRANSFER_BYTES as usize / size_of::<T>()).max(1);
-        for (index, chunk) in result.chunks_mut(per_chunk).enumerate() {
-            let start = ((first + index * per_chunk) * size_of::<T>()) as u64;
-            let staging = Staging::new(self, size_of_val(chunk) as u64)?;
-            let mut commands = self.record("read back");
-            staging.copy(&mut commands, buffer, start, 0, size_of_val(chunk) as u64);
-            self.submit(commands);
-            staging.read(self, |bytes| {
-                let target: &mut [u8] = bytemuck::cast_slice_mut(chunk);
-                let length = target.len();
-                target.copy_from_slice(&bytes[..length]);
-            })?;
-        }
-        Ok(result)
-    }
-}
-
-/// A buffer on the host's side of a transfer, to be used again and again.
-#[derive(Debug)]
-pub(super) struct Staging {
-    buffer: wgpu::Buffer,
-    bytes: u64,
-}
-
-impl Staging {
-    /// Room for `bytes`, a multiple of 4.
-    pub(super) fn new(device: &Device, bytes: u64) -> Result<Self, DeviceError> {
-        let buffer = device.buffer(
-            "transfer",
-            bytes,
-            wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        )?;
-        Ok(Self { buffer, bytes })
-    }
-
-    /// Records a copy of `bytes` from `source` at byte `from` to byte `to` here.
-    pub(super) fn copy(
-        &self,
-        commands: &mut Commands,
-        source: &wgpu::Buffer,
-        from: u64,
-        to: u64,
-        bytes: u64,
-    ) {
-        commands
-            .raw
-            .copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
-    }
-
-    /// Records a copy of rows of pixels from a texture, each padded to `bytes_per_row`, a multiple of 256.
-    pub(super) fn copy_rows(
-        &self,
-        commands: &mut Commands,
-        source: &wgpu::Texture,
-        rows: std::ops::Range<u32>,
-        bytes_per_row: u32,
-    ) {
-        let mut from = source.as_image_copy();
-        from.origin.y = rows.start;
-        let to = wgpu::TexelCopyBufferInfo {
-            buffer: &self.buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(bytes_per_row),
-                rows_per_image: None,
-            },
-        };
-        let size = wgpu::Extent3d {
-            width: source.width(),
-            height: rows.end - rows.start,
-            depth_or_array_layers: 1,
-        };
-        commands.raw.copy_texture_to_buffer(from, to, size);
-    }
-
-    /// Waits for what was submitted and shows the bytes.
-    pub(super) fn read(
-        &self,
-        device: &Device,
-        show: impl FnOnce(&[u8]),
-    ) -> Result<(), DeviceError> {
-        let (sender, receiver) = mpsc::channel();
-        self.buffer
-            .map_async(wgpu::MapMode::Read, 0..self.bytes, move |result| {
-                // The receiver waits below, or has given up.
-                let _ = sender.send(result.is_ok());
-            });
-        device.wait()?;
-        device.meter.mapped(self.bytes);
-        // Another thread that polls at the same time may be the one that brings the answer, a little later.
-        if receiver.recv_timeout(TIMEOUT) != Ok(true) {
-            return Err(DeviceError::Lost(
-                "results could not be read back".to_owned(),
-            ));
-        }
-        self.show(device, show)
-    }
-
-    /// The same, but `spin` waits for the flag that is set as soon as the bytes are there.
-    pub(super) fn read_spinning(
-        &self,
-        device: &Device,
-        spin: impl FnOnce(&AtomicBool) -> Result<(), DeviceError>,
-    ) -> Result<(), DeviceError> {
-        let done = Arc::new(AtomicBool::new(false));
-        let set = Arc::clone(&done);
-        // A failure is on record with the device.
-        self.buffer
-            .map_async(wgpu::MapMode::Read, 0..self.bytes, move |_| {
-                set.store(true, Ordering::Release);
-            });
-        spin(&done)?;
-        device.meter.mapped(self.bytes);
-        self.show(device, |_| {})
-    }
-
-    fn show(&self, device: &Device, show: impl FnOnce(&[u8])) -> Result<(), DeviceError> {
-        {
-            let view = self
-                .buffer
-                .get_mapped_range(0..self.bytes)
-                .map_err(|error| DeviceError::Command(format!("reading back: {error}")))?;
-            show(&view);
-        }
-        self.buffer.unmap();
-        device.check()
     }
 }

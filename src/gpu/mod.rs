@@ -3,12 +3,13 @@
 //! | file | holds |
 //! |---|---|
 //! | [`adapters`] | the adapters of this machine, which one a run takes |
-//! | [`device`] | an open device: buffers, transfers, submissions, late faults |
-//! | `commands`, `meter`, `pass_clock` | commands as they are recorded, counted, and timed on request |
+//! | [`device`] | an open device: buffers, submissions, late faults |
+//! | `commands`, `transfer` | commands as they are recorded; ways back to the host |
+//! | `meter`, `pass_clock`, `pass_times` | commands counted, and timed on request |
 //! | [`bandwidth`], [`latency`], `tuning` | what a device can do, and choices that a benchmark compares |
 //! | [`fluid`] | the air: collide–stream, boundaries, fields and balances |
 //! | [`immersed`] | markers: interpolate, spread |
-//! | [`pipeline`], [`shaders`] | pipelines with bindings known by name; the texts of `shaders/` |
+//! | [`pipeline`], [`shaders`], [`layouts`] | pipelines with bindings known by name; the texts of `shaders/`; structs shared with them |
 //! | [`raster`] | pictures, from the same draw list as in software |
 //! | [`cloth`] | fabric and cables: nodal forces, initial Hessian, the minimiser's vectors |
 //!
@@ -23,13 +24,17 @@ mod error;
 pub mod fluid;
 pub mod immersed;
 pub mod latency;
+pub mod layouts;
+mod measure_latency;
 mod meter;
 pub mod multigrid;
 mod pass_clock;
+mod pass_times;
 pub mod pipeline;
 mod quiet;
 pub mod raster;
 pub mod shaders;
+mod transfer;
 mod tuning;
 
 pub use adapters::{AdapterChoice, AdapterInfo, AdapterKind};

@@ -7,10 +7,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use super::commands::Pass;
 use super::device::Device;
 use super::error::DeviceError;
-use super::shaders::Shader;
-
-/// Threads of a workgroup of every compute shader, along x.
-pub const WORKGROUP: u32 = 64;
+use super::shaders::{Shader, WORKGROUP};
 
 /// One entry point, ready to be dispatched.
 #[derive(Debug, Clone)]

@@ -15,8 +15,9 @@ use std::ops::Range;
 
 use image::RgbImage;
 
-use super::device::{Device, Staging, TRANSFER_BYTES};
+use super::device::{Device, TRANSFER_BYTES};
 use super::error::DeviceError;
+use super::transfer::Staging;
 use crate::render::RenderError;
 use crate::render::annotate::draw_annotations;
 use crate::render::picture::{Picture, PixelRect};

@@ -4,6 +4,9 @@
 //! times, switches) are pipeline constants; what changes during a run is a struct of parameters, declared once here for Rust
 //! (by the macro `parameters!`) and once in WGSL. A test without any device compares the two, field by field.
 
+/// Threads of a workgroup of every compute shader, along x.
+pub const WORKGROUP: u32 = 64;
+
 /// A shader: its parts in order.
 #[derive(Debug, Clone, Copy)]
 pub struct Shader {
@@ -119,21 +122,3 @@ macro_rules! parameters {
     };
 }
 pub(super) use parameters;
-
-/// Layouts of all structs that Rust and WGSL share.
-#[must_use]
-pub fn layouts() -> Vec<Layout> {
-    [
-        super::cloth::parameters::OWN_LAYOUTS,
-        super::fluid::collide_stream::OWN_LAYOUTS,
-        super::fluid::control_volume::OWN_LAYOUTS,
-        super::fluid::eddy_viscosity::OWN_LAYOUTS,
-        super::fluid::macroscopic::OWN_LAYOUTS,
-        super::fluid::repeat_plane::OWN_LAYOUTS,
-        super::fluid::OWN_LAYOUTS,
-        super::immersed::OWN_LAYOUTS,
-        super::multigrid::parameters::OWN_LAYOUTS,
-        super::raster::geometry::OWN_LAYOUTS,
-    ]
-    .concat()
-}

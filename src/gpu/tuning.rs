@@ -1,6 +1,6 @@
 //! Choices about the kernel of the air that change its speed, not its formulas; `ripstop bench device` compares them.
 
-use super::pipeline::WORKGROUP;
+use super::shaders::WORKGROUP;
 
 /// How the arrays of populations are padded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -16,7 +16,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::Number;
-use super::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use super::operators::{dot, scale};
 
 /// Model of the eddy viscosity.
@@ -214,63 +213,6 @@ pub fn vreman<N: Number>(gradient: &[[N; 3]; 3]) -> N {
     let ([x, y, z], norm) = normalised(*gradient);
     let minors = minors_squared(x, y) + minors_squared(y, z) + minors_squared(z, x);
     norm * minors.square_root()
-}
-
-/// Velocity of the cell beyond a face, as the boundary condition makes it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Beyond {
-    /// That of the cell at the opposite face.
-    Periodic,
-    /// factor · u + offset, component by component, of the last cell before the face.
-    Ghost {
-        /// −1 for what a wall turns round, 1 for what it keeps or an outlet repeats, 0 for an inlet.
-        factor: [f64; 3],
-        /// Velocity of the inlet, or twice that of a wall [cells per step].
-        offset: [f64; 3],
-    },
-}
-
-/// Lower and upper face of every axis.
-#[must_use]
-pub fn beyond(setup: &Setup, inlet_velocity: [f64; 3]) -> [[Beyond; 2]; 3] {
-    let wall = |axis: usize, wall: Wall| match wall {
-        Wall::FreeSlip => {
-            let mut factor = [1.0; 3];
-            factor[axis] = -1.0;
-            Beyond::Ghost {
-                factor,
-                offset: [0.0; 3],
-            }
-        }
-        Wall::NoSlip { velocity } => Beyond::Ghost {
-            factor: [-1.0; 3],
-            offset: velocity.map(|u| 2.0 * u),
-        },
-    };
-    let faces = |axis: usize, faces: Faces| match faces {
-        Faces::Periodic => [Beyond::Periodic; 2],
-        Faces::Walls(walls) => walls.map(|w| wall(axis, w)),
-    };
-    let x = match setup.ends {
-        StreamwiseEnds::Periodic => [Beyond::Periodic; 2],
-        StreamwiseEnds::InletOutlet => [
-            Beyond::Ghost {
-                factor: [0.0; 3],
-                offset: inlet_velocity,
-            },
-            Beyond::Ghost {
-                factor: [1.0; 3],
-                offset: [0.0; 3],
-            },
-        ],
-        StreamwiseEnds::Walls(walls) => walls.map(|w| wall(0, w)),
-    };
-    let [y, z] = match setup.sides {
-        Sides::Periodic => [Faces::Periodic; 2],
-        Sides::FreeSlip => [Faces::Walls([Wall::FreeSlip; 2]); 2],
-        Sides::Each(faces) => faces,
-    };
-    [x, faces(1, y), faces(2, z)]
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! Directions come in opposite pairs (1, 2), (3, 4) … (17, 18); the first of a pair never points towards −x, and
 //! the streaming scheme of [`grid`] relies on that order.
 
+pub mod collision;
 pub mod control_volume;
 pub mod eddy_viscosity;
 pub mod grid;
@@ -14,40 +15,8 @@ mod real;
 pub mod stability;
 pub mod start;
 
+pub use collision::Operator;
 pub use real::{Lanes, Number, Real};
-
-/// Collision operator of the air.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Operator {
-    /// BGK: for comparison only.
-    SingleRelaxationTime,
-    /// For verification and low Reynolds numbers.
-    TwoRelaxationTimes,
-    /// For any Reynolds number, with an eddy viscosity; without one flow around bluff bodies breaks down at 10⁴ and above.
-    RecursiveRegularised,
-}
-
-impl Operator {
-    /// All of them.
-    pub const ALL: [Self; 3] = [
-        Self::SingleRelaxationTime,
-        Self::TwoRelaxationTimes,
-        Self::RecursiveRegularised,
-    ];
-
-    /// Name in case files and reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SingleRelaxationTime => "single_relaxation_time",
-            Self::TwoRelaxationTimes => "two_relaxation_times",
-            Self::RecursiveRegularised => "recursive_regularised",
-        }
-    }
-}
 
 /// Number of discrete velocities.
 pub const DIRECTION_COUNT: usize = 19;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::summary_table::significant;
+use super::digits::significant;
 
 /// Digits of values.
 const DIGITS: i32 = 3;

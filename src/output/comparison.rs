@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::{OutputError, write_atomically};
-use super::summary::Quantity;
-use super::summary_table::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
+use super::digits::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
+use super::quantity::Quantity;
 
 /// Cells of the nominal diameter within which nothing that air does to a sheet is resolved: half the width of the kernel through
 /// which the two meet.

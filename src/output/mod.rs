@@ -10,9 +10,11 @@ mod atomic;
 mod chart;
 mod comparison;
 mod device_use;
+mod digits;
 mod history;
 mod patterns;
 mod pvd;
+mod quantity;
 mod summary;
 mod summary_table;
 mod table;
@@ -28,14 +30,15 @@ pub use comparison::{
     write_comparison,
 };
 pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, DeviceUse};
+pub use digits::{significant, value_and_uncertainty};
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};
+pub use quantity::{Quantity, Results};
 pub use summary::{
-    CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
-    StopInfo, StructureEvery, Summary, write_summary,
+    CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
+    Summary, write_summary,
 };
-pub use summary_table::{significant, value_and_uncertainty};
 pub use table::{write_table, write_text_table};
 pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};

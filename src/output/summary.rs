@@ -3,17 +3,16 @@
 //! JSON has no NaN or infinity. A number that is not finite is written as `null`; in results and
 //! optional numbers that is accompanied by a note.
 
-use std::fmt;
 use std::io;
 use std::path::Path;
 
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::account::AccountRow;
 use super::atomic::{OutputError, write_atomically};
 use super::comparison::ComparisonRow;
 use super::device_use::DeviceUse;
+use super::quantity::{Results, keep_finite};
 use super::validity::{ExpectedError, ValidityRow};
 
 /// Version of the layout of `summary.json`; raised when a field changes its meaning or goes away.
@@ -171,202 +170,6 @@ pub struct StopInfo {
     pub when_s: f64,
 }
 
-/// One result with its uncertainty and, where one exists, a reference to compare it with.
-///
-/// In the file `value` and `unit` are always present; the others are left out when `None`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Quantity {
-    /// The number in `unit`; `None` when it could not be determined, and then `note` says why.
-    pub value: Option<f64>,
-    /// SI unit, `1` for a plain number.
-    pub unit: String,
-    /// Half width of the 95 % confidence interval, in `unit`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub confidence: Option<f64>,
-    /// Interval between samples where the number was read from single ones, such as a time, in `unit`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sampling_error: Option<f64>,
-    /// Measured or analytic number to compare with, in `unit`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reference: Option<f64>,
-    /// Where the reference comes from.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub source: Option<String>,
-    /// Relative error `(value - reference) / |reference|`, a plain number; `None` for a reference of zero.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error: Option<f64>,
-    /// Why the run cannot support the number, such as too few cells; `None` where nothing is known against it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub unresolved: Option<String>,
-    /// Remark for the reader.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub note: Option<String>,
-}
-
-impl Quantity {
-    /// The number `value` in `unit`; one that is not finite becomes `None` with a note.
-    pub fn new(value: f64, unit: &str) -> Self {
-        let value = Some(value);
-        let unit = unit.to_owned();
-        Self {
-            value,
-            unit,
-            ..Self::default()
-        }
-        .finite()
-    }
-
-    /// A quantity in `unit` that could not be determined because of `why`.
-    pub fn missing(unit: &str, why: &str) -> Self {
-        Self {
-            unit: unit.to_owned(),
-            note: Some(why.to_owned()),
-            ..Self::default()
-        }
-    }
-
-    /// Adds the half width of the 95 % confidence interval, in the unit of the value.
-    #[must_use]
-    pub fn with_confidence(mut self, half_width: f64) -> Self {
-        self.confidence = Some(half_width);
-        self.finite()
-    }
-
-    /// Adds the interval between the samples that the value was read from, in the unit of the value.
-    #[must_use]
-    pub fn with_sampling_error(mut self, interval: f64) -> Self {
-        self.sampling_error = Some(interval);
-        self.finite()
-    }
-
-    /// Adds the reference from `source`, in the unit of the value, and the relative error.
-    #[must_use]
-    pub fn with_reference(mut self, reference: f64, source: &str) -> Self {
-        self.reference = Some(reference);
-        self.source = Some(source.to_owned());
-        self.error = match self.value {
-            Some(value) if reference != 0.0 => Some((value - reference) / reference.abs()),
-            _ => None,
-        };
-        self.finite()
-    }
-
-    /// Marks the number as one that the run cannot support, because of `why`; a second reason joins the first.
-    pub fn mark_unresolved(&mut self, why: &str) {
-        self.unresolved = match self.unresolved.take() {
-            Some(earlier) if earlier.contains(why) => Some(earlier),
-            Some(earlier) => Some(format!("{earlier}; {why}")),
-            None => Some(why.to_owned()),
-        };
-    }
-
-    /// Adds a remark behind those already there.
-    #[must_use]
-    pub fn with_note(mut self, remark: &str) -> Self {
-        self.note = match self.note.take() {
-            Some(earlier) => Some(format!("{earlier}; {remark}")),
-            None => Some(remark.to_owned()),
-        };
-        self
-    }
-
-    /// Replaces every number that is not finite by `None` and a note.
-    fn finite(mut self) -> Self {
-        let mut remarks = Vec::new();
-        for (name, number) in [
-            ("value", &mut self.value),
-            ("confidence", &mut self.confidence),
-            ("sampling_error", &mut self.sampling_error),
-            ("reference", &mut self.reference),
-            ("error", &mut self.error),
-        ] {
-            keep_finite(name, number, &mut remarks);
-        }
-        remarks
-            .iter()
-            .fold(self, |quantity, remark| quantity.with_note(remark))
-    }
-}
-
-/// Named results in the order they were put in; a JSON object.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Results {
-    entries: Vec<(String, Quantity)>,
-}
-
-impl Results {
-    /// No results.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Puts in `quantity`: at the end, or in place of an earlier one of that `name`.
-    pub fn insert(&mut self, name: &str, quantity: Quantity) {
-        match self.entries.iter_mut().find(|(known, _)| known == name) {
-            Some((_, earlier)) => *earlier = quantity,
-            None => self.entries.push((name.to_owned(), quantity)),
-        }
-    }
-
-    /// The result of that name.
-    pub fn get(&self, name: &str) -> Option<&Quantity> {
-        let mut entries = self.iter();
-        entries.find_map(|(known, quantity)| (known == name).then_some(quantity))
-    }
-
-    /// All results with their names, in order, to be changed in place.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut Quantity)> {
-        let entries = self.entries.iter_mut();
-        entries.map(|(name, quantity)| (name.as_str(), quantity))
-    }
-
-    /// All results with their names, in order.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Quantity)> {
-        let entries = self.entries.iter();
-        entries.map(|(name, quantity)| (name.as_str(), quantity))
-    }
-
-    /// Number of results.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether there are no results.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-}
-
-impl Serialize for Results {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter())
-    }
-}
-
-impl<'de> Deserialize<'de> for Results {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ResultsVisitor)
-    }
-}
-
-struct ResultsVisitor;
-
-impl<'de> Visitor<'de> for ResultsVisitor {
-    type Value = Results;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a map from names to quantities")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Results, A::Error> {
-        let mut results = Results::new();
-        while let Some((name, quantity)) = map.next_entry::<String, Quantity>()? {
-            results.insert(&name, quantity);
-        }
-        Ok(results)
-    }
-}
-
 impl Summary {
     /// A copy without numbers that are not finite: optional ones become `None`, and a note tells
     /// of each. The other ones stay and are `null` in JSON.
@@ -383,17 +186,10 @@ impl Summary {
         keep_finite("simulated_s", &mut Some(summary.simulated_s), notes);
         keep_finite("wall_s", &mut Some(summary.wall_s), notes);
         keep_finite("stop.when_s", &mut Some(summary.stop.when_s), notes);
-        for (_, quantity) in &mut summary.results.entries {
+        for (_, quantity) in summary.results.iter_mut() {
             *quantity = std::mem::take(quantity).finite();
         }
         summary
-    }
-}
-
-/// Replaces `number` by `None` and a remark if it is not finite.
-fn keep_finite(name: &str, number: &mut Option<f64>, remarks: &mut Vec<String>) {
-    if let Some(strange) = number.take_if(|number| !number.is_finite()) {
-        remarks.push(format!("{name} was not finite ({strange})"));
     }
 }
 

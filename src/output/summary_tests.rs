@@ -1,5 +1,7 @@
-use super::*;
 use std::fs;
+
+use super::*;
+use crate::output::Quantity;
 
 fn summary() -> Summary {
     let mut results = Results::new();

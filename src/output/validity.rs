@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::summary::Results;
-use super::summary_table::significant;
+use super::digits::significant;
+use super::quantity::Results;
 
 /// Digits of values.
 const DIGITS: i32 = 3;

@@ -1,6 +1,7 @@
 //! Which initial Hessian the implicit steps of the fabric start from.
 
-use super::{Placement, Skip, structure_every};
+use super::skips::Skip;
+use super::{Placement, structure_every};
 use crate::case::Scene;
 use crate::solve::InitialHessian;
 

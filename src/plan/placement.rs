@@ -1,6 +1,5 @@
 //! Who computes what: air and fabric are placed separately.
 
-use super::Precision;
 use crate::lattice::Storage;
 
 /// Where the air is computed.
@@ -85,5 +84,34 @@ impl Placement {
     #[must_use]
     pub fn cloth_on_device(&self) -> bool {
         self.cloth == ClothPlacement::Device
+    }
+}
+
+/// Floating-point type of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// Double precision: the reference.
+    F64,
+    /// Single precision: fast, the default.
+    F32,
+}
+
+impl Precision {
+    /// Name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
+
+    /// Bytes of one number.
+    #[must_use]
+    pub const fn bytes(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::F32 => 4,
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use image::RgbImage;
 
+use super::canvas::MAX_SIZE_PX;
 use super::colour::{Rgb, fraction};
 use super::picture::{ColourBar, Label, Picture, PixelRect, TextAlign};
-use super::raster::MAX_SIZE_PX;
 use super::text::{draw_label, line_height};
 
 /// Colour of the outline and the tick marks of a bar.

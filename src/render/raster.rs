@@ -3,19 +3,14 @@
 use glam::DVec3;
 use image::RgbImage;
 
-use super::RenderError;
 use super::annotate::draw_annotations;
+use super::canvas::{Canvas, MAX_SIZE_PX, SAMPLES, Veil, check_count, sample_span};
 use super::colour::{Rgb, blend};
+use super::error::RenderError;
 use super::picture::{Picture, Slice, SliceDepth, Surface};
 use super::sheets::{check_slice, draw_slice};
 use super::strokes::{draw_edges, draw_polyline};
 use super::view::{ScreenPoint, View};
-
-/// Samples per pixel along x and along y.
-pub(crate) const SAMPLES: usize = 2;
-
-/// Largest width and height of a picture [px].
-pub const MAX_SIZE_PX: u32 = 16_384;
 
 /// Share of light that reaches every face; the rest depends on how the face is turned.
 pub(crate) const AMBIENT: f64 = 0.64;
@@ -29,35 +24,6 @@ pub(crate) const LAMP_SHARE: f64 = 0.62;
 /// How far outside, in barycentric terms, a sample still belongs to a triangle: more than rounding,
 /// so that neighbours leave no gap along their common edge.
 const ON_EDGE: f64 = 1e-9;
-
-/// The viewport's samples: [`SAMPLES`]² for each pixel, row by row from the top.
-pub(super) struct Canvas {
-    pub view: View,
-    pub width: usize,
-    pub height: usize,
-    pub colours: Vec<Rgb>,
-    /// Nearness of what each sample shows.
-    pub keys: Vec<f32>,
-    /// Nearest translucent slice over each sample and the light it lets through; empty without.
-    pub veils: Vec<Veil>,
-}
-
-/// A translucent cover of a sample.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Veil {
-    /// Nearness of the cover.
-    pub key: f32,
-    /// Share of the light from behind that passes.
-    pub passes: f32,
-}
-
-impl Veil {
-    /// No cover.
-    pub const NONE: Self = Self {
-        key: f32::NEG_INFINITY,
-        passes: 1.0,
-    };
-}
 
 /// A picture whose arguments are in order, bound to samples.
 pub(crate) struct Prepared<'a> {
@@ -168,23 +134,6 @@ pub fn rasterise(picture: &Picture) -> Result<RgbImage, RenderError> {
     canvas.copy_to(&mut image, picture);
     draw_annotations(&mut image, picture);
     Ok(image)
-}
-
-/// An error unless `found` is `expected`.
-pub(super) fn check_count(
-    what: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), RenderError> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(RenderError::ValueCount {
-            what,
-            expected,
-            found,
-        })
-    }
 }
 
 impl Canvas {
@@ -326,14 +275,6 @@ fn clip(triangle: [Corner; 3], near: f64) -> ([Corner; 4], usize) {
         }
     }
     (polygon, count)
-}
-
-/// First and one past the last sample between two places on an axis with `size` samples, whose
-/// centres lie at half-integers.
-pub(super) fn sample_span(low: f64, high: f64, size: usize) -> std::ops::Range<usize> {
-    let first = (low - 0.5).ceil().clamp(0.0, size as f64) as usize;
-    let last = (high + 0.5).floor().clamp(0.0, size as f64) as usize;
-    first..last.max(first)
 }
 
 fn fill(canvas: &mut Canvas, corners: [Corner; 3], colour: Rgb) {

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::RenderError;
+use super::canvas::{Canvas, Veil, check_count, sample_span};
 use super::colour::{blend, fraction};
+use super::error::RenderError;
 use super::picture::{Slice, SliceDepth};
-use super::raster::{Canvas, Veil, check_count, sample_span};
 use super::view::View;
 
 impl Slice {

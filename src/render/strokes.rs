@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::canvas::{Canvas, SAMPLES, Veil, sample_span};
 use super::colour::{Rgb, blend};
 use super::picture::{LineStyle, Polyline, Surface};
-use super::raster::{Canvas, SAMPLES, Veil, sample_span};
 use super::view::{ScreenPoint, View};
 
 /// How far lines are drawn towards the eye, in line widths, so that a line along a surface is seen

@@ -1,6 +1,6 @@
 //! Why a run could not deliver.
 
-use super::Fault;
+use super::fault::Fault;
 use crate::checkpoint::CheckpointError;
 use crate::gpu::DeviceError;
 use crate::ledger::LockError;

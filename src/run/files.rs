@@ -7,10 +7,11 @@ use glam::DVec3;
 use image::RgbImage;
 
 use super::verify::Lost;
+use super::written::{Written, bodies_name, canopy_name, flow_name};
 use super::{RunError, animation};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
-use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::checkpoint::Writer;
 use crate::frame::{FlowQuantity, Frame};
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
@@ -26,61 +27,6 @@ const FLAT: f64 = 0.25;
 
 /// Least speed that pictures of a fall are scaled with, per speed of release.
 const SLOWEST_SCALE: f64 = 0.05;
-
-/// What has been written so far, by a run that is resumed.
-#[derive(Debug, Default)]
-pub(super) struct Written {
-    canopy_times_s: Vec<f64>,
-    flow_times_s: Vec<f64>,
-    bodies_times_s: Vec<f64>,
-    timed_pictures: usize,
-    animation_frames: usize,
-}
-
-/// Number of a picture that is named so.
-fn picture_number(name: &str) -> Option<usize> {
-    let digits = name.strip_prefix("snapshot_")?.get(..3)?;
-    digits.parse().ok()
-}
-
-impl Written {
-    /// Takes the case's picture times for others than those that were drawn at: all before the present step count as drawn.
-    pub(super) fn expect_pictures(&mut self, simulation: &Simulation) {
-        let scene = simulation.scene();
-        let step_s = scene.time.map_or(0.0, |time| time.step_s);
-        let before_s = simulation.time_s() - 0.5 * step_s;
-        let times = &scene.output.picture_times_s;
-        self.timed_pictures = times.iter().filter(|t| **t <= before_s).count();
-    }
-
-    /// Names of all files.
-    pub(super) fn names(&self) -> Vec<String> {
-        let count = |length: usize, name: fn(usize) -> String| (0..length).map(name);
-        count(self.canopy_times_s.len(), canopy_name)
-            .chain(count(self.bodies_times_s.len(), bodies_name))
-            .chain(count(self.flow_times_s.len(), flow_name))
-            .chain(count(self.animation_frames, animation::frame_name))
-            .chain(count(self.timed_pictures, |n| {
-                format!("snapshot_{n:03}.png")
-            }))
-            .collect()
-    }
-
-    /// True for any picture of an instant that has been drawn.
-    pub(super) fn has_picture(&self, name: &str) -> bool {
-        picture_number(name).is_some_and(|number| number < self.timed_pictures)
-    }
-
-    pub(super) fn restore(from: &Reader) -> Result<Self, CheckpointError> {
-        Ok(Self {
-            canopy_times_s: from.take("canopy_times")?,
-            flow_times_s: from.take("flow_times")?,
-            bodies_times_s: from.take("bodies_times")?,
-            timed_pictures: from.take_exactly::<u64>("timed_pictures", 1)?[0] as usize,
-            animation_frames: from.take_exactly::<u64>("animation_frames", 1)?[0] as usize,
-        })
-    }
-}
 
 /// Files of one kind, numbered, and the collection that lists them.
 struct Frames {
@@ -149,18 +95,6 @@ pub(super) struct Files<'a> {
     pub(super) last_picture: Option<PathBuf>,
     /// Frames of the animation so far, each a file until they become one.
     pub(super) animation_frames: usize,
-}
-
-fn canopy_name(index: usize) -> String {
-    format!("canopy_{index:05}.vtp")
-}
-
-fn bodies_name(index: usize) -> String {
-    format!("bodies_{index:05}.vtp")
-}
-
-fn flow_name(index: usize) -> String {
-    format!("flow_{index:05}.vti")
 }
 
 fn drawn_in_software(error: &DeviceError) -> String {

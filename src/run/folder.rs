@@ -2,24 +2,12 @@
 
 use std::path::Path;
 
-use super::{Order, RunError, names};
+use super::names;
+use super::{Order, RunError, Start};
 use crate::case::{Case, Scene, changed_outputs, changed_physics, number_in};
 use crate::checkpoint;
 use crate::ledger::{Ledger, Machine, Program, State};
 use crate::simulation::Simulation;
-
-/// How a run begins.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Start<'a> {
-    /// Anew, in a folder that is empty, or holds a run of the very same case that is over.
-    New,
-    /// From the newest checkpoint in its folder.
-    Resume,
-    /// From the end of the run in its folder, and to the end of the case, however steady the results are.
-    Extend,
-    /// Anew, from the newest state in another folder, with its time and without its samples.
-    From(&'a Path),
-}
 
 /// Most differences that a message names.
 const TOLD: usize = 4;

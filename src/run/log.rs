@@ -5,11 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::{Observer, Report, RunError, Start};
+use super::error::RunError;
+use super::fault::LOG_NAME;
+use super::order::{Observer, Report, Start};
 use crate::ledger::now;
-
-/// Its name in a run's folder.
-pub(super) const FILE_NAME: &str = "run.log";
 
 /// What it was called before it had grown too long.
 const PREVIOUS_NAME: &str = "run.log.previous";
@@ -50,7 +49,7 @@ impl<'a> Log<'a> {
     /// Begins the file, or goes on with that of the run that is gone on with.
     pub(super) fn open(&mut self, start: Start<'_>) {
         if !matches!(start, Start::Resume | Start::Extend) {
-            for name in [FILE_NAME, PREVIOUS_NAME] {
+            for name in [LOG_NAME, PREVIOUS_NAME] {
                 // There may be none.
                 let _ = fs::remove_file(self.folder.join(name));
             }
@@ -74,7 +73,7 @@ impl<'a> Log<'a> {
     }
 
     fn begin_file(&mut self) {
-        let path = self.folder.join(FILE_NAME);
+        let path = self.folder.join(LOG_NAME);
         self.file = OpenOptions::new().create(true).append(true).open(path).ok();
         let found = self.file.as_ref().and_then(|file| file.metadata().ok());
         self.length = found.map_or(0, |found| found.len());
@@ -92,7 +91,7 @@ impl<'a> Log<'a> {
 
     fn append(&mut self, lines: &str) {
         if self.length > 0 && self.length + lines.len() as u64 > self.limit_bytes {
-            let path = self.folder.join(FILE_NAME);
+            let path = self.folder.join(LOG_NAME);
             // Where it cannot be renamed it goes on to grow.
             let _ = fs::rename(path, self.folder.join(PREVIOUS_NAME));
             self.begin_file();
@@ -152,16 +151,16 @@ mod tests {
         };
         say(Start::New, "first");
         say(Start::Resume, "second");
-        let lines = text(folder.path(), FILE_NAME);
+        let lines = text(folder.path(), LOG_NAME);
         let lines: Vec<&str> = lines.lines().collect();
         assert_eq!(lines.len(), 6, "{lines:?}");
         assert!(lines[0].ends_with("Z  first") && lines[3].ends_with("Z  second"));
         assert_eq!(lines[2], "    lines");
         say(Start::New, "third");
-        assert_eq!(text(folder.path(), FILE_NAME).lines().count(), 3);
+        assert_eq!(text(folder.path(), LOG_NAME).lines().count(), 3);
         // A run that never began leaves the one before alone.
         Log::new(folder.path(), &mut nobody).note("refused");
-        assert!(!text(folder.path(), FILE_NAME).contains("refused"));
+        assert!(!text(folder.path(), LOG_NAME).contains("refused"));
     }
 
     #[test]
@@ -174,7 +173,7 @@ mod tests {
         for number in 0..200 {
             log.note(&format!("line {number}"));
         }
-        let now = text(folder.path(), FILE_NAME);
+        let now = text(folder.path(), LOG_NAME);
         let before = text(folder.path(), PREVIOUS_NAME);
         assert!(now.ends_with("line 199\n"), "{now}");
         assert!(now.len() <= 1000 && before.len() <= 1000 && before.len() > 900);

@@ -8,22 +8,27 @@ mod error;
 mod fault;
 mod files;
 mod folder;
+mod guard;
 mod identity;
 mod keeping;
 mod log;
 mod mesh_pictures;
+mod missing;
 mod names;
+mod order;
 mod outputs;
 mod phases;
 mod prepare;
 mod requests;
+mod rescue;
 mod summary;
 mod tables;
 mod verdict;
 mod verify;
+mod written;
 
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -34,7 +39,7 @@ use crate::gpu::Device;
 use crate::ledger::{Holder, Ledger, Lock};
 use crate::measure::steady::Detector;
 use crate::measure::{Record, SAMPLES_FILE};
-use crate::output::{HistoryWriter, OutputError, Summary, prepare_directory, remove_leftovers};
+use crate::output::{HistoryWriter, OutputError, prepare_directory, remove_leftovers};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
 use crate::statics::Statics;
@@ -42,59 +47,15 @@ use cadence::steps_per;
 pub use error::RunError;
 pub use fault::{Fault, caught, record_panics};
 use files::Files;
-pub use folder::{Start, carried_over, holds_another, is_unfinished_run};
+pub use folder::{carried_over, holds_another, is_unfinished_run};
+use guard::{OnPurpose, guarded, settle};
 use identity::{COMPUTED_BY, account};
 use log::Log;
 pub use mesh_pictures::draw_findings;
-use outputs::Missing;
+use missing::Missing;
+pub use order::{Observer, Order, Report, Start};
 use phases::{Lattice, Stand};
 pub use requests::Requests;
-
-/// Who watches a run.
-pub trait Observer {
-    /// Called now and then with parts done, parts planned and a short status. What is planned stays the same until another phase begins.
-    fn progress(&mut self, done: u64, planned: u64, status: &str);
-    /// Called with single events worth a line.
-    fn note(&mut self, line: &str);
-    /// Called when the run goes on on other cells, or with another time step.
-    fn lattice_changed(&mut self) {}
-}
-
-/// How a run ended.
-#[derive(Debug)]
-pub struct Report {
-    /// What `summary.json` holds.
-    pub summary: Summary,
-    /// True if it was interrupted; a checkpoint is then in the folder.
-    pub interrupted: bool,
-    /// The picture of the last state.
-    pub last_picture: Option<PathBuf>,
-    /// What was not in balance: results are then not those of the case.
-    pub unbalanced: Option<String>,
-}
-
-/// What to run, and where.
-#[derive(Debug)]
-pub struct Order<'a> {
-    /// The case.
-    pub case: &'a Case,
-    /// Its plan.
-    pub plan: Plan,
-    /// The device that the plan names, if any.
-    pub device: Option<Arc<Device>>,
-    /// Plan to fall back on, without a device, if the device cannot hold the scene.
-    pub fallback: Option<Plan>,
-    /// Folder for all results.
-    pub folder: &'a Path,
-    /// Anew, or from what lies in a folder.
-    pub start: Start<'a>,
-    /// Begin anew whatever run the folder holds.
-    pub overwrite: bool,
-    /// Keep the state at the end, so that the run can be made longer and others can begin from it.
-    pub keep_final: bool,
-    /// Wall time between checkpoints.
-    pub checkpoint_interval: Duration,
-}
 
 struct Run<'a> {
     case: &'a Case,
@@ -129,7 +90,7 @@ struct Run<'a> {
     /// The state is that between two steps, and nothing of it has been sampled.
     whole: bool,
     /// A fault that a test asks for.
-    on_purpose: Option<fault::OnPurpose>,
+    on_purpose: Option<OnPurpose>,
     /// Files that there was no room for.
     missing: Missing,
     /// Room for the results, given back before they are written.
@@ -151,8 +112,8 @@ pub fn run(
             "this file system has no locks: two runs in one folder would not notice each other",
         );
     }
-    let mut result = fault::guarded(|| run_locked(order, requests, &mut log));
-    fault::settle(folder, &mut result);
+    let mut result = guarded(|| run_locked(order, requests, &mut log));
+    settle(folder, &mut result);
     log.end(&result);
     result
 }
@@ -163,7 +124,7 @@ fn run_locked(
     requests: &Requests,
     observer: &mut Log<'_>,
 ) -> Result<Report, RunError> {
-    let on_purpose = fault::OnPurpose::asked_for()?;
+    let on_purpose = OnPurpose::asked_for()?;
     let earlier = folder::admit(&order)?;
     remove_leftovers(order.folder);
     let began = Instant::now();
@@ -197,7 +158,7 @@ fn run_locked(
         observer.note(&on_purpose.to_string());
         run.on_purpose = Some(on_purpose);
     }
-    let (reason, diverged) = match fault::guarded(|| run.drive(observer)) {
+    let (reason, diverged) = match guarded(|| run.drive(observer)) {
         Ok(reason) => (reason, None),
         Err(RunError::Diverged(diverged)) => {
             run.leave_phase();

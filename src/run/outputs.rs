@@ -11,9 +11,6 @@ use super::cadence::Cadence;
 use super::{Observer, Run, RunError};
 use crate::output::OutputError;
 
-/// Most files that a note names.
-const TOLD: usize = 8;
-
 /// Bytes kept free for summary, history and tables while a run goes on.
 const RESERVE_BYTES: usize = 2 << 20;
 
@@ -24,15 +21,6 @@ pub(super) fn reserve(folder: &Path) -> Option<File> {
     Some(file)
 }
 
-/// Files that a run did without.
-#[derive(Debug, Default)]
-pub(super) struct Missing {
-    /// What they would have been.
-    names: Vec<String>,
-    /// It was said that something was left out, that rows wait, and that there is no checkpoint.
-    told: [bool; 3],
-}
-
 /// What there is no room for.
 enum Lacking {
     /// A file that is left out, by its kind.
@@ -41,27 +29,6 @@ enum Lacking {
     Rows,
     /// A checkpoint.
     Checkpoint,
-}
-
-impl Missing {
-    pub(super) fn add(&mut self, what: &str, time_s: f64) {
-        self.names.push(format!("{what} at t = {time_s:.6} s"));
-    }
-
-    /// A line about all of them; `None` if nothing is missing.
-    pub(super) fn note(&self) -> Option<String> {
-        if self.names.is_empty() {
-            return None;
-        }
-        let mut told = self.names[..self.names.len().min(TOLD)].to_vec();
-        if self.names.len() > TOLD {
-            told.push(format!("and {} more", self.names.len() - TOLD));
-        }
-        Some(format!(
-            "warning: files are missing that there was no room for: {}",
-            told.join(", ")
-        ))
-    }
 }
 
 /// The error, if it is one of a full disk.
@@ -210,17 +177,5 @@ mod tests {
             // Too many open files.
             assert!(no_room(&of(Error::from_raw_os_error(24))).is_some());
         }
-    }
-
-    #[test]
-    fn what_is_missing_is_named() {
-        let mut missing = Missing::default();
-        assert_eq!(missing.note(), None);
-        for number in 0..10 {
-            missing.add("the canopy", f64::from(number));
-        }
-        let note = missing.note().unwrap();
-        assert!(note.contains(": the canopy at t = 0.000000 s, the canopy"));
-        assert!(note.ends_with("at t = 7.000000 s, and 2 more"), "{note}");
     }
 }

@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use super::files::Files;
 use super::identity::{COMPUTED_BY, case_entry, computed_by, identity, reached};
-use super::outputs::Missing;
+use super::missing::Missing;
 use super::phases::{Lattice, Stand};
 use super::verify::Lost;
+use super::written::Written;
 use super::{Observer, Order, Requests, Run, RunError, Start};
-use super::{files, folder, keep_samples, names, outputs};
+use super::{folder, keep_samples, names, outputs};
 use crate::checkpoint;
 use crate::ledger::Ledger;
 use crate::measure::Record;
@@ -65,7 +66,7 @@ impl<'a> Run<'a> {
         };
         let mut simulation = lattice.start(case, plan, device.clone())?;
         let mut record = Record::new(&simulation);
-        let mut written = files::Written::default();
+        let mut written = Written::default();
         let mut lost = Lost::default();
         let (mut statics, mut stand) = (Statics::default(), Stand::default());
         match &stored {
@@ -83,7 +84,7 @@ impl<'a> Run<'a> {
                 folder::refuse_past_the_end(&simulation)?;
                 if from == Some(folder) {
                     record.restore(stored, folder)?;
-                    written = files::Written::restore(stored)?;
+                    written = Written::restore(stored)?;
                     lost = Lost::find(folder, &written, earlier.as_ref());
                 } else {
                     simulation.count_anew();

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::files::Written;
+use super::written::Written;
 use crate::ledger::{FileEntry, Ledger};
 
 /// Most files that a note names.

@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
+use super::bodies::normal_of;
 use super::markers::MarkerEngine;
-use super::permeable::normal_of;
 use crate::case::Scene;
 use crate::case::wing::FrictionName;
 use crate::checkpoint::{CheckpointError, Reader, Writer};

@@ -13,13 +13,9 @@
 
 use std::io;
 
-use glam::DVec3;
-
-use super::{Failure, Simulation};
 use crate::case::Scene;
 use crate::case::scene::AdaptiveStep;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::cloth::Cloth;
 use crate::plan::{Placement, multigrid_from_s};
 use crate::solve::InitialHessian;
 use crate::solve::lbfgs::Stop;
@@ -36,23 +32,23 @@ const SECTION: &str = "adaptive";
 /// How parts of a step are chosen, and what came of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Adaptive {
-    settings: AdaptiveStep,
+    pub(super) settings: AdaptiveStep,
     /// Length of a part from which multigrid is faster than block-Jacobi [s].
     multigrid_from_s: f64,
     /// How often a step is halved now.
-    halvings: u32,
+    pub(super) halvings: u32,
     /// Parts to go until a longer one may be tried.
     patience: u64,
     parts: u64,
     refused: u64,
     failed: u64,
     coarse: u64,
-    most_halvings: u32,
+    pub(super) most_halvings: u32,
 }
 
 /// What becomes of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Verdict {
+pub(super) enum Verdict {
     Accepted,
     /// Accepted, and the next may be twice as long.
     Lengthened,
@@ -119,7 +115,7 @@ impl Adaptive {
     }
 
     /// What a part is solved from.
-    fn initial_hessian(&self, part_s: f64) -> InitialHessian {
+    pub(super) fn initial_hessian(&self, part_s: f64) -> InitialHessian {
         if part_s < self.multigrid_from_s {
             InitialHessian::BlockJacobi
         } else {
@@ -128,7 +124,7 @@ impl Adaptive {
     }
 
     /// Judges a part by what the minimiser says of it and by the error of positions [m].
-    fn judge(&mut self, stop: Stop, error_m: f64) -> Verdict {
+    pub(super) fn judge(&mut self, stop: Stop, error_m: f64) -> Verdict {
         let left = self.settings.halvings - self.halvings;
         if !stop.reached() && left > 0 {
             self.refused += 1;
@@ -181,62 +177,6 @@ impl Adaptive {
         [self.patience, self.parts, self.refused, self.failed] =
             [stored[1], stored[2], stored[3], stored[4]];
         self.coarse = stored[5];
-        Ok(())
-    }
-}
-
-/// Root mean square over the mass of the change of velocity of nodes that can move [m/s].
-fn change_of_velocity_m_s(cloth: &Cloth, before_m_s: &[DVec3]) -> f64 {
-    let structure = &cloth.structure;
-    let (mut sum, mut mass) = (0.0, 0.0);
-    for (node, (now, before)) in cloth.velocities_m_s.iter().zip(before_m_s).enumerate() {
-        if !structure.held[node] {
-            sum += structure.masses_kg[node] * now.distance_squared(*before);
-            mass += structure.masses_kg[node];
-        }
-    }
-    if mass > 0.0 { (sum / mass).sqrt() } else { 0.0 }
-}
-
-impl Simulation {
-    /// Parts of steps; `None` where every step is one solve.
-    #[must_use]
-    pub const fn adaptive(&self) -> Option<&Adaptive> {
-        self.adaptive.as_ref()
-    }
-
-    /// Stage `solve_cloth` with its transfers, part by part.
-    pub(super) fn solve_in_parts(&mut self, mut adaptive: Adaptive) -> Result<(), Failure> {
-        let step_s = self.scene.time.map_or(0.0, |time| time.step_s);
-        let start_s = self.time_s();
-        let smallest = 1_u64 << adaptive.settings.halvings;
-        let part_s = |parts: u64| step_s * (parts as f64 / smallest as f64);
-        let mut done = 0;
-        while done < smallest {
-            let length = smallest >> adaptive.halvings;
-            let before = self.structure_state();
-            self.place_supports(start_s + part_s(done + length));
-            let part_s = part_s(length);
-            let outcome = self.solve_part(part_s, adaptive.initial_hessian(part_s))?;
-            let error_m = self.cloth.as_ref().map_or(0.0, |cloth| {
-                0.5 * part_s * change_of_velocity_m_s(cloth, &before.velocities_m_s)
-            });
-            let verdict = adaptive.judge(outcome.stop, error_m);
-            if let (Verdict::Refused(halvings), Some(cloth)) = (verdict, &mut self.cloth) {
-                before.put_back(cloth);
-                adaptive.halvings += halvings;
-                adaptive.most_halvings = adaptive.most_halvings.max(adaptive.halvings);
-                continue;
-            }
-            self.finite(Some(&outcome))?;
-            self.settle_solve();
-            done += length;
-            let longer_fits = adaptive.halvings > 0 && done.is_multiple_of(2 * length);
-            if verdict == Verdict::Lengthened && longer_fits {
-                adaptive.halvings -= 1;
-            }
-        }
-        self.adaptive = Some(adaptive);
         Ok(())
     }
 }

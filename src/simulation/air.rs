@@ -4,15 +4,13 @@ use std::sync::Arc;
 
 use crate::case::scene::{Air, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::fluid::{BodyForce, Fluid};
+use crate::cpu::fluid::Fluid;
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Breakdown, Grid, Initial, Setup, Sides, StreamwiseEnds};
 use crate::lattice::start::{Start, Stress};
 use crate::plan::{AirPlacement, Plan, Precision, Stage};
-
-use super::markers::MarkerEngine;
 
 /// The air on one of the engines; a `match` without wildcard forces every engine to offer every operation.
 #[derive(Debug)]
@@ -34,6 +32,7 @@ macro_rules! each_engine {
         }
     };
 }
+pub(super) use each_engine;
 
 impl AirEngine {
     /// Air of a scene at its initial state.
@@ -100,30 +99,6 @@ impl AirEngine {
     /// Eddy viscosity of every cell as that stage left it [cells² per step]; `None` where no model needs it.
     pub fn eddy_viscosities(&self) -> Result<Option<Vec<f64>>, DeviceError> {
         each_engine!(self, fluid => Ok(fluid.eddy_viscosities()), fluid => fluid.eddy_viscosities())
-    }
-
-    /// Stage `collide_stream`, under a uniform acceleration [cells per step²] and the forces of the markers, if there are any.
-    pub fn collide_stream(
-        &mut self,
-        acceleration: Option<[f64; 3]>,
-        markers: Option<&MarkerEngine>,
-    ) -> Result<(), DeviceError> {
-        each_engine!(self, fluid => {
-            let cells = match markers {
-                Some(MarkerEngine::Cpu(immersed)) => immersed.forced_cells(),
-                Some(MarkerEngine::Gpu(_)) => return Err(apart()),
-                None => Default::default(),
-            };
-            fluid.collide_stream(&BodyForce { acceleration, cells });
-            Ok(())
-        }, fluid => {
-            let forces = match markers {
-                Some(MarkerEngine::Cpu(_)) => return Err(apart()),
-                Some(MarkerEngine::Gpu(immersed)) => immersed.force_box(),
-                None => None,
-            };
-            fluid.collide_stream(acceleration, forces)
-        })
     }
 
     /// First cell that is not finite or too fast.

@@ -4,12 +4,16 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::permeable::normal_of;
 use crate::case::Scene;
 use crate::case::scene::RigidBody;
 use crate::immersed::markers::{self, Marker};
 use crate::rigid::PrescribedMotion;
 use crate::units::Units;
+
+/// Normal of a marker's triangle before a body moves.
+pub(super) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}
 
 /// A body's markers.
 #[derive(Debug)]

@@ -7,15 +7,22 @@ use super::{ClothEngine, Failure, Simulation, StructureState};
 use crate::case::Scene;
 use crate::cpu::cloth::{Cloth, InitialHessian, NodalDrag, Pressure, SolverSettings, StepInput};
 use crate::gpu::DeviceError;
-use crate::plan::Plan;
 use crate::solve::lbfgs::{HISTORY, Outcome, Stop};
 
 /// Iterations after which multigrid takes the stiffness anew: more often costs cycles for what is stored, more seldom evaluations.
 pub(super) const REFRESH_EVERY: usize = 10;
 
 impl Simulation {
-    fn step_settings(&self) -> SolverSettings {
-        step_settings(&self.scene, &self.plan)
+    /// How hard the minimiser tries in a step, from the initial Hessian that the plan has chosen.
+    pub(super) fn step_settings(&self) -> SolverSettings {
+        SolverSettings {
+            tolerance: self.scene.solver.tolerance,
+            displacement_floor_m: 0.0,
+            evaluation_limit: self.scene.solver.evaluation_limit,
+            history: HISTORY,
+            refresh_every: refresh_every(self.plan.step_hessian),
+            initial_hessian: self.plan.step_hessian,
+        }
     }
 
     /// True if the fabric is solved in this step: after release, in every step or where a span of several begins.
@@ -260,18 +267,6 @@ fn step_input<'a>(
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
         permeable: coupled.map(Coupled::permeable).unwrap_or_default(),
-    }
-}
-
-/// How hard the minimiser tries in a step, from the initial Hessian that the plan has chosen.
-pub(super) fn step_settings(scene: &Scene, plan: &Plan) -> SolverSettings {
-    SolverSettings {
-        tolerance: scene.solver.tolerance,
-        displacement_floor_m: 0.0,
-        evaluation_limit: scene.solver.evaluation_limit,
-        history: HISTORY,
-        refresh_every: refresh_every(plan.step_hessian),
-        initial_hessian: plan.step_hessian,
     }
 }
 

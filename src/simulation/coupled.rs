@@ -20,9 +20,9 @@ use glam::DVec3;
 
 use super::across::Across;
 use super::air::AirEngine;
-use super::bodies::{BodyMarkers, Load};
+use super::bodies::{BodyMarkers, Load, normal_of};
 use super::markers::MarkerEngine;
-use super::permeable::{PermeableMarkers, normal_of};
+use super::permeable::PermeableMarkers;
 use crate::case::Scene;
 use crate::case::scene::{Air, Coupling};
 use crate::checkpoint::{CheckpointError, Reader, Writer};

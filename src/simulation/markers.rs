@@ -1,7 +1,8 @@
 //! The markers, on the engine that has the air.
 
-use super::air::{AirEngine, apart};
+use super::air::{AirEngine, apart, each_engine};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::fluid::BodyForce;
 use crate::cpu::immersed::{self, Immersed};
 use crate::gpu::{self, DeviceError};
 use crate::immersed::touched::{Domain, OutOfDomain};
@@ -255,5 +256,31 @@ impl MarkerEngine {
         self.fetch_air_velocities()?;
         both!(self, markers => markers.take_forces(forces));
         Ok(Ok(()))
+    }
+}
+
+impl AirEngine {
+    /// Stage `collide_stream`, under a uniform acceleration [cells per step²] and the forces of the markers, if there are any.
+    pub fn collide_stream(
+        &mut self,
+        acceleration: Option<[f64; 3]>,
+        markers: Option<&MarkerEngine>,
+    ) -> Result<(), DeviceError> {
+        each_engine!(self, fluid => {
+            let cells = match markers {
+                Some(MarkerEngine::Cpu(immersed)) => immersed.forced_cells(),
+                Some(MarkerEngine::Gpu(_)) => return Err(apart()),
+                None => Default::default(),
+            };
+            fluid.collide_stream(&BodyForce { acceleration, cells });
+            Ok(())
+        }, fluid => {
+            let forces = match markers {
+                Some(MarkerEngine::Cpu(_)) => return Err(apart()),
+                Some(MarkerEngine::Gpu(immersed)) => immersed.force_box(),
+                None => None,
+            };
+            fluid.collide_stream(acceleration, forces)
+        })
     }
 }

@@ -13,15 +13,18 @@ mod cloth_engine;
 mod cost;
 mod coupled;
 mod descent;
+mod drags;
 mod failure;
 mod frames;
 mod impulses;
 mod markers;
 mod opening;
 mod panels;
+mod parts;
 mod permeable;
 mod state;
 mod statics;
+mod structure_state;
 mod supports;
 
 use std::sync::Arc;
@@ -44,7 +47,7 @@ use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
-pub use statics::{StaticLoads, StructureState};
+pub use structure_state::{StaticLoads, StructureState};
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
@@ -139,7 +142,7 @@ impl Simulation {
 
     /// Opens a folded canopy by the loading-pressure method, where the case asks for it.
     pub fn open_canopy(&mut self) -> Result<(), Failure> {
-        let settings = cloth::step_settings(&self.scene, &self.plan);
+        let settings = self.step_settings();
         let (Some(cloth), Some(body)) = (&mut self.cloth, &self.scene.body) else {
             return Ok(());
         };

@@ -3,8 +3,6 @@
 //! A permeable marker hands `spread` the target V + v n in place of its own velocity V, v solved with the very K and u* that `spread`
 //! takes; so the air gets exactly the opposite of what the fabric felt.
 
-use glam::DVec3;
-
 use super::bodies::BodyMarkers;
 use super::markers::MarkerEngine;
 use crate::case::Scene;
@@ -189,18 +187,5 @@ impl PermeableMarkers {
         self.means
             .copy_from_slice(&from.take_exactly::<f64>("permeable_means", 2)?);
         Ok(())
-    }
-}
-
-/// Normal of a marker's triangle before a body moves.
-pub(super) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize_or_zero()
-}
-
-impl super::Simulation {
-    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
-    #[must_use]
-    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
-        self.coupled.as_ref()?.through_velocities_m_s()
     }
 }

@@ -167,4 +167,10 @@ impl Simulation {
             _ => 0.0,
         }
     }
+
+    /// Mean velocity of the air through what is permeable, and what residual slip adds to it [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocities_m_s(&self) -> Option<[f64; 2]> {
+        self.coupled.as_ref()?.through_velocities_m_s()
+    }
 }

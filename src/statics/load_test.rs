@@ -9,7 +9,8 @@ use glam::DVec3;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Ended, Statics};
+use super::part::Ended;
+use super::trim::Trim;
 use crate::case::Scene;
 use crate::case::wing::Wing;
 use crate::cloth::Structure;
@@ -81,9 +82,9 @@ pub struct LoadTest {
 
 impl LoadTest {
     /// Begins at the equilibrium that was found; `None` where nothing acts in it.
-    pub(super) fn begin(statics: &Statics, wing: &Wing, simulation: &Simulation) -> Option<Self> {
+    pub(super) fn begin(trim: Option<&Trim>, wing: &Wing, simulation: &Simulation) -> Option<Self> {
         let base = if wing.trim.is_some() {
-            statics.trim.as_ref()?.flight.as_ref()?.loads.clone()
+            trim?.flight.as_ref()?.loads.clone()
         } else {
             Loads {
                 jumps_pa: wing.load_pa.clone()?,

@@ -3,6 +3,7 @@
 
 mod load_test;
 mod panel_shaping;
+mod part;
 mod trim;
 
 use std::io;
@@ -19,13 +20,6 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::DeviceError;
 use crate::simulation::{Failure, Simulation, StaticLoads, StructureState};
 use crate::solve::lbfgs::{Outcome, Stop};
-
-/// How far something has come.
-enum Ended<T> {
-    NotYet,
-    With(T),
-    Interrupted,
-}
 
 /// States of these phases; those that a run has not reached, or does not have, are absent.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -147,7 +141,7 @@ impl Statics {
     pub fn load_test(&mut self, scene: &Scene, simulation: &Simulation) -> Option<&mut LoadTest> {
         if self.load_test.is_none() {
             let wing = scene.wing()?;
-            self.load_test = LoadTest::begin(self, wing, simulation);
+            self.load_test = LoadTest::begin(self.trim.as_ref(), wing, simulation);
         }
         self.load_test.as_mut()
     }

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
+use super::contents::{Ladder, Outcome, Rung, Status, Sweep};
 use super::order::{OnLattice, SAME, convergence};
-use super::report::{Outcome, Status, Sweep};
 use super::vary::SHIFT_KEY;
 use crate::measure::statistics::student;
 use crate::output::{
@@ -22,50 +20,6 @@ const EXTREMES_OVER_MEANS: [&str; 1] = ["opening_force_factor"];
 
 /// Digits of errors and orders.
 const DIGITS: i32 = 2;
-
-/// One result on all lattices.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Rung {
-    /// Name of the result.
-    pub result: String,
-    /// Its unit.
-    pub unit: String,
-    /// Value on each lattice, coarsest first: of the run, or the mean over its starts.
-    pub values: Vec<Option<f64>>,
-    /// Half width of the 95 % interval of each.
-    pub intervals: Vec<Option<f64>>,
-    /// What the intervals are of, in a few words; empty without any.
-    pub interval_of: String,
-    /// Observed order of the three finest lattices.
-    pub order: Option<f64>,
-    /// What the value tends to with that order.
-    pub tends_to: Option<f64>,
-    /// Error of the lattice on the finest one, a half width.
-    pub lattice_error: Option<f64>,
-    /// The same in quadrature with the interval on the finest one.
-    pub error: Option<f64>,
-    /// Whether `error` is below [`RESOLVED_SHARE`] of the value; `None` where that is not known.
-    pub resolved: Option<bool>,
-    /// The answer in words.
-    pub verdict: String,
-}
-
-/// All results on the lattices of one series of runs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Ladder {
-    /// Values of the other varied keys; empty without any.
-    pub series: String,
-    /// The lattices, coarsest first, as the varied key names them.
-    pub lattices: Vec<String>,
-    /// Sizes of their cells [m].
-    pub cell_sizes_m: Vec<f64>,
-    /// Runs done on each.
-    pub starts: Vec<usize>,
-    /// One row for each result.
-    pub rungs: Vec<Rung>,
-    /// Results of the finest lattice beside the values of others, with the error of the lattice.
-    pub comparison: Vec<ComparisonRow>,
-}
 
 /// Runs of one series on one lattice.
 struct Lattice<'a> {

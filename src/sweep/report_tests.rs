@@ -1,5 +1,5 @@
 use super::*;
-use crate::sweep::points;
+use crate::sweep::{Vary, points};
 
 fn sweep() -> Sweep {
     let varies: Vec<Vary> = [

@@ -4,7 +4,9 @@
 //! inlet; when all of it has arrived, the largest wave of the other kind is what came back. It is compared with the pulse in air without ends
 //! at the same time.
 
-use super::{Gate, OPERATORS, Session, Stop, states};
+use super::flows::states;
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use crate::lattice::{Operator, SOUND_SPEED_SQUARED};
 
@@ -18,7 +20,8 @@ const WIDTH: f64 = 10.0;
 const AMPLITUDE: f64 = 1e-3;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    for (operator, name) in OPERATORS {
+    for operator in Operator::in_use() {
+        let name = operator.short_name();
         for wind in [0.0, 0.08] {
             let speed = format!("{name}, wind {wind}");
             let back = reflected(session, operator, wind, true)?;

@@ -6,12 +6,15 @@
 
 use std::f64::consts::TAU;
 
-use super::{OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{periodic, velocity_error, viscosity};
+use super::session::{Session, Stop};
+use crate::lattice::Operator;
 
 const RELAXATION_TIME: f64 = 0.65;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    for (operator, name) in OPERATORS {
+    for operator in Operator::in_use() {
+        let name = operator.short_name();
         let sizes: &[usize] = session.size(&[16, 32, 64], &[16, 32, 64, 128]);
         let mut errors = Vec::new();
         for &n in sizes {

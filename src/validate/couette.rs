@@ -5,7 +5,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Gate, OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{periodic, velocity_error, viscosity};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, Wall};
 
@@ -23,7 +25,8 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     } else {
         ROUND_OFF[1]
     };
-    for (operator, name) in OPERATORS {
+    for operator in Operator::in_use() {
+        let name = operator.short_name();
         let (cells, error) = error(session, operator, 32, true)?;
         session
             .row(

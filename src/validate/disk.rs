@@ -2,7 +2,8 @@
 //!
 //! The inset of markers from the rim was calibrated with the drag at Re 100 (`docs/rigid-bodies.md`).
 
-use super::{Session, Stop, drag};
+use super::drag;
+use super::session::{Session, Stop};
 use crate::bluff_body::{BluffBody, Shape, Until};
 use crate::lattice::Operator;
 

@@ -2,7 +2,8 @@
 
 use std::sync::atomic::Ordering;
 
-use super::{Gate, Session, Stop};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::bluff_body::{self, BluffBody, Until};
 
 /// Largest difference of the two routes of the drag, over the drag: round-off of f32 in a box of some thousand cells.

@@ -7,7 +7,8 @@
 
 use std::path::Path;
 
-use super::{Gate, Session, Stop};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::bluff_body::{BluffBody, Shape, Until};
 use crate::case::{self, Choices};
 use crate::lattice::Operator;

@@ -10,7 +10,9 @@
 //! ([`markers::opening_inset_cells`]), holes of one to six cells pass the right amount. Wider ones pass more, as rounded holes do: the kernel
 //! smooths the edge that the jet would leave, and narrows it less.
 
-use super::{Gate, Session, Stop, periodic, states};
+use super::flows::{periodic, states};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::immersed::markers;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;

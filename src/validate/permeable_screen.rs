@@ -7,7 +7,9 @@
 
 use glam::DVec3;
 
-use super::{Gate, Session, Stop, periodic, states};
+use super::flows::{periodic, states};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::cloth::Structure;
 use crate::cloth::rims::RimInsets;
 use crate::cpu::cloth::{Cloth, InitialHessian, MarkerReaction, SolverSettings, StepInput};

@@ -4,7 +4,9 @@
 //! Verhaeghe & d'Humières 2008, Commun. Comput. Phys. 3:427), and the discrete solution is the parabola itself: the error is round-off.
 //! The regularised operator places them to second order.
 
-use super::{Gate, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{periodic, velocity_error, viscosity};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, Wall};
 

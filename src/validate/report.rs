@@ -5,8 +5,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::Order;
+use crate::gpu::Device;
 use crate::output::{OutputError, write_atomically};
+use crate::plan::{AirPlacement, Placement, Precision};
 
 /// Version of the layout of the JSON file.
 const SCHEMA_VERSION: u32 = 1;
@@ -148,10 +149,10 @@ pub struct Report {
 impl Report {
     /// A report without rows, as of a validation that has not got anywhere yet.
     #[must_use]
-    pub fn new(order: &Order) -> Self {
-        let placement = crate::plan::Placement {
-            air: order.placement,
-            ..crate::plan::Placement::from(crate::plan::Precision::F32)
+    pub fn new(full: bool, air: AirPlacement, device: Option<&Device>) -> Self {
+        let placement = Placement {
+            air,
+            ..Placement::from(Precision::F32)
         };
         let processor = sysinfo::System::new().ok().and_then(|mut system| {
             system.refresh_cpu_all();
@@ -166,11 +167,11 @@ impl Report {
                 system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
                 processor,
                 threads: rayon::current_num_threads(),
-                device: order.device.as_ref().map(|d| d.info().name.clone()),
+                device: device.map(|d| d.info().name.clone()),
             },
             engine: placement.engine(),
             precision: placement.precision_name(),
-            set: if order.full { "full" } else { "quick" },
+            set: if full { "full" } else { "quick" },
             interrupted: true,
             rows: Vec::new(),
         }
@@ -308,6 +309,7 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::Storage;
 
     fn row(value: f64) -> Row {
         Row::new("couette", "error".to_owned(), value, [4; 3], 0.0)
@@ -332,13 +334,7 @@ mod tests {
     /// Populations in 16 bits miss gates of order and conservation by far; the table says that none apply.
     #[test]
     fn what_is_not_judged_has_no_gate() {
-        let order = Order {
-            problems: Vec::new(),
-            full: false,
-            placement: crate::plan::AirPlacement::Gpu(crate::plan::Storage::F16),
-            device: None,
-        };
-        let mut report = Report::new(&order);
+        let mut report = Report::new(false, AirPlacement::Gpu(Storage::F16), None);
         let mut stated = row(7.0);
         stated.is_judged = false;
         stated.gate(Gate::AtMost(1.0));
@@ -351,13 +347,7 @@ mod tests {
 
     #[test]
     fn one_failing_gate_fails_the_report() {
-        let order = Order {
-            problems: Vec::new(),
-            full: false,
-            placement: crate::plan::AirPlacement::Gpu(crate::plan::Storage::F32),
-            device: None,
-        };
-        let mut report = Report::new(&order);
+        let mut report = Report::new(false, AirPlacement::Gpu(Storage::F32), None);
         report.add(row(0.1)).gate(Gate::AtMost(1.0));
         report.add(row(7.0));
         assert!(report.holds());

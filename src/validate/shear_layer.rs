@@ -2,7 +2,9 @@
 //! U tanh(80 (¾ − y)) above, v = 0.05 U sin(2π(x + ¼)). Layers of a cell or less must roll up without breaking down at any Reynolds
 //! number, with the settings of high-Reynolds cases: regularised operator, Smagorinsky constant 0.15.
 
-use super::{Gate, Session, Stop, periodic, relaxation_time};
+use super::flows::{periodic, relaxation_time};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 

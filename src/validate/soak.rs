@@ -2,7 +2,9 @@
 //!
 //! Populations are stored as differences from their weights, so that round-off of f32 is that of values near 1e-2; it must not add up.
 
-use super::{Gate, Session, Stop, periodic};
+use super::flows::periodic;
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 

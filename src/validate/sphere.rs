@@ -6,7 +6,8 @@
 //! two cores can afford the lift dies out instead, but for sound of period 2 H/c between the side walls (1e-3 after 50 D/U): no frequency
 //! is stated, and the drag has no gate.
 
-use super::{Session, Stop, drag};
+use super::drag;
+use super::session::{Session, Stop};
 use crate::bluff_body::{BluffBody, Shape, Until};
 use crate::lattice::Operator;
 

@@ -3,15 +3,15 @@
 
 use std::f64::consts::TAU;
 
-use super::{OPERATORS, Session, Stop, periodic, velocity_error, viscosity};
+use super::flows::{periodic, velocity_error, viscosity};
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 
 const RELAXATION_TIME: f64 = 0.6;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    // One relaxation time for comparison, here alone: where its walls stand depends on τ.
-    let single = (Operator::SingleRelaxationTime, "BGK");
-    for (operator, name) in [single].into_iter().chain(OPERATORS) {
+    // Those for comparison only, too: here are no walls, whose place depends on τ with one relaxation time.
+    for operator in Operator::ALL {
         let sizes: &[usize] = session.size(&[16, 32, 64], &[16, 32, 64, 128]);
         let mut errors = Vec::new();
         for &n in sizes {
@@ -35,7 +35,7 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
             let error = velocity_error(&air, [0.0; 3], |cell| vortices(cell, speed * decay))?;
             errors.push((cells, n, error));
         }
-        session.orders(name, &errors);
+        session.orders(operator.short_name(), &errors);
     }
     Ok(())
 }

@@ -7,7 +7,9 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use super::{Gate, Session, Stop, periodic, relaxation_time};
+use super::flows::{periodic, relaxation_time};
+use super::report::Gate;
+use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 

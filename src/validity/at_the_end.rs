@@ -1,6 +1,6 @@
 //! What a run tells of its validity when it is over.
 
-use super::Rule;
+use super::rule::Rule;
 use crate::case::Scene;
 use crate::frame::StructureFrame;
 use crate::measure::Record;

@@ -1,6 +1,6 @@
 //! What a case tells of its validity before it runs.
 
-use super::Rule;
+use super::rule::Rule;
 use super::subject::{Kind, Subject, subjects};
 use crate::case::Scene;
 use crate::case::scene::{Air, Flow};

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{END_S, Point, Scheme, Tunnel, median};
+use super::point::{Point, median};
+use super::scheme::{END_S, Scheme, Tunnel};
 use crate::bench::{Engine, Stop, Watch, go_on};
 use crate::case::scene::BodyKind;
 use crate::case::{self, Case, Choices};

@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use super::canopy::noise;
-use super::{END_S, Point, Scheme, Tunnel, median};
+use super::point::{DISK, Point, median};
+use super::scheme::{END_S, Scheme, Tunnel};
 use crate::bench::{Engine, Stop, Watch, go_on};
 use crate::case::{self, Choices};
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
-
-pub(super) const NAME: &str = "disk";
 
 /// Steps between samples of slip and leakage.
 const SAMPLE_EVERY: u64 = 10;
@@ -73,9 +72,9 @@ pub(super) fn run_for(
     watch: &Watch,
 ) -> Result<Point, Stop> {
     let source = source(tunnel, end_s);
-    let mut case = case::parse(NAME, &source, Path::new("."), &Choices::default())
+    let mut case = case::parse(DISK, &source, Path::new("."), &Choices::default())
         .map_err(|error| Stop::Refused(error.to_string()))?;
-    let mut point = Point::new(NAME, scheme, tunnel.cells_per_diameter, engine);
+    let mut point = Point::new(DISK, scheme, tunnel.cells_per_diameter, engine);
     let (Some(air), Some(coupling)) = (case.scene.air, &mut case.scene.coupling) else {
         return Err(Stop::Refused("the case has no body in air".to_owned()));
     };

@@ -5,7 +5,8 @@ use std::path::Path;
 use kuva::backend::png::PngBackend;
 use kuva::prelude::{Figure, Layout, LinePlot, Plot, ScatterPlot};
 
-use super::{DEFAULT, LADDER, Point};
+use super::point::Point;
+use super::scheme::{DEFAULT, LADDER};
 use crate::bench::Stop;
 use crate::bench::plots::{COLOURS, SCALE, SHAPES, position};
 use crate::output::write_atomically;

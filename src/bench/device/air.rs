@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::{BYTES_PER_CELL, Rows, Stop, Tuning};
+use super::rows::{BYTES_PER_CELL, Rows};
+use crate::bench::Stop;
+use crate::gpu::Tuning;
 use crate::gpu::fluid::Fluid;
 use crate::gpu::{AdapterChoice, Device, DeviceError, Padding};
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
@@ -20,31 +22,29 @@ const OPENING_S: f64 = 1.0;
 /// Steps before any is timed.
 const WARM_UP: usize = 4;
 
-type Variant = (Operator, Storage, &'static str);
+/// Bare air: operator and storage.
+#[derive(Debug, Clone, Copy)]
+struct Variant {
+    operator: Operator,
+    storage: Storage,
+}
 
-/// What is varied.
-const VARIANTS: [Variant; 4] = [
-    (
-        Operator::TwoRelaxationTimes,
-        Storage::F32,
-        "two_relaxation_times",
-    ),
-    (
-        Operator::TwoRelaxationTimes,
-        Storage::F16,
-        "two_relaxation_times 16-bit",
-    ),
-    (
-        Operator::RecursiveRegularised,
-        Storage::F32,
-        "recursive_regularised",
-    ),
-    (
-        Operator::RecursiveRegularised,
-        Storage::F16,
-        "recursive_regularised 16-bit",
-    ),
-];
+impl Variant {
+    /// All that runs are meant to take.
+    fn all() -> impl Iterator<Item = Self> {
+        let stored =
+            |operator| [Storage::F32, Storage::F16].map(|storage| Self { operator, storage });
+        Operator::in_use().flat_map(stored)
+    }
+
+    fn name(self) -> String {
+        let name = self.operator.name();
+        match self.storage {
+            Storage::F32 => name.to_owned(),
+            Storage::F16 => format!("{name} 16-bit"),
+        }
+    }
+}
 
 /// The sizes, as runs take them.
 pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<Pace, Stop> {
@@ -57,7 +57,7 @@ pub(super) fn sizes(device: &Arc<Device>, copy: f64, rows: &mut Rows) -> Result<
     };
     let mut pace = Pace::default();
     for &side in sides {
-        for variant in VARIANTS {
+        for variant in Variant::all() {
             one(device, copy, side, variant, &mut pace, rows)?;
         }
     }
@@ -106,7 +106,10 @@ pub(super) fn tunings(
         ]
     };
     // The operator of canopies first; sizes between with the operators alone.
-    let [trt, trt_16, regularised, regularised_16] = VARIANTS;
+    let of = |operator, storage| Variant { operator, storage };
+    let [trt, trt_16] = [Storage::F32, Storage::F16].map(|s| of(Operator::TwoRelaxationTimes, s));
+    let [regularised, regularised_16] =
+        [Storage::F32, Storage::F16].map(|s| of(Operator::RecursiveRegularised, s));
     let order: Vec<(usize, Variant)> = if full {
         [
             (256, regularised),
@@ -186,10 +189,11 @@ fn one(
     device: &Arc<Device>,
     copy: f64,
     side: usize,
-    (operator, storage, name): Variant,
+    variant: Variant,
     pace: &mut Pace,
     rows: &mut Rows,
 ) -> Result<(), Stop> {
+    let (name, Variant { operator, storage }) = (variant.name(), variant);
     let cells = (side as f64).powi(3);
     let aim_s = if rows.extent.full { 0.2 } else { 0.02 };
     let tuning = device.tuning();

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{Rows, Stop};
+use super::rows::Rows;
+use crate::bench::Stop;
 use crate::gpu::Device;
 use crate::gpu::bandwidth::copy_bandwidth;
 use crate::immersed::touched::TouchedCells;

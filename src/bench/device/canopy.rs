@@ -8,7 +8,8 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::{BYTES_PER_CELL, Rows, Stop, load, pass_milliseconds, placement, short};
+use super::rows::{BYTES_PER_CELL, Rows, load, pass_milliseconds, placement, short};
+use crate::bench::Stop;
 use crate::gpu::Device;
 use crate::lattice::Storage;
 use crate::measure::Record;

@@ -6,7 +6,8 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::{Rows, Stop, load, pass_milliseconds, placement, short};
+use super::rows::{Rows, load, pass_milliseconds, placement, short};
+use crate::bench::Stop;
 use crate::case::SHIPPED;
 use crate::cpu::cloth::InitialHessian;
 use crate::gpu::Device;

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use glam::{DVec3, Vec3};
 
 use super::StepInput;
-use super::solve_cloth::Objective;
+use super::objective::Objective;
 use super::vectors::dot;
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::loads::prediction;
-use super::solve_cloth::Objective;
+use super::objective::Objective;
 use super::vectors::{double, single};
 use super::{Cloth, InitialHessian, StepInput};
 

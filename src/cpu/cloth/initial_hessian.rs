@@ -8,6 +8,9 @@ use glam::{DMat3, DVec3};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, CableSegment, Structure};
 
+/// Stiffness below which a node counts as held by nothing [N/m].
+pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
+
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

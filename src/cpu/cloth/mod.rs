@@ -10,6 +10,7 @@
 //! * [`read_outs`]: tensions and reactions;
 //! * `residual`: what the residual stiffness carries;
 //! * [`contact`]: fabric that meets itself;
+//! * `objective`: what a step minimises;
 //! * `driver`: which minimiser drives a solve;
 //! * [`probe`]: one trial, for comparing engines;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
@@ -25,6 +26,7 @@ pub mod initial_hessian;
 pub mod line_drag;
 pub mod loads;
 pub mod nodal_forces;
+mod objective;
 pub mod permeable;
 pub mod pressure;
 pub mod probe;

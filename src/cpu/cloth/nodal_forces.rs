@@ -6,13 +6,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gather::Gather;
-use super::vectors::{ALONE, each};
+use super::vectors::{ALONE, CHUNK, each};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::Membrane;
-
-/// Elements or nodes that one task works on; part of the result, since sums are rounded chunk by chunk.
-pub(super) const CHUNK: usize = 1024;
 
 /// What elements pull with, before it is gathered at the nodes.
 #[derive(Debug, Clone, Default)]

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::loads::{StepInput, prediction};
+use super::objective::Objective;
 use super::settings::SolverSettings;
-use super::solve_cloth::Objective;
 use super::{Cloth, vectors};
 use crate::solve::{Attempt, Landing, Start, Step, VectorSpace};
 

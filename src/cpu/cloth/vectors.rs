@@ -10,7 +10,8 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::nodal_forces::CHUNK;
+/// Elements or nodes that one task works on; part of the result, since sums are rounded chunk by chunk.
+pub(super) const CHUNK: usize = 1024;
 
 /// Up to so many items one thread is faster: waking others takes longer than the work.
 pub(super) const ALONE: usize = 4 * CHUNK;

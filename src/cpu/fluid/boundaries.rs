@@ -24,41 +24,12 @@
 use rayon::prelude::*;
 
 use super::Fluid;
+use super::sides::FAMILIES;
 use crate::lattice::grid::{OUTLET_DELAY, OUTLET_RELAXATION};
-use crate::lattice::links::{Boundaries, Run};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
     DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
 };
-
-/// Arrays that reflection at walls exchanges only among themselves: directions alike but for their signs.
-const FAMILIES: [&[usize]; 6] = [
-    &[1, 2],
-    &[3, 4],
-    &[5, 6],
-    &[7, 8, 13, 14],
-    &[9, 10, 15, 16],
-    &[11, 12, 17, 18],
-];
-
-/// Copies through the sides, and through walls at the ends.
-#[derive(Debug, Clone)]
-pub(super) struct Sides {
-    /// For even and odd steps, by family.
-    runs: [[Vec<Run>; FAMILIES.len()]; 2],
-}
-
-impl Sides {
-    pub(super) fn new(links: &Boundaries) -> Self {
-        let runs = links.copies.each_ref().map(|runs| {
-            FAMILIES.map(|family| {
-                let mine = |run: &&Run| family.contains(&usize::from(run.to_array));
-                runs.iter().filter(mine).copied().collect()
-            })
-        });
-        Self { runs }
-    }
-}
 
 impl<T: Real> Fluid<T> {
     pub(super) fn apply_boundaries(&mut self) {

@@ -14,10 +14,10 @@ use rayon::prelude::*;
 use super::Fluid;
 use super::boundaries::{RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
-use crate::lattice::Operator;
+use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
-use crate::lattice::operators::{self, Local, Populations};
-use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real, opposite};
+use crate::lattice::operators::{self, Local};
+use crate::lattice::{DIRECTION_COUNT, Lanes, Real, opposite};
 
 /// Slabs of planes per thread, to balance the load of rows with and without force.
 const SLABS_PER_THREAD: usize = 4;
@@ -42,49 +42,6 @@ pub struct ForcedCells<'a> {
     pub force: &'a [[f64; 3]],
 }
 
-trait Collision {
-    fn collide<N: Number, const FORCED: bool>(
-        f: &Populations<N>,
-        local: &Local<N>,
-    ) -> Populations<N>;
-}
-
-struct SingleRelaxationTime<const EDDY: bool>;
-
-impl<const EDDY: bool> Collision for SingleRelaxationTime<EDDY> {
-    #[inline(always)]
-    fn collide<N: Number, const FORCED: bool>(
-        f: &Populations<N>,
-        local: &Local<N>,
-    ) -> Populations<N> {
-        operators::single_relaxation_time::<N, FORCED, EDDY>(f, local)
-    }
-}
-
-struct TwoRelaxationTimes<const EDDY: bool>;
-
-impl<const EDDY: bool> Collision for TwoRelaxationTimes<EDDY> {
-    #[inline(always)]
-    fn collide<N: Number, const FORCED: bool>(
-        f: &Populations<N>,
-        local: &Local<N>,
-    ) -> Populations<N> {
-        operators::two_relaxation_times::<N, FORCED, EDDY>(f, local)
-    }
-}
-
-struct RecursiveRegularised<const EDDY: bool>;
-
-impl<const EDDY: bool> Collision for RecursiveRegularised<EDDY> {
-    #[inline(always)]
-    fn collide<N: Number, const FORCED: bool>(
-        f: &Populations<N>,
-        local: &Local<N>,
-    ) -> Populations<N> {
-        operators::recursive_regularised::<N, FORCED, EDDY>(f, local)
-    }
-}
-
 /// What all rows of a step share.
 #[derive(Clone, Copy)]
 struct Common<'a, T> {
@@ -98,32 +55,32 @@ struct Common<'a, T> {
     ends: RowEnds<T>,
 }
 
+/// The sweep of a step, for whichever operator.
+struct Sweep<'a, 'f, T: Real> {
+    fluid: &'a mut Fluid<T>,
+    body_force: &'a BodyForce<'f>,
+}
+
+impl<T: Real> PerOperator for Sweep<'_, '_, T> {
+    fn run<C: Collision>(self) {
+        self.fluid.sweep::<C>(self.body_force);
+    }
+}
+
 impl<T: Real> Fluid<T> {
     /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole. Begins
     /// with the stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(&mut self, body_force: &BodyForce) {
         self.eddy_viscosity();
         let eddy = self.smagorinsky_constant().is_some();
-        match (self.setup.operator, eddy) {
-            (Operator::SingleRelaxationTime, false) => {
-                self.sweep::<SingleRelaxationTime<false>>(body_force)
-            }
-            (Operator::SingleRelaxationTime, true) => {
-                self.sweep::<SingleRelaxationTime<true>>(body_force)
-            }
-            (Operator::TwoRelaxationTimes, false) => {
-                self.sweep::<TwoRelaxationTimes<false>>(body_force)
-            }
-            (Operator::TwoRelaxationTimes, true) => {
-                self.sweep::<TwoRelaxationTimes<true>>(body_force)
-            }
-            (Operator::RecursiveRegularised, false) => {
-                self.sweep::<RecursiveRegularised<false>>(body_force)
-            }
-            (Operator::RecursiveRegularised, true) => {
-                self.sweep::<RecursiveRegularised<true>>(body_force)
-            }
-        }
+        let operator = self.setup.operator;
+        operator.with(
+            eddy,
+            Sweep {
+                fluid: self,
+                body_force,
+            },
+        );
         self.odd = !self.odd;
         self.steps += 1;
         self.apply_boundaries();

@@ -8,8 +8,10 @@ pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
+mod held_eddy_viscosity;
 mod macroscopic;
 mod prefetch;
+mod sides;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -17,9 +19,9 @@ use crate::lattice::grid::{Grid, Initial, LINE_BYTES, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
-use boundaries::Sides;
 pub use collide_stream::{BodyForce, ForcedCells};
-use eddy_viscosity::HeldEddyViscosity;
+use held_eddy_viscosity::HeldEddyViscosity;
+use sides::Sides;
 use storage::Storage;
 
 /// The air: populations, boundaries and the parity of the next step.

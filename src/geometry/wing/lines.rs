@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::builder::Builder;
+use super::parts::LineKind;
 use super::plan::Row;
 use super::section::Side;
-use super::{Builder, LineKind};
 use crate::cloth::Guide;
 use crate::frame::CableKind;
 

@@ -1,7 +1,8 @@
 //! Sizes and masses of a wing as it is designed.
 
+use super::builder::Builder;
+use super::parts::{LineKind, Part};
 use super::section::Side;
-use super::{Builder, LineKind, Part};
 
 /// Sizes and masses of a wing as designed.
 #[derive(Debug, Clone, PartialEq)]

@@ -24,6 +24,7 @@
 //! The mesh of panels is structured, with nodes at the same chord places on every rib; ribs are filled by a constrained Delaunay
 //! triangulation that keeps the outline's edges. All parts share nodes along their seams. Both halves are mirror images, node by node.
 
+mod builder;
 pub mod carried_over;
 pub mod cells;
 pub mod chord;
@@ -32,6 +33,7 @@ mod lines;
 pub mod measures;
 mod openings;
 mod panels;
+mod parts;
 pub mod patterns;
 pub mod plan;
 pub mod planar;
@@ -41,83 +43,13 @@ pub mod section;
 
 use std::collections::HashMap;
 
-use glam::DVec3;
-
-use crate::cloth::{SewnFabric, Structure, Triangle};
-use crate::fabric::Fabric;
+use crate::cloth::{SewnFabric, Structure};
+use builder::Builder;
 use chord::Places;
 use frames::Frame;
 use measures::Measures;
+pub use parts::{LineKind, Part, Tag};
 use plan::{Fineness, Plan, WingFault};
-use section::Side;
-
-/// What a triangle is part of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// Upper panel.
-    Upper,
-    /// Lower panel.
-    Lower,
-    /// Rib.
-    Rib,
-    /// Short rib at the trailing edge.
-    MiniRib,
-    /// From an attachment to a neighbouring rib.
-    Diagonal,
-}
-
-impl Part {
-    /// All parts.
-    pub const ALL: [Self; 5] = [
-        Self::Upper,
-        Self::Lower,
-        Self::Rib,
-        Self::MiniRib,
-        Self::Diagonal,
-    ];
-
-    /// Name in reports and results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Upper => "upper panels",
-            Self::Lower => "lower panels",
-            Self::Rib => "ribs",
-            Self::MiniRib => "mini-ribs",
-            Self::Diagonal => "diagonals",
-        }
-    }
-}
-
-/// Where a triangle belongs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tag {
-    /// Its part.
-    pub part: Part,
-    /// Number of its cell (panels, mini-ribs) or rib, from the left tip, from 0; of a diagonal the rib at its foot.
-    pub number: u32,
-    /// Place of its middle along the chord, per chord.
-    pub chord_place: f32,
-}
-
-/// What a cable is, beside being one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LineKind {
-    /// Line of a row at a level, 0 at the attachments.
-    Line {
-        /// Number of the row in the plan.
-        row: usize,
-        /// From the attachments down.
-        level: usize,
-    },
-    /// Riser of a row.
-    Riser {
-        /// Number of the row in the plan.
-        row: usize,
-    },
-    /// Tape, by its number in the plan.
-    Tape(usize),
-}
 
 /// A wing as a mesh, with what reports need to know of it.
 #[derive(Debug, Clone)]
@@ -158,95 +90,6 @@ pub struct BuiltWing {
     pub intakes: Option<plan::Intakes>,
     /// Sizes and masses.
     pub measures: Measures,
-}
-
-/// Nodes on the outline of a rib or along a line across a cell, and what builders add to.
-pub(super) struct Builder<'a> {
-    plan: &'a Plan,
-    fineness: Fineness,
-    places: Places,
-    frames: Vec<Frame>,
-    structure: Structure,
-    tags: Vec<Tag>,
-    line_kinds: Vec<LineKind>,
-    fabrics: Vec<Fabric>,
-    /// Node at every place of the outline of every rib: nose, upper side, trailing edge, lower side back to the nose.
-    outlines: Vec<Vec<u32>>,
-    /// Nodes across every cell, the ribs' left out, by place of the outline; none where the panel is open.
-    rows_across: Vec<Vec<Vec<u32>>>,
-    /// Nodes along the edges of diagonals, by their ends on the seams: on a coarse mesh diagonals of neighbouring rows meet there.
-    diagonal_edges: HashMap<[u32; 2], Vec<u32>>,
-}
-
-impl Builder<'_> {
-    /// Numbers along an outline.
-    const fn outline_len(&self) -> usize {
-        2 * self.fineness.along_chord
-    }
-
-    /// Number on the outline of node `j` of a side, counted from the nose.
-    const fn on_outline(&self, side: Side, j: usize) -> usize {
-        match side {
-            Side::Upper => j,
-            Side::Lower => (self.outline_len() - j) % self.outline_len(),
-        }
-    }
-
-    /// Side and number, counted from the nose, of a place on the outline; the nose and the trailing edge count as upper.
-    const fn side_of(&self, k: usize) -> (Side, usize) {
-        if k <= self.fineness.along_chord {
-            (Side::Upper, k)
-        } else {
-            (Side::Lower, self.outline_len() - k)
-        }
-    }
-
-    /// Place of an outline's node along the chord, and its height above it, per chord.
-    fn chord_point(&self, rib: usize, k: usize) -> [f64; 2] {
-        let (side, j) = self.side_of(k);
-        let x = self.places.of(side)[j];
-        [x, self.frames[rib].height(&self.plan.profiles, side, x)]
-    }
-
-    fn position(&self, node: u32) -> DVec3 {
-        self.structure.positions_m[node as usize]
-    }
-
-    fn fabric_number(&mut self, part: Part) -> usize {
-        let fabrics = &self.plan.fabrics;
-        let fabric = match part {
-            Part::Upper => fabrics.upper,
-            Part::Lower => fabrics.lower,
-            Part::Rib | Part::MiniRib => fabrics.ribs,
-            Part::Diagonal => fabrics.diagonals,
-        };
-        if let Some(known) = self.fabrics.iter().position(|f| *f == fabric) {
-            return known;
-        }
-        self.fabrics.push(fabric);
-        self.fabrics.len() - 1
-    }
-
-    /// Adds a triangle that is free of stress as its nodes stand.
-    fn add_triangle(&mut self, nodes: [u32; 3], warp: DVec3, tag: Tag) -> Result<(), WingFault> {
-        let number = self.fabric_number(tag.part);
-        let fabric = self.fabrics[number];
-        let corners = nodes.map(|n| self.position(n));
-        let mut triangle = Triangle::laid_out(nodes, corners, warp, fabric.initial_strain).ok_or(
-            WingFault::Degenerate {
-                part: tag.part.name(),
-                number: tag.number as usize,
-            },
-        )?;
-        triangle.fabric = number as u32;
-        let mass = fabric.areal_density_kg_m2() * triangle.rest_area_m2 / 3.0;
-        for node in nodes {
-            self.structure.masses_kg[node as usize] += mass;
-        }
-        self.structure.triangles.push(triangle);
-        self.tags.push(tag);
-        Ok(())
-    }
 }
 
 /// Distances of the ribs from the middle along the arc, from the left tip to the right one [m].

@@ -2,8 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::builder::Builder;
+use super::parts::Part;
 use super::section::Side;
-use super::{Builder, Part};
 use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims;
 

@@ -2,9 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
+use super::builder::Builder;
+use super::parts::{LineKind, Part, Tag};
 use super::plan::{Row, WingFault};
+use super::planar;
 use super::section::Side;
-use super::{Builder, LineKind, Part, Tag, planar};
 use crate::frame::CableKind;
 
 /// Least number of edges around a hole.

@@ -4,7 +4,7 @@
 //! one slot per corner; nodes gather theirs through a list in ascending order of slots, always the same.
 
 use crate::cloth::{CableSegment, Structure};
-use crate::gpu::pipeline::WORKGROUP;
+use crate::gpu::shaders::WORKGROUP;
 use crate::lines::CableLaw;
 
 /// Points farther than this from the origin are refused as not finite [m]: whole numbers of 2⁻¹⁶ m end at 32 km, and a step

@@ -34,18 +34,20 @@ use crate::cloth::Structure;
 use crate::cpu::cloth::pressure::middle;
 use crate::cpu::cloth::stiffness::graph;
 use crate::cpu::cloth::{InitialHessian, SolverSettings, StepInput};
-use crate::gpu::device::{Device, Staging};
+use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::multigrid::{Multigrid, Traffic};
 use crate::gpu::shaders;
+use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::HISTORY;
 use crate::solve::multigrid::hierarchy::hierarchy;
 
 use elements::{Elements, split};
 use gathering::Gathering;
 use parameters::ClothStage;
+use points::PointSlot;
 use stiffness::Stiffness;
-use vectors::{POINTS, PointSlot};
+use vectors::POINTS;
 use workspace::{Operations, Workspace};
 
 /// A structure on the device.

@@ -3,9 +3,13 @@
 use glam::DVec3;
 
 use super::elements::joined;
-use super::vectors::PointSlot;
-use crate::gpu::device::{Device, Staging};
+use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
+use crate::gpu::transfer::Staging;
+
+/// A point on the device.
+#[derive(Debug)]
+pub(super) struct PointSlot(pub u32);
 
 /// Where points are stored: whole and remainder of every coordinate.
 #[derive(Debug)]

@@ -1,4 +1,4 @@
-//! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/solve_cloth.rs`, minimised by the same L-BFGS.
+//! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/objective.rs`, minimised by the same L-BFGS.
 //!
 //! With p = xⁿ + dt v̄ the prediction (v̄ = vⁿ, 0 at held nodes) and Δ = x − p, the objective is
 //!
@@ -10,10 +10,10 @@ use glam::DVec3;
 
 use crate::cloth::Structure;
 use crate::cpu::cloth::dashpots::dashpots;
+use crate::cpu::cloth::initial_hessian::FREE_NODE_STIFFNESS;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
 use crate::cpu::cloth::pressure;
 use crate::cpu::cloth::settings::options;
-use crate::cpu::cloth::solve_cloth::FREE_NODE_STIFFNESS;
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::immersed::permeable::Permeable;
@@ -23,8 +23,9 @@ use crate::solve::{Landing, Step, VectorSpace};
 use super::Cloth;
 use super::elements::{damped_cables, joined, split};
 use super::parameters::ClothStage;
+use super::points::PointSlot;
 use super::points::Points;
-use super::vectors::{DRIVE, MultigridHessian, PointSlot, Space};
+use super::vectors::{DRIVE, MultigridHessian, Space};
 use super::workspace::Workspace;
 
 /// Displacement that positions on the device cannot hold [m]: half a unit of the last place of the largest remainder, 2⁻¹⁷ m in `f32`.

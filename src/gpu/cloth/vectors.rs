@@ -14,7 +14,7 @@ use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
 use super::gathering::BoundGathering;
 use super::parameters::ClothStage;
-use super::points::Points;
+use super::points::{PointSlot, Points};
 use super::stiffness::Stiffness;
 use super::workspace::{ENTRY, FIRST_FREE, HEADER, Workspace};
 
@@ -35,10 +35,6 @@ pub(super) const POINTS: u64 = 2;
 /// A vector on the device.
 #[derive(Debug)]
 pub(super) struct Slot(pub u32);
-
-/// A point on the device.
-#[derive(Debug)]
-pub(super) struct PointSlot(pub u32);
 
 /// One row of products (a, a′, b, b′).
 #[derive(Debug, Clone, Copy)]

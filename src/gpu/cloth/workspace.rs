@@ -1,9 +1,11 @@
 //! Buffers and pipelines of the minimiser's vectors, for one length of history.
 
-use crate::gpu::device::{Device, Staging};
+use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::{Bound, Pipeline, WORKGROUP};
+use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
+use crate::gpu::shaders::WORKGROUP;
+use crate::gpu::transfer::Staging;
 
 use super::gathering::{BoundGathering, Gathering};
 

@@ -5,11 +5,12 @@
 
 use std::time::{Duration, Instant};
 
-use super::eddy_viscosity::HeldEddyViscosity;
-use super::{Bound, Fluid, ForceBox};
+use super::force_box::ForceBox;
+use super::held_eddy_viscosity::HeldEddyViscosity;
+use super::parameters::StepParameters;
+use super::{Bound, Fluid};
 use crate::gpu::commands::{Commands, Pass};
 use crate::gpu::error::DeviceError;
-use crate::gpu::shaders::parameters;
 
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
 const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
@@ -19,28 +20,6 @@ const FIRST_PLANES: usize = 8;
 
 /// Submissions that are timed; some of them with every variant of the stage.
 const TIMED_SUBMISSIONS: u32 = 12;
-
-parameters! {
-    /// What changes from step to step.
-    StepParameters {
-        /// Velocity at the inlet [cells per step].
-        inlet_velocity: [f32; 4],
-        /// Uniform acceleration [cells per step²].
-        acceleration: [f32; 4],
-        /// First cell of the box that holds all forces.
-        box_first: [u32; 4],
-        /// Its size.
-        box_size: [u32; 4],
-        /// First plane of a dispatch.
-        first_plane: u32,
-        /// Unused.
-        padding_a: u32,
-        /// Unused.
-        padding_b: u32,
-        /// Unused.
-        padding_c: u32,
-    }
-}
 
 impl Fluid {
     /// Advances the air by one step under a uniform acceleration and the body force of a box of cells, if there are any. Begins with the

@@ -1,7 +1,8 @@
 //! What crosses the faces of a box of cells, step by step, on the device. The sums of a step stay there in a ring, so that keeping
 //! the balance costs no wait; the host adds them up in double precision when it asks, or when the ring is full.
 
-use super::{Bound, Fluid, by_number};
+use super::names::by_number;
+use super::{Bound, Fluid};
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::{self, parameters};
 use crate::lattice::DIRECTIONS;

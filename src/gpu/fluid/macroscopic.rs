@@ -2,109 +2,15 @@
 
 use rayon::prelude::*;
 
-use super::{Bound, Fluid, by_parity};
-use crate::gpu::device::{Device, TRANSFER_BYTES};
+use super::parameters::Region;
+use super::read_back::SUMS;
+use super::{Bound, Fluid};
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::WORKGROUP;
-use crate::gpu::shaders::{self, parameters};
+use crate::gpu::shaders::WORKGROUP;
+use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
-use crate::lattice::grid::{Breakdown, Grid};
+use crate::lattice::grid::Breakdown;
 use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
-use crate::lattice::{DIRECTION_COUNT, Storage};
-
-/// Cells fetched in one transfer.
-const CELLS_AT_ONCE: u64 = TRANSFER_BYTES / 16;
-
-/// Floats that a workgroup of `totals` writes.
-const SUMS: usize = 8;
-
-parameters! {
-    /// Box of cells to look at.
-    Region {
-        /// First cell.
-        first_cell: [u32; 4],
-        /// Size.
-        size: [u32; 4],
-        /// Number of cells.
-        count: u32,
-        /// First of them that a dispatch handles.
-        offset: u32,
-        /// How many it handles at most.
-        at_once: u32,
-        /// Unused.
-        padding: u32,
-        /// Square of the largest sound speed [cells² per step²].
-        speed_limit_squared: f32,
-        /// Largest sound |δρ|.
-        density_limit: f32,
-        /// Unused.
-        padding_a: u32,
-        /// Unused.
-        padding_b: u32,
-    }
-}
-
-/// Pipelines with their buffers, by parity.
-#[derive(Debug)]
-pub(super) struct Macroscopic {
-    region: wgpu::Buffer,
-    states: wgpu::Buffer,
-    states_at_once: u64,
-    partial_sums: wgpu::Buffer,
-    first_unsound: wgpu::Buffer,
-    macroscopic: [Bound; 2],
-    totals: [Bound; 2],
-    breakdown: [Bound; 2],
-}
-
-impl Macroscopic {
-    pub(super) fn new(
-        device: &Device,
-        grid: &Grid,
-        storage: Storage,
-        populations: &[wgpu::Buffer],
-        constants: &[(&str, f64)],
-    ) -> Result<Self, DeviceError> {
-        let cells = grid.cell_count() as u64;
-        let states_at_once = cells.min(CELLS_AT_ONCE);
-        let region = device.uniform::<Region>("region")?;
-        let states = device.storage("states", 16 * states_at_once)?;
-        let [x, y] = device.workgroups(cells);
-        let partial_sums = device.storage(
-            "partial sums",
-            4 * SUMS as u64 * u64::from(x) * u64::from(y),
-        )?;
-        let first_unsound = device.storage("first unsound cell", 4)?;
-        let pipelines = device.pipelines(
-            &shaders::MACROSCOPIC[storage as usize],
-            ["macroscopic", "totals", "breakdown"],
-            constants,
-        )?;
-        let bound = |k: usize, odd: bool| -> Result<Bound, DeviceError> {
-            let mut named = by_parity(populations, odd);
-            named.extend([
-                ("region", &region),
-                ("states", &states),
-                ("partial_sums", &partial_sums),
-                ("first_unsound", &first_unsound),
-            ]);
-            device.bind(&pipelines[k], &named)
-        };
-        let both =
-            |k| -> Result<[Bound; 2], DeviceError> { Ok([bound(k, false)?, bound(k, true)?]) };
-        let (macroscopic, totals, breakdown) = (both(0)?, both(1)?, both(2)?);
-        Ok(Self {
-            macroscopic,
-            totals,
-            breakdown,
-            region,
-            states,
-            states_at_once,
-            partial_sums,
-            first_unsound,
-        })
-    }
-}
 
 impl Fluid {
     fn whole(&self) -> Region {
@@ -133,7 +39,7 @@ impl Fluid {
 
     fn dispatch(&self, bound: &Bound, mut region: Region, threads: u64, label: &'static str) {
         region.at_once = threads as u32;
-        self.device.write(&self.macroscopic.region, 0, &[region]);
+        self.device.write(&self.read_back.region, 0, &[region]);
         let mut commands = self.device.record(label);
         {
             let mut pass = commands.pass(label);
@@ -148,16 +54,15 @@ impl Fluid {
         let mut result = Vec::with_capacity(count as usize);
         let mut offset = 0;
         while offset < count {
-            let now = self.macroscopic.states_at_once.min(count - offset);
+            let now = self.read_back.states_at_once.min(count - offset);
             let region = Region {
                 offset: offset as u32,
                 ..self.whole()
             };
-            let bound = &self.macroscopic.macroscopic[usize::from(self.odd)];
+            let bound = &self.read_back.macroscopic[usize::from(self.odd)];
             self.dispatch(bound, region, now, "macroscopic");
             let states: Vec<[f32; 4]> =
-                self.device
-                    .read(&self.macroscopic.states, 0, now as usize)?;
+                self.device.read(&self.read_back.states, 0, now as usize)?;
             result.extend(states.iter().map(|s| (s[3], [s[0], s[1], s[2]])));
             offset += now;
         }
@@ -189,7 +94,7 @@ impl Fluid {
     /// Σ δρ, Σ f c and Σ ½ ρ u² of a box of cells.
     fn totals(&self, first: [usize; 3], end: [usize; 3]) -> Result<[f64; 5], DeviceError> {
         let region = self.region(first, end);
-        let bound = &self.macroscopic.totals[usize::from(self.odd)];
+        let bound = &self.read_back.totals[usize::from(self.odd)];
         let mut total = [0.0; 5];
         let (count, at_once) = (u64::from(region.count), self.cells_at_once());
         for offset in (0..count).step_by(at_once as usize) {
@@ -203,7 +108,7 @@ impl Fluid {
             let groups = x as usize * y as usize;
             let sums: Vec<f32> =
                 self.device
-                    .read(&self.macroscopic.partial_sums, 0, SUMS * groups)?;
+                    .read(&self.read_back.partial_sums, 0, SUMS * groups)?;
             for group in sums.chunks_exact(SUMS) {
                 for k in 0..5 {
                     total[k] += f64::from(group[k]);
@@ -230,14 +135,14 @@ impl Fluid {
 
     /// The first cell that is not finite or moves faster than `speed_limit` [cells per step], if any.
     pub fn breakdown(&self, speed_limit: f64) -> Result<Option<Breakdown>, DeviceError> {
-        let unsound = &self.macroscopic.first_unsound;
+        let unsound = &self.read_back.first_unsound;
         self.device.write(unsound, 0, &[u32::MAX]);
         let region = Region {
             speed_limit_squared: (speed_limit * speed_limit) as f32,
             density_limit: Breakdown::DENSITY_LIMIT as f32,
             ..self.whole()
         };
-        let bound = &self.macroscopic.breakdown[usize::from(self.odd)];
+        let bound = &self.read_back.breakdown[usize::from(self.odd)];
         let (count, at_once) = (u64::from(region.count), self.cells_at_once());
         for offset in (0..count).step_by(at_once as usize) {
             let part = Region {
@@ -257,11 +162,9 @@ impl Fluid {
             offset: first,
             ..self.whole()
         };
-        let bound = &self.macroscopic.macroscopic[usize::from(self.odd)];
+        let bound = &self.read_back.macroscopic[usize::from(self.odd)];
         self.dispatch(bound, one, 1, "macroscopic");
-        let state = self
-            .device
-            .read::<[f32; 4]>(&self.macroscopic.states, 0, 1)?[0];
+        let state = self.device.read::<[f32; 4]>(&self.read_back.states, 0, 1)?[0];
         let [x, y, z, excess] = state.map(f64::from);
         Ok(Some(Breakdown {
             cell,

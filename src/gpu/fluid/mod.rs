@@ -6,7 +6,12 @@
 pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
+mod force_box;
+mod held_eddy_viscosity;
 pub mod macroscopic;
+mod names;
+pub mod parameters;
+mod read_back;
 pub mod repeat_plane;
 
 use std::sync::Arc;
@@ -17,19 +22,20 @@ use rayon::prelude::*;
 
 use super::device::Device;
 use super::error::DeviceError;
-use super::immersed::ForceBox;
 use super::pipeline::{Bound, Pipeline};
-use super::shaders::{self, parameters};
-use super::tuning::{Padding, Tuning};
+use super::shaders;
+use super::tuning::Padding;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
+use crate::lattice::grid::{Grid, Initial, Setup};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
-use crate::lattice::{DIRECTION_COUNT, Operator, Storage};
-use collide_stream::StepParameters;
+use crate::lattice::{DIRECTION_COUNT, Storage};
 pub use control_volume::VolumeWatch;
-use eddy_viscosity::HeldEddyViscosity;
-use macroscopic::Macroscopic;
+pub use force_box::ForceBox;
+use held_eddy_viscosity::HeldEddyViscosity;
+use names::{by_number, by_parity, constants};
+use parameters::{BoundaryCopy, StepParameters};
+use read_back::ReadBack;
 
 /// Scale of populations in 16 bits (`storage_f16.wgsl`).
 const F16_SCALE: f32 = 32768.0;
@@ -58,27 +64,13 @@ pub struct Fluid {
     boundaries: Option<[Counted; 2]>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
-    macroscopic: Macroscopic,
+    read_back: ReadBack,
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
     /// Measured duration of one plane, which bounds the planes of a submission.
     plane_time: Option<Duration>,
     timed_submissions: u32,
-}
-
-parameters! {
-    /// One copy of the list that `boundaries` reads.
-    BoundaryCopy {
-        /// Array written + 32 array read.
-        arrays: u32,
-        /// Element written.
-        to_slot: u32,
-        /// Element read.
-        from_slot: u32,
-        /// What a moving wall adds.
-        added: f32,
-    }
 }
 
 impl Fluid {
@@ -139,7 +131,7 @@ impl Fluid {
         };
         let (free, accelerated) = (both(&free)?, both(&accelerated)?);
         let boundaries = boundaries(device, &setup, &grid, storage, &populations)?;
-        let macroscopic = Macroscopic::new(device, &grid, storage, &populations, &constants)?;
+        let read_back = ReadBack::new(device, &grid, storage, &populations, &constants)?;
         let mut fluid = Self {
             device: Arc::clone(device),
             grid,
@@ -152,7 +144,7 @@ impl Fluid {
             forced: None,
             boundaries,
             held_eddy_viscosity,
-            macroscopic,
+            read_back,
             inlet_velocity: [0.0; 3],
             odd: false,
             steps: 0,
@@ -272,93 +264,6 @@ fn padded(cells: [usize; 3], padding: Padding) -> Grid {
         Padding::Planes => Grid::padded(cells, [1, PADDED_ELEMENTS]),
         Padding::Rows => Grid::padded(cells, [PADDED_ELEMENTS, 1]),
     }
-}
-
-/// Numbers that the scene fixes, by their names in the shaders.
-fn constants(tuning: Tuning, setup: &Setup, grid: &Grid) -> Vec<(&'static str, f64)> {
-    let smagorinsky = setup
-        .eddy_viscosity
-        .and_then(|eddy_viscosity| eddy_viscosity.smagorinsky_constant());
-    vec![
-        ("COLLIDE_WORKGROUP", tuning.workgroup.into()),
-        ("CELLS_X", grid.cells[0] as f64),
-        ("CELLS_Y", grid.cells[1] as f64),
-        ("CELLS_Z", grid.cells[2] as f64),
-        ("STRIDE_Y", grid.stride_y as f64),
-        ("STRIDE_Z", grid.stride_z as f64),
-        ("RELAXATION_TIME", setup.relaxation_time),
-        (
-            "OPERATOR",
-            match setup.operator {
-                Operator::TwoRelaxationTimes => 0.0,
-                Operator::RecursiveRegularised => 1.0,
-                Operator::SingleRelaxationTime => 2.0,
-            },
-        ),
-        ("EDDY", f64::from(u8::from(smagorinsky.is_some()))),
-        (
-            "EDDY_FACTOR",
-            smagorinsky.map_or(0.0, crate::lattice::operators::eddy_factor),
-        ),
-        (
-            "INLET_OUTLET",
-            f64::from(u8::from(setup.ends == StreamwiseEnds::InletOutlet)),
-        ),
-        ("SPONGE_LENGTH", setup.sponge_cells.unwrap_or(0.0)),
-        ("OUTLET_RELAXATION", OUTLET_RELAXATION),
-        ("OUTLET_DELAY", OUTLET_DELAY),
-    ]
-}
-
-const NEAR_FAR: [[&str; 2]; 9] = [
-    ["near_x", "far_x"],
-    ["near_y", "far_y"],
-    ["near_z", "far_z"],
-    ["near_xy", "far_xy"],
-    ["near_xz", "far_xz"],
-    ["near_yz", "far_yz"],
-    ["near_x_y", "far_x_y"],
-    ["near_x_z", "far_x_z"],
-    ["near_y_z", "far_y_z"],
-];
-
-/// Names of the populations in `populations.wgsl` for a step of the given parity.
-fn by_parity(populations: &[wgpu::Buffer], odd: bool) -> Vec<(&'static str, &wgpu::Buffer)> {
-    let mut named = vec![("rest", &populations[0])];
-    for (pair, [near, far]) in NEAR_FAR.into_iter().enumerate() {
-        let first = 2 * pair + 1;
-        let odd = usize::from(odd);
-        named.push((near, &populations[first + 1 - odd]));
-        named.push((far, &populations[first + odd]));
-    }
-    named
-}
-
-const ARRAY_NAMES: [&str; DIRECTION_COUNT] = [
-    "population_0",
-    "population_1",
-    "population_2",
-    "population_3",
-    "population_4",
-    "population_5",
-    "population_6",
-    "population_7",
-    "population_8",
-    "population_9",
-    "population_10",
-    "population_11",
-    "population_12",
-    "population_13",
-    "population_14",
-    "population_15",
-    "population_16",
-    "population_17",
-    "population_18",
-];
-
-/// Names of the populations in `arrays.wgsl`.
-fn by_number(populations: &[wgpu::Buffer]) -> Vec<(&'static str, &wgpu::Buffer)> {
-    ARRAY_NAMES.into_iter().zip(populations).collect()
 }
 
 /// The copies after a step, by the parity of the step to come; `None` if nothing has to be copied.

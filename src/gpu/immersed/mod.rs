@@ -14,11 +14,12 @@ mod spread;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::device::{Device, Staging};
+use super::device::Device;
 use super::error::DeviceError;
-use super::fluid::Fluid;
+use super::fluid::{Fluid, ForceBox};
 use super::pipeline::{Bound, Pipeline};
 use super::shaders::{self, parameters};
+use super::transfer::Staging;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::immersed::touched::Domain;
 
@@ -55,19 +56,6 @@ parameters! {
 
 /// Numbers all force buffers ever made, so that none is taken for another.
 static GENERATIONS: AtomicU64 = AtomicU64::new(0);
-
-/// The box of cells that holds all forces on the air.
-#[derive(Debug)]
-pub struct ForceBox {
-    /// Force of its cells.
-    pub(super) forces: wgpu::Buffer,
-    /// First cell.
-    pub(super) first: [u32; 3],
-    /// Size.
-    pub(super) size: [u32; 3],
-    /// Its number.
-    pub(super) generation: u64,
-}
 
 /// Flag of a touched cell, as in `shaders/markers.wgsl`.
 const TOUCHED: u32 = 1 << 31;

@@ -3,14 +3,36 @@
 use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::{Bound, Pipeline, WORKGROUP};
+use crate::gpu::pipeline::{Bound, Pipeline};
+use crate::gpu::shaders::WORKGROUP;
 use crate::solve::multigrid::coarsening::Interpolation;
 use crate::solve::multigrid::hierarchy::{DIRECT_NODES, Shape};
 use crate::solve::multigrid::{COARSEST_DEGREE, DEGREE, eigenvector_guess};
 
 use super::parameters::MultigridLevel;
 use super::sliced::Sliced;
-use super::{Cycle, Refresh};
+
+/// Pipelines of the cycle.
+#[derive(Debug)]
+pub(super) struct Cycle {
+    pub(super) smooth_from_zero: Pipeline,
+    pub(super) smooth_again: Pipeline,
+    pub(super) take_residual: Pipeline,
+    pub(super) restrict_residual: Pipeline,
+    pub(super) interpolate_correction: Pipeline,
+    pub(super) smooth_corrected: Pipeline,
+    pub(super) solve_coarsest: Pipeline,
+}
+
+/// Pipelines of a refresh.
+#[derive(Debug)]
+pub(super) struct Refresh {
+    pub(super) galerkin: Pipeline,
+    pub(super) invert_diagonal: Pipeline,
+    pub(super) power_start: Pipeline,
+    pub(super) power_step: Pipeline,
+    pub(super) power_normalise: Pipeline,
+}
 
 /// Workgroups that stride over the nodes where sums are wanted.
 const STRIDES: usize = 256;

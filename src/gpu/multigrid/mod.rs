@@ -14,40 +14,18 @@ pub mod sliced;
 use std::cell::Cell;
 
 use crate::gpu::commands::Commands;
-use crate::gpu::device::{Device, Staging};
+use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::Pipeline;
 use crate::gpu::shaders;
+use crate::gpu::transfer::Staging;
 use crate::solve::multigrid::blocks::BlockMatrix;
 use crate::solve::multigrid::hierarchy::{DIRECT_NODES, Shape, coarsest_inverse};
 use crate::solve::multigrid::{
     COARSEST_DEGREE, EIGENVALUE_MARGIN, POWER_ITERATIONS, SMOOTHED_SHARE,
 };
 
-use level::{Buffers, Level};
+use level::{Buffers, Cycle, Level, Refresh};
 use sliced::Sliced;
-
-/// Pipelines of the cycle.
-#[derive(Debug)]
-struct Cycle {
-    smooth_from_zero: Pipeline,
-    smooth_again: Pipeline,
-    take_residual: Pipeline,
-    restrict_residual: Pipeline,
-    interpolate_correction: Pipeline,
-    smooth_corrected: Pipeline,
-    solve_coarsest: Pipeline,
-}
-
-/// Pipelines of a refresh.
-#[derive(Debug)]
-struct Refresh {
-    galerkin: Pipeline,
-    invert_diagonal: Pipeline,
-    power_start: Pipeline,
-    power_step: Pipeline,
-    power_normalise: Pipeline,
-}
 
 /// Bytes that went over the bus for multigrid since it was made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Layout of a block matrix on the device: slices of 64 rows, each as wide as its longest row (sliced ELLPACK, Monakov, Lokhmotov &
 //! Avetisyan 2010), so that neighbouring threads read neighbouring numbers.
 
-use crate::gpu::pipeline::WORKGROUP;
+use crate::gpu::shaders::WORKGROUP;
 use crate::solve::multigrid::blocks::{Block, BlockMatrix, Pattern};
 
 /// Rows of a slice: those of a workgroup.

@@ -9,11 +9,10 @@ use glam::{DVec2, DVec3};
 
 use super::cutting::{cut_polygon, cut_stroke};
 use crate::gpu::shaders::parameters;
+use crate::render::canvas::SAMPLES;
 use crate::render::colour::{Rgb, fraction};
 use crate::render::picture::{Picture, Slice, SliceDepth};
-use crate::render::raster::{
-    AMBIENT, Corner, LAMP, LAMP_SHARE, Prepared, SAMPLES, visit_triangles,
-};
+use crate::render::raster::{AMBIENT, Corner, LAMP, LAMP_SHARE, Prepared, visit_triangles};
 use crate::render::sheets::Sheet;
 use crate::render::strokes::{Stroke, edges};
 use crate::render::view::View;

@@ -1,6 +1,7 @@
 //! Phase `equilibrium`: the structure at rest.
 
-use super::{Next, PARTS};
+use super::PARTS;
+use super::stand::Next;
 use crate::run::keeping::Sought;
 use crate::run::{Observer, Run, RunError};
 use crate::solve::lbfgs::{Progress, Stop};

@@ -1,6 +1,6 @@
 //! Phase `load_test`: the loads of the equilibrium several times over.
 
-use super::Next;
+use super::stand::Next;
 use crate::case::wing::Wing;
 use crate::measure::{self, LineName};
 use crate::run::keeping::Sought;

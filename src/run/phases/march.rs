@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::Next;
+use super::stand::Next;
 use crate::case::scene::Flow;
 use crate::run::cadence::{Cadence, PROGRESS_PARTS, parts_done};
 use crate::run::{Observer, Run, RunError};

@@ -2,101 +2,26 @@
 
 mod change_lattice;
 mod equilibrium;
+mod lattice;
 mod load_test;
 mod march;
 mod open_canopy;
 mod panel_shaping;
+mod stand;
 mod trim;
 
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
-
-pub(super) use change_lattice::{Lattice, detector};
+pub(super) use lattice::{Lattice, detector};
+pub(super) use stand::Stand;
 
 use super::fault::caught;
 use super::{INTERRUPTED, Observer, Run, RunError};
-use crate::case::Case;
-use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::plan::{Phase, phases};
-
-/// Name of the stand in a checkpoint.
-const STAND: &str = "stand";
+use stand::Next;
 
 /// Parts that the progress of a phase without time is told in.
 const PARTS: u64 = 1000;
-
-/// How far a run has come in its phases.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Stand {
-    /// Number of the phase that is under way.
-    phase: usize,
-    /// Why the run ends, by the phases so far.
-    reason: String,
-    /// What was sought was not found.
-    pub(super) unbalanced: bool,
-    /// What is to be said of the last equilibrium or trim; it goes when another is sought.
-    pub(super) balance_notes: Vec<String>,
-}
-
-impl Default for Stand {
-    fn default() -> Self {
-        Self {
-            phase: 0,
-            reason: "end time reached".to_owned(),
-            unbalanced: false,
-            balance_notes: Vec::new(),
-        }
-    }
-}
-
-impl Stand {
-    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
-        let bytes = postcard::to_stdvec(self).map_err(std::io::Error::other)?;
-        out.put(STAND, &bytes)
-    }
-
-    /// Takes it from a checkpoint of a run that is on that lattice.
-    pub(super) fn restore(
-        case: &Case,
-        from: &Reader,
-        lattice: Lattice,
-    ) -> Result<Self, CheckpointError> {
-        let bytes: Vec<u8> = from.take(STAND)?;
-        let stand: Self = postcard::from_bytes(&bytes)
-            .map_err(|error| from.damaged(format!("its phase cannot be read: {error}")))?;
-        let phases = phases(&case.scene, &case.coarser);
-        let is_known = match phases.get(stand.phase) {
-            Some(Phase::March { coarser }) => *coarser == lattice.coarser(),
-            phase => phase.is_some(),
-        };
-        if !is_known {
-            return Err(from.damaged("it names a phase that the case does not have".to_owned()));
-        }
-        Ok(stand)
-    }
-
-    /// True once all steps are behind the run.
-    pub(super) fn is_after_time(&self, case: &Case) -> bool {
-        let phases = phases(&case.scene, &case.coarser);
-        let last = phases
-            .iter()
-            .rposition(|p| matches!(p, Phase::March { .. }));
-        last.is_some_and(|march| self.phase > march)
-    }
-}
-
-/// What follows a phase.
-enum Next {
-    /// The next phase.
-    Phase,
-    /// What comes after the last steps: the time is over.
-    AfterTime,
-    /// Nothing: the run was interrupted, and a checkpoint is written.
-    Interrupted,
-    /// Nothing: what the run is for has been found.
-    End(String),
-}
 
 impl Run<'_> {
     /// Executes the phases that are left; returns why the run ended.

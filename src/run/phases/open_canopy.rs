@@ -1,6 +1,6 @@
 //! Phase `open_canopy`: loading pressure opens a folded canopy before the wind rises.
 
-use super::Next;
+use super::stand::Next;
 use crate::run::{Observer, Run, RunError};
 
 impl Run<'_> {

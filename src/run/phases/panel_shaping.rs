@@ -5,7 +5,7 @@
 //! to fly as far apart as they were designed, by r (1 + b) (designed/flown − 1) of their distances. Places where what is aimed at cannot be read (the nose,
 //! over intakes, ballooning at mini-ribs) follow the nearest one where it can.
 
-use super::Next;
+use super::stand::Next;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
 use crate::geometry::wing::section::{Side, lookup};

@@ -1,6 +1,7 @@
 //! Phase `trim`: the steady glide of a wing.
 
-use super::{Next, PARTS};
+use super::PARTS;
+use super::stand::Next;
 use crate::case::Scene;
 use crate::run::keeping::Sought;
 use crate::run::{Observer, Run, RunError};

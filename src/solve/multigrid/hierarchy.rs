@@ -3,9 +3,11 @@
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
-use super::REGULARISATION;
 use super::blocks::{BlockMatrix, Pattern};
 use super::coarsening::{Graph, Interpolation, coarse_pattern};
+
+/// Added to the diagonal of a block, as a share of its largest entry, so that directions without stiffness stay regular.
+pub const REGULARISATION: f32 = 1e-6;
 
 /// At most this many nodes are solved directly.
 pub const DIRECT_NODES: usize = 150;

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use blocks::{Block, BlockMatrix, Pattern};
 use coarsening::{Graph, Interpolation};
-use hierarchy::{coarsest_inverse, hierarchy};
+use hierarchy::{REGULARISATION, coarsest_inverse, hierarchy};
 
 /// Degree of the smoother's polynomial, before and after the coarse correction.
 pub const DEGREE: usize = 2;
@@ -33,9 +33,6 @@ pub const POWER_ITERATIONS: [usize; 2] = [16, 10];
 /// amplifies, and the cycle may lose its sign: over the sheets of `benches/cloth`, whose stiffest places move from refresh to refresh, the
 /// true value was at most 1.21 times the estimate after ten iterations (1.41 after three).
 pub const EIGENVALUE_MARGIN: f32 = 1.3;
-
-/// Added to the diagonal of a block, as a share of its largest entry, so that directions without stiffness stay regular.
-pub const REGULARISATION: f32 = 1e-6;
 
 /// Nodes that one task works on.
 const NODES_AT_ONCE: usize = 2048;

@@ -1,6 +1,6 @@
 //! What of a trim moves from one outer iteration to the next, and what is allowed.
 
-use super::TrimIteration;
+use super::iteration::TrimIteration;
 use crate::solve::lbfgs::Stop;
 use crate::trim::Settings;
 

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop, slope};
+use super::super::flows::slope;
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::aligned_flow;
 use crate::aero::belloc;
 use crate::aero::decambering::{AGREEMENT, Decambering, Section};

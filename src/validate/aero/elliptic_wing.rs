@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::{aligned_flow, flat_wing, lattice_slope, slope, stream, symmetric_profile};
 
 const SPAN: f64 = 10.0;

@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Row, Session, Stop};
+use super::report::Row;
+use super::session::{Session, Stop};
 use crate::aero::AeroError;
 use crate::aero::potential_flow::{Flow, MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::{PanelSurface, Station, Wing};

@@ -5,7 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::flows;
 use crate::aero::AeroError;
 use crate::aero::surface::PanelSurface;

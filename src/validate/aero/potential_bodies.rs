@@ -5,7 +5,9 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop, slope};
+use super::super::flows::slope;
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::ellipsoid;
 

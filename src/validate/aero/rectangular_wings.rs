@@ -4,7 +4,8 @@
 //! from two lattices, one twice as fine, extrapolated as its error halves with the size. The circular wing's 1.7900 is Jordan's (Z. Flugwiss.
 //! 21, 1973).
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::{flat_wing, lattice_slope, slope, symmetric_profile};
 
 /// Gate on thin-limit slopes.

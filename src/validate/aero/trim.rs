@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use crate::aero::polar::{Polar, PolarPoint, SectionFlow};
 use crate::fabric::Fabric;
 use crate::geometry::wing::frames::Station;

@@ -4,7 +4,8 @@
 //! (Contri & Schrefler 1988; Jarasjarungkiat, Wüchner & Bletzinger 2009 and others with a tension field). Membranes that push give 0.19
 //! to 0.205 m.
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};

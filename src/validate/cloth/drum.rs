@@ -3,7 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;

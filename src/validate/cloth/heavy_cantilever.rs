@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::{Cloth, StepInput};
 use crate::fabric::Fabric;

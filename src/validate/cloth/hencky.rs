@@ -5,7 +5,9 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop, slope};
+use super::super::flows::slope;
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, StepInput};

@@ -5,7 +5,8 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::gather::Gather;
 use crate::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};

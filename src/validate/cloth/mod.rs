@@ -10,7 +10,8 @@ pub(super) mod patch;
 pub(super) mod pressure_vessels;
 pub(super) mod shear_panel;
 
-use super::{Row, Session, Stop};
+use super::report::Row;
+use super::session::{Session, Stop};
 use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::gpu::cloth::Cloth as DeviceCloth;

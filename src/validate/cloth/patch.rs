@@ -3,7 +3,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cloth::{Structure, Triangle};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};

@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::{SETTINGS, Sheet};
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, Pressure, StepInput};

@@ -5,7 +5,8 @@
 
 use glam::DVec3;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::SETTINGS;
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};

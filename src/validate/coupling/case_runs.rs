@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::{Session, Stop};
+use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure;
 use crate::output::Results;

@@ -4,7 +4,8 @@
 //! ρ_s h/(ρ L) = 1, D/(ρ U² L³) = 1e-4, ν_s = 0.4, box of 10 × 8 × 4 L: the shipped case. The amplitude is that of the middle of the trailing edge,
 //! from peak to peak across the flag's plane.
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::case_runs;
 
 const SOURCE: &str = include_str!("../../../cases/flag.toml");

@@ -4,7 +4,8 @@
 //! h/b = 0.2, ρ_s/ρ = 0.678, E/(ρ U²) = 1.9e4, ν_s = 0.4, net buoyancy (ρ − ρ_s) g h/(ρ U²) = 0.247: the shipped case. *Departures*: the
 //! plate has no thickness for the air (the kernel gives it about one), and its foot stands in the stream.
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::case_runs::{self, Outcome};
 
 pub(super) const SOURCE: &str = include_str!("../../../cases/flexible-plate.toml");

@@ -1,7 +1,8 @@
 //! The force of the air on fabric by three routes that share no data (gate I4): what its markers give the air, the momentum of the air through a
 //! box, and what the supports feel (`src/simulation/impulses.rs`). Means over the second half of a run, on the shipped canopy and plate.
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::case_runs;
 use super::flexible_plate;
 

@@ -4,7 +4,9 @@
 //! air receives. A pass of direct forcing of strength a over a flat sheet with one marker per cell leaves 1 − 3a/8 of its slip: (5/8)^N after N
 //! plain passes, nothing after one of strength 8/3.
 
-use super::super::{Gate, Session, Stop, periodic, states};
+use super::super::flows::{periodic, states};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::exchange;
 use crate::immersed::kernel;
 use crate::lattice::Operator;

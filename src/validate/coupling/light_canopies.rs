@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use super::super::{Gate, Session, Stop};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
 use crate::plan::{Placement, Plan, Precision};

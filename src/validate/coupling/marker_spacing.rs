@@ -7,7 +7,9 @@
 
 use glam::{DQuat, DVec3};
 
-use super::super::{Gate, Session, Stop, periodic, relaxation_time, states};
+use super::super::flows::{periodic, relaxation_time, states};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::exchange;
 use crate::immersed::kernel;
 use crate::lattice::Operator;
@@ -223,7 +225,9 @@ mod balloon {
 
     use std::f64::consts::PI;
 
-    use super::super::super::{Gate, Session, Stop, periodic, states};
+    use super::super::super::flows::{periodic, states};
+    use super::super::super::report::Gate;
+    use super::super::super::session::{Session, Stop};
     use super::super::exchange;
     use super::{AirEngine, MarkerEngine, Operator};
     use crate::geometry::surfaces;

@@ -9,7 +9,7 @@ pub(super) mod light_canopies;
 pub(super) mod marker_spacing;
 pub(super) mod spherical_couette;
 
-use super::Stop;
+use super::session::Stop;
 use crate::simulation::{AirEngine, MarkerEngine};
 
 /// Interpolates and spreads once, with the transfers that the engine needs; returns the total force on the air [lattice units].

@@ -7,7 +7,9 @@
 
 use std::f64::consts::PI;
 
-use super::super::{Gate, Session, Stop, periodic, relaxation_time, slope, states};
+use super::super::flows::{periodic, relaxation_time, slope, states};
+use super::super::report::Gate;
+use super::super::session::{Session, Stop};
 use super::exchange;
 use crate::geometry::surfaces;
 use crate::lattice::Operator;

@@ -1,10 +1,18 @@
 //! Findings of what lies upon each other: vertices of seams, faces.
 
-use super::findings::{Words, counted};
+use super::common::{CROSSING_DEPTH, Common};
+use super::examination::{Finding, Kind, Marks};
 use super::near;
 use super::seams::{self, Hanging};
 use super::topology::Sets;
-use super::{CROSSING_DEPTH, Common, Finding, Kind, Marks, SEAM, SEAM_AT_VERTEX};
+use super::words::{Words, counted};
+
+/// Distance below which borders with other vertices count as a seam, as a share of the edge that vertices lie at: as far as the chords of a
+/// quarter of a circle in five lie off it.
+const SEAM: f64 = 0.05;
+
+/// The same, as a share of the shortest edge at a vertex.
+const SEAM_AT_VERTEX: f64 = 0.25;
 
 /// Seams that are not joined: vertices upon vertices, and vertices upon edges.
 pub(super) fn seams(words: &Words, common: &Common) -> Vec<Finding> {

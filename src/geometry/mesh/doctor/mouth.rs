@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Border;
+use super::examination::Border;
 
 /// Least depth of fabric behind its opening, over the root of its area; below it is flat.
 const DEPTH: f64 = 0.02;

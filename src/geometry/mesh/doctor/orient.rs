@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::repeated;
-use super::topology::{Edges, turned};
+use super::topology::{Edges, repeated, turned};
 use crate::rigid::Surface;
 
 /// Why triangles cannot be turned alike; each with the nodes of an edge.

@@ -1,6 +1,9 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use glam::DVec3;
+
 use super::*;
+use crate::rigid::Surface;
 
 /// A square sheet of 4 × 4 cells of 0.25 m in the plane z = 0, hung in the middle.
 fn sheet() -> Surface {

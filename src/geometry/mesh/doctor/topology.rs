@@ -185,6 +185,25 @@ pub(super) fn turned(edges: &Edges, areas_m2: &[f64]) -> Turned {
     found
 }
 
+/// True for triangles with the same three nodes as an earlier one.
+pub(super) fn repeated(triangles: &[[u32; 3]]) -> Vec<bool> {
+    let mut keys: Vec<([u32; 3], usize)> = triangles
+        .iter()
+        .enumerate()
+        .map(|(number, nodes)| {
+            let mut nodes = *nodes;
+            nodes.sort_unstable();
+            (nodes, number)
+        })
+        .collect();
+    keys.sort_unstable();
+    let mut is_repeated = vec![false; triangles.len()];
+    for pair in keys.windows(2) {
+        is_repeated[pair[1].1] = pair[0].0 == pair[1].0;
+    }
+    is_repeated
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

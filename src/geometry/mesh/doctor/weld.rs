@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
+use super::common::{TOGETHER, edge_lengths_m, median};
 use super::near;
 use super::seams::{self, Hanging};
 use super::topology::{Edges, Sets};
-use super::{TOGETHER, edge_lengths_m, median};
 use crate::rigid::Surface;
 
 /// Largest tolerance, as a share of the median edge.

@@ -1,0 +1,143 @@
+//! A case as the command line names it: read, checked, planned, and refused where it does not fit.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::engine::EngineArguments;
+use super::failure::Failure;
+use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
+use crate::gpu::Device;
+use crate::measure;
+use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
+
+/// How a case is read; shared by the commands that take one.
+#[derive(Debug, Args)]
+pub(super) struct CaseArguments {
+    /// Case file (TOML).
+    case: PathBuf,
+    /// Variant of the case, such as `quick`.
+    #[arg(long)]
+    variant: Option<String>,
+    /// Change a key of the case; may be given several times.
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    overrides: Vec<String>,
+    #[command(flatten)]
+    engine: EngineArguments,
+    /// CPU threads; 0 takes all cores.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
+    threads: u16,
+}
+
+/// A case ready to run.
+pub(super) struct Prepared {
+    pub(super) case: Case,
+    pub(super) plan: Plan,
+    pub(super) device: Option<Arc<Device>>,
+    /// The plan without the device, where the program chose it by itself.
+    pub(super) fallback: Option<Plan>,
+}
+
+impl CaseArguments {
+    /// Reads and checks the case, plans it, and refuses what does not fit.
+    pub(super) fn prepare(&self) -> Result<Prepared, Failure> {
+        self.plan(self.load(&[])?)
+    }
+
+    /// Reads and checks the case, with more `key.path=value` behind those of the command line.
+    pub(super) fn load(&self, more: &[String]) -> Result<Case, Failure> {
+        let case = case::load(&self.case, &self.choices(more))?;
+        refuse_unknown_comparisons(&case)?;
+        Ok(case)
+    }
+
+    /// Reads and examines the meshes of the case, whether they would be refused or not.
+    pub(super) fn examine_meshes(&self) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
+        case::examine_meshes(&self.case, &self.choices(&[]))
+    }
+
+    fn choices(&self, more: &[String]) -> Choices {
+        Choices {
+            variant: self.variant.clone(),
+            overrides: [&self.overrides[..], more].concat(),
+        }
+    }
+
+    /// Plans a case, and refuses what does not fit.
+    pub(super) fn plan(&self, case: Case) -> Result<Prepared, Failure> {
+        if self.threads > 0 {
+            // Fails only if a pool exists already, as from the second run of a sweep on.
+            let _ = rayon::ThreadPoolBuilder::new()
+                .num_threads(usize::from(self.threads))
+                .build_global();
+        }
+        // Before any device is asked for what none can hold.
+        Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
+            .fit_into(None)
+            .map_err(|refusal| self.too_large(&case, refusal))?;
+        let placed = self.engine.place(&case.scene)?;
+        let plan = Plan::new(&case.scene, placed.placement);
+        let fallback = placed
+            .fallback
+            .map(|placement| Plan::new(&case.scene, placement));
+        plan.sizes
+            .fit_into(free_memory())
+            .map_err(|refusal| self.too_large(&case, refusal))?;
+        Ok(Prepared {
+            case,
+            plan,
+            device: placed.device,
+            fallback,
+        })
+    }
+
+    fn too_large(&self, case: &Case, refusal: MemoryRefusal) -> Failure {
+        let air = case.scene.air.map(|air| air.cells);
+        let needs = format!(
+            "it needs {:.1} GB{}",
+            refusal.needed as f64 / 1e9,
+            air.map_or_else(String::new, |[x, y, z]| format!(
+                " for {x} x {y} x {z} cells"
+            ))
+        );
+        let limit = refusal.free.map_or_else(
+            || "more than 4 294 967 294 cells cannot be addressed".to_owned(),
+            |free| {
+                format!(
+                    "of {:.1} GB free memory at most 80 % may be taken",
+                    free as f64 / 1e9
+                )
+            },
+        );
+        Failure::Case(case.error(Problem::new(
+                if air.is_some() { "resolution" } else { "structure" },
+                format!("in {}: the case is too large for this machine: {needs}, and {limit}", case.name),
+                match (air, self.engine.precision.on_cpu()) {
+                    (None, _) => "use a coarser mesh of the structure",
+                    (Some(_), Precision::F32) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), or a smaller tunnel",
+                    (Some(_), Precision::F64) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
+                },
+            )))
+    }
+}
+
+/// Refuses comparisons with results that a run of the case does not have.
+fn refuse_unknown_comparisons(case: &Case) -> Result<(), Failure> {
+    if case.scene.comparisons.is_empty() {
+        return Ok(());
+    }
+    let names = measure::result_names(&case.scene);
+    let unknown = |c: &&case::scene::Comparison| !names.contains(&c.quantity);
+    match case.scene.comparisons.iter().find(unknown) {
+        None => Ok(()),
+        Some(comparison) => Err(Failure::Case(case.error(Problem::new(
+            format!("comparison.{}", comparison.quantity),
+            format!(
+                "in {}: this case has no result `{}` to compare",
+                case.name, comparison.quantity
+            ),
+            format!("its results are: {}", names.join(", ")),
+        )))),
+    }
+}

@@ -1,0 +1,14 @@
+//! The body force near the sheet, as markers leave it for the next collision.
+
+/// The box of cells that holds all forces on the air.
+#[derive(Debug)]
+pub struct ForceBox {
+    /// Force of its cells.
+    pub(in crate::gpu) forces: wgpu::Buffer,
+    /// First cell.
+    pub(in crate::gpu) first: [u32; 3],
+    /// Size.
+    pub(in crate::gpu) size: [u32; 3],
+    /// Its number.
+    pub(in crate::gpu) generation: u64,
+}

@@ -1,0 +1,74 @@
+//! Structs that the stages of the air share with their shaders.
+
+use crate::gpu::shaders::parameters;
+
+parameters! {
+    /// What changes from step to step.
+    StepParameters {
+        /// Velocity at the inlet [cells per step].
+        inlet_velocity: [f32; 4],
+        /// Uniform acceleration [cells per step²].
+        acceleration: [f32; 4],
+        /// First cell of the box that holds all forces.
+        box_first: [u32; 4],
+        /// Its size.
+        box_size: [u32; 4],
+        /// First plane of a dispatch.
+        first_plane: u32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+        /// Unused.
+        padding_c: u32,
+    }
+    /// Where to evaluate, and what lies beyond the faces.
+    EddyParameters {
+        /// Factors of the velocity before a face, lower and upper along x, y, z; the fourth is 1 where the face is periodic.
+        factors: [[f32; 4]; 6],
+        /// What is added [cells per step].
+        offsets: [[f32; 4]; 6],
+        /// First cell of a dispatch.
+        first: u32,
+        /// Cells at most.
+        count: u32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+    }
+    /// Box of cells to look at.
+    Region {
+        /// First cell.
+        first_cell: [u32; 4],
+        /// Size.
+        size: [u32; 4],
+        /// Number of cells.
+        count: u32,
+        /// First of them that a dispatch handles.
+        offset: u32,
+        /// How many it handles at most.
+        at_once: u32,
+        /// Unused.
+        padding: u32,
+        /// Square of the largest sound speed [cells² per step²].
+        speed_limit_squared: f32,
+        /// Largest sound |δρ|.
+        density_limit: f32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+    }
+    /// One copy of the list that `boundaries` reads.
+    BoundaryCopy {
+        /// Array written + 32 array read.
+        arrays: u32,
+        /// Element written.
+        to_slot: u32,
+        /// Element read.
+        from_slot: u32,
+        /// What a moving wall adds.
+        added: f32,
+    }
+}

@@ -1,0 +1,19 @@
+//! Layouts of all structs that Rust and WGSL share.
+
+use super::shaders::Layout;
+use super::{cloth, fluid, immersed, multigrid, raster};
+
+/// Layouts of all structs that Rust and WGSL share.
+#[must_use]
+pub fn all() -> Vec<Layout> {
+    [
+        cloth::parameters::OWN_LAYOUTS,
+        fluid::control_volume::OWN_LAYOUTS,
+        fluid::parameters::OWN_LAYOUTS,
+        fluid::repeat_plane::OWN_LAYOUTS,
+        immersed::OWN_LAYOUTS,
+        multigrid::parameters::OWN_LAYOUTS,
+        raster::geometry::OWN_LAYOUTS,
+    ]
+    .concat()
+}

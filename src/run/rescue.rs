@@ -1,0 +1,29 @@
+//! What a run keeps of itself after a fault.
+
+use super::Run;
+use super::fault::{Fault, caught};
+use super::guard::{ON_PURPOSE, OnPurpose};
+
+impl Run<'_> {
+    /// Panics if a test asks for it at this step, and the state is whole as it asks for.
+    #[allow(clippy::panic, reason = "what follows a panic is to be tested")]
+    pub(super) fn fail_on_purpose(&self) {
+        let now = OnPurpose {
+            step: self.simulation.step_count(),
+            within: !self.whole,
+        };
+        if self.on_purpose == Some(now) {
+            panic!("a fault on purpose, as {ON_PURPOSE} asks for");
+        }
+    }
+
+    /// After a fault: writes a checkpoint, if the state is whole.
+    pub(super) fn rescue(&mut self, fault: &mut Fault) {
+        if self.whole && matches!(caught(|| self.save()), Ok(Ok(()))) {
+            fault.kept = format!(
+                "a checkpoint was written at t = {:.6} s: --resume goes on from it",
+                self.simulation.time_s()
+            );
+        }
+    }
+}
