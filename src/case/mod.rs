@@ -7,7 +7,6 @@ mod air;
 mod bodies;
 mod body;
 mod cable_material;
-mod canopy;
 mod comparison;
 mod contact;
 mod coupling;

@@ -1,19 +1,22 @@
-//! The structure of a case: `[structure]`, one kind each, and what all kinds have in common.
+//! The structure of a case: `[structure]`. What kind it is, how canopies are cut, and what all kinds have in common.
+
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::body::{Body, BodyKind, HangingCable};
-use super::cable_material::check_material;
+use super::body::{Body, BodyKind};
 use super::fabric::{check_fabric, check_permeability};
 use super::file::{self, File, Structure};
 use super::mesh_examination::FromFiles;
 use super::problem::Problem;
-use super::values::{positive, vector, within};
-use super::{canopy, contact, lep_sim, mesh, plate, specimens, wing};
-use crate::geometry::{cable, sheet};
-
-/// Most cells of a sheet: some 5 GB.
-const SHEET_CELL_LIMIT: usize = 4_000_000;
+use super::rigging::{NEEDS_LINES, Written, lines_per_end, rig};
+use super::values::{absent, positive, within};
+use super::{contact, lep_sim, mesh, plate, specimens, usual, wing};
+use crate::geometry::parachute::designs::{
+    Design, DesignFault, RadialSlots, Shape, VIKING_DISK, VIKING_GAP,
+};
+use crate::geometry::parachute::gores::FlatCircular;
+use crate::geometry::parachute::sewn::Cut;
 
 /// Builds the structure of a case, if it has one; what is known of meshes of others is kept with the files.
 pub(super) fn check(
@@ -47,16 +50,16 @@ fn build(
     gravity: Option<DVec3>,
 ) -> Result<Body, Problem> {
     match written {
-        Structure::FlatCircular(table) => canopy::flat_circular(file, table),
-        Structure::Conical(table) => canopy::conical(file, table),
-        Structure::Slotted(table) => canopy::slotted(file, table),
-        Structure::ExtendedSkirt(table) => canopy::extended_skirt(file, table),
-        Structure::Annular(table) => canopy::annular(file, table),
-        Structure::DiskGapBand(table) => canopy::disk_gap_band(file, table),
-        Structure::Cruciform(table) => canopy::cruciform(file, table),
-        Structure::Sheet(table) => check_sheet(file, table),
+        Structure::FlatCircular(table) => flat_circular(file, table),
+        Structure::Conical(table) => conical(file, table),
+        Structure::Slotted(table) => slotted(file, table),
+        Structure::ExtendedSkirt(table) => extended_skirt(file, table),
+        Structure::Annular(table) => annular(file, table),
+        Structure::DiskGapBand(table) => disk_gap_band(file, table),
+        Structure::Cruciform(table) => cruciform(file, table),
+        Structure::Sheet(table) => specimens::check_sheet(table, &check_fabric(file)?),
         Structure::Plate(table) => plate::check(table, &check_fabric(file)?),
-        Structure::Cable(table) => check_cable(table, gravity),
+        Structure::Cable(table) => specimens::check_cable(table, gravity),
         Structure::Mesh(table) => mesh::check(file, table, files),
         Structure::LepSim(table) => lep_sim::check(file, table, files),
         Structure::Airbag(table) => specimens::check_airbag(table, &check_fabric(file)?),
@@ -69,97 +72,319 @@ fn build(
     }
 }
 
-fn check_sheet(file: &File, written: &file::Sheet) -> Result<Body, Problem> {
-    const KEY: &str = "structure.sheet";
-    let key = |name: &str| format!("{KEY}.{name}");
-    let fabric = check_fabric(file)?;
-    for size in written.size_m {
-        positive(&key("size_m"), size)?;
+/// How far the parts of a disk-gap-band canopy may miss the nominal area.
+const AREA_TOLERANCE: f64 = 0.01;
+
+fn gores(key: &str, gores: usize, what: &str) -> Result<usize, Problem> {
+    if (3..=200).contains(&gores) {
+        return Ok(gores);
     }
-    let [across, down] = written.divisions;
-    let in_range = |n: usize| (1..=5_000).contains(&n);
-    if !in_range(across) || !in_range(down) || across * down > SHEET_CELL_LIMIT {
-        return Err(Problem::new(
-            key("divisions"),
-            format!(
-                "{} = {:?} is out of range",
-                key("divisions"),
-                written.divisions
-            ),
-            format!("allowed are 1 to 5000 cells along each side, and {SHEET_CELL_LIMIT} in all"),
-        ));
-    }
-    let hung_width_m = within(
-        &key("hung_width_m"),
-        written.hung_width_m,
-        0.05 * written.size_m[0],
-        written.size_m[0],
-    )?;
-    let shape = sheet::SheetShape {
-        size_m: written.size_m,
-        divisions: written.divisions,
-        corner_m: vector(&key("corner_m"), written.corner_m)?,
-        across: DVec3::X,
-        down: -DVec3::Z,
-    };
-    let mut structure = sheet::build(&shape, &fabric, written.model).ok_or_else(|| {
-        Problem::new(
-            key("divisions"),
-            "the cells of the spring network are too elongated for this shear modulus: a spring would push on its own",
-            "make the cells squarer, or use model = \"membrane\"",
-        )
-    })?;
-    let positions = structure.positions_m.clone();
-    let [width, height] = written.size_m;
-    // Gather the width in a smooth bulge, so that the start is neither flat nor torn.
-    let ratio = hung_width_m / width;
-    let bulge = width * (0.5 * (1.0 - ratio * ratio)).max(0.0).sqrt() / std::f64::consts::PI;
-    for (place, rest) in structure.positions_m.iter_mut().zip(&positions) {
-        let s = (rest.x - shape.corner_m.x) / width;
-        let t = (shape.corner_m.z - rest.z) / height;
-        *place = DVec3::new(
-            shape.corner_m.x + s * hung_width_m,
-            rest.y + bulge * (std::f64::consts::PI * s).sin() * (1.0 + 0.2 * t),
-            rest.z,
-        );
-    }
-    for corner in [shape.node(0, 0), shape.node(written.divisions[0], 0)] {
-        structure.held[corner as usize] = true;
-    }
-    Ok(Body::new(structure, &positions, BodyKind::Sheet))
+    Err(Problem::new(
+        format!("{key}.gores"),
+        format!("{key}.gores = {gores} is out of range"),
+        format!("{what} has 3 to 200 gores"),
+    ))
 }
 
-fn check_cable(written: &file::HangingCable, gravity: Option<DVec3>) -> Result<Body, Problem> {
-    const KEY: &str = "structure.cable";
-    let material = check_material(&format!("{KEY}.material"), &written.material)?;
-    let ends = [
-        vector(&format!("{KEY}.ends_m"), written.ends_m[0])?,
-        vector(&format!("{KEY}.ends_m"), written.ends_m[1])?,
-    ];
-    let span_m = ends[0].distance(ends[1]);
-    let length_m = positive(&format!("{KEY}.length_m"), written.length_m)?;
-    if length_m <= span_m {
-        return Err(Problem::new(
-            format!("{KEY}.length_m"),
-            format!("a cable of {length_m} m does not reach over {span_m} m"),
-            "make the cable longer than the distance of its ends",
-        ));
+fn rings(key: &str, rings: usize) -> Result<usize, Problem> {
+    if (2..=500).contains(&rings) {
+        return Ok(rings);
     }
-    if !(2..=100_000).contains(&written.segments) {
-        return Err(Problem::new(
-            format!("{KEY}.segments"),
-            format!("{KEY}.segments = {} is out of range", written.segments),
-            "allowed are 2 to 100000 segments",
-        ));
-    }
-    let weight_n_m = material.mass_per_length_kg_m() * gravity.map_or(0.0, DVec3::length);
-    Ok(Body {
-        structure: cable::build(ends, length_m, written.segments, &material),
-        quality: None,
-        kind: BodyKind::Cable(HangingCable {
-            span_m,
-            length_m,
-            weight_n_m,
+    Err(Problem::new(
+        format!("{key}.rings"),
+        format!("{key}.rings = {rings} is out of range"),
+        "allowed are 2 to 500 rings of triangles; 12 is the least that folds well",
+    ))
+}
+
+fn vent(key: &str, diameter_m: Option<f64>) -> Result<Option<f64>, Problem> {
+    diameter_m
+        .map(|d| positive(&format!("{key}.vent_diameter_m"), d))
+        .transpose()
+}
+
+/// The pattern of a design, or which key is wrong with it.
+fn cut(key: &str, design: Design) -> Result<Cut, Problem> {
+    let pattern = design.pattern().map_err(|fault| {
+        let (name, help) = match fault {
+            DesignFault::Vent(_) if design.shape == Shape::Annular => {
+                ("opening_diameter_m", "give a smaller opening")
+            }
+            DesignFault::Vent(_) => ("vent_diameter_m", "give a smaller vent"),
+            DesignFault::Slots(..) => {
+                ("slot_from_m", "choose slot_from_m and slot_to_m in between")
+            }
+            DesignFault::SlotWidth(_) => (
+                "slot_width_m",
+                "give narrower slots, or 0 for cuts along seams",
+            ),
+        };
+        Problem::new(format!("{key}.{name}"), format!("[{key}]: {fault}"), help)
+    })?;
+    Ok(Cut::Gores(design, pattern))
+}
+
+fn flat_circular(file: &File, t: &file::FlatCircular) -> Result<Body, Problem> {
+    let key = "structure.flat_circular";
+    let nominal_area_m2 = positive(&format!("{key}.nominal_area_m2"), t.nominal_area_m2)?;
+    let gores = gores(key, t.gores, "a flat circular canopy")?;
+    let rings = rings(key, t.rings)?;
+    let cut = match vent(key, t.vent_diameter_m)? {
+        None => Cut::Circle(FlatCircular {
+            nominal_area_m2,
+            gores,
+            rings,
         }),
-    })
+        vent_diameter_m => cut(
+            key,
+            Design {
+                nominal_area_m2,
+                gores,
+                rings,
+                vent_diameter_m,
+                shape: Shape::Conical {
+                    cone_angle_rad: 0.0,
+                    slots: None,
+                },
+            },
+        )?,
+    };
+    let canopy = Written {
+        key,
+        cut,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn cone_angle(key: &str, degrees: f64) -> Result<f64, Problem> {
+    within(&format!("{key}.cone_angle_deg"), degrees, 0.0, 60.0).map(f64::to_radians)
+}
+
+fn conical(file: &File, t: &file::Conical) -> Result<Body, Problem> {
+    let key = "structure.conical";
+    let design = Design {
+        nominal_area_m2: positive(&format!("{key}.nominal_area_m2"), t.nominal_area_m2)?,
+        gores: gores(key, t.gores, "a conical canopy")?,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: vent(key, t.vent_diameter_m)?,
+        shape: Shape::Conical {
+            cone_angle_rad: cone_angle(key, t.cone_angle_deg)?,
+            slots: None,
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn slotted(file: &File, t: &file::Slotted) -> Result<Body, Problem> {
+    let key = "structure.slotted";
+    let count = gores(key, t.gores, "a slotted canopy")?;
+    if t.slots == 0 || !count.is_multiple_of(t.slots) {
+        return Err(Problem::new(
+            format!("{key}.slots"),
+            format!("{key}.slots = {} does not divide {count} gores", t.slots),
+            "slots lie along seams, evenly around the canopy: give a divisor of the number of gores",
+        ));
+    }
+    let width = format!("{key}.slot_width_m");
+    let design = Design {
+        nominal_area_m2: positive(&format!("{key}.nominal_area_m2"), t.nominal_area_m2)?,
+        gores: count,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: vent(key, t.vent_diameter_m)?,
+        shape: Shape::Conical {
+            cone_angle_rad: cone_angle(
+                key,
+                usual::or(format!("{key}.cone_angle_deg"), t.cone_angle_deg, 0.0),
+            )?,
+            slots: Some(RadialSlots {
+                count: t.slots,
+                width_m: within(&width, t.slot_width_m, 0.0, 1e3)?,
+                from_m: positive(&format!("{key}.slot_from_m"), t.slot_from_m)?,
+                to_m: positive(&format!("{key}.slot_to_m"), t.slot_to_m)?,
+            }),
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn extended_skirt(file: &File, t: &file::ExtendedSkirt) -> Result<Body, Problem> {
+    let key = "structure.extended_skirt";
+    let of = |name: &str| format!("{key}.{name}");
+    let design = Design {
+        nominal_area_m2: positive(&of("nominal_area_m2"), t.nominal_area_m2)?,
+        gores: gores(key, t.gores, "an extended-skirt canopy")?,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: vent(key, t.vent_diameter_m)?,
+        shape: Shape::ExtendedSkirt {
+            extension_ratio: within(&of("extension_ratio"), t.extension_ratio, 0.01, 0.5)?,
+            skirt_width_ratio: within(
+                &of("skirt_width_ratio"),
+                usual::or(of("skirt_width_ratio"), t.skirt_width_ratio, 1.0),
+                0.5,
+                1.0,
+            )?,
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn annular(file: &File, t: &file::Annular) -> Result<Body, Problem> {
+    let key = "structure.annular";
+    let of = |name: &str| format!("{key}.{name}");
+    if t.apex_guide_n_m.is_some() {
+        return Err(Problem::new(
+            of("apex_guide_n_m"),
+            "an annular canopy has no apex that could be guided",
+            "remove apex_guide_n_m",
+        ));
+    }
+    let design = Design {
+        nominal_area_m2: positive(&of("nominal_area_m2"), t.nominal_area_m2)?,
+        gores: gores(key, t.gores, "an annular canopy")?,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: Some(positive(&of("opening_diameter_m"), t.opening_diameter_m)?),
+        shape: Shape::Annular,
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn disk_gap_band(file: &File, t: &file::DiskGapBand) -> Result<Body, Problem> {
+    let key = "structure.disk_gap_band";
+    let of = |name: &str| format!("{key}.{name}");
+    let nominal_area_m2 = match (t.nominal_area_m2, t.nominal_diameter_m) {
+        (Some(area), None) => positive(&of("nominal_area_m2"), area)?,
+        (None, Some(d)) => 0.25 * PI * positive(&of("nominal_diameter_m"), d)?.powi(2),
+        _ => {
+            return Err(Problem::new(
+                of("nominal_area_m2"),
+                format!("[{key}] needs exactly one of nominal_area_m2 and nominal_diameter_m"),
+                "keep one of the two",
+            ));
+        }
+    };
+    let nominal_diameter_m = (4.0 * nominal_area_m2 / PI).sqrt();
+    let count = gores(key, t.gores, "a disk-gap-band canopy")?;
+    let disk_diameter_m = positive(
+        &of("disk_diameter_m"),
+        usual::or(
+            of("disk_diameter_m"),
+            t.disk_diameter_m,
+            VIKING_DISK * nominal_diameter_m,
+        ),
+    )?;
+    let gap_width_m = positive(
+        &of("gap_width_m"),
+        usual::or(
+            of("gap_width_m"),
+            t.gap_width_m,
+            VIKING_GAP * nominal_diameter_m,
+        ),
+    )?;
+    // Around a polygon of the disk's area.
+    let half_gore = PI / count as f64;
+    let around_m = disk_diameter_m * (PI * count as f64 * half_gore.tan()).sqrt();
+    let disk_m2 = 0.25 * PI * disk_diameter_m * disk_diameter_m;
+    let left_m = (nominal_area_m2 - disk_m2) / around_m - gap_width_m;
+    let band_width_m = match t.band_width_m {
+        None if left_m > 0.0 => usual::noted(of("band_width_m"), left_m),
+        None => {
+            return Err(Problem::new(
+                of("disk_diameter_m"),
+                format!(
+                    "disk and gap take {:.4} m² of {nominal_area_m2:.4} m²: nothing is left for the band",
+                    disk_m2 + around_m * gap_width_m
+                ),
+                "give a smaller disk or gap: the nominal area is that of disk, vent, gap and band",
+            ));
+        }
+        Some(band) => {
+            let band = positive(&of("band_width_m"), band)?;
+            let area = disk_m2 + around_m * (gap_width_m + band);
+            if (area / nominal_area_m2 - 1.0).abs() > AREA_TOLERANCE {
+                return Err(Problem::new(
+                    of("band_width_m"),
+                    format!(
+                        "disk, vent, gap and band have {area:.4} m², not the nominal {nominal_area_m2:.4} m²"
+                    ),
+                    format!(
+                        "leave out band_width_m to take what is left ({left_m:.4} m), or correct the others"
+                    ),
+                ));
+            }
+            band
+        }
+    };
+    let design = Design {
+        nominal_area_m2,
+        gores: count,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: vent(key, Some(t.vent_diameter_m))?,
+        shape: Shape::DiskGapBand {
+            disk_diameter_m,
+            gap_width_m,
+            band_width_m,
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+fn cruciform(file: &File, t: &file::Cruciform) -> Result<Body, Problem> {
+    let key = "structure.cruciform";
+    let of = |name: &str| format!("{key}.{name}");
+    let length_m = positive(&of("length_m"), t.length_m)?;
+    let width_m = positive(&of("width_m"), t.width_m)?;
+    if length_m <= 1.05 * width_m {
+        return Err(Problem::new(
+            of("length_m"),
+            format!("{key}: rectangles of {length_m} m by {width_m} m leave no arms"),
+            "length_m is that of one whole rectangle, end to end: make it longer than width_m; 3 to 4 times is usual",
+        ));
+    }
+    let lines_per_end = match &file.lines {
+        Some(lines) => lines_per_end(lines)?,
+        None => return Err(absent("lines", NEEDS_LINES)),
+    };
+    let design = Design {
+        nominal_area_m2: width_m * (2.0 * length_m - width_m),
+        gores: 4,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: None,
+        shape: Shape::Cruciform {
+            length_m,
+            width_m,
+            lines_per_end,
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
 }

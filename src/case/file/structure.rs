@@ -4,9 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::bodies::Rotation;
-use super::canopy::{
-    Annular, Conical, Cruciform, DiskGapBand, ExtendedSkirt, FlatCircular, Slotted,
-};
+use super::canopy::{CanopyCommon, Folding};
 use super::fabric::CableMaterial;
 use super::wing::Wing;
 use crate::geometry::mesh::doctor::Kind;
@@ -95,6 +93,144 @@ impl Structure {
                 .collect(),
             _ => Vec::new(),
         }
+    }
+}
+
+/// A table of a canopy: what all have, and keys of its own.
+macro_rules! canopy_table {
+    ($(#[$about:meta])* $name:ident { $($(#[$meaning:meta])* $key:ident: $kind:ty),* $(,)? }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$meaning])* pub $key: $kind,)*
+            /// Rings of triangles from vent or apex to the skirt; at least 12 for results.
+            pub rings: usize,
+            /// Where all lines meet [m]. It is held, unless it carries a payload.
+            pub confluence_m: [f64; 3],
+            /// Stiffness of a lateral spring at the apex, or where vent lines cross [N/m]; absent: none.
+            pub apex_guide_n_m: Option<f64>,
+            /// How the canopy is folded at the start.
+            pub folding: Folding,
+        }
+
+        impl $name {
+            /// What all canopies have.
+            pub(in crate::case) fn common(&self) -> CanopyCommon {
+                CanopyCommon {
+                    confluence_m: self.confluence_m,
+                    apex_guide_n_m: self.apex_guide_n_m,
+                    folding: self.folding.clone(),
+                }
+            }
+        }
+    };
+}
+
+canopy_table! {
+    /// A circle of fabric; with a vent a polygon.
+    FlatCircular {
+        /// Nominal area S_0, vent included [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m]; absent: no vent.
+        vent_diameter_m: Option<f64>,
+    }
+}
+
+canopy_table! {
+    /// A cone of gores.
+    Conical {
+        /// Nominal area S_0, vent included [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m]; absent: no vent.
+        vent_diameter_m: Option<f64>,
+        /// Rise of the gores' centre lines from the plane of the skirt, 0 to 60 [°].
+        cone_angle_deg: f64,
+    }
+}
+
+canopy_table! {
+    /// A flat or conical canopy with slots along seams.
+    Slotted {
+        /// Nominal area S_0, vent and slots included [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m]; absent: no vent.
+        vent_diameter_m: Option<f64>,
+        /// Rise of the gores' centre lines from the plane of the skirt, 0 to 60 [°]; 0 if absent.
+        cone_angle_deg: Option<f64>,
+        /// Number of slots, a divisor of `gores`.
+        slots: usize,
+        /// Width of a slot [m]; 0 for cuts along seams.
+        slot_width_m: f64,
+        /// Where slots begin, along the centre line from the constructed apex [m].
+        slot_from_m: f64,
+        /// Where they end [m].
+        slot_to_m: f64,
+    }
+}
+
+canopy_table! {
+    /// A flat circular part with a ring sewn to its edge.
+    ExtendedSkirt {
+        /// Nominal area S_0, vent included [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m]; absent: no vent.
+        vent_diameter_m: Option<f64>,
+        /// Width of the ring over the diameter of the flat part, 0.01 to 0.5.
+        extension_ratio: f64,
+        /// Width of a gore at the skirt over that at the edge of the flat part, 0.5 to 1; 1 if absent.
+        skirt_width_ratio: Option<f64>,
+    }
+}
+
+canopy_table! {
+    /// A ring of fabric. No lines run across its opening or to the edge of it, and there is no guide.
+    Annular {
+        /// Nominal area S_0 of the fabric alone [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the opening's area [m].
+        opening_diameter_m: f64,
+    }
+}
+
+canopy_table! {
+    /// A disk, a gap and a band. What is absent has the proportions of the Viking type (docs/canopies.md). Exactly one of
+    /// `nominal_area_m2` and `nominal_diameter_m`.
+    DiskGapBand {
+        /// Nominal area S_0 of disk, vent, gap and band [m²].
+        nominal_area_m2: Option<f64>,
+        /// Diameter D_0 of a circle of that area [m].
+        nominal_diameter_m: Option<f64>,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m].
+        vent_diameter_m: f64,
+        /// Diameter of a circle of the disk's area [m]; 0.7224 D_0 if absent.
+        disk_diameter_m: Option<f64>,
+        /// Width of the gap [m]; 0.0432 D_0 if absent.
+        gap_width_m: Option<f64>,
+        /// Width of the band [m]; what the nominal area leaves if absent.
+        band_width_m: Option<f64>,
+    }
+}
+
+canopy_table! {
+    /// Two crossed rectangles, one layer where they cross: S_0 = width · (2 length − width).
+    Cruciform {
+        /// Length of one whole rectangle [m].
+        length_m: f64,
+        /// Its width [m].
+        width_m: f64,
     }
 }
 
