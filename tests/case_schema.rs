@@ -193,7 +193,7 @@ fn alternatives() {
             "[bodies.sphere.permeability]\nmaterial = \"pia_c_44378_type_2\"\ndischarge_coefficient = 0.6\n",
             "[bodies.sphere.permeability] needs exactly one of ergun, measured, discharge_coefficient, material",
         ),
-        ("[bodies.sphere.motion.hop]\n", "unknown variant `hop`"),
+        ("[bodies.sphere.motion.hop]\n", "unknown key `hop`"),
     ] {
         std::fs::write(&path, format!("{sphere}\n{added}")).unwrap();
         let output = ripstop(&["check", path.to_str().unwrap()]);

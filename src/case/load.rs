@@ -240,15 +240,16 @@ fn misread(error: &serde_path_to_error::Error<toml::de::Error>) -> Problem {
             is_table.then_some(rest)
         })
         .and_then(|rest| rest.split('`').next());
+    let named = message.replacen("unknown variant", "unknown key", unknown.is_some().into());
     let key = match unknown {
         Some(field) if path == "." => field.to_owned(),
         Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
         _ => path,
     };
-    let help = if message.starts_with("unknown field") {
+    let help = if unknown.is_some() {
         "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
     } else {
         "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
     };
-    Problem::new(key, message, help)
+    Problem::new(key, named, help)
 }
