@@ -13,6 +13,7 @@ mod device_use;
 mod history;
 mod patterns;
 mod pvd;
+mod read_out;
 mod summary;
 mod summary_table;
 mod table;
@@ -31,6 +32,7 @@ pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, Devic
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};
+pub use read_out::ReadOut;
 pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, Quantity, Results, SCHEMA_VERSION, StageTime,
     StopInfo, StructureEvery, Summary, write_summary,

@@ -14,6 +14,7 @@ use super::account::AccountRow;
 use super::atomic::{OutputError, write_atomically};
 use super::comparison::ComparisonRow;
 use super::device_use::DeviceUse;
+use super::read_out::ReadOut;
 use super::validity::{ExpectedError, ValidityRow};
 
 /// Version of the layout of `summary.json`; raised when a field changes its meaning or goes away.
@@ -204,22 +205,20 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// The number `value` in `unit`; one that is not finite becomes `None` with a note.
-    pub fn new(value: f64, unit: &str) -> Self {
-        let value = Some(value);
-        let unit = unit.to_owned();
+    /// The number `value`; one that is not finite becomes `None` with a note. Its unit comes with the read-out that it is put in as.
+    #[must_use]
+    pub fn new(value: f64) -> Self {
         Self {
-            value,
-            unit,
+            value: Some(value),
             ..Self::default()
         }
         .finite()
     }
 
-    /// A quantity in `unit` that could not be determined because of `why`.
-    pub fn missing(unit: &str, why: &str) -> Self {
+    /// A quantity that could not be determined because of `why`.
+    #[must_use]
+    pub fn missing(why: &str) -> Self {
         Self {
-            unit: unit.to_owned(),
             note: Some(why.to_owned()),
             ..Self::default()
         }
@@ -300,12 +299,23 @@ impl Results {
         Self::default()
     }
 
-    /// Puts in `quantity`: at the end, or in place of an earlier one of that `name`.
-    pub fn insert(&mut self, name: &str, quantity: Quantity) {
+    /// Puts in `quantity` as a read-out, in its unit: at the end, or in place of an earlier one of that name.
+    pub fn insert(&mut self, read_out: &ReadOut, mut quantity: Quantity) {
+        read_out.unit.clone_into(&mut quantity.unit);
+        self.put(&read_out.name, quantity);
+    }
+
+    fn put(&mut self, name: &str, quantity: Quantity) {
         match self.entries.iter_mut().find(|(known, _)| known == name) {
             Some((_, earlier)) => *earlier = quantity,
             None => self.entries.push((name.to_owned(), quantity)),
         }
+    }
+
+    /// The number of a read-out; `None` where there is no such result, or it could not be determined.
+    #[must_use]
+    pub fn value(&self, read_out: &ReadOut) -> Option<f64> {
+        self.get(&read_out.name)?.value
     }
 
     /// The result of that name.
@@ -361,7 +371,7 @@ impl<'de> Visitor<'de> for ResultsVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Results, A::Error> {
         let mut results = Results::new();
         while let Some((name, quantity)) = map.next_entry::<String, Quantity>()? {
-            results.insert(&name, quantity);
+            results.put(&name, quantity);
         }
         Ok(results)
     }

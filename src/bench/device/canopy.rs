@@ -12,6 +12,7 @@ use super::{BYTES_PER_CELL, Rows, Stop, load, pass_milliseconds, placement, shor
 use crate::gpu::Device;
 use crate::lattice::Storage;
 use crate::measure::Record;
+use crate::measure::shared::PROJECTED_DIAMETER_RATIO;
 use crate::plan::{AirPlacement, ClothPlacement, Plan, Precision};
 use crate::simulation::Simulation;
 
@@ -156,9 +157,8 @@ fn one(
     let evaluations = (simulation.cost().evaluations - cost.evaluations) as f64 / f64::from(timed);
     let mut record = Record::new(&simulation);
     record.add(&mut simulation)?;
-    let diameter = record
-        .latest("projected_diameter_ratio")
-        .unwrap_or(f64::NAN);
+    let diameter = record.latest(&PROJECTED_DIAMETER_RATIO);
+    let diameter = diameter.unwrap_or(f64::NAN);
     let difference = diameter / *earlier.diameter.get_or_insert(diameter) - 1.0;
     if air == AirPlacement::Gpu(Storage::F32) {
         // Latencies count apart.

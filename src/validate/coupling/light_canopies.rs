@@ -8,6 +8,7 @@ use std::path::Path;
 use super::super::{Gate, Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
+use crate::measure::shared::SLIP_RATIO;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
@@ -115,7 +116,7 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
             }
         }
     }
-    let slips = record.column("slip_ratio");
+    let slips = record.column(&SLIP_RATIO);
     let half = &slips[slips.len() / 2..];
     outcome.slip = half.iter().sum::<f64>() / half.len() as f64;
     session.progress_to(
