@@ -114,10 +114,7 @@ pub(super) fn results(
         quantity.mark_unresolved(why);
     }
     results.insert(&corrected, quantity);
-    results.insert(
-        &PRESSURE_RATIO.of(&prefix),
-        Quantity::new(1.0 / share).with_note(PRESSURE_RATIO.meaning),
-    );
+    results.tell(&PRESSURE_RATIO.of(&prefix), 1.0 / share);
 }
 
 /// The tunnel's section [m²].

@@ -363,7 +363,7 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
     let samples = [window.start, window.end - 1];
     let [markers, momentum_box] = mean_forces_n(record, impulses, samples);
     for (drag, force) in [(&DRAG_MARKERS, markers), (&DRAG_MOMENTUM_BOX, momentum_box)] {
-        results.insert(drag, Quantity::new(force).with_note(drag.meaning));
+        results.tell(drag, force);
     }
     let imbalance = (markers - momentum_box).abs() / markers.abs();
     results.insert(
@@ -378,8 +378,5 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
     results.insert(&SLIP_MEAN, Quantity::new(average(slip)));
     let defects = record.column(&MASS_DEFECT);
     let defect = largest(defects.into_iter().filter(|d| !d.is_nan()).map(f64::abs));
-    results.insert(
-        &MASS_DRIFT,
-        Quantity::new(defect).with_note(MASS_DRIFT.meaning),
-    );
+    results.tell(&MASS_DRIFT, defect);
 }

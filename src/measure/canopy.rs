@@ -56,9 +56,9 @@ results! {
     /// What follows from them.
     RESULTS: "Canopies in air: forces";
     RATIO_AT_RELEASE: "projected_diameter_ratio_at_release", "1", "projected over nominal diameter at release";
-    DRAG: "drag_n", "N", "mean drag coefficient times dynamic pressure and S_0";
+    DRAG: "drag_n", "N", "drag; mean drag coefficient times dynamic pressure and S_0";
     OPENING_FORCE_FACTOR: "opening_force_factor", "1", "largest drag of a sample interval over the mean drag; C_x";
-    DRAG_LINES: "drag_lines_n", "N", "line tensions plus the sheet's own momentum";
+    DRAG_LINES: "drag_lines_n", "N", "mean drag by lines; line tensions plus the sheet's own momentum";
 }
 
 /// A canopy at a sample.
@@ -209,10 +209,7 @@ pub(super) fn results(
         * air.units.density_kg_m3
         * air.wind_or_reference_m_s().powi(2)
         * canopy.nominal_area_m2;
-    results.insert(
-        &DRAG,
-        Quantity::new(drag.value * force).with_note(DRAG.meaning),
-    );
+    results.tell(&DRAG, drag.value * force);
     let peak = column_max(record, &DRAG_COEFFICIENT, released);
     if wind {
         let factor = Quantity::new(peak.1 / drag.value).with_note(&format!(
@@ -262,7 +259,7 @@ fn blockage_results(results: &mut Results, canopy: &Canopy, air: &Air, drag: Mea
     results.insert(
         &PRESSURE_RATIO.of(""),
         if wind {
-            Quantity::new(ratio).with_note(PRESSURE_RATIO.meaning)
+            Quantity::told(&PRESSURE_RATIO, ratio)
         } else {
             missing()
         },
@@ -289,7 +286,7 @@ fn insert_balances(
         (&DRAG_MOMENTUM_BOX, momentum_box),
         (&DRAG_LINES, lines),
     ] {
-        results.insert(drag, Quantity::new(force).with_note(drag.meaning));
+        results.tell(drag, force);
     }
     let spread = largest(
         [
@@ -312,8 +309,5 @@ fn insert_balances(
     results.insert(&SLIP_MEAN, quantity(slip));
     let defects = record.column(&MASS_DEFECT);
     let defect = largest(defects[released..].iter().map(|d| d.abs()));
-    results.insert(
-        &MASS_DRIFT,
-        Quantity::new(defect).with_note(MASS_DRIFT.meaning),
-    );
+    results.tell(&MASS_DRIFT, defect);
 }

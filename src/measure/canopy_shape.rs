@@ -79,11 +79,11 @@ columns! {
         => |now| largest(now.frame.von_mises_pa.iter().copied()), reduced LargestAndMean("von_mises_max_steady_pa"), when STRESSED;
     SHEAR_STRESS_MAX
         => |now| most(now.frame.shear_stress_pa.iter().copied()), reduced LargestAndMean("shear_stress_max_steady_pa"), when STRESSED;
-    SHEAR_STRESS_MIN: "shear_stress_min_pa", "Pa", "smallest shear stress; between warp and fill"
+    SHEAR_STRESS_MIN: "shear_stress_min_pa", "Pa", "smallest shear stress; between warp and weft"
         => |now| least(now.frame.shear_stress_pa.iter().copied()), reduced SmallestAndMean("shear_stress_min_steady_pa"), when STRESSED;
-    SHEAR_STRAIN_MAX: "shear_strain_max", "1", "largest shear strain; between warp and fill"
+    SHEAR_STRAIN_MAX: "shear_strain_max", "1", "largest shear strain; between warp and weft"
         => |now| most(now.frame.shear_strain.iter().copied()), reduced LargestAndMean("shear_strain_max_steady"), when STRESSED;
-    SHEAR_STRAIN_MIN: "shear_strain_min", "1", "smallest shear strain; between warp and fill"
+    SHEAR_STRAIN_MIN: "shear_strain_min", "1", "smallest shear strain; between warp and weft"
         => |now| least(now.frame.shear_strain.iter().copied()), reduced SmallestAndMean("shear_strain_min_steady"), when STRESSED;
     PRINCIPAL_STRAIN_1_MAX: "principal_strain_1_max", "1", "largest first principal strain"
         => |now| most(now.principal_strains(0)), reduced LargestAndMean("principal_strain_1_max_steady"), when STRESSED;

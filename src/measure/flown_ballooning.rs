@@ -115,9 +115,9 @@ results! {
     /// Before the first change of the panels, and after the last.
     RESULTS: "Panel shaping";
     ERROR_MAX: "panel_shaping_error_max_{when}", "1",
-        "largest difference of what is aimed at: flown ballooning, or distance of ribs over the designed one";
-    ERROR_RMS: "panel_shaping_error_rms_{when}", "1", "root of the mean square of it";
-    CELL_WIDTH: "panel_shaping_cell_width_over_designed_{when}", "1", "distance of neighbouring ribs, mean";
+        "largest error of the shaped panels; largest difference of what is aimed at: flown ballooning, or distance of ribs over the designed one";
+    ERROR_RMS: "panel_shaping_error_rms_{when}", "1", "mean error of the shaped panels; root of the mean square of it";
+    CELL_WIDTH: "panel_shaping_cell_width_over_designed_{when}", "1", "width of the cells over the design; distance of neighbouring ribs, mean";
     CHANGES: "panel_shaping_changes", "1", "changes of the panels";
 }
 
@@ -132,7 +132,7 @@ pub(super) fn results(results: &mut Results, steps: &[ShapingStep]) {
     for (read_out, of) in of {
         for (when, step) in [("before", pair.map(|p| p.0)), ("after", pair.map(|p| p.1))] {
             let quantity = match step {
-                Some(step) => Quantity::new(of(step)).with_note(read_out.meaning),
+                Some(step) => Quantity::told(read_out, of(step)),
                 None => Quantity::missing("no panels were shaped"),
             };
             results.insert(&read_out.of(when), quantity);

@@ -13,8 +13,8 @@ use crate::output::{Quantity, Results};
 results! {
     /// Besides the loads of its rows.
     RESULTS: "Wings from files";
-    HELD_FORCE: "held_force_n", "N", "sum of the forces that hold the lines";
-    VOLUME: "volume_m3", "m3", "inside skin and intakes as drawn";
+    HELD_FORCE: "held_force_n", "N", "force on the held lines; sum of the forces that hold the lines";
+    VOLUME: "volume_m3", "m3", "volume; inside skin and intakes as drawn";
     MOVED_MAX: "moved_to_node_max_m", "m", "farthest that the end of a line or strap was moved to a node of the wing";
 }
 
@@ -36,16 +36,7 @@ pub(super) fn results(results: &mut Results, wing: &ImportedWing, structure: &St
         );
     }
     let held: DVec3 = structure.reactions_n.iter().sum();
-    results.insert(
-        &HELD_FORCE,
-        Quantity::new(held.length()).with_note(HELD_FORCE.meaning),
-    );
-    results.insert(
-        &VOLUME,
-        Quantity::new(wing.volume_m3).with_note(VOLUME.meaning),
-    );
-    results.insert(
-        &MOVED_MAX,
-        Quantity::new(wing.moved_max_m).with_note(MOVED_MAX.meaning),
-    );
+    results.tell(&HELD_FORCE, held.length());
+    results.tell(&VOLUME, wing.volume_m3);
+    results.tell(&MOVED_MAX, wing.moved_max_m);
 }

@@ -213,9 +213,9 @@ results! {
     ROW_NEAREST: "load_test_row_{row}_load_over_breaking_load_max", "1", "the same of a row";
     RISER_FORCE: "load_test_riser_force_n", "N", "force of the risers, both halves";
     PART_STRESS: "load_test_{part}_stress_max_pa", "Pa", "largest stress of the part";
-    AREA_RATIO: "load_test_projected_area_ratio", "1", "last step over flight, chords seen from above";
+    AREA_RATIO: "load_test_projected_area_ratio", "1", "area seen from above over that in flight; last step over flight, chords seen from above";
     LEVEL_STRENGTH: "line_strength_level_{level}_over_weight", "1",
-        "sum of breaking loads, counted from the risers up, brakes left out, over the weight in flight; EN 926-1 asks for 14 after bending";
+        "strength of a level of lines; sum of breaking loads, counted from the risers up, brakes left out, over the weight in flight; EN 926-1 asks for 14 after bending";
 }
 
 /// Adds the results of a load test; without steps their names alone.
@@ -292,7 +292,7 @@ pub(super) fn results(
     let first = steps.first().map(|step| read(wing, step));
     let ratio = first.zip(last).map(|(first, last)| {
         let ratio = last.projected_area_m2 / first.projected_area_m2;
-        (ratio, AREA_RATIO.meaning.to_owned())
+        (ratio, AREA_RATIO.detail().unwrap_or_default().to_owned())
     });
     insert(&AREA_RATIO, ratio, untested);
     strengths(results, wing, designed, gravity_m_s2);
@@ -317,9 +317,7 @@ fn strengths(results: &mut Results, wing: &Wing, designed: &Structure, gravity_m
         results.insert(
             &LEVEL_STRENGTH.of(level + 1),
             match strength_of_level_n(wing, level) {
-                Some(strength) => {
-                    Quantity::new(strength / weight_n).with_note(LEVEL_STRENGTH.meaning)
-                }
+                Some(strength) => Quantity::told(&LEVEL_STRENGTH, strength / weight_n),
                 None => Quantity::missing("a line of the level does not tell its breaking_load_n"),
             },
         );

@@ -1,6 +1,7 @@
 //! Read-outs: time series, statistics, named results, and their comparison with the values of others.
 
 mod air;
+mod air_around_wing;
 mod blockage;
 mod bodies;
 pub(crate) mod canopy;

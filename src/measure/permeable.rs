@@ -22,9 +22,9 @@ static PERMEABLE: When<Scene> = When {
 columns! {
     /// Means over the permeable area.
     COLUMNS of [f64; 2], in Scene: "Permeable surfaces in air";
-    THROUGH: "through_velocity_m_s", "m/s", "along the normals of the triangles"
+    THROUGH: "through_velocity_m_s", "m/s", "velocity of the air through the surface; along the normals of the triangles"
         => |now| now[0], reduced Mean, when PERMEABLE;
-    THROUGH_OF_SLIP: "through_velocity_of_slip_m_s", "m/s", "what residual slip adds: the permeability of the method itself"
+    THROUGH_OF_SLIP: "through_velocity_of_slip_m_s", "m/s", "the part of it that residual slip adds; what residual slip adds: the permeability of the method itself"
         => |now| now[1], reduced Mean, when PERMEABLE;
 }
 
@@ -35,7 +35,7 @@ pub(super) fn results(results: &mut Results, record: &Record, scene: &Scene) {
     };
     for column in COLUMNS.reduced(scene, Mean) {
         let values = record.column(column);
-        let what = column.meaning;
+        let what = column.detail().unwrap_or_default();
         let note = format!("mean over the permeable area, second half of the run; {what}");
         results.insert(
             column,

@@ -35,7 +35,7 @@ columns! {
 results! {
     /// What follows from them.
     RESULTS: "Plates in air";
-    DRAG_SUPPORTS: "drag_supports_n", "N", "reaction of the held edge plus the plate's own momentum";
+    DRAG_SUPPORTS: "drag_supports_n", "N", "mean drag by the held edge; reaction of the held edge plus the plate's own momentum";
     PEAK_TO_PEAK: "tip_peak_to_peak_m", "m", "way of the tip from one end of its swing to the other";
 }
 
@@ -98,7 +98,7 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
         .into_iter()
         .zip(routes)
     {
-        results.insert(drag, Quantity::new(force).with_note(drag.meaning));
+        results.tell(drag, force);
     }
     let spread = routes
         .iter()

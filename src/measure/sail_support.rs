@@ -394,7 +394,7 @@ results! {
     /// The figures behind the warnings.
     RESULTS: "Support of a wing's sail";
     REGION_AREA_MAX: "slack_region_area_max_m2", "m2", "area of the largest region without tension";
-    REGIONS: "slack_regions", "1", "without tension and taking at least 15 % of their panel or rib";
+    REGIONS: "slack_regions", "1", "number of regions; without tension and taking at least 15 % of their panel or rib";
     STANDING_OUT_MAX: "rib_standing_out_max", "1", "farthest that a rib stands out between the attachments of its row; over their distance";
     STRESS_OVER_MEAN: "{part}_stress_max_over_mean", "1", "largest stress of the part over its mean";
 }
@@ -415,10 +415,7 @@ pub(super) fn results(
         },
     );
     let count = regions.iter().filter(|r| r.share >= LEAST_SHARE).count();
-    results.insert(
-        &REGIONS,
-        Quantity::new(count as f64).with_note(REGIONS.meaning),
-    );
+    results.tell(&REGIONS, count as f64);
     let standing = standing_ribs(wing, designed, structure);
     let most = standing.iter().max_by(|a, b| a.out.total_cmp(&b.out));
     results.insert(

@@ -19,16 +19,16 @@ results! {
     RISER_FORCE_RIGHT: "riser_force_right_n", "N", "force of all risers of the right half together";
     RISER_FORCE_LEFT: "riser_force_left_n", "N", "force of all risers of the left half together";
     PITCH_GUIDE_FORCE: "pitch_guide_force_n", "N", "force of the pitch guide along x on the nose in the middle";
-    RISER_BALANCE_ERROR: "riser_balance_error", "1", "pressure, weight, pitch guide and reactions of the risers, over the larger of the first two";
-    ROW_LOAD: "row_{row}_load_n", "N", "tension of its risers, both halves";
+    RISER_BALANCE_ERROR: "riser_balance_error", "1", "error of the balance of forces; pressure, weight, pitch guide and reactions of the risers, over the larger of the first two";
+    ROW_LOAD: "row_{row}_load_n", "N", "load of the row; tension of its risers, both halves";
     ROW_SHARE: "row_{row}_load_share", "1", "load of the row over that of all rows";
     ROW_ATTACHMENT_MAX: "row_{row}_attachment_load_max_n", "N", "largest tension of a line of the row at an attachment";
-    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "of the line, riser or tape nearest to breaking";
+    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the line, riser or tape nearest to breaking";
     PART_STRESS_MAX: "{part}_stress_max_pa", "Pa", "largest stress of the part; of panels, ribs, diagonals and mini-ribs";
     PART_WRINKLED: "{part}_wrinkled_area_share", "1", "share of the part's area that is wrinkled";
     PART_SLACK: "{part}_slack_area_share", "1", "share of the part's area that is slack";
-    PROJECTED_SPAN: "projected_span_m", "m", "between the noses of the tip ribs";
-    PITCH: "pitch_deg", "deg", "of the rib in or next to the middle, nose up";
+    PROJECTED_SPAN: "projected_span_m", "m", "span seen from above; between the noses of the tip ribs";
+    PITCH: "pitch_deg", "deg", "pitch; of the rib in or next to the middle, nose up";
 }
 
 /// Adds the results of a wing; `weight_n` is that of fabric and lines.
@@ -116,7 +116,7 @@ fn forces(
     results.insert(
         &RISER_BALANCE_ERROR,
         if scale > 0.0 {
-            Quantity::new(rest.length() / scale).with_note(RISER_BALANCE_ERROR.meaning)
+            Quantity::told(&RISER_BALANCE_ERROR, rest.length() / scale)
         } else {
             Quantity::missing("nothing acts on the wing")
         },
@@ -164,10 +164,7 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
         attachment_max_n,
     } in rows
     {
-        results.insert(
-            &ROW_LOAD.of(&name),
-            Quantity::new(load_n).with_note(ROW_LOAD.meaning),
-        );
+        results.tell(&ROW_LOAD.of(&name), load_n);
         results.insert(
             &ROW_SHARE.of(&name),
             Quantity::new(if sum > 0.0 { load_n / sum } else { 0.0 }),
@@ -193,7 +190,7 @@ pub(super) fn margins(results: &mut Results, wing: &Wing, structure: &StructureF
         if used.is_nan() {
             Quantity::missing("no line material tells its breaking_load_n")
         } else {
-            Quantity::new(used).with_note(LINE_LOAD_SHARE.meaning)
+            Quantity::told(&LINE_LOAD_SHARE, used)
         },
     );
 }
@@ -260,14 +257,8 @@ pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &Structure
 fn shape(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     let place = |node: u32| structure.positions_m[node as usize];
     let [left, right] = wing.wing.tip_noses.map(place);
-    results.insert(
-        &PROJECTED_SPAN,
-        Quantity::new(right.y - left.y).with_note(PROJECTED_SPAN.meaning),
-    );
+    results.tell(&PROJECTED_SPAN, right.y - left.y);
     let [nose, tail] = wing.wing.middle_chord.map(place);
     let chord = tail - nose;
-    results.insert(
-        &PITCH,
-        Quantity::new((-chord.z).atan2(chord.x).to_degrees()).with_note(PITCH.meaning),
-    );
+    results.tell(&PITCH, (-chord.z).atan2(chord.x).to_degrees());
 }

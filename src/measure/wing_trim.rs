@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::read_out::{ReadOut, results};
-use super::shared::{DRAG_COEFFICIENT, LIFT_COEFFICIENT};
 use super::statistics::average;
 use crate::case::wing::Wing;
 use crate::cloth::Structure;
@@ -16,41 +15,35 @@ use crate::trim::Flight;
 results! {
     /// Of a flight.
     RESULTS: "Trims of wings";
-    SPEED: "speed_m_s", "m/s", "along the path";
+    SPEED: "speed_m_s", "m/s", "speed in flight; along the path";
     SINK: "sink_m_s", "m/s", "vertical speed";
-    GLIDE_RATIO: "glide_ratio", "1", "horizontal over vertical speed";
-    ANGLE_OF_ATTACK: "angle_of_attack_deg", "deg", "of the chord in or next to the middle to the stream";
+    GLIDE_RATIO: "glide_ratio", "1", "glide ratio; horizontal over vertical speed";
+    ANGLE_OF_ATTACK: "angle_of_attack_deg", "deg", "angle of attack; of the chord in or next to the middle to the stream";
+    FLIGHT_LIFT: "lift_coefficient", "1", "lift coefficient; on the flat area";
+    FLIGHT_DRAG: "drag_coefficient", "1", "drag coefficient; of all, on the flat area";
     INDUCED_DRAG: "induced_drag_n", "N", "induced drag";
-    INDUCED_SHARE: "induced_drag_share", "1", "share of the induced drag";
+    INDUCED_SHARE: "induced_drag_share", "1", "share of the induced drag; of all drag";
     SECTION_DRAG: "section_drag_n", "N", "drag of the sections, by their polars";
-    SECTION_SHARE: "section_drag_share", "1", "share of the sections' drag";
+    SECTION_SHARE: "section_drag_share", "1", "share of the sections' drag; of all drag";
     LINE_DRAG: "line_drag_n", "N", "drag of the lines";
-    LINE_SHARE: "line_drag_share", "1", "share of the lines' drag";
+    LINE_SHARE: "line_drag_share", "1", "share of the lines' drag; of all drag";
     PILOT_DRAG: "pilot_drag_n", "N", "drag of the pilot";
-    PILOT_SHARE: "pilot_drag_share", "1", "share of the pilot's drag";
-    LIFT: "lift_n", "N", "of wing and lines, across the stream";
-    WEIGHT: "weight_n", "N", "weight of all";
-    INTERNAL_PRESSURE: "internal_pressure_coefficient", "1", "pressure coefficient inside all cells";
-    LIFT_RATIO: "pressure_lift_over_far_wake_lift", "1", "how well panels, and their pressures on the fabric, agree with the far wake";
-    DRAG_RATIO: "pressure_drag_over_induced_drag", "1", "of the pressures on the fabric; traction makes up the difference";
-    SECTION_LIFT_ERROR: "section_lift_error", "1", "largest difference of a strip's lift coefficient from its polar's";
-    PANELS: "panels", "1", "of the half wing";
+    PILOT_SHARE: "pilot_drag_share", "1", "share of the pilot's drag; of all drag";
+    LIFT: "lift_n", "N", "lift; of wing and lines, across the stream";
+    WEIGHT: "weight_n", "N", "weight; of all";
+    INTERNAL_PRESSURE: "internal_pressure_coefficient", "1", "pressure coefficient inside; of all cells";
+    LIFT_RATIO: "pressure_lift_over_far_wake_lift", "1", "lift of pressures over that of the far wake; how well panels, and their pressures on the fabric, agree with the far wake";
+    DRAG_RATIO: "pressure_drag_over_induced_drag", "1", "drag of pressures over induced drag; of the pressures on the fabric; traction makes up the difference";
+    SECTION_LIFT_ERROR: "section_lift_error", "1", "error of the strips' lift; largest difference of a strip's lift coefficient from its polar's";
+    PANELS: "panels", "1", "panels of the wing's surface; of the half wing";
     ITERATIONS: "trim_iterations", "1", "iterations of the trim";
-    TURN_LEFT: "trim_turn_left_deg", "deg", "by which the last balance still turned the wing";
+    TURN_LEFT: "trim_turn_left_deg", "deg", "turn of the last iteration; by which the last balance still turned the wing";
     CELL_WIDTH_MEAN: "cell_width_over_designed_mean", "1", "distance of neighbouring ribs over the designed one, mean";
     CELL_WIDTH_MIN: "cell_width_over_designed_min", "1", "smallest distance of neighbouring ribs over the designed one";
     BALLOONING_FLOWN: "ballooning_flown", "1", "height of the flown upper panels' middle over the distance of the ribs";
     BALLOONING_DESIGNED: "ballooning_designed", "1", "height of the designed upper panels' middle over the distance of the ribs";
-    SECTION_DEVIATION: "section_deviation", "1", "of ribs' outlines from the designed ones, each laid chord on chord: root of the mean square, per chord";
-    ROW_STRETCH_MAX: "row_{row}_stretch_max_mm", "mm", "loaded less unloaded length of the line that stretches most";
-}
-
-/// A number of the flight.
-struct OfFlight {
-    read_out: &'static ReadOut,
-    /// Remark for the reader; empty for none.
-    note: &'static str,
-    of: fn(&Flown) -> f64,
+    SECTION_DEVIATION: "section_deviation", "1", "deviation of the sections; of ribs' outlines from the designed ones, each laid chord on chord: root of the mean square, per chord";
+    ROW_STRETCH_MAX: "row_{row}_stretch_max_mm", "mm", "largest stretch of a line of the row; loaded less unloaded length of the line that stretches most";
 }
 
 /// A flight on a wing of a flat area [m²].
@@ -70,60 +63,35 @@ impl Flown<'_> {
     }
 }
 
-const fn of_flight(
-    read_out: &'static ReadOut,
-    note: &'static str,
-    of: fn(&Flown) -> f64,
-) -> OfFlight {
-    OfFlight { read_out, note, of }
-}
-
-static OF_FLIGHT: [OfFlight; 21] = [
-    of_flight(&SPEED, SPEED.meaning, |f| f.flight.balance.speed_m_s),
-    of_flight(&SINK, "", |f| {
+/// Numbers of the flight.
+static OF_FLIGHT: [(&ReadOut, fn(&Flown) -> f64); 21] = [
+    (&SPEED, |f| f.flight.balance.speed_m_s),
+    (&SINK, |f| {
         f.flight.balance.speed_m_s * f.flight.balance.glide_rad.sin()
     }),
-    of_flight(&GLIDE_RATIO, GLIDE_RATIO.meaning, |f| {
-        1.0 / f.flight.balance.glide_rad.tan()
-    }),
-    of_flight(&ANGLE_OF_ATTACK, ANGLE_OF_ATTACK.meaning, |f| {
-        f.flight.attack_rad.to_degrees()
-    }),
-    of_flight(&LIFT_COEFFICIENT, "on the flat area", |f| {
-        f.over_pressure(f.flight.lift_n)
-    }),
-    of_flight(&DRAG_COEFFICIENT, "of all, on the flat area", |f| {
-        f.over_pressure(f.drag_n())
-    }),
-    of_flight(&INDUCED_DRAG, "", |f| f.flight.induced_drag_n),
-    of_flight(&INDUCED_SHARE, "of all drag", |f| {
-        f.flight.induced_drag_n / f.drag_n()
-    }),
-    of_flight(&SECTION_DRAG, "", |f| f.flight.section_drag_n),
-    of_flight(&SECTION_SHARE, "of all drag", |f| {
-        f.flight.section_drag_n / f.drag_n()
-    }),
-    of_flight(&LINE_DRAG, "", |f| f.flight.line_drag_n),
-    of_flight(&LINE_SHARE, "of all drag", |f| {
-        f.flight.line_drag_n / f.drag_n()
-    }),
-    of_flight(&PILOT_DRAG, "", |f| f.flight.pilot_drag_n),
-    of_flight(&PILOT_SHARE, "of all drag", |f| {
-        f.flight.pilot_drag_n / f.drag_n()
-    }),
-    of_flight(&LIFT, LIFT.meaning, |f| f.flight.lift_n),
-    of_flight(&WEIGHT, "of all", |f| f.flight.weight_n),
-    of_flight(&INTERNAL_PRESSURE, "of all cells", |f| f.flight.inside),
-    of_flight(&LIFT_RATIO, LIFT_RATIO.meaning, |f| {
+    (&GLIDE_RATIO, |f| 1.0 / f.flight.balance.glide_rad.tan()),
+    (&ANGLE_OF_ATTACK, |f| f.flight.attack_rad.to_degrees()),
+    (&FLIGHT_LIFT, |f| f.over_pressure(f.flight.lift_n)),
+    (&FLIGHT_DRAG, |f| f.over_pressure(f.drag_n())),
+    (&INDUCED_DRAG, |f| f.flight.induced_drag_n),
+    (&INDUCED_SHARE, |f| f.flight.induced_drag_n / f.drag_n()),
+    (&SECTION_DRAG, |f| f.flight.section_drag_n),
+    (&SECTION_SHARE, |f| f.flight.section_drag_n / f.drag_n()),
+    (&LINE_DRAG, |f| f.flight.line_drag_n),
+    (&LINE_SHARE, |f| f.flight.line_drag_n / f.drag_n()),
+    (&PILOT_DRAG, |f| f.flight.pilot_drag_n),
+    (&PILOT_SHARE, |f| f.flight.pilot_drag_n / f.drag_n()),
+    (&LIFT, |f| f.flight.lift_n),
+    (&WEIGHT, |f| f.flight.weight_n),
+    (&INTERNAL_PRESSURE, |f| f.flight.inside),
+    (&LIFT_RATIO, |f| {
         f.flight.pressure_lift_n / f.flight.far_lift_n
     }),
-    of_flight(&DRAG_RATIO, DRAG_RATIO.meaning, |f| {
+    (&DRAG_RATIO, |f| {
         f.flight.pressure_drag_n / f.flight.induced_drag_n
     }),
-    of_flight(&SECTION_LIFT_ERROR, SECTION_LIFT_ERROR.meaning, |f| {
-        f.flight.section_residual
-    }),
-    of_flight(&PANELS, PANELS.meaning, |f| f.flight.panels as f64),
+    (&SECTION_LIFT_ERROR, |f| f.flight.section_residual),
+    (&PANELS, |f| f.flight.panels as f64),
 ];
 
 /// Adds the results of a trim; without a flight their names alone.
@@ -146,7 +114,7 @@ pub(super) fn results(
         &TURN_LEFT,
         state.map_or_else(untold, |_| {
             let turn_deg = last.map_or(f64::NAN, |i| i.turn_rad.to_degrees());
-            Quantity::new(turn_deg).with_note(TURN_LEFT.meaning)
+            Quantity::told(&TURN_LEFT, turn_deg)
         }),
     );
     shape(results, wing, designed, structure);
@@ -155,19 +123,13 @@ pub(super) fn results(
 
 fn glide(results: &mut Results, wing: &Wing, flight: Option<&Flight>) {
     let area_m2 = wing.wing.measures.flat_area_m2;
-    for OfFlight { read_out, note, of } in &OF_FLIGHT {
-        let quantity = match flight {
-            Some(flight) => Quantity::new(of(&Flown { flight, area_m2 })),
-            None => Quantity::missing("there is no flight"),
+    for (read_out, of) in &OF_FLIGHT {
+        let quantity = match (flight, read_out.detail()) {
+            (Some(flight), None) => Quantity::new(of(&Flown { flight, area_m2 })),
+            (Some(flight), Some(_)) => Quantity::told(read_out, of(&Flown { flight, area_m2 })),
+            (None, _) => Quantity::missing("there is no flight"),
         };
-        results.insert(
-            read_out,
-            if note.is_empty() || flight.is_none() {
-                quantity
-            } else {
-                quantity.with_note(note)
-            },
-        );
+        results.insert(read_out, quantity);
     }
 }
 
@@ -234,10 +196,7 @@ fn shape(results: &mut Results, wing: &Wing, designed: &Structure, flown: &Struc
             ),
         );
     }
-    results.insert(
-        &SECTION_DEVIATION,
-        Quantity::new(section_deviation(wing, positions)).with_note(SECTION_DEVIATION.meaning),
-    );
+    results.tell(&SECTION_DEVIATION, section_deviation(wing, positions));
 }
 
 /// Root of the mean square deviation of outlines, each turned to its chord and scaled by it.
@@ -289,9 +248,9 @@ fn lines(results: &mut Results, wing: &Wing, designed: &Structure, flown: &Struc
             let [a, b] = cable.nodes.map(|n| flown.positions_m[n as usize]);
             (a.distance(b) - cable.rest_length_m).max(0.0)
         });
-        results.insert(
+        results.tell(
             &ROW_STRETCH_MAX.of(name),
-            Quantity::new(1e3 * stretched.fold(0.0, f64::max)).with_note(ROW_STRETCH_MAX.meaning),
+            1e3 * stretched.fold(0.0, f64::max),
         );
     }
 }

@@ -9,7 +9,7 @@ pub struct ReadOut {
     pub name: Cow<'static, str>,
     /// SI unit, `1` for a plain number.
     pub unit: &'static str,
-    /// What it is: a phrase for an axis, then, behind a semicolon, details.
+    /// What it is: a phrase for axes; behind a semicolon details, which become the remark of the result.
     pub meaning: &'static str,
 }
 
@@ -59,6 +59,12 @@ impl ReadOut {
         }
     }
 
+    /// What the meaning says behind its first phrase.
+    #[must_use]
+    pub fn detail(&self) -> Option<&'static str> {
+        self.meaning.split_once("; ").map(|(_, detail)| detail)
+    }
+
     /// What an axis says: the first phrase of the meaning, and the unit.
     #[must_use]
     pub fn label(&self) -> String {
@@ -84,6 +90,7 @@ mod tests {
         assert_eq!(load.of("a").name, "row_a_load_n");
         assert!(load.covers("row_a_load_n") && !load.covers("row_a_load_share"));
         assert_eq!(load.label(), "tension of its risers [N]");
+        assert_eq!(load.detail(), Some("both halves"));
         let drag = ReadOut::new("{body}drag_coefficient", "1", "drag coefficient");
         assert_eq!(drag.of("").name, "drag_coefficient");
         assert_eq!(drag.label(), "drag coefficient");

@@ -215,6 +215,12 @@ impl Quantity {
         .finite()
     }
 
+    /// A number with the details of its read-out's meaning, or all of a short one, as a note.
+    #[must_use]
+    pub fn told(read_out: &ReadOut, value: f64) -> Self {
+        Self::new(value).with_note(read_out.detail().unwrap_or(read_out.meaning))
+    }
+
     /// A quantity that could not be determined because of `why`.
     #[must_use]
     pub fn missing(why: &str) -> Self {
@@ -303,6 +309,11 @@ impl Results {
     pub fn insert(&mut self, read_out: &ReadOut, mut quantity: Quantity) {
         read_out.unit.clone_into(&mut quantity.unit);
         self.put(&read_out.name, quantity);
+    }
+
+    /// The same of a number with a note from its meaning.
+    pub fn tell(&mut self, read_out: &ReadOut, value: f64) {
+        self.insert(read_out, Quantity::told(read_out, value));
     }
 
     fn put(&mut self, name: &str, quantity: Quantity) {
