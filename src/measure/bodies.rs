@@ -38,7 +38,7 @@ columns! {
     /// Of every body; a scene with more than one thing in the air puts the body's name before them.
     COLUMNS of Moment, in Scene: "Rigid bodies in air";
     BODY_DRAG: "{body}drag_coefficient", "1", "drag coefficient; on ½ ρ U² and the reference area"
-        => |now| now.force_n.dot(now.along) / now.scale_n;
+        => |now| now.force_n.dot(now.along) / now.scale_n, reduced MeanOf;
     BODY_LIFT: "{body}lift_coefficient", "1", "lift coefficient, along z" => |now| now.force_n.z / now.scale_n, reduced MeanOf;
     BODY_SIDE_FORCE: "{body}side_force_coefficient", "1", "coefficient of the side force, along y" => |now| now.force_n.y / now.scale_n, reduced MeanOf;
     BODY_FORCE_X: "{body}force_x_n", "N", "force of the air along x" => |now| now.force_n.x, reduced MeanOf;
@@ -312,6 +312,10 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
         }
         quantity
     };
+    for column in COLUMNS.reduced(scene, MeanOf).map(own) {
+        let mean = averaging.mean(record, &column);
+        results.insert(&column, marked(self::quantity(mean)));
+    }
     let drag = averaging.mean(record, &own(&BODY_DRAG));
     let mut quantity = marked(self::quantity(drag));
     if let Some((reference, source)) = reference_drag(air, body) {
@@ -320,10 +324,6 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
     let note = averaging.note(&drags, length);
     results.insert(&own(&BODY_DRAG), quantity.with_note(&note));
     blockage::results(results, (scene, air, body), drag, unsettled.as_deref());
-    for column in COLUMNS.reduced(scene, MeanOf).map(own) {
-        let mean = averaging.mean(record, &column);
-        results.insert(&column, marked(self::quantity(mean)));
-    }
     let lift = &lift[samples.clone()];
     results.insert(
         &own(&STROUHAL_NUMBER),

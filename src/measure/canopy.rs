@@ -28,7 +28,7 @@ columns! {
     COLUMNS of Moment, in Scene: "Canopies in air: forces";
     TIME => |now| now.time_s;
     WIND_SPEED => |now| now.wind_m_s;
-    DRAG_COEFFICIENT => |now| now.forces.markers_n.x / now.dynamic_force_n;
+    DRAG_COEFFICIENT => |now| now.forces.markers_n.x / now.dynamic_force_n, reduced MeanOf;
     DRAG_COEFFICIENT_MOMENTUM_BOX: "drag_coefficient_momentum_box", "1", "drag coefficient by the momentum of a box of air"
         => |now| now.forces.momentum_box_n.x / now.dynamic_force_n;
     DRAG_COEFFICIENT_LINES: "drag_coefficient_lines", "1", "drag coefficient by the tension of lines and the sheet's own momentum"
@@ -39,7 +39,7 @@ columns! {
     IMPULSE_MOMENTUM_BOX => |now| now.forces.impulse.momentum_box.x;
     IMPULSE_LINES: "impulse_lines_n_s", "N s", "impulse of lines, and of the sheet itself, along x; since release"
         => |now| now.forces.impulse.supports.x;
-    PROJECTED_DIAMETER_RATIO => |now| (now.shape.projected_area_m2 / now.nominal_area_m2).sqrt();
+    PROJECTED_DIAMETER_RATIO => |now| (now.shape.projected_area_m2 / now.nominal_area_m2).sqrt(), reduced MeanOf;
     HEIGHT => |now| now.shape.height_m, reduced MeanOf;
     LINE_TENSION_MEAN: "line_tension_mean_n", "N", "mean tension of the suspension lines"
         => |now| average(&now.line_tensions_n()), reduced MeanOf;
@@ -171,6 +171,16 @@ pub(super) fn results(
             }
         )
     });
+    let times = record.column(&TIME);
+    let released = released(&times);
+    let mean = |column: &_| quantity(steady::mean(record, column, &window));
+    let of_forces = COLUMNS.of(scene).map(|row| (row.read_out, row.reduced));
+    let shape = record.canopy();
+    let of_shape = shape
+        .into_iter()
+        .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
+    let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
+    reduce(results, record, of_forces.chain(of_shape), released, mean);
     let drag = steady::mean(record, &DRAG_COEFFICIENT, &window);
     let mut drag_quantity = quantity(drag);
     if let Some(note) = &indicative {
@@ -188,21 +198,9 @@ pub(super) fn results(
     if matches!(air.flow, Flow::WindTunnel { .. }) {
         blockage_results(results, canopy, air, drag, wind);
     }
-    let ratio = steady::mean(record, &PROJECTED_DIAMETER_RATIO, &window);
-    results.insert(&PROJECTED_DIAMETER_RATIO, quantity(ratio));
-    let times = record.column(&TIME);
-    let released = released(&times);
     let at_release = record.column(&PROJECTED_DIAMETER_RATIO)[released];
     results.insert(&RATIO_AT_RELEASE, Quantity::new(at_release));
     opening::inflation(results, record, released, unit_s);
-    let mean = |column: &_| quantity(steady::mean(record, column, &window));
-    let of_forces = COLUMNS.of(scene).map(|row| (row.read_out, row.reduced));
-    let shape = record.canopy();
-    let of_shape = shape
-        .into_iter()
-        .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
-    let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
-    reduce(results, record, of_forces.chain(of_shape), released, mean);
     opening::line_sides(results, record, &window);
     opening::oscillations(results, record, &window);
     let force = 0.5

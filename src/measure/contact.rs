@@ -1,6 +1,6 @@
 //! Where fabric meets itself.
 
-use super::read_out::Reduction::LargestAs;
+use super::read_out::Reduction::{LargestAs, Smallest};
 use super::read_out::{ReadOut, When, columns};
 use super::record::Record;
 use crate::case::Scene;
@@ -18,8 +18,8 @@ static CONTACT: When<Scene> = When {
 columns! {
     /// No gap where nothing is closer than the thickness.
     COLUMNS of ContactState, in Scene: "Fabric with contact";
-    SMALLEST_GAP: "smallest_gap_m", "m", "smallest gap between middle surfaces; the result is the smallest of all samples"
-        => |now| if now.smallest_gap_m.is_finite() { now.smallest_gap_m } else { f64::NAN }, when CONTACT;
+    SMALLEST_GAP: "smallest_gap_m", "m", "smallest gap between middle surfaces"
+        => |now| if now.smallest_gap_m.is_finite() { now.smallest_gap_m } else { f64::NAN }, reduced Smallest, when CONTACT;
     ENERGY: "contact_energy_j", "J", "energy of contact"
         => |now| now.energy_j, reduced LargestAs("contact_energy_max_j"), when CONTACT;
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::catenary;
 use super::impulses::Forces;
 use super::plate;
-use super::read_out::Reduction::Mean;
+use super::read_out::Reduction::{Last, Mean};
 use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
 use super::reduce::second_half;
@@ -46,8 +46,8 @@ columns! {
     ALONE of Fabric, in Scene: "Fabric and cables without air";
     TIME => |now| now.time_s;
     LOWEST_POINT: "lowest_point_m", "m", "height of the lowest node"
-        => |now| now.frame.positions_m.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    TENSION_MAX => |now| now.tension_max_n_m();
+        => |now| now.frame.positions_m.iter().map(|p| p.z).fold(f64::INFINITY, f64::min), reduced Last;
+    TENSION_MAX => |now| now.tension_max_n_m(), reduced Last;
     ALONE_ENERGY: "kinetic_energy_j", "J", "kinetic energy of fabric and cables" => |now| now.kinetic_energy_j;
     FASTEST_NODE => |now| now.speeds_m_s().fold(0.0, f64::max);
 }
@@ -55,6 +55,10 @@ columns! {
 results! {
     /// The state at the end of fabric and cables without air.
     RESULTS: "Fabric and cables without air";
+    STRESS_MAX;
+    VON_MISES_MAX;
+    SHEAR_STRESS_MAX;
+    LINE_TENSION_MAX;
     SAG: "sag_m", "m", "sag of a cable";
     HORIZONTAL_TENSION: "horizontal_tension_n", "N", "horizontal tension of a cable";
     END_TENSION: "end_tension_n", "N", "tension of a cable at its ends";

@@ -121,10 +121,13 @@ results! {
     CHANGES: "panel_shaping_changes", "1", "changes of the panels";
 }
 
+/// A number of a step.
+type OfStep = fn(&ShapingStep) -> f64;
+
 /// Adds the results of a panel shaping; without steps their names alone.
 pub(super) fn results(results: &mut Results, steps: &[ShapingStep]) {
     let pair = steps.first().zip(steps.last());
-    let of: [(_, fn(&ShapingStep) -> f64); 3] = [
+    let of: [(_, OfStep); 3] = [
         (&ERROR_MAX, |step| step.error_max),
         (&ERROR_RMS, |step| step.error_rms),
         (&CELL_WIDTH, |step| step.cell_width_ratio),

@@ -35,6 +35,7 @@ columns! {
 results! {
     /// What follows from them.
     RESULTS: "Plates in air";
+    DRAG_COEFFICIENT;
     DRAG_SUPPORTS: "drag_supports_n", "N", "mean drag by the held edge; reaction of the held edge plus the plate's own momentum";
     PEAK_TO_PEAK: "tip_peak_to_peak_m", "m", "way of the tip from one end of its swing to the other";
 }

@@ -19,6 +19,8 @@ pub(super) enum Reduction {
     LargestAndMean(&'static str),
     /// The smallest from the release on, and the mean under another name.
     SmallestAndMean(&'static str),
+    /// The smallest of all samples is the result of the same name.
+    Smallest,
     /// The largest from the release on is the result of another name.
     LargestAs(&'static str),
     /// The last sample is the result of the same name.
@@ -31,6 +33,7 @@ impl Reduction {
             Self::None => String::new(),
             Self::Mean => "mean".to_owned(),
             Self::Largest => "largest".to_owned(),
+            Self::Smallest => "smallest".to_owned(),
             Self::LargestAndMean(mean) => format!("largest; mean as `{mean}`"),
             Self::SmallestAndMean(mean) => format!("smallest; mean as `{mean}`"),
             Self::LargestAs(largest) => format!("largest as `{largest}`"),
@@ -184,7 +187,9 @@ impl Row {
         let other = |name| self.read_out.named(name);
         match self.reduced {
             Reduction::None => Vec::new(),
-            Reduction::Mean | Reduction::Largest | Reduction::Last => vec![own()],
+            Reduction::Mean | Reduction::Largest | Reduction::Smallest | Reduction::Last => {
+                vec![own()]
+            }
             Reduction::LargestAndMean(name) | Reduction::SmallestAndMean(name) => {
                 vec![own(), other(name)]
             }
@@ -270,18 +275,19 @@ macro_rules! columns {
     };
 }
 
-/// Declares results that are no columns, with a handle for each: `HANDLE: "name", "unit", "meaning";`.
+/// Declares results that are no columns, with a handle for each: `HANDLE: "name", "unit", "meaning";`. A row without a name is one
+/// that another file declares.
 macro_rules! results {
     (
         $(#[$doc:meta])*
         $table:ident: $title:literal;
-        $( $handle:ident: $name:literal, $unit:literal, $meaning:expr; )+
+        $( $handle:ident $( : $name:literal, $unit:literal, $meaning:literal )? ; )+
     ) => {
-        $(
-            #[doc = concat!("Result `", $name, "`.")]
+        $( $(
+            #[doc = concat!("Result: ", $meaning, ".")]
             pub(crate) static $handle: $crate::output::ReadOut =
                 $crate::output::ReadOut::new($name, $unit, $meaning);
-        )+
+        )? )+
         $(#[$doc])*
         pub(super) static $table: $crate::measure::read_out::Declared =
             $crate::measure::read_out::Declared { title: $title, rows: &[ $( &$handle ),+ ] };

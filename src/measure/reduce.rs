@@ -55,7 +55,7 @@ pub(super) fn reduce(
     };
     for (column, reduction) in columns {
         match reduction {
-            Reduction::None | Reduction::Last | Reduction::LargestAs(_) => {}
+            Reduction::None | Reduction::Last | Reduction::Smallest | Reduction::LargestAs(_) => {}
             Reduction::Mean => results.insert(column, mean(column)),
             Reduction::Largest => results.insert(column, largest(column)),
             Reduction::LargestAndMean(steady) => {

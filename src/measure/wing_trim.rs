@@ -63,8 +63,11 @@ impl Flown<'_> {
     }
 }
 
-/// Numbers of the flight.
-static OF_FLIGHT: [(&ReadOut, fn(&Flown) -> f64); 21] = [
+/// A number of the flight.
+type OfFlight = (&'static ReadOut, fn(&Flown) -> f64);
+
+/// All of them.
+static OF_FLIGHT: [OfFlight; 21] = [
     (&SPEED, |f| f.flight.balance.speed_m_s),
     (&SINK, |f| {
         f.flight.balance.speed_m_s * f.flight.balance.glide_rad.sin()

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::air_around_wing::{Around, InWind, air_around};
 use super::impulses::Forces;
-use super::read_out::Reduction::Mean as MeanOf;
+use super::read_out::Reduction::{Last, Mean as MeanOf};
 use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
 use super::shared::{
@@ -27,8 +27,8 @@ use crate::simulation::Simulation;
 columns! {
     /// What comes before the columns of rows and cells.
     COLUMNS of Moment, in Scene: "Wings in air";
-    LIFT_COEFFICIENT => |now| now.forces.markers_n.z / now.scale_n;
-    DRAG_COEFFICIENT => |now| now.forces.markers_n.x / now.scale_n;
+    LIFT_COEFFICIENT => |now| now.forces.markers_n.z / now.scale_n, reduced MeanOf;
+    DRAG_COEFFICIENT => |now| now.forces.markers_n.x / now.scale_n, reduced MeanOf;
     IMPULSE_Z_MARKERS: "impulse_z_markers_n_s", "N s", "impulse of the air along z by markers; since release"
         => |now| now.forces.impulse.markers.z;
     IMPULSE_Z_MOMENTUM_BOX: "impulse_z_momentum_box_n_s", "N s", "the same by the momentum of a box of air"
@@ -44,7 +44,7 @@ columns! {
         }, reduced MeanOf;
     REVERSE_FLOW_AREA: "reverse_flow_area_m2", "m2", "area of reverse flow in the middle section; outside the wing"
         => |now| now.air.reverse_flow_m2, reduced MeanOf;
-    STRESS_MAX => |now| largest(now.structure.stress_pa.iter().copied());
+    STRESS_MAX => |now| largest(now.structure.stress_pa.iter().copied()), reduced Last;
     PITCH => |now| (-now.chord_m.z).atan2(now.chord_m.x).to_degrees(), reduced MeanOf;
     DEFLECTION: "trailing_edge_deflection_deg", "deg", "deflection of the trailing edge in the middle; behind the last row before it, against the design"
         => |now| now.deflection_deg, reduced MeanOf;
@@ -257,9 +257,10 @@ pub(super) fn results(
             None => told,
         }
     };
+    for column in COLUMNS.reduced(scene, MeanOf) {
+        results.insert(column, quantity(mean(column)));
+    }
     let (lift, drag) = (mean(&LIFT_COEFFICIENT), mean(&DRAG_COEFFICIENT));
-    results.insert(&LIFT_COEFFICIENT, quantity(lift));
-    results.insert(&DRAG_COEFFICIENT, quantity(drag));
     results.insert(
         &LIFT_TO_DRAG,
         if drag.value == 0.0 {
@@ -268,9 +269,6 @@ pub(super) fn results(
             Quantity::told(&LIFT_TO_DRAG, lift.value / drag.value)
         },
     );
-    for column in COLUMNS.reduced(scene, MeanOf) {
-        results.insert(column, quantity(mean(column)));
-    }
     rows(results, &known, &mean, &quantity);
     inside(results, &known, &mean, &quantity);
     filling(results, record, &known);
