@@ -173,14 +173,6 @@ pub(super) fn results(
     });
     let times = record.column(&TIME);
     let released = released(&times);
-    let mean = |column: &_| quantity(steady::mean(record, column, &window));
-    let of_forces = COLUMNS.of(scene).map(|row| (row.read_out, row.reduced));
-    let shape = record.canopy();
-    let of_shape = shape
-        .into_iter()
-        .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
-    let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
-    reduce(results, record, of_forces.chain(of_shape), released, mean);
     let drag = steady::mean(record, &DRAG_COEFFICIENT, &window);
     let mut drag_quantity = quantity(drag);
     if let Some(note) = &indicative {
@@ -198,9 +190,20 @@ pub(super) fn results(
     if matches!(air.flow, Flow::WindTunnel { .. }) {
         blockage_results(results, canopy, air, drag, wind);
     }
+    let mean = |column: &_| quantity(steady::mean(record, column, &window));
+    results.insert(&PROJECTED_DIAMETER_RATIO, mean(&PROJECTED_DIAMETER_RATIO));
     let at_release = record.column(&PROJECTED_DIAMETER_RATIO)[released];
     results.insert(&RATIO_AT_RELEASE, Quantity::new(at_release));
     opening::inflation(results, record, released, unit_s);
+    let of_forces = COLUMNS.of(scene).map(|row| (row.read_out, row.reduced));
+    // The mean drag stands there with its remarks already.
+    let of_forces = of_forces.filter(|(column, _)| column.name != DRAG_COEFFICIENT.name);
+    let shape = record.canopy();
+    let of_shape = shape
+        .into_iter()
+        .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
+    let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
+    reduce(results, record, of_forces.chain(of_shape), released, mean);
     opening::line_sides(results, record, &window);
     opening::oscillations(results, record, &window);
     let force = 0.5
