@@ -84,7 +84,7 @@ fn sample(simulation: &mut Simulation, record: &mut Record, steps: usize) -> f64
         simulation.advance().unwrap();
     }
     record.add(simulation).unwrap();
-    latest(&record, "drag_coefficient").unwrap()
+    latest(record, "drag_coefficient").unwrap()
 }
 
 #[derive(Clone, Copy)]
