@@ -11,10 +11,9 @@ use std::time::Instant;
 use crate::case::{self, Case, CaseError, Choices};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::Operator;
-use crate::measure::Record;
 use crate::measure::flow_past_bodies::{disk_drag, sphere_drag};
 use crate::measure::shared::{IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, TIME};
-use crate::output::ReadOut;
+use crate::measure::{ReadOut, Record};
 use crate::plan::{AirPlacement, Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 

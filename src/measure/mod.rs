@@ -55,7 +55,7 @@ pub use load_test::{
     LoadReading, Nearest, first_failure, line_names, parts as wing_parts, read as read_load_step,
 };
 pub use opening::skirt_spectrum;
-pub use read_out::Group;
+pub use read_out::{Group, ReadOut};
 pub use record::{Record, SAMPLES_FILE};
 pub use results::results;
 pub use sail_support::{
