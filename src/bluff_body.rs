@@ -11,8 +11,9 @@ use std::time::Instant;
 use crate::case::{self, Case, CaseError, Choices};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::Operator;
-use crate::measure::Record;
-use crate::measure::bodies::{disk_drag, sphere_drag};
+use crate::measure::flow_past_bodies::{disk_drag, sphere_drag};
+use crate::measure::shared::{IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, TIME};
+use crate::measure::{ReadOut, Record};
 use crate::plan::{AirPlacement, Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
@@ -280,9 +281,8 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
                 Until::Settled(_) => WINDOW.min(samples.saturating_sub(1)),
                 Until::Averaged(_) => samples / 2,
             };
-            [drag.coefficient, drag.momentum_box] =
-                ["impulse_markers_n_s", "impulse_momentum_box_n_s"]
-                    .map(|route| mean_force(&record, route, 0, window) / (0.5 * FRONTAL_AREA));
+            [drag.coefficient, drag.momentum_box] = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX]
+                .map(|route| mean_force(&record, route, 0, window) / (0.5 * FRONTAL_AREA));
         }
         Ok(drag)
     }
@@ -307,8 +307,8 @@ fn kick(name: &str, end: f64) -> String {
 }
 
 /// Mean force over `samples` intervals that end `back` samples before the last [ρ U² D²]; NaN where the record is too short.
-fn mean_force(record: &Record, route: &str, back: usize, samples: usize) -> f64 {
-    let (times, impulses) = (record.column("time_s"), record.column(route));
+fn mean_force(record: &Record, route: &ReadOut, back: usize, samples: usize) -> f64 {
+    let (times, impulses) = (record.column(&TIME), record.column(route));
     let Some(last) = times.len().checked_sub(back + 1) else {
         return f64::NAN;
     };
@@ -320,9 +320,9 @@ fn mean_force(record: &Record, route: &str, back: usize, samples: usize) -> f64 
 
 /// True once the mean drag of two windows of so many samples, one after the other, differ by little.
 fn has_settled(record: &Record, window: usize) -> bool {
-    let route = "impulse_markers_n_s";
+    let route = &IMPULSE_MARKERS;
     let [before, now] = [window, 0].map(|back| mean_force(record, route, back, window));
-    let time = record.latest("time_s").unwrap_or(0.0);
+    let time = record.latest(&TIME).unwrap_or(0.0);
     time >= SHORTEST && (now - before).abs() <= SETTLED * now.abs()
 }
 

@@ -10,6 +10,7 @@ use ripstop::simulation::AirEngine;
 use crate::engines::{
     Body, Engine, mass_and_momentum, on_every_engine, on_every_storage, plain, states,
 };
+use crate::read_outs::{column, latest};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -300,14 +301,14 @@ impl Body for TunnelStart {
         let (simulation, record) =
             ripstop::run::without_files(&case, plan, engine.device()).unwrap();
         let mass = 1.18 * 2.4 * 0.4 * 0.4;
-        for excess in record.column("mass_excess_kg") {
+        for excess in column(&record, "mass_excess_kg") {
             assert!(
                 (excess / mass).abs() < tolerances::TUNNEL_START,
                 "{:e}",
                 excess / mass
             );
         }
-        let energy = record.latest("kinetic_energy_j").unwrap() / (0.5 * mass * 900.0);
+        let energy = latest(&record, "kinetic_energy_j").unwrap() / (0.5 * mass * 900.0);
         let off = (energy - 1.0).abs();
         assert!(off < tolerances::TUNNEL_START_ENERGY, "{energy}");
         assert!(simulation.released());

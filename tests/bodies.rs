@@ -9,7 +9,7 @@ use ripstop::checkpoint;
 use ripstop::geometry::surfaces;
 use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use ripstop::measure::{Record, bodies, results};
+use ripstop::measure::{Record, flow_past_bodies, results};
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
 use ripstop::simulation::{MarkerEngine, Simulation};
@@ -18,6 +18,7 @@ use ripstop::statics::Statics;
 use crate::canopy::small_case;
 use crate::coupling::exchange;
 use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::read_outs::{column, latest};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -85,7 +86,7 @@ impl Body for Sphere {
     fn run(self, engine: Engine) {
         let (simulation, record) = simulate(&sphere_case(Path::new("."), &[]), engine);
         let result = |name: &str| value(&simulation, &record, name);
-        let reference = bodies::sphere_drag(100.0).unwrap();
+        let reference = flow_past_bodies::sphere_drag(100.0).unwrap();
         let drag = result("drag_coefficient");
         let [low, high] = tolerances::SPHERE_DRAG;
         assert!((low..high).contains(&(drag / reference)), "C_D {drag}");
@@ -151,10 +152,10 @@ impl Body for Galilei {
         let mean = |case: &Case, from_s: f64, to_s: f64| {
             let (simulation, record) = simulate(case, engine);
             assert!(simulation.largest_marker_motion() < 0.07);
-            let times = record.column("time_s");
+            let times = column(&record, "time_s");
             let at = |time: f64| times.iter().position(|&t| t >= time).unwrap();
-            let impulses = record.column("impulse_markers_n_s");
-            let boxed = record.column("impulse_momentum_box_n_s");
+            let impulses = column(&record, "impulse_markers_n_s");
+            let boxed = column(&record, "impulse_momentum_box_n_s");
             let (first, last) = (at(from_s), at(to_s));
             let [force, by_box] =
                 [impulses, boxed].map(|i| (i[last] - i[first]) / (times[last] - times[first]));
@@ -430,7 +431,7 @@ fn beside_a_canopy() {
     let result = |name: &str| value(&simulation, &record, name);
     assert!(result("payload_drag_coefficient") > 0.2);
     let [markers, momentum_box] = ["impulse_markers_n_s", "impulse_momentum_box_n_s"]
-        .map(|name| record.latest(name).unwrap());
+        .map(|name| latest(&record, name).unwrap());
     assert!(
         (momentum_box / markers - 1.0).abs() < 0.01,
         "{markers} {momentum_box}"

@@ -10,6 +10,7 @@ use ripstop::run;
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::read_outs::{column, latest};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -81,15 +82,15 @@ fn simulate(case: &Case, precision: Precision) -> (Simulation, Record) {
 
 fn inflates() {
     let (_, record) = simulate(&small_case(&["time.end_s=0.2"]), Precision::F32);
-    let ratio = record.column("projected_diameter_ratio");
+    let ratio = column(&record, "projected_diameter_ratio");
     assert!(ratio[0] < 0.3, "starts folded: {}", ratio[0]);
     let last = ratio[ratio.len() - 1];
     assert!((0.55..0.95).contains(&last), "ends inflated: {last}");
     // The three routes over the second half of the run.
-    let times = record.column("time_s");
+    let times = column(&record, "time_s");
     let (first, end) = (times.len() / 2, times.len() - 1);
     let mean = |name: &str| {
-        let impulse = record.column(name);
+        let impulse = column(&record, name);
         (impulse[end] - impulse[first]) / (times[end] - times[first])
     };
     let markers = mean("impulse_markers_n_s");
@@ -110,7 +111,7 @@ fn still_air() {
         "resolution.reference_speed_m_s=30.0",
     ]);
     let (_, record) = simulate(&case, Precision::F32);
-    let ratio = record.column("projected_diameter_ratio");
+    let ratio = column(&record, "projected_diameter_ratio");
     let widest = ratio.iter().copied().fold(0.0, f64::max);
     assert!(widest < 0.3, "{widest}");
 }
@@ -125,12 +126,12 @@ fn fill_time() {
             &format!("output.sample_interval_s={}", 0.001 * 30.0 / speed),
         ]);
         let (_, record) = simulate(&case, Precision::F32);
-        let ratio = record.column("projected_diameter_ratio");
+        let ratio = column(&record, "projected_diameter_ratio");
         let index = ratio
             .iter()
             .position(|&r| r >= 0.6)
             .expect("the canopy opens");
-        record.column("time_s")[index] * speed
+        column(&record, "time_s")[index] * speed
     };
     let reference = time(30.0);
     for speed in [20.0, 40.0] {
@@ -146,7 +147,7 @@ fn reference_speed() {
             &small_case(&[&["time.end_s=0.03"], changes].concat()),
             Precision::F32,
         );
-        let coefficients = record.column("drag_coefficient");
+        let coefficients = column(&record, "drag_coefficient");
         coefficients[1..].iter().sum::<f64>() / (coefficients.len() - 1) as f64
     };
     let ratio = drag(&["resolution.reference_speed_m_s=60.0"]) / drag(&[]);
@@ -163,7 +164,7 @@ impl Body for MomentumBox {
         let case = small_case(&["time.end_s=0.05"]);
         let plan = Plan::new(&case.scene, engine.plan_placement());
         let (_, record) = run::without_files(&case, plan, engine.device()).unwrap();
-        let last = |name: &str| record.latest(name).unwrap();
+        let last = |name: &str| latest(&record, name).unwrap();
         let (markers, momentum) = (
             last("impulse_markers_n_s"),
             last("impulse_momentum_box_n_s"),
@@ -215,7 +216,7 @@ fn light_sheet(mass: f64, every: u32, folded: f64) {
     let plan = Plan::new(&case.scene, Precision::F32);
     assert!(plan.steps >= 2_000, "{}", plan.steps);
     let (_, record) = simulate(&case, Precision::F32);
-    let ratio = record.column("projected_diameter_ratio");
+    let ratio = column(&record, "projected_diameter_ratio");
     assert!(ratio.iter().all(|r| (0.0..1.05).contains(r)), "{ratio:?}");
     let late = &ratio[3 * ratio.len() / 4..];
     let mean = late.iter().sum::<f64>() / late.len() as f64;

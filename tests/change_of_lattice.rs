@@ -12,6 +12,7 @@ use ripstop::run::{self, Observer, Order, Report, Requests, Start};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::read_outs::latest;
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -83,7 +84,7 @@ fn sample(simulation: &mut Simulation, record: &mut Record, steps: usize) -> f64
         simulation.advance().unwrap();
     }
     record.add(simulation).unwrap();
-    record.latest("drag_coefficient").unwrap()
+    latest(record, "drag_coefficient").unwrap()
 }
 
 #[derive(Clone, Copy)]
@@ -137,7 +138,7 @@ impl Body for Finer {
         let before = simulation.structure_frame().structure.unwrap();
         let (time_s, drag) = (
             simulation.time_s(),
-            record.latest("drag_coefficient").unwrap(),
+            latest(&record, "drag_coefficient").unwrap(),
         );
         let plan = Plan::new(&fine.scene, engine.plan_placement());
         simulation.change_lattice(fine.scene.clone(), plan).unwrap();
@@ -146,7 +147,7 @@ impl Body for Finer {
         assert_eq!(before.velocities_m_s, after.velocities_m_s);
         assert!((simulation.time_s() - time_s).abs() < 1e-15);
         // The same instant, by impulses that go on.
-        let impulse = record.latest("impulse_markers_n_s").unwrap();
+        let impulse = latest(&record, "impulse_markers_n_s").unwrap();
         let sample_now = simulation.impulse_sample().unwrap().unwrap();
         assert!((sample_now.markers.x / impulse - 1.0).abs() < tolerances::IMPULSE_CARRIED);
         let drags: Vec<f64> = (0..6)
@@ -164,7 +165,7 @@ impl Body for Finer {
             "impulse_momentum_box_n_s",
             "impulse_lines_n_s",
         ]
-        .map(|name| record.latest(name).unwrap());
+        .map(|name| latest(&record, name).unwrap());
         for route in routes {
             let apart = (route / routes[0] - 1.0).abs();
             assert!(apart < tolerances::ROUTES_OVER_A_CHANGE, "{routes:?}");

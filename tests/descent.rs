@@ -21,6 +21,7 @@ use ripstop::simulation::Simulation;
 use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, on_every_engine, plain, states};
+use crate::read_outs::{column, latest};
 use crate::resumed::taken_up;
 use crate::tolerances;
 
@@ -112,11 +113,11 @@ fn falling_disk() {
     let balance = 1.2 * 0.5 / (0.5 * 1.2 * of_area * of_area * area_m2);
     let coefficient = value("drag_coefficient_terminal");
     assert!((coefficient / balance - 1.0).abs() < 1e-9);
-    let present = record.latest("drag_coefficient_present").unwrap();
-    let area = record.latest("drag_area_m2").unwrap();
+    let present = latest(&record, "drag_coefficient_present").unwrap();
+    let area = latest(&record, "drag_area_m2").unwrap();
     assert!((area / present / area_m2 - 1.0).abs() < 1e-9);
     assert!((present / coefficient - 1.0).abs() < 0.02, "{present}");
-    assert!(results.get("riser_force_n").is_none() && record.latest("riser_force_n").is_none());
+    assert!(results.get("riser_force_n").is_none() && latest(&record, "riser_force_n").is_none());
     let (results, record, case) = fallen(8.0);
     let why = measure::unsettled_fall(&case.scene, &record).unwrap();
     assert!(why.contains("not settled"), "{why}");
@@ -255,22 +256,22 @@ impl Body for Drop {
         };
         let confluence = straight.cloth().unwrap().positions_m[node as usize];
         assert!((confluence.x - 0.6).abs() < 0.05, "{confluence}");
-        let factor = record.latest("load_factor_g").unwrap();
+        let factor = latest(&record, "load_factor_g").unwrap();
         assert!(factor.is_finite() && factor > -1.0, "{factor}");
-        assert!(record.latest("line_drag_n").unwrap() > 0.0);
+        assert!(latest(&record, "line_drag_n").unwrap() > 0.0);
         let [present, area, riser_n, tension_n] = [
             "drag_coefficient_present",
             "drag_area_m2",
             "riser_force_n",
             "line_tension_mean_n",
         ]
-        .map(|name| record.latest(name).unwrap());
+        .map(|name| latest(&record, name).unwrap());
         assert!(
             (area / present / 0.78 - 1.0).abs() < 1e-9,
             "{area} {present}"
         );
         // Mean drag of the last 40 steps over the mean dynamic pressure at their ends.
-        let [drags, speeds] = ["drag_coefficient", "descent_speed_m_s"].map(|n| record.column(n));
+        let [drags, speeds] = ["drag_coefficient", "descent_speed_m_s"].map(|n| column(&record, n));
         let mean_square = 0.5 * (speeds[0].powi(2) + speeds[1].powi(2));
         let expected = drags[1] * 25.0_f64.powi(2) / mean_square;
         assert!((present / expected - 1.0).abs() < 1e-9, "{present}");

@@ -20,6 +20,7 @@ use crate::canopy::small_case;
 use crate::command_line::root;
 use crate::coupling::exchange;
 use crate::engines::{Engine, needs_device, plain, states};
+use crate::read_outs::latest;
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -529,7 +530,7 @@ fn first_steps() {
             farthest < tolerances::DEVICE_CANOPY_CELLS * cell,
             "{cloth:?}: {farthest:e} m"
         );
-        let impulse = |record: &ripstop::measure::Record| record.latest("impulse_markers_n_s");
+        let impulse = |record| latest(record, "impulse_markers_n_s");
         let ratio = impulse(&gpu_record).unwrap() / impulse(&cpu_record).unwrap();
         assert!(
             (ratio - 1.0).abs() < tolerances::DEVICE_CANOPY_IMPULSE,
@@ -545,8 +546,8 @@ fn canopy() {
         let plan = Plan::new(&case.scene, placement);
         let (_, record) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
         [
-            record.latest("projected_diameter_ratio").unwrap(),
-            record.latest("impulse_markers_n_s").unwrap(),
+            latest(&record, "projected_diameter_ratio").unwrap(),
+            latest(&record, "impulse_markers_n_s").unwrap(),
         ]
     };
     let cpu = run(Precision::F32.into());

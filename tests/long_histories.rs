@@ -62,7 +62,8 @@ fn checkpoints() {
         assert_eq!(
             bits(resumed.column(column)),
             bits(in_memory.column(column)),
-            "{column}"
+            "{}",
+            column.name
         );
     }
     // A file that is not what the checkpoint says is not gone on from.

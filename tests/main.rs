@@ -54,6 +54,7 @@ mod permeability;
 mod phases;
 mod plates;
 mod ram_air;
+mod read_outs;
 mod reserve;
 mod resolved;
 mod resumed;
@@ -100,6 +101,7 @@ fn main() -> std::process::ExitCode {
         mesh_seams::trials(),
         out_of_memory::trials(),
         ram_air::trials(),
+        read_outs::trials(),
         sail_support::trials(),
         trim::trials(),
         coupling::trials(),

@@ -19,6 +19,7 @@ use ripstop::simulation::Simulation;
 use ripstop::statics::Statics;
 
 use crate::engines::{Body, Engine, device, needs_device, on_every_engine, plain};
+use crate::read_outs::latest;
 use crate::resumed::{bits_of_nodes, taken_up};
 use crate::tolerances;
 
@@ -295,17 +296,14 @@ impl Body for Plate {
         let drags = [&tight, &open].map(|run| value(run, "drag_coefficient"));
         assert!(drags[1] < 0.9 * drags[0], "{drags:?}");
         let area = open.0.scene().rigid_bodies[0].marker_surface.area_m2();
-        let force = open
-            .1
-            .latest("force_x_n")
-            .or_else(|| open.1.latest("plate_force_x_n"));
+        let force = latest(&open.1, "force_x_n").or_else(|| latest(&open.1, "plate_force_x_n"));
         let pressure = force.unwrap() / area;
-        let through = open.1.latest("through_velocity_m_s").unwrap();
+        let through = latest(&open.1, "through_velocity_m_s").unwrap();
         let law = Permeability::from_point([124.5, 8.0]);
         // The mean of the square is not the square of the mean: the pressure is not the same all over the plate.
         let ratio = law.pressure_pa(through.abs()) / pressure.abs();
         assert!((0.85..1.05).contains(&ratio), "{ratio} at {through} m/s");
-        let of_slip = open.1.latest("through_velocity_of_slip_m_s").unwrap();
+        let of_slip = latest(&open.1, "through_velocity_of_slip_m_s").unwrap();
         assert!(
             of_slip / through > 0.0 && of_slip / through < 0.2,
             "{of_slip} {through}"

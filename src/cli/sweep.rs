@@ -133,19 +133,25 @@ fn output_failed(error: OutputError) -> Failure {
 fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
     let names = measure::result_names(&case.scene);
     let columns = measure::history_columns(&case.scene);
-    for (flag, wanted, known) in [
-        ("--result", &arguments.result, &names),
-        ("--history", &arguments.history, &columns),
-    ] {
-        if let Some(unknown) = wanted.iter().find(|name| !known.contains(name)) {
-            let known = known.join(", ");
-            let text = format!("{flag} {unknown}: the case has only {known}");
-            return Err(Failure::Other(exit::BAD_CASE, text));
-        }
+    let unknown = |flag: &str, wanted: &str, known: &[&str]| {
+        let known = known.join(", ");
+        let text = format!("{flag} {wanted}: the case has only {known}");
+        Failure::Other(exit::BAD_CASE, text)
+    };
+    if let Some(wanted) = arguments.result.iter().find(|name| !names.contains(name)) {
+        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+        return Err(unknown("--result", wanted, &known));
     }
+    let column = |wanted: &str| columns.iter().find(|column| column.name == wanted).cloned();
+    let histories = arguments.history.iter().map(|wanted| {
+        column(wanted).ok_or_else(|| {
+            let known: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
+            unknown("--history", wanted, &known)
+        })
+    });
     let mut chosen = Chosen {
         results: arguments.result.clone(),
-        histories: arguments.history.clone(),
+        histories: histories.collect::<Result<_, _>>()?,
     };
     if chosen.results.is_empty() {
         let compared = case.scene.comparisons.iter().map(|c| c.quantity.as_str());
@@ -160,8 +166,7 @@ fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
         }
     }
     if chosen.histories.is_empty() {
-        let usual = USUAL_HISTORIES.map(str::to_owned).into_iter();
-        chosen.histories = usual.filter(|name| columns.contains(name)).collect();
+        chosen.histories = USUAL_HISTORIES.into_iter().filter_map(column).collect();
     }
     Ok(chosen)
 }

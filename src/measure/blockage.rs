@@ -8,7 +8,8 @@
 
 use glam::DVec3;
 
-use super::bodies;
+use super::flow_past_bodies::{drag_direction, prefix, reynolds_number, settling};
+use super::shared::{CORRECTED_DRAG, PRESSURE_RATIO};
 use super::statistics::Mean;
 use crate::case::Scene;
 use crate::case::scene::{Air, Flow, RigidBody, Shape};
@@ -90,21 +91,21 @@ pub(super) fn results(
     drag: Mean,
     unsettled: Option<&str>,
 ) {
-    let name = |name: &str| format!("{}{name}", bodies::prefix(scene, body));
-    let corrected = name("drag_coefficient_blockage_corrected");
+    let prefix = prefix(scene, body);
+    let corrected = CORRECTED_DRAG.of(&prefix);
     let law = match law(scene, air, body) {
         Ok(law) => law,
         Err(why) => {
             results.insert(
                 &corrected,
-                Quantity::missing("1", &format!("no correction for walls is known: {why}")),
+                Quantity::missing(&format!("no correction for walls is known: {why}")),
             );
             return;
         }
     };
     let blockage = body.reference_area_m2 / section_m2(air);
     let share = law.share(drag.value, blockage);
-    let mut quantity = Quantity::new(drag.value * share, "1").with_note(&law.note());
+    let mut quantity = Quantity::new(drag.value * share).with_note(&law.note());
     if let Some(confidence) = drag.confidence {
         let shrunk = law.share_of_interval(drag.value, blockage);
         quantity = quantity.with_confidence(confidence * shrunk.abs());
@@ -113,10 +114,7 @@ pub(super) fn results(
         quantity.mark_unresolved(why);
     }
     results.insert(&corrected, quantity);
-    results.insert(
-        &name("dynamic_pressure_ratio_of_blockage"),
-        Quantity::new(1.0 / share, "1").with_note("what the correction divides the drag by"),
-    );
+    results.tell(&PRESSURE_RATIO.of(&prefix), 1.0 / share);
 }
 
 /// The tunnel's section [m²].
@@ -132,15 +130,15 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
     if scene.body.is_some() || scene.rigid_bodies.len() > 1 {
         return Err("there are several bodies");
     }
-    bodies::settling(scene, air, body)?;
-    let along = bodies::drag_direction(air, body);
+    settling(scene, air, body)?;
+    let along = drag_direction(air, body);
     if along.x.abs() < 0.9999 || matches!(body.motion.motion, Motion::ConstantRotation { .. }) {
         return Err("the body moves otherwise than along the tunnel");
     }
     if body.permeability.is_some() {
         return Err("the body is permeable");
     }
-    let reynolds = bodies::reynolds_number(air, body);
+    let reynolds = reynolds_number(air, body);
     let [width, height] = parts(air, body);
     match body.shape {
         Shape::Disk { .. } | Shape::Plate { .. } if body.normal.dot(along).abs() < NORMAL => {

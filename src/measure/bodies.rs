@@ -11,40 +11,130 @@
 use glam::DVec3;
 
 use super::blockage;
+use super::flow_past_bodies::{
+    drag_direction, prefix, reference_drag, reference_speed_m_s, settling,
+};
+use super::impulses::{Forces, Impulses};
+use super::read_out::Reduction::Mean as MeanOf;
+use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
-use super::statistics::{Mean, batch_mean, student};
+use super::reduce::{mean_forces_n, quantity};
+use super::shared::{
+    BLOCKAGE_RATIO, DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, IMPULSE_MARKERS,
+    IMPULSE_MOMENTUM_BOX, MASS_DEFECT, MASS_DRIFT, SLIP_MEAN, SLIP_RATIO, STROUHAL_NUMBER, TIME,
+    WIND_SPEED,
+};
+use super::spectrum::frequency;
+use super::statistics::{Mean, average, batch_mean, largest};
+use super::steady::bodies::{BodyWindow, second_half};
+use super::steady::{self, Watched};
 use crate::case::Scene;
-use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
-use crate::case::steady::never_steady;
-use crate::measure::steady::bodies::{BodyWindow, Settling, second_half};
-use crate::measure::steady::{self, Watched};
+use crate::case::scene::{Air, BodyKind, RigidBody};
+use crate::gpu::DeviceError;
 use crate::output::{Quantity, Results};
-use crate::rigid::Motion;
+use crate::simulation::Simulation;
 
-/// Columns of every body; a scene with more than one thing in the air puts the body's name before them.
-pub(super) const COLUMNS: [&str; 9] = [
-    "drag_coefficient",
-    "lift_coefficient",
-    "side_force_coefficient",
-    "force_x_n",
-    "force_y_n",
-    "force_z_n",
-    "moment_x_n_m",
-    "moment_y_n_m",
-    "moment_z_n_m",
-];
+columns! {
+    /// Of every body; a scene with more than one thing in the air puts the body's name before them.
+    COLUMNS of Moment, in Scene: "Rigid bodies in air";
+    BODY_DRAG: "{body}drag_coefficient", "1", "drag coefficient; on ½ ρ U² and the reference area"
+        => |now| now.force_n.dot(now.along) / now.scale_n, reduced MeanOf;
+    BODY_LIFT: "{body}lift_coefficient", "1", "lift coefficient, along z" => |now| now.force_n.z / now.scale_n, reduced MeanOf;
+    BODY_SIDE_FORCE: "{body}side_force_coefficient", "1", "coefficient of the side force, along y" => |now| now.force_n.y / now.scale_n, reduced MeanOf;
+    BODY_FORCE_X: "{body}force_x_n", "N", "force of the air along x" => |now| now.force_n.x, reduced MeanOf;
+    BODY_FORCE_Y: "{body}force_y_n", "N", "force of the air along y" => |now| now.force_n.y, reduced MeanOf;
+    BODY_FORCE_Z: "{body}force_z_n", "N", "force of the air along z" => |now| now.force_n.z, reduced MeanOf;
+    BODY_MOMENT_X: "{body}moment_x_n_m", "N m", "moment of the air about x" => |now| now.moment_n_m.x, reduced MeanOf;
+    BODY_MOMENT_Y: "{body}moment_y_n_m", "N m", "moment of the air about y" => |now| now.moment_n_m.y, reduced MeanOf;
+    BODY_MOMENT_Z: "{body}moment_z_n_m", "N m", "moment of the air about z" => |now| now.moment_n_m.z, reduced MeanOf;
+}
 
-/// Columns of a scene of bodies alone, before those of the bodies.
-pub(super) const SCENE_COLUMNS: [&str; 8] = [
-    "time_s",
-    "wind_speed_m_s",
-    "drag_markers_n",
-    "drag_momentum_box_n",
-    "impulse_markers_n_s",
-    "impulse_momentum_box_n_s",
-    "slip_ratio",
-    "mass_defect",
-];
+columns! {
+    /// Of a scene of bodies alone, before those of the bodies; the drag is that along the first body's direction.
+    OF_SCENE of Bodies, in Scene: "Rigid bodies alone in air: all together";
+    TIME => |now| now.time_s;
+    WIND_SPEED => |now| now.wind_m_s;
+    DRAG_MARKERS => |now| now.forces.markers_n.dot(now.along);
+    DRAG_MOMENTUM_BOX => |now| now.forces.momentum_box_n.dot(now.along);
+    IMPULSE_MARKERS => |now| now.forces.impulse.markers.dot(now.along);
+    IMPULSE_MOMENTUM_BOX => |now| now.forces.impulse.momentum_box.dot(now.along);
+    SLIP_RATIO => |now| now.slip_ratio;
+    MASS_DEFECT => |now| now.forces.mass_defect;
+}
+
+results! {
+    /// Of every body.
+    RESULTS: "Rigid bodies in air";
+    REFERENCE_AREA: "{body}reference_area_m2", "m2", "area that the body's coefficients refer to";
+}
+
+/// A body at a sample.
+pub(super) struct Moment {
+    /// Direction of the drag.
+    along: DVec3,
+    /// Dynamic pressure times reference area [N].
+    scale_n: f64,
+    /// Mean since the last sample [N].
+    force_n: DVec3,
+    /// The same [N m].
+    moment_n_m: DVec3,
+}
+
+/// All bodies of a scene without fabric at a sample.
+pub(super) struct Bodies {
+    time_s: f64,
+    wind_m_s: f64,
+    along: DVec3,
+    forces: Forces,
+    slip_ratio: f64,
+}
+
+impl Bodies {
+    /// A sample; `None` where there are no bodies in air.
+    pub fn new(simulation: &Simulation, forces: Forces) -> Result<Option<Self>, DeviceError> {
+        let scene = simulation.scene();
+        let (Some(air), Some(body), Some(coupled)) =
+            (&scene.air, scene.rigid_bodies.first(), simulation.coupled())
+        else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            time_s: simulation.time_s(),
+            wind_m_s: simulation.wind_speed_m_s(),
+            along: drag_direction(air, body),
+            forces,
+            slip_ratio: coupled.slip_m_s()? / reference_speed_m_s(air, body),
+        }))
+    }
+}
+
+/// Columns of every body of a scene.
+pub(super) fn columns(scene: &Scene) -> impl Iterator<Item = ReadOut> {
+    let bodies = scene.rigid_bodies.iter();
+    bodies.flat_map(|body| COLUMNS.read_outs_of(scene, &prefix(scene, body)))
+}
+
+/// The same columns now.
+pub(super) fn values(simulation: &Simulation, impulses: &Impulses) -> Vec<f64> {
+    let scene = simulation.scene();
+    let Some(air) = &scene.air else {
+        return Vec::new();
+    };
+    let moment = |(number, body): (usize, &RigidBody)| {
+        let speed = reference_speed_m_s(air, body);
+        let [force_n, moment_n_m] = impulses.of_body(number);
+        Moment {
+            along: drag_direction(air, body),
+            scale_n: 0.5 * air.units.density_kg_m3 * speed * speed * body.reference_area_m2,
+            force_n,
+            moment_n_m,
+        }
+    };
+    let moments = scene.rigid_bodies.iter().enumerate().map(moment);
+    moments
+        .flat_map(|moment| COLUMNS.values(scene, Some(&moment)))
+        .collect()
+}
 
 /// Length of a batch for the uncertainty of means without a settling rule [lengths/U]: longer than a period of vortices.
 const BATCH: f64 = 8.0;
@@ -54,95 +144,6 @@ const SETTLED: f64 = 0.01;
 
 /// Amplitude of the lift coefficient below which there is no oscillation to speak of.
 const NO_LIFT: f64 = 2e-3;
-
-/// What goes before the names of a body's columns and results.
-#[must_use]
-pub fn prefix(scene: &Scene, body: &RigidBody) -> String {
-    if scene.body.is_none() && scene.rigid_bodies.len() == 1 {
-        String::new()
-    } else {
-        format!("{}_", body.name)
-    }
-}
-
-/// Direction of the drag.
-pub(super) fn drag_direction(air: &Air, body: &RigidBody) -> DVec3 {
-    match (&body.motion.motion, air.flow) {
-        (_, Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0 => DVec3::X,
-        (Motion::ConstantVelocity { velocity_m_s, .. }, _) => {
-            (-*velocity_m_s).try_normalize().unwrap_or(DVec3::X)
-        }
-        _ => DVec3::X,
-    }
-}
-
-/// Speed that the coefficients of a body refer to [m/s].
-pub(super) fn reference_speed_m_s(air: &Air, body: &RigidBody) -> f64 {
-    match (&body.motion.motion, air.flow) {
-        (_, Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0 => speed_m_s,
-        (Motion::ConstantVelocity { velocity_m_s, .. }, _) if *velocity_m_s != DVec3::ZERO => {
-            velocity_m_s.length()
-        }
-        _ => air.reference_speed_m_s,
-    }
-}
-
-/// The columns of a body for a force [N] and a moment [N·m].
-pub(super) fn row(air: &Air, body: &RigidBody, force: DVec3, moment: DVec3) -> Vec<f64> {
-    let speed = reference_speed_m_s(air, body);
-    let scale = 0.5 * air.units.density_kg_m3 * speed * speed * body.reference_area_m2;
-    vec![
-        force.dot(drag_direction(air, body)) / scale,
-        force.z / scale,
-        force.y / scale,
-        force.x,
-        force.y,
-        force.z,
-        moment.x,
-        moment.y,
-        moment.z,
-    ]
-}
-
-/// Reynolds number of a body, with its reference length.
-#[must_use]
-pub fn reynolds_number(air: &Air, body: &RigidBody) -> f64 {
-    reference_speed_m_s(air, body) * body.reference_length_m / air.kinematic_viscosity_m2_s
-}
-
-/// What the settling of the flow past a body depends on, or why that never becomes steady.
-pub fn settling(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Settling, &'static str> {
-    if scene.body.is_some() {
-        return Err("fabric beside the body moves");
-    }
-    if let Some(why) = never_steady(air, scene.descent.is_some(), body) {
-        return Err(why);
-    }
-    let (risen_s, turn_s) = match &body.motion.motion {
-        Motion::ConstantVelocity { rise_s, .. } => (*rise_s, None),
-        Motion::ConstantRotation { rate_rad_s, rise_s } => {
-            let turn_s = std::f64::consts::TAU / rate_rad_s.abs();
-            (*rise_s, turn_s.is_finite().then_some(turn_s))
-        }
-        _ => (0.0, None),
-    };
-    Ok(Settling {
-        unit_s: body.reference_length_m / reference_speed_m_s(air, body),
-        risen_s,
-        turn_s,
-        unsteady: reynolds_number(air, body) > steady_reynolds_number(body.shape),
-    })
-}
-
-/// Reynolds number up to which the wake of a shape is steady: sphere 210 and disk 116 (Natarajan & Acrivos 1993, J. Fluid Mech. 254), all
-/// others that of a cylinder across the stream, 47 (Williamson 1996, Annu. Rev. Fluid Mech. 28).
-fn steady_reynolds_number(shape: Shape) -> f64 {
-    match shape {
-        Shape::Sphere { .. } => 210.0,
-        Shape::Disk { .. } => 116.0,
-        Shape::Plate { .. } | Shape::Cylinder { .. } | Shape::Mesh => 47.0,
-    }
-}
 
 /// The bodies whose drags decide when a run may stop: all of the scene; an error names one whose flow never becomes steady, and why.
 pub fn watched(scene: &Scene) -> Result<Vec<Watched>, (String, &'static str)> {
@@ -155,12 +156,8 @@ pub fn watched(scene: &Scene) -> Result<Vec<Watched>, (String, &'static str)> {
         .map(|body| {
             Ok(Watched {
                 name: body.name.clone(),
-                columns: [
-                    "drag_coefficient",
-                    "lift_coefficient",
-                    "side_force_coefficient",
-                ]
-                .map(|name| format!("{}{name}", prefix(scene, body))),
+                columns: [&BODY_DRAG, &BODY_LIFT, &BODY_SIDE_FORCE]
+                    .map(|column| column.of(prefix(scene, body))),
                 settling: settling(scene, air, body).map_err(|why| (body.name.clone(), why))?,
             })
         })
@@ -204,10 +201,10 @@ impl Averaging {
             let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
             return Some(Self::Canopy(steady::window(record, unit_s)?));
         }
-        let times = record.column("time_s");
+        let times = record.column(&TIME);
         match settling(scene, air, body) {
             Ok(settling) => {
-                let drag = record.column(&format!("{}drag_coefficient", prefix(scene, body)));
+                let drag = record.column(&BODY_DRAG.of(prefix(scene, body)));
                 Some(Self::Settled(BodyWindow::new(&times, &drag, &settling)?))
             }
             Err(why) => {
@@ -232,12 +229,12 @@ impl Averaging {
         }
     }
 
-    fn mean(&self, record: &Record, name: &str) -> Mean {
+    fn mean(&self, record: &Record, column: &ReadOut) -> Mean {
         match self {
-            Self::Settled(window) => window.mean(&record.column(name)),
-            Self::Canopy(window) => steady::mean(record, name, window),
+            Self::Settled(window) => window.mean(&record.column(column)),
+            Self::Canopy(window) => steady::mean(record, column, window),
             Self::Half { samples, batch, .. } => {
-                batch_mean(&record.column(name)[samples.clone()], *batch)
+                batch_mean(&record.column(column)[samples.clone()], *batch)
             }
         }
     }
@@ -284,18 +281,6 @@ fn interval(times: &[f64], samples: &std::ops::Range<usize>) -> f64 {
     (times[samples.end - 1] - times[samples.start]) / (samples.len() - 1) as f64
 }
 
-/// Means of a body, besides its drag coefficient.
-const MEANS: [(&str, &str); 8] = [
-    ("lift_coefficient", "1"),
-    ("side_force_coefficient", "1"),
-    ("force_x_n", "N"),
-    ("force_y_n", "N"),
-    ("force_z_n", "N"),
-    ("moment_x_n_m", "N m"),
-    ("moment_y_n_m", "N m"),
-    ("moment_z_n_m", "N m"),
-];
-
 /// Results of every body.
 pub(super) fn body_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
     for body in &scene.rigid_bodies {
@@ -305,21 +290,21 @@ pub(super) fn body_results(results: &mut Results, record: &Record, scene: &Scene
 
 fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, &Air, &RigidBody)) {
     let prefix = prefix(scene, body);
-    let name = |name: &str| format!("{prefix}{name}");
+    let own = |read_out: &ReadOut| read_out.of(&prefix);
     let Some(averaging) = Averaging::new(record, scene, air, body) else {
         results.insert(
-            &name("drag_coefficient"),
-            Quantity::missing("1", "the run ended too early"),
+            &own(&BODY_DRAG),
+            Quantity::missing("the run ended too early"),
         );
         return;
     };
-    let times = record.column("time_s");
+    let times = record.column(&TIME);
     let samples = averaging.samples();
     let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
     let length = (times[samples.end - 1] - times[samples.start]) / unit_s;
-    let drags = record.column(&name("drag_coefficient"));
-    let [lift, side] = ["lift_coefficient", "side_force_coefficient"]
-        .map(|coefficient| record.column(&name(coefficient)));
+    let drags = record.column(&own(&BODY_DRAG));
+    let [lift, side] =
+        [&BODY_LIFT, &BODY_SIDE_FORCE].map(|coefficient| record.column(&own(coefficient)));
     let unsettled = averaging.unsettled(&drags, [&lift, &side]);
     let marked = |mut quantity: Quantity| {
         if let Some(why) = &unsettled {
@@ -327,36 +312,33 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
         }
         quantity
     };
-    let drag = averaging.mean(record, &name("drag_coefficient"));
-    let mut quantity = marked(with_interval(drag, "1"));
+    for column in COLUMNS.reduced(scene, MeanOf).map(own) {
+        let mean = averaging.mean(record, &column);
+        results.insert(&column, marked(self::quantity(mean)));
+    }
+    let drag = averaging.mean(record, &own(&BODY_DRAG));
+    let mut quantity = marked(self::quantity(drag));
     if let Some((reference, source)) = reference_drag(air, body) {
         quantity = quantity.with_reference(reference, source);
     }
     let note = averaging.note(&drags, length);
-    results.insert(&name("drag_coefficient"), quantity.with_note(&note));
+    results.insert(&own(&BODY_DRAG), quantity.with_note(&note));
     blockage::results(results, (scene, air, body), drag, unsettled.as_deref());
-    for (column, unit) in MEANS {
-        let mean = averaging.mean(record, &name(column));
-        results.insert(&name(column), marked(with_interval(mean, unit)));
-    }
     let lift = &lift[samples.clone()];
     results.insert(
-        &name("strouhal_number"),
+        &own(&STROUHAL_NUMBER),
         match frequency(lift, interval(&times, &samples), NO_LIFT) {
             Ok(mean) => {
                 let strouhal = Mean {
                     value: mean.value * unit_s,
                     confidence: mean.confidence.map(|c| c * unit_s),
                 };
-                marked(with_interval(strouhal, "1")).with_note("of the lift, f L/U")
+                marked(self::quantity(strouhal)).with_note("of the lift, f L/U")
             }
-            Err(why) => Quantity::missing("1", &format!("of the lift: {why}")),
+            Err(why) => Quantity::missing(&format!("of the lift: {why}")),
         },
     );
-    results.insert(
-        &name("reference_area_m2"),
-        Quantity::new(body.reference_area_m2, "m2"),
-    );
+    results.insert(&own(&REFERENCE_AREA), Quantity::new(body.reference_area_m2));
 }
 
 /// Results of a scene of bodies alone.
@@ -374,168 +356,27 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
     let section = blockage::section_m2(air);
     let area: f64 = scene.rigid_bodies.iter().map(|b| b.reference_area_m2).sum();
     results.insert(
-        "blockage_ratio",
-        Quantity::new(area / section, "1").with_note("reference area over section"),
+        &BLOCKAGE_RATIO,
+        Quantity::new(area / section).with_note("reference area over section"),
     );
-    let times = record.column("time_s");
-    let (first, last) = (window.start, window.end - 1);
-    let [markers, momentum_box] = ["impulse_markers_n_s", "impulse_momentum_box_n_s"].map(|name| {
-        let impulse = record.column(name);
-        (impulse[last] - impulse[first]) / (times[last] - times[first])
-    });
-    for (name, force, what) in [
-        ("drag_markers_n", markers, "sum over markers"),
-        (
-            "drag_momentum_box_n",
-            momentum_box,
-            "populations through a box, with storage",
-        ),
-    ] {
-        results.insert(name, Quantity::new(force, "N").with_note(what));
+    let impulses = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX];
+    let samples = [window.start, window.end - 1];
+    let [markers, momentum_box] = mean_forces_n(record, impulses, samples);
+    for (drag, force) in [(&DRAG_MARKERS, markers), (&DRAG_MOMENTUM_BOX, momentum_box)] {
+        results.tell(drag, force);
     }
     let imbalance = (markers - momentum_box).abs() / markers.abs();
     results.insert(
-        "force_imbalance",
+        &FORCE_IMBALANCE,
         if imbalance.is_finite() {
-            Quantity::new(imbalance, "1").with_note("difference of the two routes over the drag")
+            Quantity::new(imbalance).with_note("difference of the two routes over the drag")
         } else {
-            Quantity::missing("1", "markers left the momentum box, or there is no drag")
+            Quantity::missing("markers left the momentum box, or there is no drag")
         },
     );
-    let slip = &record.column("slip_ratio")[window];
-    results.insert(
-        "slip_mean",
-        Quantity::new(slip.iter().sum::<f64>() / slip.len() as f64, "1"),
-    );
-    let defects = record.column("mass_defect");
-    let defect = super::record::largest(defects.into_iter().filter(|d| !d.is_nan()).map(f64::abs));
-    results.insert(
-        "mass_drift",
-        Quantity::new(defect, "1")
-            .with_note("largest defect of the mass balance of the momentum box, over its mass"),
-    );
-}
-
-fn with_interval(mean: Mean, unit: &str) -> Quantity {
-    let quantity = Quantity::new(mean.value, unit);
-    match mean.confidence {
-        Some(confidence) => quantity.with_confidence(confidence),
-        None => quantity,
-    }
-}
-
-/// Published drag coefficient of a body at rest in an unbounded stream, where its Reynolds number is covered.
-fn reference_drag(air: &Air, body: &RigidBody) -> Option<(f64, &'static str)> {
-    let steady = match &body.motion.motion {
-        Motion::Held => true,
-        Motion::ConstantVelocity { .. } => {
-            matches!(air.flow, Flow::WindTunnel { speed_m_s, .. } if speed_m_s == 0.0)
-        }
-        _ => false,
-    };
-    let speed = reference_speed_m_s(air, body);
-    if !steady {
-        return None;
-    }
-    match body.shape {
-        Shape::Sphere { diameter_m } => {
-            sphere_drag(speed * diameter_m / air.kinematic_viscosity_m2_s)
-                .map(|drag| (drag, "Schiller & Naumann 1933: 24/Re (1 + 0.15 Re^0.687)"))
-        }
-        Shape::Disk { diameter_m }
-            if body.normal.dot(drag_direction(air, body)).abs() > 0.9999 =>
-        {
-            disk_drag(speed * diameter_m / air.kinematic_viscosity_m2_s).map(|drag| {
-                (
-                    drag,
-                    "Clift, Grace & Weber 1978: 64/(pi Re) (1 + 0.138 Re^0.792), disk normal to the flow",
-                )
-            })
-        }
-        _ => None,
-    }
-}
-
-/// Drag coefficient of a sphere, 0.5 < Re < 800 (Schiller & Naumann 1933, within 5 %).
-#[must_use]
-pub fn sphere_drag(reynolds: f64) -> Option<f64> {
-    (0.5..=800.0)
-        .contains(&reynolds)
-        .then(|| 24.0 / reynolds * (1.0 + 0.15 * reynolds.powf(0.687)))
-}
-
-/// Drag coefficient of a disk normal to the flow, 1.5 < Re ≤ 133 (Clift, Grace & Weber 1978).
-#[must_use]
-pub fn disk_drag(reynolds: f64) -> Option<f64> {
-    (1.5..=133.0)
-        .contains(&reynolds)
-        .then(|| 64.0 / (std::f64::consts::PI * reynolds) * (1.0 + 0.138 * reynolds.powf(0.792)))
-}
-
-/// Frequency of an evenly sampled oscillation, from its upward passages through the mean [1/time of `interval`], with the interval that the
-/// scatter of the periods leads to; an error says why there is none, such as an amplitude below `least`.
-pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<Mean, &'static str> {
-    let mean = batch_mean(series, 1).value;
-    let square = series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len() as f64;
-    if (2.0 * square).sqrt() < least {
-        return Err("it does not oscillate");
-    }
-    let passages: Vec<f64> = (1..series.len())
-        .filter(|&i| series[i - 1] < mean && series[i] >= mean)
-        .map(|i| i as f64 - (series[i] - mean) / (series[i] - series[i - 1]))
-        .collect();
-    let periods: Vec<f64> = passages.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if periods.len() < 4 {
-        return Err("fewer than four periods");
-    }
-    let period = periods.iter().sum::<f64>() / periods.len() as f64;
-    if periods.iter().any(|p| (p / period - 1.0).abs() > 0.3) {
-        return Err("there is no single period");
-    }
-    let n = periods.len() as f64;
-    let variance = periods.iter().map(|p| (p - period).powi(2)).sum::<f64>() / (n - 1.0);
-    let half = student(periods.len() - 1) * (variance / n).sqrt();
-    let value = 1.0 / (period * interval);
-    Ok(Mean {
-        value,
-        confidence: Some(value * half / period),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frequencies_and_their_absence() {
-        let wave = |f: f64, a: f64| -> Vec<f64> {
-            (0..500)
-                .map(|i| 0.3 + a * (std::f64::consts::TAU * f * 0.1 * f64::from(i)).sin())
-                .collect()
-        };
-        let known = frequency(&wave(0.37, 0.2), 0.1, NO_LIFT).unwrap();
-        assert!((known.value - 0.37).abs() < 1e-3, "{known:?}");
-        assert!(known.confidence.unwrap() < 1e-3, "{known:?}");
-        // Periods of 2.5 and 2.9 in turn: ± 0.2 on ten of them, Student's t 2.26.
-        let uneven: Vec<f64> = (0..300)
-            .map(|i| {
-                let t = (0.1 * f64::from(i)) % 5.4;
-                let phase = if t < 2.5 { t / 2.5 } else { (t - 2.5) / 2.9 };
-                (std::f64::consts::TAU * phase).sin()
-            })
-            .collect();
-        let scattered = frequency(&uneven, 0.1, NO_LIFT).unwrap();
-        let share = scattered.confidence.unwrap() / scattered.value;
-        assert!((0.04..0.08).contains(&share), "{scattered:?}");
-        assert!(frequency(&wave(0.37, 1e-4), 0.1, NO_LIFT).is_err());
-        assert!(frequency(&wave(0.05, 0.2), 0.1, NO_LIFT).is_err());
-    }
-
-    /// Re 100: 1.09 for the sphere (VALIDATION of this project, and the correlation); limits of the ranges.
-    #[test]
-    fn published_values() {
-        assert!((sphere_drag(100.0).unwrap() - 1.0917).abs() < 1e-3);
-        assert!(sphere_drag(1e4).is_none());
-        assert!((disk_drag(100.0).unwrap() - 1.282).abs() < 1e-3);
-    }
+    let slip = &record.column(&SLIP_RATIO)[window];
+    results.insert(&SLIP_MEAN, Quantity::new(average(slip)));
+    let defects = record.column(&MASS_DEFECT);
+    let defect = largest(defects.into_iter().filter(|d| !d.is_nan()).map(f64::abs));
+    results.tell(&MASS_DRIFT, defect);
 }

@@ -1,12 +1,12 @@
 //! Results beside the values of others that a case names.
 
-use super::Record;
+use super::record::Record;
 use super::results::of_scene;
 use crate::case::Scene;
 use crate::case::scene::BodyKind;
 use crate::cloth::Structure;
 use crate::frame::{FabricState, StructureFrame};
-use crate::output::{ComparisonRow, LatticeError, Quantity, Results};
+use crate::output::{ComparisonRow, LatticeError, Quantity, ReadOut, Results};
 use crate::statics::Statics;
 
 /// Names of all results that a run of the scene will have.
@@ -20,9 +20,8 @@ pub fn result_names(scene: &Scene) -> Vec<String> {
 
 /// Columns that the history of a run of the scene will have.
 #[must_use]
-pub fn history_columns(scene: &Scene) -> Vec<String> {
-    let record = Record::of(scene);
-    record.columns().into_iter().map(str::to_owned).collect()
+pub fn history_columns(scene: &Scene) -> Vec<ReadOut> {
+    Record::of(scene).columns().to_vec()
 }
 
 /// A structure that carries nothing.

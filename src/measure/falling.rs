@@ -3,13 +3,17 @@
 //! Coefficients of the history refer to the speed of release, which a fall soon leaves behind; those here to the speed of the moment. Means begin when
 //! the wake has settled: as in a tunnel, so many lengths of air behind the first peak of the diameter, here lengths that were fallen.
 
-use super::read_out::{self, ReadOut};
-use super::results::column_max;
-use super::statistics::{Mean, first_peak, slope};
+use super::impulses::Impulses;
+use super::line_drag::LINE_DRAG;
+use super::read_out::Reduction::{LargestAs, Last, Mean as MeanOf};
+use super::read_out::{ReadOut, When, columns, results};
+use super::record::Record;
+use super::reduce::{column_max, quantity, released};
+use super::shared::{PROJECTED_DIAMETER_RATIO, TIME};
+use super::statistics::{Mean, first_peak, mean_of, slope};
+use super::steady::{SETTLING, SHORTEST_WINDOW};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Descent};
-use crate::measure::Record;
-use crate::measure::steady::{self, SETTLING, SHORTEST_WINDOW};
 use crate::output::{Quantity, Results};
 use crate::simulation::{Fall, Simulation};
 
@@ -37,88 +41,55 @@ pub(super) struct Moment {
     riser_n: f64,
 }
 
-/// Columns. Those whose results are means have them under the same name.
-const ROWS: [ReadOut<Moment>; 6] = [
-    ReadOut {
-        name: "descent_speed_m_s",
-        unit: "m/s",
-        meaning: "speed of the payload or body",
-        when: |_| true,
-        how: |moment| moment.fall.speed_m_s,
-    },
-    ReadOut {
-        name: "height_fallen_m",
-        unit: "m",
-        meaning: "height fallen since release",
-        when: |_| true,
-        how: |moment| moment.fall.fallen_m,
-    },
-    ReadOut {
-        name: "load_factor_g",
-        unit: "1",
-        meaning: "what an accelerometer on the falling mass would show: 0 in free fall, 1 at constant speed; mean since the last sample",
-        when: |_| true,
-        how: |moment| {
-            moment.before.map_or(f64::NAN, |[interval_s, speed_m_s]| {
-                let gained = (moment.fall.speed_m_s - speed_m_s) / interval_s;
-                1.0 - gained / moment.gravity_m_s2
-            })
-        },
-    },
-    ReadOut {
-        name: "drag_coefficient_present",
-        unit: "1",
-        meaning: "drag over the dynamic pressure of the present speed and the reference area",
-        when: |_| true,
-        how: |moment| moment.drag_n / moment.dynamic_pressure_pa / moment.reference_area_m2,
-    },
-    ReadOut {
-        name: "drag_area_m2",
-        unit: "m2",
-        meaning: "drag over the dynamic pressure of the present speed, C_D S",
-        when: |_| true,
-        how: |moment| moment.drag_n / moment.dynamic_pressure_pa,
-    },
-    ReadOut {
-        name: "riser_force_n",
-        unit: "N",
-        meaning: "pull of riser or lines on the payload",
-        when: has_payload,
-        how: |moment| moment.riser_n,
-    },
-];
+static HAS_PAYLOAD: When<Scene> = When {
+    words: "with a payload",
+    holds: has_payload,
+};
 
-/// Columns whose means are results.
-const MEANS: [&str; 3] = ["drag_coefficient_present", "drag_area_m2", "riser_force_n"];
+columns! {
+    /// Those whose results are means have them under the same name.
+    COLUMNS of Moment, in Scene: "What falls";
+    DESCENT_SPEED: "descent_speed_m_s", "m/s", "speed of the payload or body" => |now| now.fall.speed_m_s;
+    HEIGHT_FALLEN: "height_fallen_m", "m", "height fallen since release" => |now| now.fall.fallen_m, reduced Last;
+    LOAD_FACTOR: "load_factor_g", "1", "load factor; what an accelerometer on the falling mass would show: 0 in free fall, 1 at constant speed; mean since the last sample"
+        => |now| now.before.map_or(f64::NAN, |[interval_s, speed_m_s]| {
+            let gained = (now.fall.speed_m_s - speed_m_s) / interval_s;
+            1.0 - gained / now.gravity_m_s2
+        }), reduced LargestAs("peak_load_factor_g");
+    DRAG_COEFFICIENT_PRESENT: "drag_coefficient_present", "1", "drag over the dynamic pressure of the present speed and the reference area"
+        => |now| now.drag_n / now.dynamic_pressure_pa / now.reference_area_m2, reduced MeanOf;
+    DRAG_AREA: "drag_area_m2", "m2", "drag over the dynamic pressure of the present speed, C_D S"
+        => |now| now.drag_n / now.dynamic_pressure_pa, reduced MeanOf;
+    RISER_FORCE: "riser_force_n", "N", "pull of riser or lines on the payload" => |now| now.riser_n, reduced MeanOf, when HAS_PAYLOAD;
+}
 
 fn has_payload(scene: &Scene) -> bool {
     let descent = scene.descent.as_ref();
     descent.is_some_and(|d| matches!(d.carrier, Carrier::Confluence { .. }))
 }
 
-/// Names of the columns; none where nothing falls.
-pub(super) fn columns(scene: &Scene) -> Vec<String> {
-    match scene.descent {
-        Some(_) => read_out::columns(&ROWS, scene),
-        None => Vec::new(),
-    }
+/// The columns of a scene; none where nothing falls.
+pub(super) fn columns(scene: &Scene) -> impl Iterator<Item = ReadOut> {
+    let falls = scene.descent.as_ref().into_iter();
+    falls.flat_map(|_| COLUMNS.read_outs(scene))
 }
 
-/// The same columns now, after `last`, the time and speed of the last sample; `drag_n` is the mean force of the air since then.
-pub(super) fn values(simulation: &Simulation, last: Option<[f64; 2]>, drag_n: f64) -> Vec<f64> {
+/// The same columns now.
+pub(super) fn values(simulation: &Simulation, record: &Record) -> Vec<f64> {
     let scene = simulation.scene();
     let (Some(fall), Some(descent), Some(air)) = (simulation.fall(), &scene.descent, &scene.air)
     else {
         return Vec::new();
     };
-    let before = last.map(|[time_s, speed_m_s]| [simulation.time_s() - time_s, speed_m_s]);
+    let last = record.latest(&TIME).zip(record.latest(&DESCENT_SPEED));
+    let before = last.map(|(time_s, speed_m_s)| [simulation.time_s() - time_s, speed_m_s]);
     let earlier = before.map_or(fall.speed_m_s, |[_, speed]| speed);
     let is_slow = fall.speed_m_s.abs() < SLOWEST * air.wind_or_reference_m_s();
     let moment = Moment {
         fall,
         before,
         gravity_m_s2: descent.gravity_m_s2,
-        drag_n,
+        drag_n: drag_n(&record.impulses, descent),
         dynamic_pressure_pa: if is_slow {
             f64::NAN
         } else {
@@ -127,9 +98,15 @@ pub(super) fn values(simulation: &Simulation, last: Option<[f64; 2]>, drag_n: f6
         reference_area_m2: reference(scene, descent).map_or(f64::NAN, |[area, _]| area),
         riser_n: riser_n(simulation, descent),
     };
-    read_out::of_scene(&ROWS, scene)
-        .map(|row| (row.how)(&moment))
-        .collect()
+    COLUMNS.values(scene, Some(&moment))
+}
+
+/// Mean force along x of the air on what falls since the last sample [N].
+fn drag_n(impulses: &Impulses, descent: &Descent) -> f64 {
+    impulses.force_x_n(match descent.carrier {
+        Carrier::RigidBody { number, .. } => Some(number),
+        Carrier::Confluence { .. } => None,
+    })
 }
 
 /// Mean over an interval with these speeds at its ends [Pa].
@@ -194,16 +171,11 @@ impl Window {
             .copied()
             .filter(|value| value.is_finite())
             .collect();
-        steady::mean_of(&series, self.batch)
+        mean_of(&series, self.batch)
     }
 
-    fn quantity(&self, mean: Mean, unit: &str, note: &str) -> Quantity {
-        let quantity = Quantity::new(mean.value, unit);
-        let quantity = match mean.confidence {
-            Some(confidence) => quantity.with_confidence(confidence),
-            None => quantity,
-        };
-        let mut quantity = quantity.with_note(&format!(
+    fn quantity(&self, mean: Mean, note: &str) -> Quantity {
+        let mut quantity = quantity(mean).with_note(&format!(
             "{note}; mean over the last {:.1} lengths of the fall",
             self.lengths
         ));
@@ -271,13 +243,12 @@ fn window(
 }
 
 fn window_of(record: &Record, length_m: f64) -> Option<Window> {
-    let [times, speeds, heights, ratios] = [
-        "time_s",
-        ROWS[0].name,
-        ROWS[1].name,
-        "projected_diameter_ratio",
-    ]
-    .map(|name| record.column(name));
+    let [times, speeds, heights] =
+        [&TIME, &DESCENT_SPEED, &HEIGHT_FALLEN].map(|column| record.column(column));
+    let ratios = match record.has(&PROJECTED_DIAMETER_RATIO) {
+        true => record.column(&PROJECTED_DIAMETER_RATIO),
+        false => Vec::new(),
+    };
     window(&times, &speeds, &heights, &ratios, length_m)
 }
 
@@ -301,21 +272,20 @@ pub(super) fn results(results: &mut Results, record: &Record, scene: &Scene) {
     let Some(descent) = &scene.descent else {
         return;
     };
-    let times = record.column("time_s");
-    let released = times.iter().position(|&t| t >= 0.0).unwrap_or(0);
-    let (time, factor) = column_max(record, "load_factor_g", released);
+    let released = released(&record.column(&TIME));
+    let (time, factor) = column_max(record, &LOAD_FACTOR, released);
     results.insert(
-        "peak_load_factor_g",
+        &LOAD_FACTOR.named("peak_load_factor_g"),
         if factor.is_finite() {
-            Quantity::new(factor, "1")
-                .with_note(&format!("mean of a sample interval, at {time:.4} s"))
+            let note = format!("mean of a sample interval, at {time:.4} s");
+            Quantity::new(factor).with_note(&note)
         } else {
-            Quantity::missing("1", "the run ended before two samples")
+            Quantity::missing("the run ended before two samples")
         },
     );
     terminal_results(results, record, scene, descent);
-    if let Some(height) = record.latest("height_fallen_m") {
-        results.insert("height_fallen_m", Quantity::new(height, "m"));
+    if let Some(height) = record.latest(&HEIGHT_FALLEN) {
+        results.insert(&HEIGHT_FALLEN, Quantity::new(height));
     }
 }
 
@@ -323,32 +293,29 @@ fn terminal_results(results: &mut Results, record: &Record, scene: &Scene, desce
     let (Some([area_m2, length_m]), Some(air)) = (reference(scene, descent), &scene.air) else {
         return;
     };
-    let rows = read_out::of_scene(&ROWS, scene).filter(|row| MEANS.contains(&row.name));
-    let speeds = record.column(ROWS[0].name);
+    let speeds = record.column(&DESCENT_SPEED);
     let Some(window) = window_of(record, length_m) else {
-        let terminal = TERMINAL.iter().map(|row| (row.name, row.unit));
-        for (name, unit) in rows.map(|row| (row.name, row.unit)).chain(terminal) {
-            results.insert(
-                name,
-                Quantity::missing(unit, "the run ended at its release"),
-            );
+        let missing = || Quantity::missing("the run ended at its release");
+        let means = COLUMNS.reduced(scene, MeanOf);
+        let terminal = TERMINAL.iter().map(|row| row.read_out);
+        for read_out in means.chain(terminal) {
+            results.insert(read_out, missing());
         }
         return;
     };
-    for row in rows {
-        let mean = window.mean(&record.column(row.name));
-        results.insert(row.name, window.quantity(mean, row.unit, row.meaning));
+    for column in COLUMNS.reduced(scene, MeanOf) {
+        let mean = window.mean(&record.column(column));
+        results.insert(column, window.quantity(mean, column.meaning));
     }
     let density = air.units.density_kg_m3;
     let pressures: Vec<f64> = (0..speeds.len())
         .map(|i| dynamic_pressure_pa(density, [speeds[i.saturating_sub(1)], speeds[i]]))
         .collect();
-    let drag_area = ratio(&window, &record.column("drag_area_m2"), &pressures);
-    let line_drag = record.column("line_drag_n");
-    let line_area = if line_drag.is_empty() {
-        0.0
+    let drag_area = ratio(&window, &record.column(&DRAG_AREA), &pressures);
+    let line_area = if record.has(&LINE_DRAG) {
+        window.mean(&record.column(&LINE_DRAG)).value / window.mean(&pressures).value
     } else {
-        window.mean(&line_drag).value / window.mean(&pressures).value
+        0.0
     };
     let of_payload: f64 = descent.drag_area_m2
         + descent
@@ -372,7 +339,7 @@ fn terminal_results(results: &mut Results, record: &Record, scene: &Scene, desce
     };
     for row in TERMINAL.iter().filter(|row| (row.when)(scene)) {
         let mean = (row.how)(&known);
-        results.insert(row.name, window.quantity(mean, row.unit, row.meaning));
+        results.insert(row.read_out, window.quantity(mean, row.read_out.meaning));
     }
 }
 
@@ -430,27 +397,30 @@ impl Terminal {
     }
 }
 
+results! {
+    /// Of the settled fall.
+    RESULTS: "What falls";
+    TERMINAL_SPEED: "terminal_speed_m_s", "m/s", "speed of the payload or body";
+    SPEED_OF_DRAG_AREA: "terminal_speed_of_drag_area_m_s", "m/s", "speed at which all drag areas together balance the weight of all that falls, sqrt(2 m g/(rho C_D S))";
+    TERMINAL_DRAG: "drag_coefficient_terminal", "1", "mean drag over the mean dynamic pressure and the reference area";
+    TERMINAL_RISER_FORCE: "riser_force_terminal_n", "N", "weight of the payload and what hangs below it, less their own drag at that speed of balance";
+}
+
 /// A result of the settled fall.
 struct TerminalRow {
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
+    read_out: &'static ReadOut,
     when: fn(&Scene) -> bool,
     how: fn(&Terminal) -> Mean,
 }
 
-const TERMINAL: [TerminalRow; 4] = [
+static TERMINAL: [TerminalRow; 4] = [
     TerminalRow {
-        name: "terminal_speed_m_s",
-        unit: "m/s",
-        meaning: "speed of the payload or body",
+        read_out: &TERMINAL_SPEED,
         when: |_| true,
         how: |known| known.speed,
     },
     TerminalRow {
-        name: "terminal_speed_of_drag_area_m_s",
-        unit: "m/s",
-        meaning: "speed at which all drag areas together balance the weight of all that falls, sqrt(2 m g/(rho C_D S))",
+        read_out: &SPEED_OF_DRAG_AREA,
         when: |_| true,
         how: |known| {
             let pressure = known.pressure_pa();
@@ -464,9 +434,7 @@ const TERMINAL: [TerminalRow; 4] = [
         },
     },
     TerminalRow {
-        name: "drag_coefficient_terminal",
-        unit: "1",
-        meaning: "mean drag over the mean dynamic pressure and the reference area",
+        read_out: &TERMINAL_DRAG,
         when: |_| true,
         how: |known| Mean {
             value: known.drag_area.value / known.area_m2,
@@ -474,9 +442,7 @@ const TERMINAL: [TerminalRow; 4] = [
         },
     },
     TerminalRow {
-        name: "riser_force_terminal_n",
-        unit: "N",
-        meaning: "weight of the payload and what hangs below it, less their own drag at that speed of balance",
+        read_out: &TERMINAL_RISER_FORCE,
         when: has_payload,
         how: |known| {
             let pressure = known.pressure_pa();
@@ -575,7 +541,8 @@ mod tests {
             density_kg_m3: 1.2,
         };
         let of = |name: &str| {
-            let row = TERMINAL.iter().find(|row| row.name == name).unwrap();
+            let mut rows = TERMINAL.iter();
+            let row = rows.find(|row| row.read_out.name == name).unwrap();
             (row.how)(&known)
         };
         let speed = of("terminal_speed_of_drag_area_m_s");

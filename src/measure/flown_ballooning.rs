@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::read_out::results;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
 use crate::geometry::wing::section::{Side, lookup};
@@ -110,33 +111,36 @@ pub fn differences(flown: &Ballooning, target: Option<&Ballooning>) -> [f64; 2] 
     [largest, f64::sqrt(sum / f64::max(count, 1.0))]
 }
 
+results! {
+    /// Before the first change of the panels, and after the last.
+    RESULTS: "Panel shaping";
+    ERROR_MAX: "panel_shaping_error_max_{when}", "1",
+        "largest error of the shaped panels; largest difference of what is aimed at: flown ballooning, or distance of ribs over the designed one";
+    ERROR_RMS: "panel_shaping_error_rms_{when}", "1", "mean error of the shaped panels; root of the mean square of it";
+    CELL_WIDTH: "panel_shaping_cell_width_over_designed_{when}", "1", "width of the cells over the design; distance of neighbouring ribs, mean";
+    CHANGES: "panel_shaping_changes", "1", "changes of the panels";
+}
+
+/// A number of a step.
+type OfStep = fn(&ShapingStep) -> f64;
+
 /// Adds the results of a panel shaping; without steps their names alone.
 pub(super) fn results(results: &mut Results, steps: &[ShapingStep]) {
     let pair = steps.first().zip(steps.last());
-    let mut insert = |name: &str, note: &str, of: &dyn Fn(&ShapingStep) -> f64| {
-        for (which, step) in [("before", pair.map(|p| p.0)), ("after", pair.map(|p| p.1))] {
+    let of: [(_, OfStep); 3] = [
+        (&ERROR_MAX, |step| step.error_max),
+        (&ERROR_RMS, |step| step.error_rms),
+        (&CELL_WIDTH, |step| step.cell_width_ratio),
+    ];
+    for (read_out, of) in of {
+        for (when, step) in [("before", pair.map(|p| p.0)), ("after", pair.map(|p| p.1))] {
             let quantity = match step {
-                Some(step) => Quantity::new(of(step), "1").with_note(note),
-                None => Quantity::missing("1", "no panels were shaped"),
+                Some(step) => Quantity::told(read_out, of(step)),
+                None => Quantity::missing("no panels were shaped"),
             };
-            results.insert(&format!("panel_shaping_{name}_{which}"), quantity);
+            results.insert(&read_out.of(when), quantity);
         }
-    };
-    insert(
-        "error_max",
-        "largest difference of what is aimed at: flown ballooning, or distance of ribs over the designed one",
-        &|step| step.error_max,
-    );
-    insert("error_rms", "root of the mean square of it", &|step| {
-        step.error_rms
-    });
-    insert(
-        "cell_width_over_designed",
-        "distance of neighbouring ribs, mean",
-        &|step| step.cell_width_ratio,
-    );
-    results.insert(
-        "panel_shaping_changes",
-        Quantity::new(steps.len().saturating_sub(1) as f64, "1"),
-    );
+    }
+    let changes = steps.len().saturating_sub(1);
+    results.insert(&CHANGES, Quantity::new(changes as f64));
 }

@@ -4,9 +4,19 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::read_out::results;
+use super::wing::ROW_LOAD;
 use crate::case::scene::ImportedWing;
 use crate::frame::StructureFrame;
 use crate::output::{Quantity, Results};
+
+results! {
+    /// Besides the loads of its rows.
+    RESULTS: "Wings from files";
+    HELD_FORCE: "held_force_n", "N", "force on the held lines; sum of the forces that hold the lines";
+    VOLUME: "volume_m3", "m3", "volume; inside skin and intakes as drawn";
+    MOVED_MAX: "moved_to_node_max_m", "m", "farthest that the end of a line or strap was moved to a node of the wing";
+}
 
 /// Adds the results.
 pub(super) fn results(results: &mut Results, wing: &ImportedWing, structure: &StructureFrame) {
@@ -21,22 +31,12 @@ pub(super) fn results(results: &mut Results, wing: &ImportedWing, structure: &St
     }
     for (row, load) in rows {
         results.insert(
-            &format!("row_{row}_load_n"),
-            Quantity::new(load, "N").with_note("tension of its lines that are held, both halves"),
+            &ROW_LOAD.of(row),
+            Quantity::new(load).with_note("tension of its lines that are held, both halves"),
         );
     }
     let held: DVec3 = structure.reactions_n.iter().sum();
-    results.insert(
-        "held_force_n",
-        Quantity::new(held.length(), "N").with_note("sum of the forces that hold the lines"),
-    );
-    results.insert(
-        "volume_m3",
-        Quantity::new(wing.volume_m3, "m3").with_note("inside skin and intakes as drawn"),
-    );
-    results.insert(
-        "moved_to_node_max_m",
-        Quantity::new(wing.moved_max_m, "m")
-            .with_note("farthest that the end of a line or strap was moved to a node of the wing"),
-    );
+    results.tell(&HELD_FORCE, held.length());
+    results.tell(&VOLUME, wing.volume_m3);
+    results.tell(&MOVED_MAX, wing.moved_max_m);
 }

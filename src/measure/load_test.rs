@@ -5,7 +5,8 @@
 
 use glam::DVec3;
 
-use super::wing::place;
+use super::read_out::{ReadOut, results};
+use super::wing::{key, place};
 use super::wing_lines::{self, LineName};
 use crate::case::wing::Wing;
 use crate::cloth::Structure;
@@ -46,12 +47,6 @@ pub struct LoadReading {
 pub fn parts(wing: &Wing) -> Vec<Part> {
     let has = |part: &Part| wing.built.tags.iter().any(|tag| tag.part == *part);
     Part::ALL.into_iter().filter(has).collect()
-}
-
-/// Name of a part as in the names of results.
-#[must_use]
-pub fn key(part: Part) -> String {
-    part.name().replace([' ', '-'], "_")
 }
 
 fn nearest_of(
@@ -209,6 +204,20 @@ fn strength_of_level_n(wing: &Wing, level: usize) -> Option<f64> {
     own.into_iter().sum()
 }
 
+results! {
+    /// Of the last load, but for the first failure.
+    RESULTS: "Load tests of wings";
+    LOAD_FACTOR_MAX: "load_test_load_factor_max", "1", "largest multiple of the loads in flight";
+    FIRST_FAILURE: "load_test_first_failure_load_factor", "1", "multiple at which a line first reaches its breaking load; EN 926-1 asks for 8 on the test rig";
+    NEAREST: "load_test_line_load_over_breaking_load_max", "1", "load over breaking load of the line nearest to breaking";
+    ROW_NEAREST: "load_test_row_{row}_load_over_breaking_load_max", "1", "the same of a row";
+    RISER_FORCE: "load_test_riser_force_n", "N", "force of the risers, both halves";
+    PART_STRESS: "load_test_{part}_stress_max_pa", "Pa", "largest stress of the part";
+    AREA_RATIO: "load_test_projected_area_ratio", "1", "area seen from above over that in flight; last step over flight, chords seen from above";
+    LEVEL_STRENGTH: "line_strength_level_{level}_over_weight", "1",
+        "strength of a level of lines; sum of breaking loads, counted from the risers up, brakes left out, over the weight in flight; EN 926-1 asks for 14 after bending";
+}
+
 /// Adds the results of a load test; without steps their names alone.
 pub(super) fn results(
     results: &mut Results,
@@ -222,17 +231,16 @@ pub(super) fn results(
     let last = steps.last().map(|step| read(wing, step));
     let untested = "no load test was done";
     let told = "no line material tells its breaking_load_n";
-    let mut insert = |name: String, unit: &str, value: Option<(f64, String)>, why: &str| {
+    let mut insert = |read_out: &ReadOut, value: Option<(f64, String)>, why: &str| {
         let quantity = match value {
-            Some((value, note)) => Quantity::new(value, unit).with_note(&note),
-            None => Quantity::missing(unit, why),
+            Some((value, note)) => Quantity::new(value).with_note(&note),
+            None => Quantity::missing(why),
         };
-        results.insert(&format!("load_test_{name}"), quantity);
+        results.insert(read_out, quantity);
     };
     let factor = last.as_ref().map(|reading| reading.load_factor);
     insert(
-        "load_factor_max".to_owned(),
-        "1",
+        &LOAD_FACTOR_MAX,
         factor.map(|f| (f, "last step; multiple of the loads in flight".to_owned())),
         untested,
     );
@@ -250,8 +258,7 @@ pub(super) fn results(
         },
     );
     insert(
-        "first_failure_load_factor".to_owned(),
-        "1",
+        &FIRST_FAILURE,
         failure.map(|f| {
             let name = names[f.cable].text();
             let note = format!("{name}; between steps; EN 926-1 asks for 8 on the test rig");
@@ -267,45 +274,27 @@ pub(super) fn results(
     let nearest = last
         .as_ref()
         .and_then(|reading| as_quantity(&reading.nearest));
-    insert(
-        "line_load_over_breaking_load_max".to_owned(),
-        "1",
-        nearest,
-        why,
-    );
+    insert(&NEAREST, nearest, why);
     for (row, name) in wing.built.row_names.iter().enumerate() {
         let nearest = last.as_ref().and_then(|r| as_quantity(&r.rows[row]));
-        let key = format!("row_{name}_load_over_breaking_load_max");
-        insert(key, "1", nearest, why);
+        insert(&ROW_NEAREST.of(name), nearest, why);
     }
     let riser = last.as_ref().map(|r| r.riser_forces_n.iter().sum::<f64>());
-    insert(
-        "riser_force_n".to_owned(),
-        "N",
-        riser.map(|force| (force, "both halves, last step".to_owned())),
-        untested,
-    );
+    let note = || "both halves, last step".to_owned();
+    insert(&RISER_FORCE, riser.map(|force| (force, note())), untested);
     for (number, part) in parts(wing).into_iter().enumerate() {
         let stress = last.as_ref().map(|reading| {
             let (triangle, stress) = reading.stresses[number];
             (stress, place(wing, &wing.built.tags[triangle]))
         });
-        insert(
-            format!("{}_stress_max_pa", key(part)),
-            "Pa",
-            stress,
-            untested,
-        );
+        insert(&PART_STRESS.of(key(part)), stress, untested);
     }
     let first = steps.first().map(|step| read(wing, step));
     let ratio = first.zip(last).map(|(first, last)| {
         let ratio = last.projected_area_m2 / first.projected_area_m2;
-        (
-            ratio,
-            "last step over flight, chords seen from above".to_owned(),
-        )
+        (ratio, AREA_RATIO.detail().unwrap_or_default().to_owned())
     });
-    insert("projected_area_ratio".to_owned(), "1", ratio, untested);
+    insert(&AREA_RATIO, ratio, untested);
     strengths(results, wing, designed, gravity_m_s2);
 }
 
@@ -326,12 +315,10 @@ fn strengths(results: &mut Results, wing: &Wing, designed: &Structure, gravity_m
             break;
         }
         results.insert(
-            &format!("line_strength_level_{}_over_weight", level + 1),
+            &LEVEL_STRENGTH.of(level + 1),
             match strength_of_level_n(wing, level) {
-                Some(strength) => Quantity::new(strength / weight_n, "1").with_note(
-                    "sum of breaking loads, counted from the risers up, brakes left out, over the weight in flight; EN 926-1 asks for 14 after bending",
-                ),
-                None => Quantity::missing("1", "a line of the level does not tell its breaking_load_n"),
+                Some(strength) => Quantity::told(&LEVEL_STRENGTH, strength / weight_n),
+                None => Quantity::missing("a line of the level does not tell its breaking_load_n"),
             },
         );
     }

@@ -2,60 +2,79 @@
 
 use glam::DVec3;
 
-use super::results::column_max;
+use super::read_out::Reduction::LargestAs;
+use super::read_out::{ReadOut, columns};
+use super::record::Record;
+use super::reduce::{column_max, released};
+use super::shared::TIME;
 use crate::case::Scene;
 use crate::case::scene::PayloadBody;
-use crate::measure::Record;
 use crate::output::{Quantity, Results};
 use crate::simulation::Simulation;
 
-/// Behind the name of a body: tension of its tether, and the angle of the tether from straight down; the results of their largest values, and units.
-const COLUMNS: [[&str; 3]; 2] = [
-    ["tether_tension_n", "tether_tension_max_n", "N"],
-    ["tether_swing_deg", "tether_swing_max_deg", "deg"],
-];
+/// A tether at a sample.
+pub(super) struct Tether {
+    tension_n: f64,
+    /// From its upper to its lower end [m].
+    way_m: DVec3,
+}
+
+columns! {
+    /// Of every body below a payload.
+    COLUMNS of Tether, in Scene: "Bodies below a payload";
+    TETHER_TENSION: "{body}_tether_tension_n", "N", "tension of the body's tether"
+        => |now| now.tension_n, reduced LargestAs("{body}_tether_tension_max_n");
+    TETHER_SWING: "{body}_tether_swing_deg", "deg", "angle of the tether from straight down"
+        => |now| now.way_m.angle_between(DVec3::NEG_X).to_degrees(), reduced LargestAs("{body}_tether_swing_max_deg");
+}
 
 fn bodies(scene: &Scene) -> &[PayloadBody] {
     scene.descent.as_ref().map_or(&[], |d| &d.bodies)
 }
 
-/// Names of the columns.
-pub(super) fn columns(scene: &Scene) -> impl Iterator<Item = String> {
-    let bodies = bodies(scene).iter();
-    bodies.flat_map(|body| COLUMNS.map(|[name, ..]| format!("{}_{name}", body.name)))
+/// The columns of a scene.
+pub(super) fn columns(scene: &Scene) -> impl Iterator<Item = ReadOut> {
+    bodies(scene)
+        .iter()
+        .flat_map(|body| COLUMNS.read_outs_of(scene, &body.name))
 }
 
 /// The same columns now.
 pub(super) fn values(simulation: &Simulation) -> Vec<f64> {
+    let scene = simulation.scene();
     let Some(cloth) = simulation.cloth() else {
         return Vec::new();
     };
-    let bodies = bodies(simulation.scene()).iter();
-    let values = bodies.flat_map(|body| {
+    let tether = |body: &PayloadBody| {
         let cable = &cloth.structure.cables[body.tether];
         let [above, below] = cable.nodes.map(|node| cloth.positions_m[node as usize]);
-        let way = below - above;
-        [
-            cloth.cable_tension_n(body.tether),
-            way.angle_between(DVec3::NEG_X).to_degrees(),
-        ]
-    });
-    values.collect()
+        Tether {
+            tension_n: cloth.cable_tension_n(body.tether),
+            way_m: below - above,
+        }
+    };
+    let tethers: Vec<Tether> = bodies(scene).iter().map(tether).collect();
+    tethers
+        .iter()
+        .flat_map(|tether| COLUMNS.values(scene, Some(tether)))
+        .collect()
 }
 
 /// Largest of both from release on.
 pub(super) fn results(results: &mut Results, record: &Record, scene: &Scene) {
-    let times = record.column("time_s");
-    let released = times.iter().position(|&t| t >= 0.0).unwrap_or(0);
+    let released = released(&record.column(&TIME));
     for body in bodies(scene) {
-        for [column, result, unit] in COLUMNS {
-            let (time, value) = column_max(record, &format!("{}_{column}", body.name), released);
+        for row in COLUMNS.of(scene) {
+            let LargestAs(name) = row.reduced else {
+                continue;
+            };
+            let (time, value) = column_max(record, &row.read_out.of(&body.name), released);
             results.insert(
-                &format!("{}_{result}", body.name),
+                &row.read_out.named(name).of(&body.name),
                 if value.is_finite() {
-                    Quantity::new(value, unit).with_note(&format!("at {time:.4} s"))
+                    Quantity::new(value).with_note(&format!("at {time:.4} s"))
                 } else {
-                    Quantity::missing(unit, "the run ended before two samples")
+                    Quantity::missing("the run ended before two samples")
                 },
             );
         }

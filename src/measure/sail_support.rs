@@ -8,8 +8,9 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::load_test::key;
-use super::wing::place;
+use super::load_test::parts;
+use super::read_out::results;
+use super::wing::{key, place};
 use super::wing_lines::{from_the_middle, half_of};
 use crate::case::wing::Wing;
 use crate::cloth::Structure;
@@ -389,6 +390,15 @@ pub fn warnings(wing: &Wing, designed: &Structure, structure: &StructureFrame) -
     warnings
 }
 
+results! {
+    /// The figures behind the warnings.
+    RESULTS: "Support of a wing's sail";
+    REGION_AREA_MAX: "slack_region_area_max_m2", "m2", "area of the largest region without tension";
+    REGIONS: "slack_regions", "1", "number of regions; without tension and taking at least 15 % of their panel or rib";
+    STANDING_OUT_MAX: "rib_standing_out_max", "1", "farthest that a rib stands out between the attachments of its row; over their distance";
+    STRESS_OVER_MEAN: "{part}_stress_max_over_mean", "1", "largest stress of the part over its mean";
+}
+
 /// Adds the figures behind the warnings.
 pub(super) fn results(
     results: &mut Results,
@@ -398,46 +408,37 @@ pub(super) fn results(
 ) {
     let regions = slack_regions(wing, structure);
     results.insert(
-        "slack_region_area_max_m2",
+        &REGION_AREA_MAX,
         match regions.first() {
-            Some(region) => {
-                Quantity::new(region.area_m2, "m2").with_note(&region_in_words(wing, region))
-            }
-            None => {
-                Quantity::new(0.0, "m2").with_note("no region without tension has six triangles")
-            }
+            Some(region) => Quantity::new(region.area_m2).with_note(&region_in_words(wing, region)),
+            None => Quantity::new(0.0).with_note("no region without tension has six triangles"),
         },
     );
     let count = regions.iter().filter(|r| r.share >= LEAST_SHARE).count();
-    results.insert(
-        "slack_regions",
-        Quantity::new(count as f64, "1")
-            .with_note("without tension and taking at least 15 % of their panel or rib"),
-    );
+    results.tell(&REGIONS, count as f64);
     let standing = standing_ribs(wing, designed, structure);
     let most = standing.iter().max_by(|a, b| a.out.total_cmp(&b.out));
     results.insert(
-        "rib_standing_out_max",
+        &STANDING_OUT_MAX,
         match most {
-            Some(most) => Quantity::new(most.out, "1").with_note(&standing_in_words(wing, most)),
-            None => Quantity::missing("1", "no rib stands between attached ones"),
+            Some(most) => Quantity::new(most.out).with_note(&standing_in_words(wing, most)),
+            None => Quantity::missing("no rib stands between attached ones"),
         },
     );
-    for part in super::load_test::parts(wing) {
-        let name = format!("{}_stress_max_over_mean", key(part));
+    for part in parts(wing) {
         let peaks = concentrations(wing, structure, part);
         results.insert(
-            &name,
+            &STRESS_OVER_MEAN.of(key(part)),
             match peaks.first() {
                 Some(peak) => {
                     let near = nearest_attachment(wing, structure, peak.triangle);
-                    Quantity::new(peak.over_mean, "1").with_note(&format!(
+                    Quantity::new(peak.over_mean).with_note(&format!(
                         "{}{}",
                         place(wing, &wing.built.tags[peak.triangle]),
                         near.map_or_else(String::new, |near| format!(", {near}"))
                     ))
                 }
-                None => Quantity::missing("1", "the part carries nothing"),
+                None => Quantity::missing("the part carries nothing"),
             },
         );
     }

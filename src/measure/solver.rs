@@ -1,52 +1,28 @@
 //! Read-outs of the fabric's solver: what it did since the last sample, and the account of the whole run.
 
-use super::read_out::{self, ReadOut};
+use super::contact::SMALLEST_GAP;
+use super::read_out::{When, columns};
 use super::residual;
+use super::shared::{FORCE_IMBALANCE, MASS_DRIFT, SLIP_MEAN};
 use crate::case::scene::Scene;
 use crate::output::{AccountRow, Results};
 use crate::simulation::{Interval, LAST, Simulation, SolverAccount, UNSOLVED_SHARE};
 use crate::statics::Statics;
 
-const fn has_solves(scene: &Scene) -> bool {
-    scene.body.is_some() && scene.time.is_some()
-}
+static HAS_SOLVES: When<Scene> = When {
+    words: "",
+    holds: |scene| scene.body.is_some() && scene.time.is_some(),
+};
 
-/// Columns of the history, of the solves since the last sample.
-const COLUMNS: [ReadOut<Interval>; 3] = [
-    ReadOut {
-        name: "unsolved_solves",
-        unit: "1",
-        meaning: "solves that missed their tolerance: at the limit of evaluations, or stalled",
-        when: has_solves,
-        how: |interval| interval.unsolved as f64,
-    },
-    ReadOut {
-        name: "solver_residual",
-        unit: "1",
-        meaning: "energy norm that the worst of them left, over what the tolerance allows; above 1 it is unsolved",
-        when: has_solves,
-        how: |interval| interval.worst_residual,
-    },
-    ReadOut {
-        name: "evaluations_per_solve",
-        unit: "1",
-        meaning: "evaluations of the energy and its gradient, mean",
-        when: has_solves,
-        how: |interval| interval.evaluations as f64 / interval.solves as f64,
-    },
-];
-
-/// Names of the columns.
-pub(super) fn columns(scene: &Scene) -> Vec<String> {
-    read_out::columns(&COLUMNS, scene)
-}
-
-/// Their values, and a new interval.
-pub(super) fn values(simulation: &mut Simulation) -> Vec<f64> {
-    let interval = simulation.take_solver_interval();
-    read_out::of_scene(&COLUMNS, simulation.scene())
-        .map(|row| (row.how)(&interval))
-        .collect()
+columns! {
+    /// Of the solves since the last sample.
+    COLUMNS of Interval, in Scene: "Fabric that moves: its solver since the last sample";
+    UNSOLVED: "unsolved_solves", "1", "solves that missed their tolerance; at the limit of evaluations, or stalled"
+        => |interval| interval.unsolved as f64, when HAS_SOLVES;
+    RESIDUAL: "solver_residual", "1", "energy norm that the worst of them left, over what the tolerance allows; above 1 it is unsolved"
+        => |interval| interval.worst_residual, when HAS_SOLVES;
+    EVALUATIONS: "evaluations_per_solve", "1", "evaluations of the energy and its gradient, mean"
+        => |interval| interval.evaluations as f64 / interval.solves as f64, when HAS_SOLVES;
 }
 
 /// Difference of the force routes beyond which a run says so.
@@ -91,7 +67,7 @@ pub fn account(simulation: &Simulation, statics: &Statics, results: &Results) ->
     rows.extend(load_test(statics));
     rows.extend(contact(simulation, results));
     let coupling = simulation.scene().coupling;
-    if let (Some(slip), Some(coupling)) = (value(results, "slip_mean"), coupling) {
+    if let (Some(slip), Some(coupling)) = (results.value(&SLIP_MEAN), coupling) {
         let row = AccountRow::at_most(
             "forcing of the air",
             "mean slip past the surface over the reference speed",
@@ -104,27 +80,23 @@ pub fn account(simulation: &Simulation, statics: &Statics, results: &Results) ->
     for (name, result, meaning, limit) in [
         (
             "force routes",
-            "force_imbalance",
+            &FORCE_IMBALANCE,
             "largest difference over the drag",
             FORCE_IMBALANCE_LIMIT,
         ),
         (
             "mass balance of the air",
-            "mass_drift",
+            &MASS_DRIFT,
             "largest defect over the mass of the box",
             MASS_DEFECT_LIMIT,
         ),
     ] {
-        if let Some(found) = value(results, result) {
+        if let Some(found) = results.value(result) {
             rows.push(AccountRow::at_most(name, meaning, "1", found, limit));
         }
     }
     rows.extend(residual::account(results));
     rows
-}
-
-fn value(results: &Results, name: &str) -> Option<f64> {
-    results.get(name)?.value
 }
 
 /// Steps of the fabric.
@@ -207,7 +179,7 @@ fn trim(simulation: &Simulation, statics: &Statics) -> Option<AccountRow> {
 fn contact(simulation: &Simulation, results: &Results) -> Option<AccountRow> {
     let body = simulation.scene().body.as_ref()?;
     let thickness_m = body.structure.contact?.thickness_m;
-    let gap_m = value(results, "smallest_gap_m")?;
+    let gap_m = results.value(&SMALLEST_GAP)?;
     let row = AccountRow::at_most(
         "contact of fabric",
         "how far the nearest fabric came into the contact thickness (1 = touching)",

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use realfft::RealFftPlanner;
 
+use super::statistics::{Mean, batch_mean, slope, student};
+
 /// One-sided power spectral density.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
@@ -20,7 +22,7 @@ pub(super) fn periodogram(series: &[f64], interval: f64) -> Option<Spectrum> {
         return None;
     }
     let places: Vec<f64> = (0..count).map(|i| i as f64).collect();
-    let slope = super::statistics::slope(&places, series);
+    let slope = slope(&places, series);
     let mean = series.iter().sum::<f64>() / count as f64;
     let middle = 0.5 * (count - 1) as f64;
     let window = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / count as f64).cos();
@@ -119,6 +121,36 @@ pub(super) fn oscillation(series: &[f64], interval: f64) -> Result<Oscillation, 
     })
 }
 
+/// Frequency of an evenly sampled oscillation, from its upward passages through the mean [1/time of `interval`], with the interval that the
+/// scatter of the periods leads to; an error says why there is none, such as an amplitude below `least`.
+pub(super) fn frequency(series: &[f64], interval: f64, least: f64) -> Result<Mean, &'static str> {
+    let mean = batch_mean(series, 1).value;
+    let square = series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len() as f64;
+    if (2.0 * square).sqrt() < least {
+        return Err("it does not oscillate");
+    }
+    let passages: Vec<f64> = (1..series.len())
+        .filter(|&i| series[i - 1] < mean && series[i] >= mean)
+        .map(|i| i as f64 - (series[i] - mean) / (series[i] - series[i - 1]))
+        .collect();
+    let periods: Vec<f64> = passages.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if periods.len() < 4 {
+        return Err("fewer than four periods");
+    }
+    let period = periods.iter().sum::<f64>() / periods.len() as f64;
+    if periods.iter().any(|p| (p / period - 1.0).abs() > 0.3) {
+        return Err("there is no single period");
+    }
+    let n = periods.len() as f64;
+    let variance = periods.iter().map(|p| (p - period).powi(2)).sum::<f64>() / (n - 1.0);
+    let half = student(periods.len() - 1) * (variance / n).sqrt();
+    let value = 1.0 / (period * interval);
+    Ok(Mean {
+        value,
+        confidence: Some(value * half / period),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,5 +217,33 @@ mod tests {
         assert!((spectrum.dominant().unwrap() - 100.0).abs() < 0.05);
         let twice = Spectrum::mean_of(&[spectrum.clone(), spectrum.clone()]).unwrap();
         assert_eq!(twice, spectrum);
+    }
+
+    /// Amplitude below which there is no oscillation to speak of.
+    const NO_LIFT: f64 = 2e-3;
+
+    #[test]
+    fn frequencies_and_their_absence() {
+        let wave = |f: f64, a: f64| -> Vec<f64> {
+            (0..500)
+                .map(|i| 0.3 + a * (std::f64::consts::TAU * f * 0.1 * f64::from(i)).sin())
+                .collect()
+        };
+        let known = frequency(&wave(0.37, 0.2), 0.1, NO_LIFT).unwrap();
+        assert!((known.value - 0.37).abs() < 1e-3, "{known:?}");
+        assert!(known.confidence.unwrap() < 1e-3, "{known:?}");
+        // Periods of 2.5 and 2.9 in turn: ± 0.2 on ten of them, Student's t 2.26.
+        let uneven: Vec<f64> = (0..300)
+            .map(|i| {
+                let t = (0.1 * f64::from(i)) % 5.4;
+                let phase = if t < 2.5 { t / 2.5 } else { (t - 2.5) / 2.9 };
+                (std::f64::consts::TAU * phase).sin()
+            })
+            .collect();
+        let scattered = frequency(&uneven, 0.1, NO_LIFT).unwrap();
+        let share = scattered.confidence.unwrap() / scattered.value;
+        assert!((0.04..0.08).contains(&share), "{scattered:?}");
+        assert!(frequency(&wave(0.37, 1e-4), 0.1, NO_LIFT).is_err());
+        assert!(frequency(&wave(0.05, 0.2), 0.1, NO_LIFT).is_err());
     }
 }

@@ -9,6 +9,9 @@ pub struct Mean {
     pub confidence: Option<f64>,
 }
 
+/// Batches of the second interval of [`mean_of`], of which the wider is taken: long ones see what wanders slowly.
+const LONG_BATCHES: usize = 4;
+
 /// Quantiles of Student's t at 97.5 % for 1, 2, … degrees of freedom.
 const STUDENT: [f64; 15] = [
     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
@@ -72,6 +75,43 @@ pub fn first_maximum(series: &[f64], least: f64, window: usize) -> Option<usize>
                 .iter()
                 .all(|&later| later <= series[i])
     })
+}
+
+/// Mean of a series, with the wider of the intervals from batches of `batch` samples and from long ones.
+#[must_use]
+pub fn mean_of(series: &[f64], batch: usize) -> Mean {
+    let short = batch_mean(series, batch);
+    let long = batch_mean(series, series.len() / LONG_BATCHES);
+    Mean {
+        confidence: short
+            .confidence
+            .and_then(|short| Some(short.max(long.confidence?))),
+        ..short
+    }
+}
+
+/// Largest value; NaN if any is (a spring network has no tensions, which must not look like zero).
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |largest: f64, value| {
+        if value.is_nan() {
+            f64::NAN
+        } else if value > largest {
+            value
+        } else {
+            largest
+        }
+    })
+}
+
+/// Plain mean; not a number of nothing.
+pub(super) fn average(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Largest less smallest value.
+pub(super) fn range(values: &[f64]) -> f64 {
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most - values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// Slope of the least-squares line through (x, y).

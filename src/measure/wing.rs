@@ -2,13 +2,34 @@
 
 use glam::DVec3;
 
-use super::record::largest;
+use super::read_out::results;
+use super::statistics::largest;
 use crate::case::wing::Wing;
 use crate::frame::{FabricState, StructureFrame};
 use crate::geometry::wing::{LineKind, Part, Tag};
 use crate::output::{Quantity, Results};
 use crate::statics::Trim;
 use crate::trim::Flight;
+
+results! {
+    /// Of wings in equilibrium, and of wings in the wind.
+    RESULTS: "Wings";
+    PRESSURE_FORCE_X: "pressure_force_x_n", "N", "force of the air on the flown shape along x";
+    PRESSURE_FORCE_Z: "pressure_force_z_n", "N", "force of the air on the flown shape along z";
+    RISER_FORCE_RIGHT: "riser_force_right_n", "N", "force of all risers of the right half together";
+    RISER_FORCE_LEFT: "riser_force_left_n", "N", "force of all risers of the left half together";
+    PITCH_GUIDE_FORCE: "pitch_guide_force_n", "N", "force of the pitch guide along x on the nose in the middle";
+    RISER_BALANCE_ERROR: "riser_balance_error", "1", "error of the balance of forces; pressure, weight, pitch guide and reactions of the risers, over the larger of the first two";
+    ROW_LOAD: "row_{row}_load_n", "N", "load of the row; tension of its risers, both halves";
+    ROW_SHARE: "row_{row}_load_share", "1", "load of the row over that of all rows";
+    ROW_ATTACHMENT_MAX: "row_{row}_attachment_load_max_n", "N", "largest tension of a line of the row at an attachment";
+    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the line, riser or tape nearest to breaking";
+    PART_STRESS_MAX: "{part}_stress_max_pa", "Pa", "largest stress of the part; of panels, ribs, diagonals and mini-ribs";
+    PART_WRINKLED: "{part}_wrinkled_area_share", "1", "share of the part's area that is wrinkled";
+    PART_SLACK: "{part}_slack_area_share", "1", "share of the part's area that is slack";
+    PROJECTED_SPAN: "projected_span_m", "m", "span seen from above; between the noses of the tip ribs";
+    PITCH: "pitch_deg", "deg", "pitch; of the rib in or next to the middle, nose up";
+}
 
 /// Adds the results of a wing; `weight_n` is that of fabric and lines.
 pub(super) fn results(
@@ -53,13 +74,13 @@ fn forces(
 ) {
     let flight = trim.and_then(|trim| trim.flight.as_ref());
     let pressure = air_force_n(wing, structure, flight);
-    for (name, value) in [
-        ("pressure_force_x_n", pressure.x),
-        ("pressure_force_z_n", pressure.z),
+    for (read_out, value) in [
+        (&PRESSURE_FORCE_X, pressure.x),
+        (&PRESSURE_FORCE_Z, pressure.z),
     ] {
         results.insert(
-            name,
-            Quantity::new(value, "N").with_note(if wing.trim.is_some() {
+            read_out,
+            Quantity::new(value).with_note(if wing.trim.is_some() {
                 "of pressure, traction and drag of lines on the flown shape"
             } else {
                 "of the prescribed pressure on the flown shape"
@@ -70,11 +91,9 @@ fn forces(
         .built
         .hang_points
         .map(|n| structure.reactions_n[n as usize]);
-    for (name, force) in [("right", right), ("left", left)] {
-        results.insert(
-            &format!("riser_force_{name}_n"),
-            Quantity::new(force.length(), "N").with_note("of all risers of this half together"),
-        );
+    for (read_out, force) in [(&RISER_FORCE_RIGHT, right), (&RISER_FORCE_LEFT, left)] {
+        let note = "of all risers of this half together";
+        results.insert(read_out, Quantity::new(force.length()).with_note(note));
     }
     let mut guide = DVec3::ZERO;
     if let Some([stiffness, anchor_m]) = wing.built.pitch_guide {
@@ -84,8 +103,8 @@ fn forces(
             None => -stiffness * (structure.positions_m[nose as usize].x - anchor_m),
         };
         results.insert(
-            "pitch_guide_force_n",
-            Quantity::new(guide.x, "N").with_note(if wing.trim.is_some() {
+            &PITCH_GUIDE_FORCE,
+            Quantity::new(guide.x).with_note(if wing.trim.is_some() {
                 "along x on the nose in the middle: what is left of it once the wing stands still"
             } else {
                 "along x on the nose in the middle: what prescribed pressure lacks to a balance of moments about the risers"
@@ -95,12 +114,11 @@ fn forces(
     let rest = pressure + weight_n + right + left + guide;
     let scale = pressure.length().max(weight_n.length());
     results.insert(
-        "riser_balance_error",
+        &RISER_BALANCE_ERROR,
         if scale > 0.0 {
-            Quantity::new(rest.length() / scale, "1")
-                .with_note("pressure, weight, pitch guide and reactions of the risers, over the larger of the first two")
+            Quantity::told(&RISER_BALANCE_ERROR, rest.length() / scale)
         } else {
-            Quantity::missing("1", "nothing acts on the wing")
+            Quantity::missing("nothing acts on the wing")
         },
     );
 }
@@ -151,17 +169,14 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
         attachment_max_n,
     } in rows
     {
+        results.tell(&ROW_LOAD.of(&name), load_n);
         results.insert(
-            &format!("row_{name}_load_n"),
-            Quantity::new(load_n, "N").with_note("tension of its risers, both halves"),
+            &ROW_SHARE.of(&name),
+            Quantity::new(if sum > 0.0 { load_n / sum } else { 0.0 }),
         );
         results.insert(
-            &format!("row_{name}_load_share"),
-            Quantity::new(if sum > 0.0 { load_n / sum } else { 0.0 }, "1"),
-        );
-        results.insert(
-            &format!("row_{name}_attachment_load_max_n"),
-            Quantity::new(attachment_max_n, "N"),
+            &ROW_ATTACHMENT_MAX.of(&name),
+            Quantity::new(attachment_max_n),
         );
     }
     margins(results, wing, structure);
@@ -176,13 +191,19 @@ pub(super) fn margins(results: &mut Results, wing: &Wing, structure: &StructureF
         .filter_map(|(tension, breaking)| Some(tension / (*breaking)?));
     let used = margins.fold(f64::NAN, f64::max);
     results.insert(
-        "line_load_over_breaking_load_max",
+        &LINE_LOAD_SHARE,
         if used.is_nan() {
-            Quantity::missing("1", "no line material tells its breaking_load_n")
+            Quantity::missing("no line material tells its breaking_load_n")
         } else {
-            Quantity::new(used, "1").with_note("of the line, riser or tape nearest to breaking")
+            Quantity::told(&LINE_LOAD_SHARE, used)
         },
     );
+}
+
+/// Name of a part as in the names of results.
+#[must_use]
+pub fn key(part: Part) -> String {
+    part.name().replace([' ', '-'], "_")
 }
 
 /// Where a triangle is, in words.
@@ -217,10 +238,10 @@ pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &Structure
         let Some((triangle, tag)) = most else {
             continue;
         };
-        let name = part.name().replace([' ', '-'], "_");
+        let name = key(part);
         results.insert(
-            &format!("{name}_stress_max_pa"),
-            Quantity::new(stress(triangle), "Pa").with_note(&place(wing, tag)),
+            &PART_STRESS_MAX.of(&name),
+            Quantity::new(stress(triangle)).with_note(&place(wing, tag)),
         );
         let area = |state: Option<FabricState>| -> f64 {
             own()
@@ -228,14 +249,12 @@ pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &Structure
                 .map(|(t, _)| structure.rest_areas_m2[t])
                 .sum()
         };
-        for (state, word) in [
-            (FabricState::Wrinkled, "wrinkled"),
-            (FabricState::Slack, "slack"),
+        for (state, share) in [
+            (FabricState::Wrinkled, &PART_WRINKLED),
+            (FabricState::Slack, &PART_SLACK),
         ] {
-            results.insert(
-                &format!("{name}_{word}_area_share"),
-                Quantity::new(area(Some(state)) / area(None), "1"),
-            );
+            let value = area(Some(state)) / area(None);
+            results.insert(&share.of(&name), Quantity::new(value));
         }
     }
 }
@@ -243,15 +262,8 @@ pub(super) fn stresses(results: &mut Results, wing: &Wing, structure: &Structure
 fn shape(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     let place = |node: u32| structure.positions_m[node as usize];
     let [left, right] = wing.built.tip_noses.map(place);
-    results.insert(
-        "projected_span_m",
-        Quantity::new(right.y - left.y, "m").with_note("between the noses of the tip ribs"),
-    );
+    results.tell(&PROJECTED_SPAN, right.y - left.y);
     let [nose, tail] = wing.built.middle_chord.map(place);
     let chord = tail - nose;
-    results.insert(
-        "pitch_deg",
-        Quantity::new((-chord.z).atan2(chord.x).to_degrees(), "deg")
-            .with_note("of the rib in or next to the middle, nose up"),
-    );
+    results.tell(&PITCH, (-chord.z).atan2(chord.x).to_degrees());
 }

@@ -5,10 +5,18 @@
 
 use glam::DVec3;
 
-use super::record::largest;
-use super::statistics::{Mean, batch_mean};
-use super::{Record, wing};
-use crate::case::scene::{Air, Scene};
+use super::air_around_wing::{Around, InWind, air_around};
+use super::impulses::Forces;
+use super::read_out::Reduction::{Last, Mean as MeanOf};
+use super::read_out::{ReadOut, columns, results};
+use super::record::Record;
+use super::shared::{
+    DRAG_COEFFICIENT, FILL_TIME, FORCE_IMBALANCE, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
+    LIFT_COEFFICIENT, STRESS_MAX, TIME,
+};
+use super::statistics::{Mean, average, batch_mean, largest, range};
+use super::wing::{self, PITCH, RISER_FORCE_LEFT, RISER_FORCE_RIGHT, ROW_LOAD, ROW_SHARE, RowLoad};
+use crate::case::scene::Scene;
 use crate::case::wing::{Pull, Wing};
 use crate::frame::StructureFrame;
 use crate::geometry::wing::section::Side;
@@ -16,21 +24,69 @@ use crate::gpu::DeviceError;
 use crate::output::{Quantity, Results};
 use crate::simulation::Simulation;
 
-/// What comes before the columns of rows and cells.
-const COLUMNS: [&str; 12] = [
-    "lift_coefficient",
-    "drag_coefficient",
-    "impulse_z_markers_n_s",
-    "impulse_z_momentum_box_n_s",
-    "volume_ratio",
-    "volume_asymmetry",
-    "reverse_flow_area_m2",
-    "stress_max_pa",
-    "pitch_deg",
-    "trailing_edge_deflection_deg",
-    "riser_force_right_n",
-    "riser_force_left_n",
-];
+columns! {
+    /// What comes before the columns of rows and cells.
+    COLUMNS of Moment, in Scene: "Wings in air";
+    LIFT_COEFFICIENT => |now| now.forces.markers_n.z / now.scale_n, reduced MeanOf;
+    DRAG_COEFFICIENT => |now| now.forces.markers_n.x / now.scale_n, reduced MeanOf;
+    IMPULSE_Z_MARKERS: "impulse_z_markers_n_s", "N s", "impulse of the air along z by markers; since release"
+        => |now| now.forces.impulse.markers.z;
+    IMPULSE_Z_MOMENTUM_BOX: "impulse_z_momentum_box_n_s", "N s", "the same by the momentum of a box of air"
+        => |now| now.forces.impulse.momentum_box.z;
+    VOLUME_RATIO: "volume_ratio", "1", "volume over that of the design"
+        => |now| now.volumes_m3.iter().sum::<f64>() / now.designed_m3(), reduced MeanOf;
+    VOLUME_ASYMMETRY: "volume_asymmetry", "1", "volume of the right half less that of the left, over the design"
+        => |now| {
+            let half = now.volumes_m3.len() / 2;
+            let of_left: f64 = now.volumes_m3[..half].iter().sum();
+            let of_right: f64 = now.volumes_m3[now.volumes_m3.len() - half..].iter().sum();
+            (of_right - of_left) / now.designed_m3()
+        }, reduced MeanOf;
+    REVERSE_FLOW_AREA: "reverse_flow_area_m2", "m2", "area of reverse flow in the middle section; outside the wing"
+        => |now| now.air.reverse_flow_m2, reduced MeanOf;
+    STRESS_MAX => |now| largest(now.structure.stress_pa.iter().copied()), reduced Last;
+    PITCH => |now| (-now.chord_m.z).atan2(now.chord_m.x).to_degrees(), reduced MeanOf;
+    DEFLECTION: "trailing_edge_deflection_deg", "deg", "deflection of the trailing edge in the middle; behind the last row before it, against the design"
+        => |now| now.deflection_deg, reduced MeanOf;
+    RISER_FORCE_RIGHT => |now| now.risers_n[0], reduced MeanOf;
+    RISER_FORCE_LEFT => |now| now.risers_n[1], reduced MeanOf;
+}
+
+columns! {
+    /// Of every row of lines.
+    OF_ROW of RowLoad, in Scene: "Wings in air: every row of lines";
+    ROW_LOAD => |row| row.load_n, reduced MeanOf;
+}
+
+columns! {
+    /// Of every riser that is pulled.
+    OF_PULL of f64, in Scene: "Wings in air: every row that is pulled";
+    ROW_PULL: "row_{row}_pull_m", "m", "how far the row's risers are pulled" => |pull_m| *pull_m;
+}
+
+columns! {
+    /// Of every cell, from the left tip, from 1.
+    PRESSURE_OF_CELL of f64, in Scene: "Wings in air: pressure in every cell";
+    CELL_PRESSURE: "internal_pressure_coefficient_cell_{cell}", "1", "pressure coefficient inside the cells; cells count from the left tip"
+        => |pressure| *pressure, reduced MeanOf;
+}
+
+columns! {
+    /// The same.
+    VOLUME_OF_CELL of f64, in Scene: "Wings in air: volume of every cell";
+    CELL_VOLUME: "volume_ratio_cell_{cell}", "1", "volume of the cells over their design; cells count from the left tip" => |ratio| *ratio;
+}
+
+results! {
+    /// What follows from them.
+    RESULTS: "Wings in air";
+    LIFT_TO_DRAG: "lift_to_drag_ratio", "1", "lift over drag; fabric alone: lines have no drag in the wind";
+    PRESSURE_MEAN: "internal_pressure_coefficient_mean", "1", "mean pressure coefficient inside the cells; of all cells, each counted once";
+    PRESSURE_SPREAD: "internal_pressure_coefficient_spread", "1", "spread of the pressure coefficient inside the cells; largest less smallest mean of a cell";
+    VOLUME_RATIO_MIN: "volume_ratio_min", "1", "smallest volume over that of the design; once filled, or of the whole run";
+    REFILL_TIME: "refill_time_s", "s", "time until the wing is full again once risers are let go";
+    VOLUME_ASYMMETRY_MAX: "volume_asymmetry_max", "1", "largest asymmetry of the volume; right less left half over the design, of all samples";
+}
 
 /// Means begin so many c/U after the release, or after the last riser was hauled in.
 const SETTLING: f64 = 5.0;
@@ -41,75 +97,49 @@ const BATCH: f64 = 1.5;
 /// Volume over that of the design at which a wing counts as filled.
 const FILLED: f64 = 0.95;
 
-/// Cells of the section behind the inlet, along each axis, whose mean pressure is p∞; and how far behind the inlet it lies [cells].
-const FAR_AHEAD: (usize, usize) = (8, 4);
-
-/// Room around the section in which reverse flow is looked for, in chords: ahead, behind, below, above.
-const AROUND: [f64; 4] = [0.1, 0.5, 0.2, 0.4];
-
-/// A wing in the wind.
-struct InWind<'a> {
-    wing: &'a Wing,
-    air: &'a Air,
-    designed_m: &'a [DVec3],
+/// A wing at a sample.
+pub(super) struct Moment {
+    forces: Forces,
+    /// Dynamic pressure times flat area [N].
+    scale_n: f64,
+    structure: StructureFrame,
+    /// Of every cell [m³].
+    volumes_m3: Vec<f64>,
+    designed_volumes_m3: Vec<f64>,
+    chord_m: DVec3,
+    deflection_deg: f64,
+    /// Forces of the risers of the right and the left half [N].
+    risers_n: [f64; 2],
+    air: Around,
 }
 
-impl<'a> InWind<'a> {
-    fn of(scene: &'a Scene) -> Option<Self> {
-        let wing = scene.wing()?;
-        Some(Self {
-            wing,
-            air: scene.air.as_ref()?,
-            designed_m: &wing.tunnel.as_ref()?.designed_m,
-        })
-    }
-
-    fn dynamic_pressure_pa(&self) -> f64 {
-        let speed = self.air.wind_or_reference_m_s();
-        0.5 * self.air.units.density_kg_m3 * speed * speed
-    }
-
-    /// c/U [s].
-    fn unit_s(&self) -> f64 {
-        self.wing.built.measures.largest_chord_m / self.air.wind_or_reference_m_s()
-    }
-
-    fn volumes_m3(&self, positions_m: &[DVec3]) -> Vec<f64> {
-        let volume = |cell| self.wing.built.cell_volume_m3(cell, positions_m);
-        (0..self.wing.built.cells).map(volume).collect()
+impl Moment {
+    fn designed_m3(&self) -> f64 {
+        self.designed_volumes_m3.iter().sum()
     }
 }
 
-fn of_cell(name: &str, cell: usize) -> String {
-    format!("{name}_cell_{}", cell + 1)
-}
-
-/// Names of the columns; cells count from the left tip, from 1.
-pub(super) fn columns(scene: &Scene) -> Vec<String> {
+/// The columns of a scene.
+pub(super) fn columns(scene: &Scene) -> Vec<ReadOut> {
     let Some(known) = InWind::of(scene) else {
         return Vec::new();
     };
-    let mut columns: Vec<String> = COLUMNS.map(str::to_owned).to_vec();
-    for row in &known.wing.built.row_names {
-        columns.push(format!("row_{row}_load_n"));
-    }
-    for pull in &known.wing.pulls {
-        let row = &known.wing.built.row_names[pull.row];
-        columns.push(format!("row_{row}_pull_m"));
-    }
-    for name in ["internal_pressure_coefficient", "volume_ratio"] {
-        columns.extend((0..known.wing.built.cells).map(|cell| of_cell(name, cell)));
+    let rows = &known.wing.built.row_names;
+    let mut columns: Vec<ReadOut> = COLUMNS.read_outs(scene);
+    columns.extend(rows.iter().flat_map(|row| OF_ROW.read_outs_of(scene, row)));
+    let pulls = known.wing.pulls.iter();
+    columns.extend(pulls.flat_map(|pull| OF_PULL.read_outs_of(scene, &rows[pull.row])));
+    for table in [&PRESSURE_OF_CELL, &VOLUME_OF_CELL] {
+        let cells = 1..=known.wing.built.cells;
+        columns.extend(cells.flat_map(|cell| table.read_outs_of(scene, &cell.to_string())));
     }
     columns
 }
 
-/// The same columns now; `force_n` is the mean force of the air since the last sample, `impulses_z` those of markers and momentum box [N s].
-pub(super) fn values(
-    simulation: &Simulation,
-    force_n: DVec3,
-    impulses_z: [f64; 2],
-) -> Result<Vec<f64>, DeviceError> {
-    let Some(known) = InWind::of(simulation.scene()) else {
+/// The same columns now.
+pub(super) fn values(simulation: &Simulation, forces: Forces) -> Result<Vec<f64>, DeviceError> {
+    let scene = simulation.scene();
+    let Some(known) = InWind::of(scene) else {
         return Ok(Vec::new());
     };
     let Some(structure) = simulation.structure_frame().structure else {
@@ -117,44 +147,34 @@ pub(super) fn values(
     };
     let wing = &known.wing.built;
     let positions_m = &structure.positions_m;
-    let scale = known.dynamic_pressure_pa() * wing.measures.flat_area_m2;
-    let (volumes, designed) = (
-        known.volumes_m3(positions_m),
-        known.volumes_m3(known.designed_m),
-    );
-    let whole: f64 = designed.iter().sum();
-    let half = wing.cells / 2;
-    let of_left: f64 = volumes[..half].iter().sum();
-    let of_right: f64 = volumes[wing.cells - half..].iter().sum();
     let [nose, tail] = wing.middle_chord.map(|n| positions_m[n as usize]);
-    let chord = tail - nose;
-    let air = air_around(simulation, &known, positions_m)?;
-    let risers = wing
-        .hang_points
-        .map(|n| structure.reactions_n[n as usize].length());
-    let mut row = vec![
-        force_n.z / scale,
-        force_n.x / scale,
-        impulses_z[0],
-        impulses_z[1],
-        volumes.iter().sum::<f64>() / whole,
-        (of_right - of_left) / whole,
-        air.reverse_flow_m2,
-        largest(structure.stress_pa.iter().copied()),
-        (-chord.z).atan2(chord.x).to_degrees(),
-        deflection_deg(&known, positions_m) - deflection_deg(&known, known.designed_m),
-        risers[0],
-        risers[1],
-    ];
-    row.extend(
-        wing::row_loads(known.wing, &structure)
-            .iter()
-            .map(|row| row.load_n),
-    );
+    let rows = wing::row_loads(known.wing, &structure);
+    let now = Moment {
+        forces,
+        scale_n: known.dynamic_pressure_pa() * wing.measures.flat_area_m2,
+        volumes_m3: known.volumes_m3(positions_m),
+        designed_volumes_m3: known.volumes_m3(known.designed_m),
+        chord_m: tail - nose,
+        deflection_deg: deflection_deg(&known, positions_m)
+            - deflection_deg(&known, known.designed_m),
+        risers_n: wing
+            .hang_points
+            .map(|n| structure.reactions_n[n as usize].length()),
+        air: air_around(simulation, &known, positions_m)?,
+        structure,
+    };
+    let mut row: Vec<f64> = COLUMNS.values(scene, Some(&now));
+    row.extend(rows.iter().flat_map(|own| OF_ROW.values(scene, Some(own))));
     let time_s = simulation.time_s();
-    row.extend(known.wing.pulls.iter().map(|pull| pull.at(time_s)));
-    row.extend(air.inside);
-    row.extend(volumes.iter().zip(&designed).map(|(now, then)| now / then));
+    for pull in &known.wing.pulls {
+        row.extend(OF_PULL.values(scene, Some(&pull.at(time_s))));
+    }
+    for pressure in &now.air.inside {
+        row.extend(PRESSURE_OF_CELL.values(scene, Some(pressure)));
+    }
+    for (volume, designed) in now.volumes_m3.iter().zip(&now.designed_volumes_m3) {
+        row.extend(VOLUME_OF_CELL.values(scene, Some(&(volume / designed))));
+    }
     Ok(row)
 }
 
@@ -178,114 +198,6 @@ fn deflection_deg(known: &InWind, positions_m: &[DVec3]) -> f64 {
     angle(turn, tail) - angle(nose, turn)
 }
 
-/// What is read of the air.
-struct Around {
-    /// Pressure coefficient inside every cell.
-    inside: Vec<f64>,
-    /// Area in the section through the middle cell in which air outside the wing moves upstream [m²].
-    reverse_flow_m2: f64,
-}
-
-fn air_around(
-    simulation: &Simulation,
-    known: &InWind,
-    positions_m: &[DVec3],
-) -> Result<Around, DeviceError> {
-    let wing = &known.wing.built;
-    let cells = known.air.cells;
-    let size_m = known.air.units.cell_size_m;
-    let mut wanted: Vec<[usize; 3]> = Vec::new();
-    let (count, behind) = FAR_AHEAD;
-    for i in 0..count * count {
-        let share = |a: usize, n: usize| (2 * a + 1) * n / (2 * count);
-        let [y, z] = [share(i % count, cells[1]), share(i / count, cells[2])];
-        wanted.push([behind.min(cells[0] - 1), y, z]);
-    }
-    // Corners around every point, with their weights.
-    let points: Vec<Vec<DVec3>> = (0..wing.cells)
-        .map(|cell| wing.inner_points_m(cell, positions_m))
-        .collect();
-    let mut weights = Vec::new();
-    for point in points.iter().flatten() {
-        let place = *point / size_m - 0.5;
-        let below: [(usize, f64); 3] = std::array::from_fn(|a| {
-            let last = (cells[a] - 2) as f64;
-            let first = place[a].floor().clamp(0.0, last);
-            (first as usize, (place[a] - first).clamp(0.0, 1.0))
-        });
-        for corner in 0..8_usize {
-            let bit = |a: usize| corner >> a & 1;
-            wanted.push(std::array::from_fn(|a| below[a].0 + bit(a)));
-            let share = |a: usize| match bit(a) {
-                0 => 1.0 - below[a].1,
-                _ => below[a].1,
-            };
-            weights.push(share(0) * share(1) * share(2));
-        }
-    }
-    let slice = outside_section(known, positions_m);
-    wanted.extend(&slice);
-    let states = simulation.air_in_cells(&wanted)?;
-    let (ahead, rest) = states.split_at(count * count);
-    let (inner, slice) = rest.split_at(weights.len());
-    let far_pa = ahead.iter().map(|(p, _)| p).sum::<f64>() / ahead.len() as f64;
-    let mut inner = inner.iter().zip(&weights);
-    let inside = points
-        .iter()
-        .map(|points| {
-            let own = inner.by_ref().take(8 * points.len());
-            let sum: f64 = own.map(|((p, _), weight)| p * weight).sum();
-            (sum / points.len() as f64 - far_pa) / known.dynamic_pressure_pa()
-        })
-        .collect();
-    let reverse = slice.iter().filter(|(_, u)| u.x < 0.0).count();
-    Ok(Around {
-        inside,
-        reverse_flow_m2: reverse as f64 * size_m * size_m,
-    })
-}
-
-/// Cells of the air around the middle of the middle cell (right of the middle, if there are two), outside the wing.
-fn outside_section(known: &InWind, positions_m: &[DVec3]) -> Vec<[usize; 3]> {
-    let wing = &known.wing.built;
-    let section = wing.middle_section_m(wing.cells / 2, positions_m);
-    let size_m = known.air.units.cell_size_m;
-    let chord = wing.measures.largest_chord_m;
-    let (low, high) = section.iter().fold(
-        (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        |(low, high), place| (low.min(*place), high.max(*place)),
-    );
-    let [ahead, behind, below, above] = AROUND.map(|share| share * chord);
-    let range = |from: f64, to: f64, axis: usize| {
-        let end = known.air.cells[axis] - 1;
-        let index = |x: f64| ((x / size_m - 0.5).round().max(0.0) as usize).min(end);
-        index(from)..=index(to)
-    };
-    let y = *range(0.5 * (low.y + high.y), low.y, 1).start();
-    let mut cells = Vec::new();
-    for x in range(low.x - ahead, high.x + behind, 0) {
-        for z in range(low.z - below, high.z + above, 2) {
-            let middle = [x, z].map(|i| (i as f64 + 0.5) * size_m);
-            if !is_inside(&section, middle) {
-                cells.push([x, y, z]);
-            }
-        }
-    }
-    cells
-}
-
-/// True if a point (x, z) lies inside a closed polygon.
-fn is_inside(polygon: &[DVec3], [x, z]: [f64; 2]) -> bool {
-    let mut inside = false;
-    for (i, a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        if (a.z > z) != (b.z > z) && x < a.x + (b.x - a.x) * (z - a.z) / (b.z - a.z) {
-            inside = !inside;
-        }
-    }
-    inside
-}
-
 /// The part of the record over which means are taken.
 struct Window {
     first: usize,
@@ -294,7 +206,7 @@ struct Window {
 }
 
 fn window(record: &Record, known: &InWind) -> Option<Window> {
-    let times = record.column("time_s");
+    let times = record.column(&TIME);
     let unit_s = known.unit_s();
     let pulls = known.wing.pulls.iter();
     let steady_s = pulls.map(Pull::end_s).fold(0.0, f64::max);
@@ -330,46 +242,33 @@ pub(super) fn results(
         return;
     };
     let Some(window) = window(record, &known) else {
-        results.insert(
-            "lift_coefficient",
-            Quantity::missing("1", "the run ended before release"),
-        );
+        let missing = Quantity::missing("the run ended before release");
+        results.insert(&LIFT_COEFFICIENT, missing);
         return;
     };
-    let mean = |name: &str| {
-        let column = record.column(name);
+    let mean = |column: &ReadOut| {
+        let column = record.column(column);
         batch_mean(&column[window.first.min(column.len())..], window.batch)
     };
-    let quantity = |mean: Mean, unit: &str| {
-        let quantity = Quantity::new(mean.value, unit).with_note(&window.note);
+    let quantity = |mean: Mean| {
+        let told = Quantity::new(mean.value).with_note(&window.note);
         match mean.confidence {
-            Some(confidence) => quantity.with_confidence(confidence),
-            None => quantity,
+            Some(confidence) => told.with_confidence(confidence),
+            None => told,
         }
     };
-    let (lift, drag) = (mean("lift_coefficient"), mean("drag_coefficient"));
-    results.insert("lift_coefficient", quantity(lift, "1"));
-    results.insert("drag_coefficient", quantity(drag, "1"));
+    for column in COLUMNS.reduced(scene, MeanOf) {
+        results.insert(column, quantity(mean(column)));
+    }
+    let (lift, drag) = (mean(&LIFT_COEFFICIENT), mean(&DRAG_COEFFICIENT));
     results.insert(
-        "lift_to_drag_ratio",
+        &LIFT_TO_DRAG,
         if drag.value == 0.0 {
-            Quantity::missing("1", "there is no drag")
+            Quantity::missing("there is no drag")
         } else {
-            Quantity::new(lift.value / drag.value, "1")
-                .with_note("fabric alone: lines have no drag in the wind")
+            Quantity::told(&LIFT_TO_DRAG, lift.value / drag.value)
         },
     );
-    for (name, unit) in [
-        ("volume_ratio", "1"),
-        ("volume_asymmetry", "1"),
-        ("reverse_flow_area_m2", "m2"),
-        ("pitch_deg", "deg"),
-        ("trailing_edge_deflection_deg", "deg"),
-        ("riser_force_right_n", "N"),
-        ("riser_force_left_n", "N"),
-    ] {
-        results.insert(name, quantity(mean(name), unit));
-    }
     rows(results, &known, &mean, &quantity);
     inside(results, &known, &mean, &quantity);
     filling(results, record, &known);
@@ -384,118 +283,101 @@ pub(super) fn results(
 fn rows(
     results: &mut Results,
     known: &InWind,
-    mean: &dyn Fn(&str) -> Mean,
-    quantity: &dyn Fn(Mean, &str) -> Quantity,
+    mean: &dyn Fn(&ReadOut) -> Mean,
+    quantity: &dyn Fn(Mean) -> Quantity,
 ) {
-    let names: Vec<String> = (known.wing.built.row_names.iter())
-        .map(|row| format!("row_{row}_load_n"))
-        .collect();
-    let loads: Vec<Mean> = names.iter().map(|name| mean(name)).collect();
+    let rows = &known.wing.built.row_names;
+    let loads: Vec<Mean> = rows.iter().map(|row| mean(&ROW_LOAD.of(row))).collect();
     let sum: f64 = loads.iter().map(|load| load.value).sum();
-    for ((name, load), row) in names.iter().zip(loads).zip(&known.wing.built.row_names) {
+    for (load, row) in loads.into_iter().zip(rows) {
         let share = if sum > 0.0 { load.value / sum } else { 0.0 };
-        results.insert(name, quantity(load, "N"));
-        results.insert(&format!("row_{row}_load_share"), Quantity::new(share, "1"));
+        results.insert(&ROW_LOAD.of(row), quantity(load));
+        results.insert(&ROW_SHARE.of(row), Quantity::new(share));
     }
 }
 
 fn inside(
     results: &mut Results,
     known: &InWind,
-    mean: &dyn Fn(&str) -> Mean,
-    quantity: &dyn Fn(Mean, &str) -> Quantity,
+    mean: &dyn Fn(&ReadOut) -> Mean,
+    quantity: &dyn Fn(Mean) -> Quantity,
 ) {
-    let name = "internal_pressure_coefficient";
-    let cells: Vec<Mean> = (0..known.wing.built.cells)
-        .map(|cell| mean(&of_cell(name, cell)))
+    let columns = (1..=known.wing.built.cells).map(|cell| CELL_PRESSURE.of(cell));
+    let cells: Vec<(ReadOut, Mean)> = columns
+        .map(|column| {
+            let mean = mean(&column);
+            (column, mean)
+        })
         .collect();
-    let values = || cells.iter().map(|cell| cell.value);
-    let most = values().fold(f64::NEG_INFINITY, f64::max);
-    let least = values().fold(f64::INFINITY, f64::min);
-    results.insert(
-        "internal_pressure_coefficient_mean",
-        Quantity::new(values().sum::<f64>() / cells.len() as f64, "1")
-            .with_note("of all cells, each counted once"),
-    );
-    results.insert(
-        "internal_pressure_coefficient_spread",
-        Quantity::new(most - least, "1").with_note("largest less smallest mean of a cell"),
-    );
-    for (cell, mean) in cells.into_iter().enumerate() {
-        results.insert(&of_cell(name, cell), quantity(mean, "1"));
+    let values: Vec<f64> = cells.iter().map(|(_, mean)| mean.value).collect();
+    for (read_out, value) in [
+        (&PRESSURE_MEAN, average(&values)),
+        (&PRESSURE_SPREAD, range(&values)),
+    ] {
+        let quantity = Quantity::told(read_out, value);
+        results.insert(read_out, quantity);
+    }
+    for (column, mean) in cells {
+        results.insert(&column, quantity(mean));
     }
 }
 
 /// Time of filling, least volume after it, and time of filling again once risers are let go.
 fn filling(results: &mut Results, record: &Record, known: &InWind) {
-    let times = record.column("time_s");
-    let ratios = record.column("volume_ratio");
+    let times = record.column(&TIME);
+    let ratios = record.column(&VOLUME_RATIO);
     let unit_s = known.unit_s();
     let reached = |from_s: f64| {
         let from = times.partition_point(|&t| t < from_s);
         (from..times.len()).find(|&i| ratios[i] >= FILLED)
     };
     let time = |from_s: f64| match reached(from_s) {
-        Some(i) => Quantity::new(times[i] - from_s, "s").with_note(&format!(
+        Some(i) => Quantity::new(times[i] - from_s).with_note(&format!(
             "volume at {FILLED} of the design; {:.2} c/U",
             (times[i] - from_s) / unit_s
         )),
-        None => Quantity::missing(
-            "s",
-            &format!("the volume did not reach {FILLED} of the design"),
-        ),
+        None => Quantity::missing(&format!("the volume did not reach {FILLED} of the design")),
     };
-    results.insert("fill_time_s", time(0.0));
+    results.insert(&FILL_TIME, time(0.0));
     let filled = reached(0.0).unwrap_or(0);
     let least = ratios[filled..]
         .iter()
         .copied()
         .fold(f64::INFINITY, f64::min);
     results.insert(
-        "volume_ratio_min",
-        Quantity::new(least, "1").with_note("once filled, or of the whole run"),
+        &VOLUME_RATIO_MIN,
+        Quantity::new(least).with_note("once filled, or of the whole run"),
     );
     let let_go = known.wing.pulls.iter().filter(|pull| pull.lets_go());
     if let Some(end_s) = let_go.map(Pull::end_s).reduce(f64::max) {
-        results.insert("refill_time_s", time(end_s));
-        let asymmetry = record.column("volume_asymmetry");
+        results.insert(&REFILL_TIME, time(end_s));
+        let asymmetry = record.column(&VOLUME_ASYMMETRY);
         let most = largest(asymmetry.iter().map(|a| a.abs()));
-        results.insert(
-            "volume_asymmetry_max",
-            Quantity::new(most, "1")
-                .with_note("right less left half over the design, of all samples"),
-        );
+        results.tell(&VOLUME_ASYMMETRY_MAX, most);
     }
 }
 
 /// Difference of the forces by markers and momentum box, over the window.
 fn imbalance(results: &mut Results, record: &Record, first: usize) {
-    let routes = |name: &str| {
-        let impulse = record.column(name);
+    let routes = |column: &ReadOut| {
+        let impulse = record.column(column);
         impulse.last().copied().unwrap_or(f64::NAN) - impulse[first.saturating_sub(1)]
     };
-    let markers = DVec3::new(
-        routes("impulse_markers_n_s"),
-        0.0,
-        routes("impulse_z_markers_n_s"),
-    );
+    let markers = DVec3::new(routes(&IMPULSE_MARKERS), 0.0, routes(&IMPULSE_Z_MARKERS));
     let momentum_box = DVec3::new(
-        routes("impulse_momentum_box_n_s"),
+        routes(&IMPULSE_MOMENTUM_BOX),
         0.0,
-        routes("impulse_z_momentum_box_n_s"),
+        routes(&IMPULSE_Z_MOMENTUM_BOX),
     );
     let ratio = (markers - momentum_box).length() / markers.length();
     results.insert(
-        "force_imbalance",
+        &FORCE_IMBALANCE,
         if ratio.is_finite() {
-            Quantity::new(ratio, "1").with_note(
+            Quantity::new(ratio).with_note(
                 "markers against momentum box, along and across the wind, over the force",
             )
         } else {
-            Quantity::missing(
-                "1",
-                "the fabric left the momentum box, or there is no force",
-            )
+            Quantity::missing("the fabric left the momentum box, or there is no force")
         },
     );
 }
@@ -505,8 +387,8 @@ fn place_of_largest(results: &mut Results, known: &Wing, structure: &StructureFr
     let most = stresses.max_by(|a, b| a.0.total_cmp(b.0));
     let Some((stress, tag)) = most else { return };
     results.insert(
-        "stress_max_pa",
-        Quantity::new(*stress, "Pa").with_note(&format!("at the end: {}", wing::place(known, tag))),
+        &STRESS_MAX,
+        Quantity::new(*stress).with_note(&format!("at the end: {}", wing::place(known, tag))),
     );
 }
 
@@ -537,24 +419,9 @@ pub const LOWER_SURFACE_COLUMNS: [&str; 5] = [
     "flown_z_m",
 ];
 
-/// Columns of the history per cell, by what a chart of them shows.
+/// Columns of the history of every cell that have a chart together.
 #[must_use]
-pub fn cell_columns(scene: &Scene, name: &str) -> Vec<String> {
+pub fn cell_columns(scene: &Scene) -> [Vec<ReadOut>; 2] {
     let cells = InWind::of(scene).map_or(0, |known| known.wing.built.cells);
-    (0..cells).map(|cell| of_cell(name, cell)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn points_are_inside_or_outside() {
-        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
-        let square = square.map(|[x, z]| DVec3::new(x, 5.0, z));
-        assert!(is_inside(&square, [1.9, 0.1]));
-        for outside in [[2.1, 0.5], [-0.1, 0.5], [1.0, 1.1], [1.0, -0.1]] {
-            assert!(!is_inside(&square, outside), "{outside:?}");
-        }
-    }
+    [&CELL_PRESSURE, &CELL_VOLUME].map(|column| (1..=cells).map(|cell| column.of(cell)).collect())
 }

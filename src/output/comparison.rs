@@ -338,21 +338,21 @@ mod tests {
     #[test]
     fn without_air_a_difference_counts_beyond_the_interval() {
         let alone = LatticeError::None;
-        let mean = Quantity::new(1.0, "1").with_confidence(0.1);
+        let mean = Quantity::new(1.0).with_confidence(0.1);
         assert_eq!(judged(&mean, [1.09, 1.09], &alone), Some(false));
         assert_eq!(judged(&mean, [1.11, 1.11], &alone), Some(true));
-        let time = Quantity::new(0.050, "s").with_sampling_error(0.001);
+        let time = Quantity::new(0.050).with_sampling_error(0.001);
         assert_eq!(judged(&time, [0.0505, 0.0505], &alone), Some(false));
         assert_eq!(judged(&time, [0.055, 0.055], &alone), Some(true));
-        assert_eq!(judged(&Quantity::new(1.0, "1"), [2.0, 2.0], &alone), None);
-        let missing = Quantity::missing("1", "too short");
+        assert_eq!(judged(&Quantity::new(1.0), [2.0, 2.0], &alone), None);
+        let missing = Quantity::missing("too short");
         let row = ComparisonRow::new("x", &missing, [1.0, 1.0], "there", &alone);
         assert_eq!((row.resolved, row.why.as_str()), (None, "too short"));
     }
 
     #[test]
     fn one_lattice_resolves_no_difference() {
-        let mean = Quantity::new(1.0, "1").with_confidence(0.1);
+        let mean = Quantity::new(1.0).with_confidence(0.1);
         assert_eq!(judged(&mean, [1.09, 1.09], &one(None)), Some(false));
         // Two cells of ten are 20 %.
         assert_eq!(judged(&mean, [1.19, 1.19], &one(Some(10.0))), Some(false));
@@ -367,7 +367,7 @@ mod tests {
 
     #[test]
     fn several_lattices_combine_their_error_with_the_interval() {
-        let mean = Quantity::new(1.0, "1").with_confidence(0.3);
+        let mean = Quantity::new(1.0).with_confidence(0.3);
         let three = LatticeError::HalfWidth(0.4);
         assert_eq!(judged(&mean, [1.49, 1.49], &three), Some(false));
         assert_eq!(judged(&mean, [1.51, 1.51], &three), Some(true));
@@ -375,14 +375,14 @@ mod tests {
         assert_eq!(judged(&mean, [1.49, 1.49], &two), Some(false));
         assert_eq!(judged(&mean, [9.0, 9.0], &two), None);
         // An extreme without an interval may lie within, never beyond.
-        let extreme = Quantity::new(1.0, "1");
+        let extreme = Quantity::new(1.0);
         assert_eq!(judged(&extreme, [1.39, 1.39], &three), Some(false));
         assert_eq!(judged(&extreme, [9.0, 9.0], &three), None);
     }
 
     #[test]
     fn ranges_count_from_their_nearest_end() {
-        let mean = Quantity::new(1.0, "1").with_confidence(0.01);
+        let mean = Quantity::new(1.0).with_confidence(0.01);
         let row = |range| ComparisonRow::new("x", &mean, range, "there", &LatticeError::None);
         assert_eq!(row([0.9, 1.2]).difference, Some(0.0));
         assert_eq!(row([0.9, 1.2]).resolved, Some(false));
@@ -394,7 +394,7 @@ mod tests {
     #[test]
     fn files_are_written_with_what_readers_expect() {
         let folder = tempfile::tempdir().unwrap();
-        let mean = Quantity::new(0.82, "1").with_confidence(0.07);
+        let mean = Quantity::new(0.82).with_confidence(0.07);
         let mut row = ComparisonRow::new("drag", &mean, [0.7, 0.8], "a | b", &one(Some(24.0)));
         row.note = Some("free, \"air\"".to_owned());
         write_comparison(folder.path(), &[row]).unwrap();

@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(significant(1.5e6, 3), "1.50e6");
         assert_eq!(significant(999_999.9, 3), "1.00e6");
         let known = |value, half_width| {
-            value_and_uncertainty(&Quantity::new(value, "N").with_confidence(half_width))
+            value_and_uncertainty(&Quantity::new(value).with_confidence(half_width))
         };
         assert_eq!(known(12.345_67, 0.123), ["12.35", "±0.12"]);
         assert_eq!(known(0.01, 3.0), ["0.010", "±3.0"]);

@@ -15,6 +15,7 @@ mod history;
 mod patterns;
 mod pvd;
 mod quantity;
+mod read_out;
 mod summary;
 mod summary_table;
 mod table;
@@ -35,6 +36,7 @@ pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};
 pub use quantity::{Quantity, Results};
+pub use read_out::ReadOut;
 pub use summary::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
     Summary, write_summary,

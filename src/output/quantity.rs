@@ -5,6 +5,8 @@ use std::fmt;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::read_out::ReadOut;
+
 /// One result with its uncertainty and, where one exists, a reference to compare it with.
 ///
 /// In the file `value` and `unit` are always present; the others are left out when `None`.
@@ -38,22 +40,26 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// The number `value` in `unit`; one that is not finite becomes `None` with a note.
-    pub fn new(value: f64, unit: &str) -> Self {
-        let value = Some(value);
-        let unit = unit.to_owned();
+    /// The number `value`; one that is not finite becomes `None` with a note. Its unit comes with the read-out that it is put in as.
+    #[must_use]
+    pub fn new(value: f64) -> Self {
         Self {
-            value,
-            unit,
+            value: Some(value),
             ..Self::default()
         }
         .finite()
     }
 
-    /// A quantity in `unit` that could not be determined because of `why`.
-    pub fn missing(unit: &str, why: &str) -> Self {
+    /// A number with the details of its read-out's meaning, or all of a short one, as a note.
+    #[must_use]
+    pub fn told(read_out: &ReadOut, value: f64) -> Self {
+        Self::new(value).with_note(read_out.detail().unwrap_or(read_out.meaning))
+    }
+
+    /// A quantity that could not be determined because of `why`.
+    #[must_use]
+    pub fn missing(why: &str) -> Self {
         Self {
-            unit: unit.to_owned(),
             note: Some(why.to_owned()),
             ..Self::default()
         }
@@ -134,12 +140,28 @@ impl Results {
         Self::default()
     }
 
-    /// Puts in `quantity`: at the end, or in place of an earlier one of that `name`.
-    pub fn insert(&mut self, name: &str, quantity: Quantity) {
+    /// Puts in `quantity` as a read-out, in its unit: at the end, or in place of an earlier one of that name.
+    pub fn insert(&mut self, read_out: &ReadOut, mut quantity: Quantity) {
+        read_out.unit.clone_into(&mut quantity.unit);
+        self.put(&read_out.name, quantity);
+    }
+
+    /// The same of a number with a note from its meaning.
+    pub fn tell(&mut self, read_out: &ReadOut, value: f64) {
+        self.insert(read_out, Quantity::told(read_out, value));
+    }
+
+    fn put(&mut self, name: &str, quantity: Quantity) {
         match self.entries.iter_mut().find(|(known, _)| known == name) {
             Some((_, earlier)) => *earlier = quantity,
             None => self.entries.push((name.to_owned(), quantity)),
         }
+    }
+
+    /// The number of a read-out; `None` where there is no such result, or it could not be determined.
+    #[must_use]
+    pub fn value(&self, read_out: &ReadOut) -> Option<f64> {
+        self.get(&read_out.name)?.value
     }
 
     /// The result of that name.
@@ -195,7 +217,7 @@ impl<'de> Visitor<'de> for ResultsVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Results, A::Error> {
         let mut results = Results::new();
         while let Some((name, quantity)) = map.next_entry::<String, Quantity>()? {
-            results.insert(&name, quantity);
+            results.put(&name, quantity);
         }
         Ok(results)
     }

@@ -2,15 +2,22 @@ use std::fs;
 
 use super::*;
 use crate::output::Quantity;
+use crate::output::ReadOut;
 
 fn summary() -> Summary {
     let mut results = Results::new();
-    let drag = Quantity::new(1234.5678, "N").with_confidence(12.3);
-    results.insert("zeta_drag", drag.with_reference(1200.0, "Smith 1999"));
-    results.insert("alpha_time", Quantity::new(f64::NAN, "s"));
+    let drag = Quantity::new(1234.5678).with_confidence(12.3);
     results.insert(
-        "mid_size",
-        Quantity::new(2.5, "m²").with_reference(0.0, "zero"),
+        &ReadOut::new("zeta_drag", "N", ""),
+        drag.with_reference(1200.0, "Smith 1999"),
+    );
+    results.insert(
+        &ReadOut::new("alpha_time", "s", ""),
+        Quantity::new(f64::NAN),
+    );
+    results.insert(
+        &ReadOut::new("mid_size", "m²", ""),
+        Quantity::new(2.5).with_reference(0.0, "zero"),
     );
     Summary {
         schema_version: SCHEMA_VERSION,
@@ -82,7 +89,7 @@ fn results_keep_their_order_and_read_back() {
 #[test]
 fn inserting_again_replaces_in_place() {
     let mut results = summary().results;
-    results.insert("zeta_drag", Quantity::new(1.0, "N"));
+    results.insert(&ReadOut::new("zeta_drag", "N", ""), Quantity::new(1.0));
     assert_eq!(results.len(), 3);
     assert_eq!(results.iter().next().unwrap().0, "zeta_drag");
     assert_eq!(results.get("zeta_drag").unwrap().value, Some(1.0));
@@ -94,9 +101,11 @@ fn numbers_that_are_not_finite_become_null_with_a_note() {
     let mut strange = summary();
     strange.wall_s = f64::INFINITY;
     strange.million_lattice_updates_per_s = Some(f64::NAN);
-    let mut quantity = Quantity::missing("N", "too short a run");
+    let mut quantity = Quantity::missing("too short a run");
     quantity.value = Some(f64::NEG_INFINITY);
-    strange.results.insert("raw", quantity);
+    strange
+        .results
+        .insert(&ReadOut::new("raw", "N", ""), quantity);
     let json: serde_json::Value = serde_json::from_str(&written(&strange)).unwrap();
     assert!(json["wall_s"].is_null());
     assert!(json["million_lattice_updates_per_s"].is_null());

@@ -16,6 +16,8 @@ use crate::frame::{FlowQuantity, Frame};
 use crate::gpu::raster::{RasterError, Rasteriser};
 use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
+use crate::measure::shared::{DRAG_COEFFICIENT, LIFT_COEFFICIENT, PROJECTED_DIAMETER_RATIO};
+use crate::measure::wing_wind::VOLUME_RATIO;
 use crate::output::{
     OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow_vti,
 };
@@ -346,10 +348,10 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
     let scene = simulation.scene();
     let mut caption = String::new();
     for (column, label) in [
-        ("lift_coefficient", "C_L"),
-        ("drag_coefficient", "C_D"),
-        ("projected_diameter_ratio", "D_p/D_0"),
-        ("volume_ratio", "volume/design"),
+        (&LIFT_COEFFICIENT, "C_L"),
+        (&DRAG_COEFFICIENT, "C_D"),
+        (&PROJECTED_DIAMETER_RATIO, "D_p/D_0"),
+        (&VOLUME_RATIO, "volume/design"),
     ] {
         if let Some(value) = record.latest(column).filter(|v| v.is_finite()) {
             caption.push_str(&format!("{label} {value:.2}  "));

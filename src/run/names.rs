@@ -6,7 +6,7 @@ use super::tables::{self, load_test, panel_shaping, trim};
 use crate::checkpoint;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};
-use crate::measure::SAMPLES_FILE;
+use crate::measure::{CHARTS, SAMPLES_FILE};
 
 /// True for names of results; ledger and checkpoints are not among them.
 pub(super) fn is_result(name: &str) -> bool {
@@ -55,8 +55,9 @@ pub(super) fn is_result(name: &str) -> bool {
             .chain(&load_test::CHARTS)
             .chain(&panel_shaping::CHARTS)
             .any(|chart| name == format!("{chart}.svg") || name == format!("{chart}.png"))
-        || tables::CHARTS.iter().any(|(column, _)| {
-            name == format!("history_{column}.svg") || name == format!("history_{column}.png")
+        || CHARTS.iter().any(|column| {
+            let chart = format!("history_{}", column.name);
+            name == format!("{chart}.svg") || name == format!("{chart}.png")
         })
 }
 

@@ -131,7 +131,12 @@ impl<'a> Run<'a> {
                 keep_samples(&mut record, folder)?;
             }
         }
-        let mut history = HistoryWriter::create(&folder.join("history.csv"), &record.columns())?;
+        let columns: Vec<&str> = record
+            .columns()
+            .iter()
+            .map(|column| &*column.name)
+            .collect();
+        let mut history = HistoryWriter::create(&folder.join("history.csv"), &columns)?;
         for row in record.history_rows() {
             history.push(&row)?;
         }

@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use crate::ledger::State;
+use crate::measure::shared::FORCE_IMBALANCE;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
 use crate::output::{
     CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
@@ -139,7 +140,7 @@ pub(super) fn summarise(
             }
         }
     }
-    if let Some(imbalance) = results.get("force_imbalance").and_then(|q| q.value)
+    if let Some(imbalance) = results.value(&FORCE_IMBALANCE)
         && imbalance > FORCE_IMBALANCE_LIMIT
     {
         notes.push(format!(

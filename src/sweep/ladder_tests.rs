@@ -1,4 +1,5 @@
 use super::*;
+use crate::output::ReadOut;
 use crate::sweep::{Vary, points};
 
 /// A sweep over lattices of 12, 16 and 24 cells, crosswise with two masses and two starts; `value` of run, cells, mass, start.
@@ -25,7 +26,7 @@ fn sweep(cells: &str, value: impl Fn(f64, f64, usize) -> Quantity) -> Sweep {
             "paper",
             &LatticeError::None,
         )];
-        run.results.insert("peak", quantity);
+        run.results.insert(&ReadOut::new("peak", "g", ""), quantity);
         run
     });
     Sweep {
@@ -49,7 +50,7 @@ fn lattices_of_every_series_are_judged() {
         } else {
             500.0 / cells
         };
-        Quantity::new(own + off, "g")
+        Quantity::new(own + off)
     };
     let mut sweep = sweep("24,12,16", at);
     let told = ladders(&sweep);
@@ -105,9 +106,9 @@ fn two_lattices_and_lost_values_stay_unknown() {
     let told = |cells: &str, lost: f64| {
         let at = |own: f64, _: f64, _: usize| {
             if own == lost {
-                Quantity::missing("g", "no peak")
+                Quantity::missing("no peak")
             } else {
-                Quantity::new(20.0 + 1.0 / own, "g")
+                Quantity::new(20.0 + 1.0 / own)
             }
         };
         ladders(&sweep(cells, at))[0].rungs[0].clone()
@@ -145,12 +146,13 @@ fn an_interval_joins_the_error_and_none_leaves_it_unknown() {
 #[test]
 fn means_over_starts_are_better_known_than_one() {
     let at = |_: f64, _: f64, start: usize| {
-        Quantity::new(if start == 0 { 0.9 } else { 1.1 }, "1").with_confidence(0.1)
+        Quantity::new(if start == 0 { 0.9 } else { 1.1 }).with_confidence(0.1)
     };
     let mut sweep = sweep("12", at);
     for run in &mut sweep.runs {
         let own = run.results.get("peak").cloned().unwrap();
-        run.results.insert("opening_force_factor", own);
+        run.results
+            .insert(&ReadOut::new("opening_force_factor", "1", ""), own);
     }
     let told = &ladders(&sweep)[0];
     let [mean, extreme] = [&told.rungs[0], &told.rungs[1]];
@@ -163,7 +165,7 @@ fn means_over_starts_are_better_known_than_one() {
 
 #[test]
 fn sweeps_of_other_keys_have_no_ladder() {
-    let mut sweep = sweep("12,16", |_, _, _| Quantity::new(1.0, "1"));
+    let mut sweep = sweep("12,16", |_, _, _| Quantity::new(1.0));
     sweep.leading_keys = vec!["payload.mass_kg".to_owned()];
     sweep.lattice_key = None;
     assert!(ladders(&sweep).is_empty());

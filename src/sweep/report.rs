@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::contents::{Outcome, Status, Sweep, last};
 use super::ladder::{ladder_markdown, ladders, write_ladders};
+use crate::measure::shared::TIME;
 use crate::output::{
-    Chart, OutputError, Quantity, Series, value_and_uncertainty, write_atomically,
+    Chart, OutputError, Quantity, ReadOut, Series, value_and_uncertainty, write_atomically,
 };
 
 /// What is shown of a sweep.
@@ -14,7 +15,7 @@ pub struct Chosen {
     /// Results of the table and of a chart each.
     pub results: Vec<String>,
     /// Columns of `history.csv` for a chart each.
-    pub histories: Vec<String>,
+    pub histories: Vec<ReadOut>,
 }
 
 /// The table of chosen results in Markdown: one row for each run.
@@ -43,7 +44,7 @@ pub fn markdown(sweep: &Sweep, chosen: &Chosen) -> String {
         cells.push(run.status.name().to_owned());
         cells.extend(chosen.results.iter().map(|name| {
             let known = run.results.get(name).cloned();
-            let quantity = known.unwrap_or_else(|| Quantity::missing("1", ""));
+            let quantity = known.unwrap_or_else(|| Quantity::missing(""));
             let [value, uncertainty] = value_and_uncertainty(&quantity);
             let mark = if quantity.unresolved.is_some() {
                 unsupported = true;
@@ -95,7 +96,8 @@ pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), Output
         chart(sweep, name).write(&folder.join(format!("sweep_{name}")))?;
     }
     for column in &chosen.histories {
-        histories(folder, sweep, column).write(&folder.join(format!("sweep_history_{column}")))?;
+        histories(folder, sweep, column)
+            .write(&folder.join(format!("sweep_history_{}", column.name)))?;
     }
     Ok(())
 }
@@ -196,7 +198,7 @@ fn chart(sweep: &Sweep, name: &str) -> Chart {
 }
 
 /// A column of all histories against time since release.
-fn histories(folder: &Path, sweep: &Sweep, column: &str) -> Chart {
+fn histories(folder: &Path, sweep: &Sweep, column: &ReadOut) -> Chart {
     let name = |run: &Outcome| {
         let words = sweep.leading_keys.iter();
         let words = words.map(|key| format!("{} = {}", last(key), sweep.value(run, key)));
@@ -205,14 +207,14 @@ fn histories(folder: &Path, sweep: &Sweep, column: &str) -> Chart {
     let series = sweep.runs.iter().filter_map(|run| {
         Some(Series {
             name: name(run),
-            points: read_column(&folder.join(&run.folder).join("history.csv"), column)?,
+            points: read_column(&folder.join(&run.folder).join("history.csv"), &column.name)?,
             bars: Vec::new(),
             markers: false,
         })
     });
     Chart {
         title: sweep.title.clone(),
-        labels: ["time since release [s]".to_owned(), column.to_owned()],
+        labels: [TIME.label(), column.label()],
         categories: Vec::new(),
         series: series.collect(),
     }
@@ -223,7 +225,7 @@ fn read_column(path: &Path, column: &str) -> Option<Vec<[f64; 2]>> {
     let mut csv = csv::Reader::from_path(path).ok()?;
     let header = csv.headers().ok()?.clone();
     let place = |name: &str| header.iter().position(|known| known == name);
-    let (time, value) = (place("time_s")?, place(column)?);
+    let (time, value) = (place(&TIME.name)?, place(column)?);
     let rows = csv.records().map_while(Result::ok);
     let pairs =
         rows.filter_map(|row| Some([row.get(time)?.parse().ok()?, row.get(value)?.parse().ok()?]));

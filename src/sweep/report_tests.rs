@@ -1,4 +1,5 @@
 use super::*;
+use crate::output::ReadOut;
 use crate::sweep::{Vary, points};
 
 fn sweep() -> Sweep {
@@ -15,10 +16,12 @@ fn sweep() -> Sweep {
         .collect();
     for (k, run) in runs.iter_mut().take(3).enumerate() {
         run.status = Status::Done;
-        let drag = Quantity::new(0.8 + 0.01 * k as f64, "1").with_confidence(0.05);
-        run.results.insert("drag_coefficient", drag);
-        let time = Quantity::new(0.05, "s").with_sampling_error(0.001);
-        run.results.insert("fill_time_s", time);
+        let drag = Quantity::new(0.8 + 0.01 * k as f64).with_confidence(0.05);
+        run.results
+            .insert(&ReadOut::new("drag_coefficient", "1", ""), drag);
+        let time = Quantity::new(0.05).with_sampling_error(0.001);
+        run.results
+            .insert(&ReadOut::new("fill_time_s", "s", ""), time);
     }
     runs[3].status = Status::Failed;
     runs[3].message = Some("it broke down".to_owned());
@@ -32,6 +35,10 @@ fn sweep() -> Sweep {
         ladders: Vec::new(),
         runs,
     }
+}
+
+fn ratio() -> ReadOut {
+    ReadOut::new("ratio", "1", "ratio")
 }
 
 #[test]
@@ -66,7 +73,7 @@ fn files_hold_all_runs_and_read_back() {
     }
     let chosen = Chosen {
         results: vec!["drag_coefficient".to_owned(), "unknown".to_owned()],
-        histories: vec!["ratio".to_owned()],
+        histories: vec![ratio()],
     };
     write(folder.path(), &before, &chosen).unwrap();
     assert_eq!(Sweep::read(folder.path()).unwrap(), before);
@@ -98,7 +105,7 @@ fn files_hold_all_runs_and_read_back() {
         }
     }
     assert!(!folder.path().join("sweep_unknown.png").exists());
-    let history = histories(folder.path(), &before, "ratio");
+    let history = histories(folder.path(), &before, &ratio());
     assert_eq!(history.series.len(), 2);
     assert_eq!(history.series[1].points, [[0.0, 0.2], [0.1, 0.5]]);
     let drag = chart(&before, "drag_coefficient");

@@ -13,6 +13,9 @@ use crate::bluff_body::{BluffBody, Shape, Until};
 use crate::case::{self, Choices};
 use crate::lattice::Operator;
 use crate::measure::Record;
+use crate::measure::falling::DESCENT_SPEED;
+use crate::measure::shared::{IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX};
+use crate::output::ReadOut;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::Simulation;
 
@@ -118,19 +121,19 @@ sample_interval_s = 0.25
             .advance()
             .map_err(crate::bluff_body::Stop::from)?;
     }
-    let speeds = record.column("descent_speed_m_s");
+    let speeds = record.column(&DESCENT_SPEED);
     let last = &speeds[speeds.len() - speeds.len() / 4..];
     let speed = last.iter().sum::<f64>() / last.len() as f64;
     session
         .row(cells, "falling: speed over the last quarter", speed)
         .reference(1.0, "drag of the disk held = weight")
         .gate(Gate::Within(BAND));
-    let imbalance = |name: &str| {
-        let impulse = record.column(name);
+    let imbalance = |column: &ReadOut| {
+        let impulse = record.column(column);
         impulse.last().copied().unwrap_or(f64::NAN)
     };
-    let markers = imbalance("impulse_markers_n_s");
-    let difference = (imbalance("impulse_momentum_box_n_s") - markers) / markers;
+    let markers = imbalance(&IMPULSE_MARKERS);
+    let difference = (imbalance(&IMPULSE_MOMENTUM_BOX) - markers) / markers;
     session
         .row(cells, "falling: momentum box against markers", difference)
         .gate(Gate::AtMost(2e-3));

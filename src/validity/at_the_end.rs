@@ -4,7 +4,9 @@ use super::rule::Rule;
 use crate::case::Scene;
 use crate::frame::StructureFrame;
 use crate::measure::Record;
-use crate::output::{Bound, Supports, ValidityRow, When};
+use crate::measure::canopy_shape::PRINCIPAL_STRAIN_1_MAX;
+use crate::measure::shared::VON_MISES_MAX;
+use crate::output::{Bound, ReadOut, Supports, ValidityRow, When};
 
 /// A structure at the end of its run, and what was recorded.
 struct Ended<'a> {
@@ -15,7 +17,7 @@ struct Ended<'a> {
 
 impl Ended<'_> {
     /// The largest of a column of the history, or of the last state where the history does not have it.
-    fn largest(&self, column: &str, last: impl Iterator<Item = f64>) -> f64 {
+    fn largest(&self, column: &ReadOut, last: impl Iterator<Item = f64>) -> f64 {
         let recorded = self.record.column(column);
         recorded.into_iter().chain(last).fold(f64::NAN, f64::max)
     }
@@ -34,7 +36,7 @@ const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
             value: |ended| {
                 let strains = &ended.structure.principal_strains;
                 let last = strains.iter().map(|strains| strains[0]);
-                (!strains.is_empty()).then(|| ended.largest("principal_strain_1_max", last))
+                (!strains.is_empty()).then(|| ended.largest(&PRINCIPAL_STRAIN_1_MAX, last))
             },
         },
         Rule {
@@ -48,7 +50,7 @@ const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
             value: |ended| {
                 let strength_pa = ended.structure.yield_stress_pa?;
                 let last = ended.structure.von_mises_pa.iter().copied();
-                Some(ended.largest("von_mises_max_pa", last) / strength_pa)
+                Some(ended.largest(&VON_MISES_MAX, last) / strength_pa)
             },
         },
         Rule {

@@ -3,7 +3,7 @@
 
 use super::subject::{Kind, Subject, subjects};
 use crate::case::Scene;
-use crate::measure::bodies::{disk_drag, sphere_drag};
+use crate::measure::flow_past_bodies::{disk_drag, sphere_drag};
 use crate::output::ExpectedError;
 
 /// What cells and the ends of the box add to the drag, measured one by one.

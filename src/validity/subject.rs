@@ -6,7 +6,7 @@ use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
 use crate::geometry::wing::section::Side;
-use crate::measure::bodies;
+use crate::measure::flow_past_bodies;
 
 /// Projected diameter of an inflated canopy over its nominal one.
 pub const INFLATED: f64 = 0.7;
@@ -82,7 +82,7 @@ pub fn subjects(scene: &Scene) -> Vec<Subject<'_>> {
     let mut found: Vec<Subject> = fabric(scene, air).into_iter().collect();
     let several = scene.body.is_some() || scene.rigid_bodies.len() > 1;
     found.extend(scene.rigid_bodies.iter().map(|body| {
-        let prefix = bodies::prefix(scene, body);
+        let prefix = flow_past_bodies::prefix(scene, body);
         let subject = rigid(scene, air, body, prefix);
         Subject {
             name: if several {
@@ -192,7 +192,7 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         Shape::Sphere { .. } | Shape::Cylinder { .. } => Kind::Round,
         _ => Kind::Rigid,
     };
-    let settling = bodies::settling(scene, air, body).ok();
+    let settling = flow_past_bodies::settling(scene, air, body).ok();
     Subject {
         scene,
         air,

@@ -8,6 +8,10 @@ use crate::bench::{Engine, Stop, Watch, go_on};
 use crate::case::scene::BodyKind;
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
+use crate::measure::canopy::IMPULSE_LINES;
+use crate::measure::shared::{
+    IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, PROJECTED_DIAMETER_RATIO, SLIP_RATIO, TIME,
+};
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
@@ -164,15 +168,11 @@ pub(super) fn run(
         }
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let late = |name: &str| mean(&record.column(name)[first_row..]);
+    let late = |column| mean(&record.column(column)[first_row..]);
     let drag = mean(&forces);
     let mut routes = Vec::new();
-    let times_s = record.column("time_s");
-    for route in [
-        "impulse_markers_n_s",
-        "impulse_momentum_box_n_s",
-        "impulse_lines_n_s",
-    ] {
+    let times_s = record.column(&TIME);
+    for route in [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_LINES] {
         let impulse = record.column(route);
         let (first, last) = (first_row, impulse.len() - 1);
         routes.push((impulse[last] - impulse[first]) / (times_s[last] - times_s[first]));
@@ -183,13 +183,13 @@ pub(super) fn run(
             (low.min(f), high.max(f))
         });
     point.fastest = fastest / wind_m_s;
-    point.slip = late("slip_ratio");
+    point.slip = late(&SLIP_RATIO);
     // Normals of the canopy may point either way; the air goes downstream.
     point.leakage = mean(&leakages).abs() / wind_m_s;
     point.drag_noise = noise(&forces) / drag;
     point.force_imbalance = (high - low) / routes[0];
     point.drag_coefficient = routes[0] / force_n;
-    point.projected_diameter_ratio = late("projected_diameter_ratio");
+    point.projected_diameter_ratio = late(&PROJECTED_DIAMETER_RATIO);
     point.evaluations_per_step =
         (simulation.cost().evaluations - evaluations) as f64 / (end - half) as f64;
     point.mean_structure_every = match simulation.cadence() {

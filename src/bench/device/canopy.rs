@@ -13,6 +13,7 @@ use crate::bench::Stop;
 use crate::gpu::Device;
 use crate::lattice::Storage;
 use crate::measure::Record;
+use crate::measure::shared::PROJECTED_DIAMETER_RATIO;
 use crate::plan::{AirPlacement, ClothPlacement, Plan, Precision};
 use crate::simulation::Simulation;
 
@@ -157,9 +158,8 @@ fn one(
     let evaluations = (simulation.cost().evaluations - cost.evaluations) as f64 / f64::from(timed);
     let mut record = Record::new(&simulation);
     record.add(&mut simulation)?;
-    let diameter = record
-        .latest("projected_diameter_ratio")
-        .unwrap_or(f64::NAN);
+    let diameter = record.latest(&PROJECTED_DIAMETER_RATIO);
+    let diameter = diameter.unwrap_or(f64::NAN);
     let difference = diameter / *earlier.diameter.get_or_insert(diameter) - 1.0;
     if air == AirPlacement::Gpu(Storage::F32) {
         // Latencies count apart.

@@ -9,7 +9,7 @@ use crate::frame::{FabricQuantity, FlowQuantity};
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// Time between rows of `history.csv` [s]; a 500th of `time.end_s` if absent.
+    /// Time between rows of `history.csv` (docs/read-outs.md) [s]; a 500th of `time.end_s` if absent.
     pub sample_interval_s: Option<f64>,
     /// Time between ParaView files of the structure [s]; only the last state if absent.
     pub canopy_interval_s: Option<f64>,

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::{LastImpulses, Record};
+use super::series::Record;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::measure::impulses::Impulse;
 use crate::simulation::BodyImpulse;
 
 impl Record {
@@ -19,6 +20,7 @@ impl Record {
         let changed: Vec<f64> = self.grid_changed_s.into_iter().collect();
         out.put("record_grid_changed", &changed)?;
         let last: Vec<DVec3> = self
+            .impulses
             .last
             .iter()
             .flat_map(|l| {
@@ -31,7 +33,7 @@ impl Record {
             })
             .collect();
         out.put("record_last", &last)?;
-        let bodies: Vec<DVec3> = self.body_impulses[1]
+        let bodies: Vec<DVec3> = self.impulses.bodies[1]
             .iter()
             .flat_map(|body| [body.force, body.moment])
             .collect();
@@ -52,8 +54,8 @@ impl Record {
         restored.map_err(|what| from.damaged(what))?;
         self.grid_changed_s = from.take::<f64>("record_grid_changed")?.first().copied();
         let last: Vec<DVec3> = from.take("record_last")?;
-        self.last = match last.as_slice() {
-            [time, markers, momentum_box, supports] => Some(LastImpulses {
+        self.impulses.last = match last.as_slice() {
+            [time, markers, momentum_box, supports] => Some(Impulse {
                 time_s: time.x,
                 markers: *markers,
                 momentum_box: *momentum_box,
@@ -62,7 +64,7 @@ impl Record {
             _ => None,
         };
         let bodies: Vec<DVec3> = from.take("record_last_bodies")?;
-        self.body_impulses[1] = bodies
+        self.impulses.bodies[1] = bodies
             .chunks_exact(2)
             .map(|pair| BodyImpulse {
                 force: pair[0],

@@ -3,8 +3,7 @@
 //! Lengths are those that a body's coefficients refer to, L; times count in L/U. What the numbers come from is in
 //! `docs/results/2026-11-23-bodies-settling-and-walls.md`.
 
-use super::mean_of;
-use crate::measure::statistics::{Mean, batch_mean};
+use crate::measure::statistics::{Mean, average, mean_of, range};
 
 /// Averaging begins so long after the wind, or the body's own speed, has risen, where the wake is steady [L/U].
 pub const SETTLING: f64 = 10.0;
@@ -267,15 +266,6 @@ impl Drift {
             goes_on: ratio >= NO_LIMIT,
         })
     }
-}
-
-fn average(series: &[f64]) -> f64 {
-    batch_mean(series, 1).value
-}
-
-fn range(series: &[f64]) -> f64 {
-    let most = series.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most - series.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

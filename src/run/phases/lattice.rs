@@ -7,7 +7,7 @@ use crate::case::{Case, Scene};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::Device;
 use crate::measure::steady::{self, Detector};
-use crate::measure::{Record, bodies};
+use crate::measure::{self, Record};
 use crate::plan::Plan;
 use crate::simulation::{Failure, Simulation};
 
@@ -202,6 +202,6 @@ pub(in crate::run) fn detector(scene: &Scene) -> Option<Detector> {
         let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
         return Some(Detector::new(unit_s, confidence));
     }
-    let watched = bodies::watched(scene).ok().filter(|all| !all.is_empty())?;
+    let watched = measure::watched(scene).ok().filter(|all| !all.is_empty())?;
     Some(Detector::of_bodies(watched, confidence))
 }

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::stand::Next;
 use crate::case::scene::Flow;
+use crate::measure::shared::{DRAG_COEFFICIENT, PROJECTED_DIAMETER_RATIO, TIME};
 use crate::run::cadence::{Cadence, PROGRESS_PARTS, parts_done};
 use crate::run::{Observer, Run, RunError};
 
@@ -38,7 +39,7 @@ impl Run<'_> {
         picture_times.sort_by(f64::total_cmp);
         let clock = self.clock();
         // A run that stopped as it was steady had written all of that step, its last sample too.
-        let written_at = (self.record.latest("time_s") == Some(self.simulation.time_s()))
+        let written_at = (self.record.latest(&TIME) == Some(self.simulation.time_s()))
             .then_some(clock.first_step);
         while self.simulation.step_count() < cadence.planned {
             // Before anything of this step is written, so that a resumed run writes it once.
@@ -94,7 +95,7 @@ impl Run<'_> {
         let since = self.simulation.step_count() - cadence.origin;
         // A run that goes on from its end has this row already.
         if (since.is_multiple_of(cadence.sample) || self.record.sample_count() < 2)
-            && self.record.latest("time_s") != Some(self.simulation.time_s())
+            && self.record.latest(&TIME) != Some(self.simulation.time_s())
         {
             self.sample(observer)?;
         }
@@ -138,8 +139,8 @@ impl Run<'_> {
     fn status(&self, rate: f64) -> String {
         let mut text = format!("t = {:.4} s, {rate:.0} steps/s", self.simulation.time_s());
         for (column, label) in [
-            ("projected_diameter_ratio", "D_p/D_0"),
-            ("drag_coefficient", "C_D"),
+            (&PROJECTED_DIAMETER_RATIO, "D_p/D_0"),
+            (&DRAG_COEFFICIENT, "C_D"),
         ] {
             if let Some(value) = self.record.latest(column).filter(|v| v.is_finite()) {
                 text.push_str(&format!(", {label} {value:.3}"));

@@ -9,8 +9,9 @@ use std::path::Path;
 use super::RunError;
 use crate::case::Scene;
 use crate::frame::StructureFrame;
-use crate::measure::{self, Record};
-use crate::output::{Chart, Series, Summary, write_comparison, write_table};
+use crate::measure::shared::TIME;
+use crate::measure::{self, CHARTS, Record};
+use crate::output::{Chart, ReadOut, Series, Summary, write_comparison, write_table};
 
 /// Files that hold them.
 pub(super) const NAMES: [&str; 5] = [
@@ -87,77 +88,48 @@ fn wing_tables(
         series: vec![curve("as designed", 1, 2), curve("at the end", 3, 4)],
     }
     .write(&folder.join(line))?;
-    let times = record.column("time_s");
-    for (chart, column, label) in [
-        (
-            pressure,
-            "internal_pressure_coefficient",
-            "pressure coefficient inside the cells",
-        ),
-        (
-            volume,
-            "volume_ratio",
-            "volume of the cells over their design",
-        ),
-    ] {
-        let names = measure::cell_columns(scene, column);
-        let series = names.iter().enumerate().map(|(cell, name)| Series {
-            name: format!("cell {}", cell + 1),
-            points: (times.iter().zip(record.column(name)))
-                .map(|(time, value)| [*time, value])
-                .collect(),
-            bars: Vec::new(),
-            markers: false,
-        });
-        Chart {
-            title: scene.title.clone(),
-            labels: ["time since release [s]".to_owned(), label.to_owned()],
-            categories: Vec::new(),
-            series: series.collect(),
-        }
-        .write(&folder.join(chart))?;
+    for (chart, columns) in [pressure, volume]
+        .into_iter()
+        .zip(measure::cell_columns(scene))
+    {
+        let series = columns.iter().enumerate();
+        let series =
+            series.map(|(cell, column)| series_of(record, column, format!("cell {}", cell + 1)));
+        let label = columns.first().map_or_else(String::new, ReadOut::label);
+        over_time(scene, label, series.collect()).write(&folder.join(chart))?;
     }
     Ok(())
 }
 
-/// Columns of the history with a chart each, where the history has them, and what their axis says.
-pub(super) const CHARTS: [(&str, &str); 11] = [
-    ("lift_coefficient", "lift coefficient"),
-    ("volume_ratio", "volume over that of the design"),
-    (
-        "reverse_flow_area_m2",
-        "area of reverse flow in the middle section [m2]",
-    ),
-    ("drag_coefficient", "drag coefficient"),
-    ("force_x_n", "force along the wind [N]"),
-    ("drag_n", "drag [N]"),
-    (
-        "projected_diameter_ratio",
-        "projected over nominal diameter",
-    ),
-    ("line_tension_max_n", "largest line tension [N]"),
-    ("descent_speed_m_s", "speed of descent [m/s]"),
-    ("load_factor_g", "load factor [g]"),
-    ("slot_width_m", "mean width of slots [m]"),
-];
+/// A column over time.
+fn series_of(record: &Record, column: &ReadOut, name: String) -> Series {
+    let times = record.column(&TIME).into_iter();
+    let points = times.zip(record.column(column));
+    Series {
+        name,
+        points: points.map(|(time, value)| [time, value]).collect(),
+        bars: Vec::new(),
+        markers: false,
+    }
+}
+
+/// A chart of columns over time.
+fn over_time(scene: &Scene, label: String, series: Vec<Series>) -> Chart {
+    Chart {
+        title: scene.title.clone(),
+        labels: [TIME.label(), label],
+        categories: Vec::new(),
+        series,
+    }
+}
 
 fn charts(folder: &Path, scene: &Scene, record: &Record) -> Result<(), RunError> {
-    let times = record.column("time_s");
-    for (column, label) in CHARTS {
-        let points = times.iter().zip(record.column(column));
-        let series = Series {
-            name: String::new(),
-            points: points.map(|(time, value)| [*time, value]).collect(),
-            bars: Vec::new(),
-            markers: false,
-        };
-        let chart = Chart {
-            title: scene.title.clone(),
-            labels: ["time since release [s]".to_owned(), label.to_owned()],
-            categories: Vec::new(),
-            series: vec![series],
-        };
-        chart.write(&folder.join(format!("history_{column}")))?;
+    for name in CHARTS.map(|column| &*column.name) {
+        if let Some(column) = record.named(name) {
+            let series = vec![series_of(record, column, String::new())];
+            let chart = over_time(scene, column.label(), series);
+            chart.write(&folder.join(format!("history_{name}")))?;
+        }
     }
     Ok(())
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
-use crate::measure;
-use crate::output::Results;
+use crate::measure::{self, shared::TIME};
+use crate::output::{ReadOut, Results};
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 use crate::statics::Statics;
@@ -36,21 +36,20 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    /// A named result; not a number where there is none.
-    pub fn value(&self, name: &str) -> f64 {
+    /// A result; not a number where there is none.
+    pub fn value(&self, read_out: &ReadOut) -> f64 {
         let results = self.results.as_ref();
         results
-            .and_then(|results| results.get(name))
-            .and_then(|quantity| quantity.value)
+            .and_then(|results| results.value(read_out))
             .unwrap_or(f64::NAN)
     }
 
-    /// Mean force along x over the second half of the run by the routes `names` [N]: differences of impulses.
-    pub fn forces(&self, names: [&str; 3]) -> [f64; 3] {
-        let times = self.record.column("time_s");
+    /// Mean force along x over the second half of the run by three routes [N]: differences of impulses.
+    pub fn forces(&self, impulses: [&ReadOut; 3]) -> [f64; 3] {
+        let times = self.record.column(&TIME);
         let (first, last) = (times.len() / 2, times.len().saturating_sub(1));
-        names.map(|name| {
-            let impulse = self.record.column(name);
+        impulses.map(|column| {
+            let impulse = self.record.column(column);
             match (
                 self.results.is_some(),
                 impulse.get(first),

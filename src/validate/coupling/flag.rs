@@ -7,6 +7,8 @@
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs;
+use crate::measure::plate::PEAK_TO_PEAK;
+use crate::measure::shared::{FORCE_IMBALANCE, STROUHAL_NUMBER};
 
 const SOURCE: &str = include_str!("../../../cases/flag.toml");
 
@@ -39,7 +41,7 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
             format!(
                 "{cells} cells over the length: difference of the three force routes over the drag"
             ),
-            outcome.value("force_imbalance"),
+            outcome.value(&FORCE_IMBALANCE),
         );
         if cells == finest {
             routes.gate(Gate::AtMost(ROUTES));
@@ -48,7 +50,7 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
             .row(
                 outcome.cells,
                 format!("{cells} cells over the length: amplitude of the trailing edge over L"),
-                outcome.value("tip_peak_to_peak_m"),
+                outcome.value(&PEAK_TO_PEAK),
             )
             .reference(PUBLISHED[0], source);
         if !is_full {
@@ -62,7 +64,7 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
             .row(
                 outcome.cells,
                 format!("{cells} cells over the length: Strouhal number"),
-                outcome.value("strouhal_number"),
+                outcome.value(&STROUHAL_NUMBER.of("")),
             )
             .reference(PUBLISHED[1], source);
         if cells == finest {

@@ -7,6 +7,8 @@
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs::{self, Outcome};
+use crate::measure::plate::{TIP_X, TIP_Z};
+use crate::measure::shared::DRAG_COEFFICIENT;
 
 pub(super) const SOURCE: &str = include_str!("../../../cases/flexible-plate.toml");
 
@@ -67,9 +69,9 @@ const QUANTITIES: [&str; 3] = [
 
 fn quantities(outcome: &Outcome) -> [f64; 3] {
     [
-        outcome.value("drag_coefficient"),
-        outcome.value("tip_displacement_x_m") / WIDTH_M,
-        -outcome.value("tip_displacement_z_m") / WIDTH_M,
+        outcome.value(&DRAG_COEFFICIENT),
+        outcome.value(&TIP_X) / WIDTH_M,
+        -outcome.value(&TIP_Z) / WIDTH_M,
     ]
 }
 

@@ -5,6 +5,9 @@ use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs;
 use super::flexible_plate;
+use crate::measure::canopy::IMPULSE_LINES;
+use crate::measure::plate::IMPULSE_SUPPORTS;
+use crate::measure::shared::{IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX};
 
 const CANOPY: &str = include_str!("../../../cases/flat-circular-tunnel.toml");
 
@@ -29,19 +32,11 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     let mut changes: Vec<String> = coarse.iter().map(|&change| change.to_owned()).collect();
     changes.extend([TOLERANCE.to_owned(), format!("time.end_s={end_s:?}")]);
     let canopy = case_runs::case("flat-circular-tunnel", CANOPY, None, &changes)?;
-    let lines = [
-        "impulse_markers_n_s",
-        "impulse_momentum_box_n_s",
-        "impulse_lines_n_s",
-    ];
+    let lines = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_LINES];
     let variant = session.size(Some("quick"), None);
     let changes = [TOLERANCE.to_owned()];
     let plate = case_runs::case("flexible-plate", flexible_plate::SOURCE, variant, &changes)?;
-    let edge = [
-        "impulse_markers_n_s",
-        "impulse_momentum_box_n_s",
-        "impulse_supports_n_s",
-    ];
+    let edge = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_SUPPORTS];
     for (case, routes, what, support) in [
         (canopy, lines, "canopy", "lines"),
         (plate, edge, "plate", "held edge"),

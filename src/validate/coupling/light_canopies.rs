@@ -9,6 +9,7 @@ use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
+use crate::measure::shared::SLIP_RATIO;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
@@ -116,7 +117,7 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
             }
         }
     }
-    let slips = record.column("slip_ratio");
+    let slips = record.column(&SLIP_RATIO);
     let half = &slips[slips.len() / 2..];
     outcome.slip = half.iter().sum::<f64>() / half.len() as f64;
     session.progress_to(

@@ -1,0 +1,50 @@
+//! Read-outs that several kinds of scenes have.
+
+use super::read_out::{ReadOut, results};
+
+macro_rules! rows {
+    ( $( $handle:ident: $name:literal, $unit:literal, $meaning:literal; )+ ) => {
+        $(
+            #[doc = concat!("Read-out: ", $meaning, ".")]
+            pub(crate) static $handle: ReadOut = ReadOut::new($name, $unit, $meaning);
+        )+
+    };
+}
+
+rows! {
+    TIME: "time_s", "s", "time since release";
+    WIND_SPEED: "wind_speed_m_s", "m/s", "speed of the wind at the inlet";
+    IMPULSE_MARKERS: "impulse_markers_n_s", "N s", "impulse of the air along x by markers; since release, of bodies alone along the drag";
+    IMPULSE_MOMENTUM_BOX: "impulse_momentum_box_n_s", "N s", "the same by the momentum of a box of air";
+    SLIP_RATIO: "slip_ratio", "1", "mean slip of the air past the surface over the reference speed";
+    MASS_DEFECT: "mass_defect", "1", "defect of the mass balance of the momentum box; over its mass";
+    FORCE_X: "force_x_n", "N", "force along the wind; mean since the last sample";
+    FORCE_Y: "force_y_n", "N", "force along y; mean since the last sample";
+    FORCE_Z: "force_z_n", "N", "force along z; mean since the last sample";
+    KINETIC_ENERGY: "fabric_kinetic_energy_j", "J", "kinetic energy of fabric and cables";
+    TENSION_MAX: "tension_max_n_m", "N/m", "largest principal tension of the fabric";
+    FASTEST_NODE: "fastest_node_m_s", "m/s", "speed of the fastest node";
+    VON_MISES_MAX: "von_mises_max_pa", "Pa", "largest von Mises stress of the fabric";
+    SHEAR_STRESS_MAX: "shear_stress_max_pa", "Pa", "largest shear stress; between warp and weft";
+    STRESS_MAX: "stress_max_pa", "Pa", "largest principal stress of the fabric";
+    DRAG_COEFFICIENT: "drag_coefficient", "1", "drag coefficient; drag by markers over ½ ρ U² and the reference area (S_0, flat area, length times width)";
+    LIFT_COEFFICIENT: "lift_coefficient", "1", "lift coefficient; on ½ ρ U² and the flat area";
+    PROJECTED_DIAMETER_RATIO: "projected_diameter_ratio", "1", "projected over nominal diameter; the root of the ratio of the areas";
+    HEIGHT: "height_m", "m", "height of the canopy; its extent along the wind";
+    LINE_TENSION_MAX: "line_tension_max_n", "N", "largest tension of a suspension line";
+}
+
+results! {
+    /// Results of several kinds of scenes.
+    RESULTS: "Several kinds of scenes";
+    DRAG_MARKERS: "drag_markers_n", "N", "mean drag by markers; sum over markers";
+    DRAG_MOMENTUM_BOX: "drag_momentum_box_n", "N", "mean drag by the momentum of a box of air; populations through a box, with storage";
+    FORCE_IMBALANCE: "force_imbalance", "1", "largest difference of the force routes over the drag";
+    SLIP_MEAN: "slip_mean", "1", "mean slip of the air past the surface over the reference speed";
+    MASS_DRIFT: "mass_drift", "1", "largest defect of the mass balance of the momentum box, over its mass";
+    BLOCKAGE_RATIO: "blockage_ratio", "1", "nominal or reference area over the section of the tunnel";
+    CORRECTED_DRAG: "{body}drag_coefficient_blockage_corrected", "1", "drag coefficient without the walls of the tunnel";
+    PRESSURE_RATIO: "{body}dynamic_pressure_ratio_of_blockage", "1", "ratio of dynamic pressures that walls make; what the correction divides the drag by";
+    FILL_TIME: "fill_time_s", "s", "time until a canopy or wing is full";
+    STROUHAL_NUMBER: "{body}strouhal_number", "1", "frequency times length over speed; of the lift, or of a plate's tip";
+}
