@@ -137,7 +137,7 @@ fn cases_hold() {
     for (name, why) in [
         (
             "unknown-key",
-            "additionalProperties 'apex_guide' not allowed",
+            "additionalProperties 'ringz' not allowed",
         ),
         ("wrong-type", "want number, but got string"),
         ("wrong-unit", "not allowed"),
