@@ -57,7 +57,7 @@
 //! | [`trim`] | the glide in which forces of the air, weight and lines of a wing are in balance, for a given shape | aero, cloth, geometry |
 //! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
-//! | [`gpu`] | the device engine, the same files; alone sees wgpu; draws pictures | all of the above, render |
+//! | [`gpu`] | the device engine, the same files; alone sees wgpu | all of the above |
 //! | [`units`] | SI ↔ lattice, only here | – |
 //! | [`case`] | case files and their errors | geometry, laws |
 //! | [`plan`] | what a run will do, as data | case, geometry, counts of markers |

@@ -75,7 +75,6 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "immersed",
             "lattice",
             "lines",
-            "render",
             "solve",
         ],
     ),

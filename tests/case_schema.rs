@@ -135,10 +135,7 @@ fn cases_hold() {
         assert_eq!(looked_at(text), Ok(()), "{name}");
     }
     for (name, why) in [
-        (
-            "unknown-key",
-            "additionalProperties 'ringz' not allowed",
-        ),
+        ("unknown-key", "additionalProperties 'ringz' not allowed"),
         ("wrong-type", "want number, but got string"),
         ("wrong-unit", "not allowed"),
         ("unknown-operator", "oneOf failed, none matched"),

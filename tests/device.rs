@@ -12,7 +12,6 @@ use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
 use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
-use ripstop::render;
 use ripstop::run::without_files;
 use ripstop::simulation::{AirEngine, Balance, Failure, MarkerEngine, Simulation};
 
@@ -42,7 +41,6 @@ pub fn trials() -> Vec<Trial> {
         ("interpolate_and_spread_match", immersed),
         ("first_steps_of_the_canopy_match", first_steps),
         ("canopy_ends_as_on_the_cpu", canopy),
-        ("pictures_look_alike", pictures),
         ("same_bits_twice", same_bits),
         ("a_lost_device_is_reported", lost),
         ("a_grid_beyond_the_limits_is_refused", too_large),
@@ -585,30 +583,6 @@ fn same_bits() {
         (sheet, air)
     };
     assert!(bits() == bits());
-}
-
-/// The first frame of the canopy in its tunnel, drawn by both rasterisers.
-fn pictures() {
-    let case = small_case(&["time.end_s=0.0005"]);
-    let plan = Plan::new(
-        &case.scene,
-        placed(AirPlacement::Gpu(Storage::F32), ClothPlacement::Host),
-    );
-    let (simulation, _) = without_files(&case, plan, Engine::Gpu.device()).unwrap();
-    let frame = simulation.frame(true).unwrap();
-    let picture = render::picture_of(&frame, &render::PictureOptions::default());
-    let device = Engine::Gpu.device().unwrap();
-    let drawn = ripstop::gpu::raster::rasterise(&device, &picture).unwrap();
-    let expected = render::rasterise(&picture).unwrap();
-    assert_eq!(drawn.dimensions(), expected.dimensions());
-    let differences = drawn
-        .iter()
-        .zip(expected.iter())
-        .map(|(a, b)| a.abs_diff(*b));
-    let mean = differences.clone().map(f64::from).sum::<f64>() / drawn.len() as f64;
-    let strong = differences.filter(|d| *d > 48).count() as f64 / drawn.len() as f64;
-    assert!(mean < tolerances::PICTURE_MEAN, "{mean}");
-    assert!(strong < tolerances::PICTURE_STRONG, "{strong}");
 }
 
 /// A device of its own, since it does not survive.

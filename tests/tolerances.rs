@@ -174,11 +174,6 @@ pub mod device_cloth {
     pub const FREE_FALL_M: f64 = 1e-7;
 }
 
-/// Pictures of a device against software, mean difference of the bytes and share of bytes that differ by more than 48: samples lie
-/// elsewhere within a pixel, so edges differ (0.06 and 1.2e-4 for a canopy).
-pub const PICTURE_MEAN: f64 = 0.3;
-pub const PICTURE_STRONG: f64 = 2e-3;
-
 /// Contact of fabric with itself, in double precision on the host.
 pub mod contact {
     /// Gradient of a pair against differences over 2e-6 of distances near 1: their own error.

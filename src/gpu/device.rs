@@ -120,12 +120,6 @@ impl Device {
         self.meter.work()
     }
 
-    /// Largest width and height of a texture [px].
-    #[must_use]
-    pub const fn texture_limit(&self) -> u32 {
-        self.limits.max_texture_dimension_2d
-    }
-
     /// Workgroups allowed along one dimension of a dispatch.
     #[must_use]
     pub const fn workgroup_limit(&self) -> u32 {

@@ -1,7 +1,7 @@
 //! Layouts of all structs that Rust and WGSL share.
 
 use super::shaders::Layout;
-use super::{cloth, fluid, immersed, multigrid, raster};
+use super::{cloth, fluid, immersed, multigrid};
 
 /// Layouts of all structs that Rust and WGSL share.
 #[must_use]
@@ -13,7 +13,6 @@ pub fn all() -> Vec<Layout> {
         fluid::repeat_plane::OWN_LAYOUTS,
         immersed::OWN_LAYOUTS,
         multigrid::parameters::OWN_LAYOUTS,
-        raster::geometry::OWN_LAYOUTS,
     ]
     .concat()
 }

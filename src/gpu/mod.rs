@@ -10,7 +10,6 @@
 //! | [`fluid`] | the air: collide–stream, boundaries, fields and balances |
 //! | [`immersed`] | markers: interpolate, spread |
 //! | [`pipeline`], [`shaders`], [`layouts`] | pipelines with bindings known by name; the texts of `shaders/`; structs shared with them |
-//! | [`raster`] | pictures, from the same draw list as in software |
 //! | [`cloth`] | fabric and cables: nodal forces, initial Hessian, the minimiser's vectors |
 //!
 //! Nothing outside this room sees wgpu, and nothing inside panics: all failures are [`DeviceError`]s.
@@ -32,7 +31,6 @@ mod pass_clock;
 mod pass_times;
 pub mod pipeline;
 mod quiet;
-pub mod raster;
 pub mod shaders;
 mod transfer;
 mod tuning;

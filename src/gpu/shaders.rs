@@ -76,7 +76,6 @@ shaders! {
     REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "repeat_forcing.wgsl";
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
-    RASTER = "raster": "raster.wgsl";
     NODAL_FORCES = "nodal_forces":
         "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
     INITIAL_HESSIAN = "initial_hessian":

@@ -67,32 +67,6 @@ impl Staging {
             .copy_buffer_to_buffer(source, from, &self.buffer, to, bytes);
     }
 
-    /// Records a copy of rows of pixels from a texture, each padded to `bytes_per_row`, a multiple of 256.
-    pub(super) fn copy_rows(
-        &self,
-        commands: &mut Commands,
-        source: &wgpu::Texture,
-        rows: std::ops::Range<u32>,
-        bytes_per_row: u32,
-    ) {
-        let mut from = source.as_image_copy();
-        from.origin.y = rows.start;
-        let to = wgpu::TexelCopyBufferInfo {
-            buffer: &self.buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(bytes_per_row),
-                rows_per_image: None,
-            },
-        };
-        let size = wgpu::Extent3d {
-            width: source.width(),
-            height: rows.end - rows.start,
-            depth_or_array_layers: 1,
-        };
-        commands.raw.copy_texture_to_buffer(from, to, size);
-    }
-
     /// Waits for what was submitted and shows the bytes.
     pub(super) fn read(
         &self,

@@ -74,7 +74,6 @@ impl Run<'_> {
             }
         }
         self.notes.append(&mut self.stand.balance_notes);
-        self.notes.append(&mut self.files.notes);
         if !interrupted && diverged.is_none() && !self.stand.unbalanced {
             self.warn_of_the_sail();
         }
@@ -178,7 +177,6 @@ impl Run<'_> {
     pub(super) fn end_failed(&mut self, why: &str, began: Instant) {
         let _ = self.history.flush();
         self.notes.append(&mut self.stand.balance_notes);
-        self.notes.append(&mut self.files.notes);
         self.notes.extend(self.missing.note());
         self.notes.push(format!(
             "warning: the run failed, and the results are those up to then; {}",

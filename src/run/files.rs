@@ -1,10 +1,8 @@
 //! Frames, collections and pictures of a run.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use glam::DVec3;
-use image::RgbImage;
 
 use super::verify::Lost;
 use super::written::{Written, bodies_name, canopy_name, flow_name};
@@ -13,15 +11,13 @@ use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
 use crate::checkpoint::Writer;
 use crate::frame::{FlowQuantity, Frame};
-use crate::gpu::raster::{RasterError, Rasteriser};
-use crate::gpu::{Device, DeviceError};
 use crate::measure::Record;
 use crate::measure::shared::{DRAG_COEFFICIENT, LIFT_COEFFICIENT, PROJECTED_DIAMETER_RATIO};
 use crate::measure::wing_wind::VOLUME_RATIO;
 use crate::output::{
     OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow_vti,
 };
-use crate::render::{self, Picture, PictureOptions, RenderError, Section};
+use crate::render::{self, PictureOptions, Section};
 use crate::simulation::Simulation;
 
 /// Fabric alone whose height is less than this share of its width and length is seen from further above.
@@ -85,10 +81,6 @@ impl Frames {
 /// Files of a run.
 pub(super) struct Files<'a> {
     folder: &'a Path,
-    /// Draws where a device takes part in the run; the software rasteriser otherwise.
-    painter: Option<(Arc<Device>, Rasteriser)>,
-    /// What went wrong without ending the run.
-    pub(super) notes: Vec<String>,
     canopies: Option<Frames>,
     flows: Option<Frames>,
     bodies: Option<Frames>,
@@ -99,32 +91,17 @@ pub(super) struct Files<'a> {
     pub(super) animation_frames: usize,
 }
 
-fn drawn_in_software(error: &DeviceError) -> String {
-    format!("pictures were drawn in software, since {error}")
-}
-
 impl<'a> Files<'a> {
     pub(super) fn create(
         folder: &'a Path,
         scene: &Scene,
         (written, lost): (&Written, &Lost),
-        device: Option<Arc<Device>>,
     ) -> Result<Self, OutputError> {
         let frames = |name: &str, times_s: &[f64], file_name: fn(usize) -> String| {
             Frames::create(&folder.join(name), times_s, file_name, lost)
         };
-        let mut notes = Vec::new();
-        let painter = device.and_then(|device| match Rasteriser::new(&device) {
-            Ok(rasteriser) => Some((device, rasteriser)),
-            Err(error) => {
-                notes.push(drawn_in_software(&error));
-                None
-            }
-        });
         Ok(Self {
             folder,
-            painter,
-            notes,
             canopies: match scene.body {
                 Some(_) => Some(frames("canopy.pvd", &written.canopy_times_s, canopy_name)?),
                 None => None,
@@ -196,21 +173,6 @@ impl<'a> Files<'a> {
             frames.add(frame.time_s)?;
         }
         Ok(())
-    }
-
-    /// Draws a picture on the device, or in software where there is none or it fails.
-    fn draw(&mut self, picture: &Picture) -> Result<RgbImage, RenderError> {
-        if let Some((device, rasteriser)) = &self.painter {
-            match rasteriser.draw(device, picture) {
-                Ok(image) => return Ok(image),
-                Err(RasterError::Picture(error)) => return Err(error),
-                Err(RasterError::Device(error)) => {
-                    self.notes.push(drawn_in_software(&error));
-                    self.painter = None;
-                }
-            }
-        }
-        render::rasterise(picture)
     }
 
     /// Draws the scene as it is now, under the next free number.
@@ -308,7 +270,7 @@ impl<'a> Files<'a> {
         frame: &Frame,
         options: &PictureOptions,
     ) -> Result<(), RunError> {
-        let image = self.draw(&render::picture_of(frame, options))?;
+        let image = render::rasterise(&render::picture_of(frame, options))?;
         let bytes = render::png_bytes(&image)?;
         write_atomically(path, |out| out.write_all(&bytes))?;
         Ok(())

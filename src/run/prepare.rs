@@ -140,7 +140,7 @@ impl<'a> Run<'a> {
         for row in record.history_rows() {
             history.push(&row)?;
         }
-        let files = Files::create(folder, &case.scene, (&written, &lost), device)?;
+        let files = Files::create(folder, &case.scene, (&written, &lost))?;
         let entry = case_entry(case, checkpoint_interval);
         let sample_s = case.scene.output.sample_interval_s;
         let mut ledger = match earlier {
