@@ -170,7 +170,15 @@ const ALLOWED: [(&str, &[&str]); 31] = [
     ),
     (
         "bluff_body.rs",
-        &["case", "gpu", "lattice", "measure", "plan", "simulation"],
+        &[
+            "case",
+            "gpu",
+            "lattice",
+            "measure",
+            "output",
+            "plan",
+            "simulation",
+        ],
     ),
     (
         "validate",
