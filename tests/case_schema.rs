@@ -1,5 +1,7 @@
 //! The keys of case files in words: the JSON schema beside the cases, and the tables of docs/case-files.md, are those of the program.
 
+use std::collections::BTreeMap;
+
 use libtest_mimic::Trial;
 use ripstop::case::{SCHEMA_DIRECTIVE, SHIPPED, key_reference, schema_text};
 use serde_json::Value;
@@ -14,7 +16,7 @@ const WRITE: &str = "RIPSTOP_WRITE_DOCS";
 pub fn trials() -> Vec<Trial> {
     [
         plain("case_schema::docs_have_all_keys", docs),
-        plain("case_schema::links_lead_to_keys", links),
+        plain("case_schema::links_lead_to_headings", links),
         plain("case_schema::cases_have_their_schema", beside_cases),
         plain("case_schema::every_key_has_a_meaning", meanings),
         plain("case_schema::cases_hold_to_it", cases_hold),
@@ -51,38 +53,47 @@ fn docs() {
     assert_written(PATH, &expected);
 }
 
-/// What other pages say of keys leads to a heading that is there.
+/// Every link from one page to a heading, of its own or of another page, leads to one that is there.
 fn links() {
-    let page = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();
     let anchor = |heading: &str| -> String {
         let kept = |c: &char| c.is_alphanumeric() || ['_', '-', ' '].contains(c);
         let plain: String = heading.to_lowercase().chars().filter(kept).collect();
-        plain.replace(' ', "-")
+        plain.trim().replace(' ', "-")
     };
-    let keys = page("docs/case-files.md");
-    let anchors: Vec<String> = (keys.lines())
-        .filter_map(|line| line.strip_prefix('#'))
-        .map(|line| anchor(line.trim_start_matches('#').trim()))
-        .collect();
-    let mut names = vec!["README.md".to_owned()];
-    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
-        let name = entry.unwrap().file_name().into_string().unwrap();
-        if name.ends_with(".md") {
-            names.push(format!("docs/{name}"));
+    let mut pages = BTreeMap::new();
+    for folder in [".", "docs", "benches"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "md") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let headings = text.lines().filter(|line| line.starts_with('#'));
+                let anchors: Vec<String> = headings
+                    .map(|line| anchor(line.trim_start_matches('#')))
+                    .collect();
+                pages.insert(path.canonicalize().unwrap(), (text, anchors));
+            }
         }
     }
     let mut seen = 0;
-    for name in names {
-        let text = page(&name);
-        let own = name.ends_with("case-files.md");
-        let begin = if own { "](#" } else { "case-files.md#" };
-        for link in text.split(begin).skip(1) {
+    for (path, (text, _)) in &pages {
+        for link in text.split("](").skip(1) {
             let link = link.split(')').next().unwrap();
-            assert!(anchors.iter().any(|a| a == link), "{name}: #{link}");
+            let Some((file, heading)) = link.split_once('#').filter(|_| !link.contains(':')) else {
+                continue;
+            };
+            let target = match file {
+                "" => path.clone(),
+                file => path.parent().unwrap().join(file),
+            };
+            let target = target
+                .canonicalize()
+                .unwrap_or_else(|_| panic!("{path:?}: {link}"));
+            let anchors = &pages[&target].1;
+            assert!(anchors.iter().any(|a| a == heading), "{path:?}: {link}");
             seen += 1;
         }
     }
-    assert!(seen > 100, "{seen}");
+    assert!(seen > 120, "{seen}");
 }
 
 fn beside_cases() {
@@ -96,7 +107,7 @@ fn beside_cases() {
     }
 }
 
-fn schema() -> Value {
+pub fn schema() -> Value {
     serde_json::from_str(&schema_text()).unwrap()
 }
 
@@ -191,12 +202,46 @@ fn alternatives() {
             "[bodies.sphere.permeability] needs exactly one of ergun, measured, discharge_coefficient, material",
         ),
         ("[bodies.sphere.motion.hop]\n", "unknown key `hop`"),
+        (
+            "[bodies.sphere.permeability]\nmaterial = \"pia_c_44378_type_2\"\nthickness_m = 1e-4\n",
+            "unknown key `thickness_m`, expected exactly one of ergun,",
+        ),
     ] {
         std::fs::write(&path, format!("{sphere}\n{added}")).unwrap();
         let output = ripstop(&["check", path.to_str().unwrap()]);
         assert_eq!(output.code, 2, "{}", output.errors);
-        let errors = output.errors.replace("\n  │ ", " ").replace('\n', " ");
-        let flat: Vec<&str> = errors.split_whitespace().collect();
+        let flat: Vec<&str> = output
+            .errors
+            .split_whitespace()
+            .filter(|word| *word != "│")
+            .collect();
+        assert!(flat.join(" ").contains(said), "{}", output.errors);
+    }
+    for (change, said) in [
+        (
+            "structure=3",
+            "structure is a table with exactly one of flat_circular",
+        ),
+        (
+            "structure=\"airbag\"",
+            "structure is a table with exactly one of flat_circular",
+        ),
+        (
+            "structure.bogus=1",
+            "unknown key `bogus`, expected exactly one of flat_circular",
+        ),
+        (
+            "resolution.operator={}",
+            "resolution.operator is a word, not a table",
+        ),
+    ] {
+        let output = ripstop(&["check", "cases/sphere.toml", "--set", change]);
+        assert_eq!(output.code, 2, "{}", output.errors);
+        let flat: Vec<&str> = output
+            .errors
+            .split_whitespace()
+            .filter(|word| *word != "│")
+            .collect();
         assert!(flat.join(" ").contains(said), "{}", output.errors);
     }
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use libtest_mimic::Trial;
 use ripstop::case::{self, Case, Choices, SHIPPED};
+use serde_json::Value;
 
+use crate::case_schema::schema;
 use crate::command_line::root;
 use crate::engines::plain;
 use crate::folders::{json, sheet};
@@ -148,32 +150,40 @@ fn load(path: &std::path::Path, variant: Option<&str>, overrides: &[&str]) -> Ca
     case::load(path, &choices).unwrap_or_else(|error| panic!("{}: {error:?}", path.display()))
 }
 
-/// Last parts of all keys that a case may leave out and that are no tables, from the mirror of the case file.
+/// Last parts of all keys that a case may leave out and that are no tables, from the schema of case files.
 fn optional_keys() -> BTreeSet<String> {
-    let folder = root().join("src/case");
-    let texts: Vec<String> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap())
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with("file"))
-        .map(|entry| std::fs::read_to_string(entry.path()).unwrap())
-        .collect();
-    let text = texts.join("\n");
+    let schema = schema();
+    let definitions = schema["definitions"].as_object().unwrap();
+    let resolved = |of: &Value| {
+        let mut part = of.clone();
+        while let Some(name) = (part["allOf"][0]["$ref"].as_str()).or(part["$ref"].as_str()) {
+            part = schema
+                .pointer(name.trim_start_matches('#'))
+                .unwrap()
+                .clone();
+        }
+        part
+    };
+    let is_table = |of: &Value| {
+        let mut part = resolved(of);
+        if part["items"].is_object() {
+            part = resolved(&part["items"]);
+        }
+        let has_keys = |part: &Value| part["properties"].is_object();
+        let alternatives = part["oneOf"].as_array();
+        has_keys(&part)
+            || part["additionalProperties"].is_object()
+            || alternatives.is_some_and(|all| all.iter().any(has_keys))
+    };
     let mut keys = BTreeSet::new();
-    for line in text.lines() {
-        let line = line.trim().trim_start_matches("pub ");
-        let Some((name, kind)) = line.split_once(": Option<") else {
-            continue;
-        };
-        let plain = name
-            .chars()
-            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-        let kind = kind.trim_end_matches(',').trim_end_matches('>');
-        let is_table = kind.starts_with(|c: char| c.is_ascii_uppercase())
-            && kind != "String"
-            && !kind.starts_with("Vec<")
-            && !text.contains(&format!("pub enum {kind} {{"));
-        if plain && !is_table {
-            keys.insert(name.to_owned());
+    for part in definitions.values().chain([&schema]) {
+        let required = part["required"].as_array();
+        for (key, of) in part["properties"].as_object().into_iter().flatten() {
+            let is_required = required.is_some_and(|all| all.iter().any(|name| name == key));
+            // What has a default in the schema is read with it.
+            if !is_required && of["default"].is_null() && !is_table(of) {
+                keys.insert(key.clone());
+            }
         }
     }
     keys

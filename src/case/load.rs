@@ -201,8 +201,8 @@ fn checked<T>(
     };
     let text = toml::to_string(&table).unwrap_or_default();
     let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
-    let file: File = serde_path_to_error::deserialize(table).map_err(|error| {
-        let Problem { key, message, help } = misread(&error);
+    let file: File = serde_path_to_error::deserialize(table.clone()).map_err(|error| {
+        let Problem { key, message, help } = misread(&error, &table);
         locate(Problem::new(key, format!("in {name}: {message}"), help))
     })?;
     let in_file = |problem: Problem| {
@@ -213,9 +213,18 @@ fn checked<T>(
     Ok((text, physics, file, result))
 }
 
+/// What to do with a key that nobody knows.
+const CORRECT: &str = "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`";
+
 /// What could not be read, in the words of the author of a case.
-fn misread(error: &serde_path_to_error::Error<toml::de::Error>) -> Problem {
+fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Table) -> Problem {
     let path = error.path().to_string();
+    // A word in place of a table is reported as if it were one.
+    let above = path.rsplit_once('.').map(|(above, _)| above);
+    let mut places = std::iter::once(&path[..]).chain(above);
+    if let Some(problem) = places.find_map(|place| wrong_alternatives(place, table)) {
+        return problem;
+    }
     // Names of Rust types mean nothing to the author of a case.
     let message = error
         .inner()
@@ -224,32 +233,49 @@ fn misread(error: &serde_path_to_error::Error<toml::de::Error>) -> Problem {
         .replace("expected u32", "expected a whole number")
         .replace("expected usize", "expected a whole number");
     if message.starts_with("wanted exactly 1 element") {
-        let names = schema::alternatives(&path).join(", ");
-        return Problem::new(
-            path.as_str(),
-            format!("[{path}] needs exactly one of {names}"),
-            "keep or add just one of them; `\"absent\"` removes one in a variant",
-        );
+        let why = format!("{path} is a word, not a table");
+        return Problem::new(path, why, "give one of its words, in quotation marks");
     }
     // An unknown key is reported at its table; add the key itself to mark its line.
     let unknown = message
         .strip_prefix("unknown field `")
-        .or_else(|| {
-            let is_table = !schema::alternatives(&path).is_empty();
-            let rest = message.strip_prefix("unknown variant `")?;
-            is_table.then_some(rest)
-        })
         .and_then(|rest| rest.split('`').next());
-    let named = message.replacen("unknown variant", "unknown key", unknown.is_some().into());
     let key = match unknown {
         Some(field) if path == "." => field.to_owned(),
         Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
         _ => path,
     };
     let help = if unknown.is_some() {
-        "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`"
+        CORRECT
     } else {
         "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
     };
-    Problem::new(key, named, help)
+    Problem::new(key, message, help)
+}
+
+/// What is wrong under a path where exactly one of several keys belongs; `None` elsewhere, and where one is there.
+fn wrong_alternatives(path: &str, table: &toml::Table) -> Option<Problem> {
+    let known = schema::alternatives(path);
+    let names = (!known.is_empty()).then(|| known.join(", "))?;
+    let Some(written) = lookup(table, path)?.as_table() else {
+        return Some(Problem::new(
+            path,
+            format!("{path} is a table with exactly one of {names}"),
+            format!("write it as a table, such as [{path}.{}]", known[0]),
+        ));
+    };
+    if let Some(unknown) = written.keys().find(|key| !known.contains(key)) {
+        return Some(Problem::new(
+            format!("{path}.{unknown}"),
+            format!("unknown key `{unknown}`, expected exactly one of {names}"),
+            CORRECT,
+        ));
+    }
+    (written.len() != 1).then(|| {
+        Problem::new(
+            path,
+            format!("[{path}] needs exactly one of {names}"),
+            "keep or add just one of them; `\"absent\"` removes one in a variant, or with --set",
+        )
+    })
 }

@@ -1,6 +1,6 @@
 //! Case files: TOML text → [`file::File`] (what is written) → [`scene::Scene`] (checked, SI, absent = `None`).
 //!
-//! Floors, from below: problems and checks of single values; [`file`], what may be written; one file for each topic, with its checked type and
+//! Floors, from below: [`file`], what may be written; problems and checks of single values; one file for each topic, with its checked type and
 //! its checks; [`scene`], which puts them together; [`load`], from the text to the checked case.
 
 mod air;

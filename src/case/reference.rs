@@ -161,9 +161,12 @@ fn section(root: &Value, table: &Table, tables: &[Table], text: &mut String) {
             Some(table) => format!("[`{name}`](#{})", anchor(&table.headings[0])),
             None => format!("`{name}`"),
         };
-        let listed = resolved(root, of).get("items").unwrap_or(of);
+        let (listed, how) = match resolved(root, of).get("items") {
+            Some(listed) => (listed, "Any of"),
+            None => (of, "One of"),
+        };
         if let Some(chosen) = chosen(resolved(root, listed)) {
-            let _ = write!(meaning, " One of {chosen}.");
+            let _ = write!(meaning, " {how} {chosen}.");
         }
         let optional = if is_optional { ", optional" } else { "" };
         let _ = writeln!(text, "| {key} | {}{optional} | {meaning} |", kind(root, of));
@@ -180,14 +183,16 @@ fn anchor(heading: &str) -> String {
         .collect()
 }
 
-/// The description of a part of the schema on one line, with links to the pages that it names; words that may be chosen from.
+/// The description of a part of the schema on one line, with links to the pages that it names.
 fn words(of: &Value) -> String {
     let own = of.get("description").and_then(Value::as_str);
     let mut text = own.unwrap_or_default().replace('\n', " ");
-    while let Some((before, rest)) = text.split_once("docs/").filter(|(b, _)| !b.ends_with('[')) {
+    while let Some((before, rest)) = text.split_once("docs/") {
         let end = rest.find(".md").map_or(0, |at| at + 3);
-        let page = &rest[..end];
-        text = format!("{before}[{page}]({page}){}", &rest[end..]);
+        let is_anchor = |c: char| c == '#' || c == '-' || c == '_' || c.is_alphanumeric();
+        let anchor: String = rest[end..].chars().take_while(|c| is_anchor(*c)).collect();
+        let (page, link) = (&rest[..end], &rest[..end + anchor.len()]);
+        text = format!("{before}[{page}]({link}){}", &rest[link.len()..]);
     }
     text.replace('|', "\\|")
 }
@@ -198,8 +203,11 @@ fn kind(root: &Value, of: &Value) -> String {
     if chosen(part).is_some() {
         return "word".to_owned();
     }
-    if (part.get("additionalProperties")).is_some_and(Value::is_object) {
-        return "tables by name".to_owned();
+    if let Some(named) = (part.get("additionalProperties")).filter(|of| of.is_object()) {
+        return match kind(root, named).as_str() {
+            "table" => "tables by name".to_owned(),
+            other => format!("{other} by name"),
+        };
     }
     match part.get("type").and_then(Value::as_str) {
         Some("number") => "number".to_owned(),

@@ -1,4 +1,4 @@
-//! The JSON schema of case files, and their keys in words: both come from the comments and types of [`super::file`].
+//! The JSON schema of case files, from the comments and types of [`super::file`]; and which keys of it are alternatives.
 
 use schemars::Schema;
 use schemars::generate::SchemaSettings;

@@ -1,4 +1,4 @@
-//! Structures that are neither canopy nor wing: `[structure.sheet]`, `cable`, `airbag`, `disc` and `coupon`.
+//! Simple structures and test specimens: `[structure.sheet]`, `cable`, `airbag`, `disc` and `coupon`.
 
 use glam::DVec3;
 

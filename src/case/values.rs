@@ -140,3 +140,8 @@ pub(super) fn points(
     }
     Ok(table.to_vec())
 }
+
+/// Dotted path of a key of `[structure.wing]`.
+pub(super) fn wing_key(name: &str) -> String {
+    format!("structure.wing.{name}")
+}

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::fabric::{USUAL_RESIDUAL, check_fabric_at};
-use super::file::{self, File, wing_key as key};
+use super::file::{self, File};
 pub use super::file::{FrictionName, HeldName};
 use super::problem::Problem;
 use super::trim;
 use super::usual;
-use super::values::{points, positive, vector, within};
+use super::values::{points, positive, vector, wing_key as key, within};
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use super::wing_tunnel;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::file::{self, File, ShapingAim, wing_key as key};
+use super::file::{self, File, ShapingAim};
 use super::problem::Problem;
 use super::usual;
-use super::values::{absent, points, within};
+use super::values::{absent, points, wing_key as key, within};
 use crate::geometry::profile::{self, ProfileError};
 use crate::geometry::wing::section::Profile;
 

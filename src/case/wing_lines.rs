@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::file::{self, wing_key as key};
+use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::{absent, positive, within};
+use super::values::{absent, positive, wing_key as key, within};
 use crate::geometry::wing::plan::{Diagonals, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 

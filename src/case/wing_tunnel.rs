@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::file::{self, File, FrictionName, HalfName, HeldName, wing_key as key};
+use super::file::{self, File, FrictionName, HalfName, HeldName};
 use super::problem::Problem;
 use super::usual;
-use super::values::{vector, within};
+use super::values::{vector, wing_key as key, within};
 use crate::geometry::wing::{self, LineKind};
 
 /// Shortest that a riser may be hauled in to, over its length.

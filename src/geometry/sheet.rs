@@ -11,7 +11,7 @@ use crate::fabric::{Fabric, network};
 )]
 #[serde(rename_all = "snake_case")]
 pub enum FabricModel {
-    /// Membrane triangles (default).
+    /// Membrane triangles.
     Membrane,
     /// Mass–spring network of paper P0.
     Network,

@@ -37,7 +37,7 @@ pub struct WindTunnel {
 }
 
 /// A box that falls along −x with the payload, or with a body in free fall: the air comes along +x. Needs `[gravity]` along −x.
-/// Coefficients refer to the speed of release, those of falls (docs/parachutes.md) to the present one.
+/// Coefficients refer to the speed of release, those of falls (docs/parachutes.md#falls) to the present one.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Descent {
@@ -99,7 +99,7 @@ pub struct Resolution {
     pub eddy_viscosity: Option<EddyViscosity>,
     /// Moves all that stands in the air against the lattice: parts of a cell along x, y, z, each between −1 and 1; 0 if absent. Walls
     /// come nearer by as much. `ripstop sweep --ensemble` tells by it what the place on the lattice does to a result
-    /// (docs/parachutes.md).
+    /// (docs/parachutes.md#ensembles).
     pub shift_cells: Option<[f64; 3]>,
 }
 
@@ -107,7 +107,7 @@ pub struct Resolution {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EddyViscosity {
-    /// Subgrid model.
+    /// Subgrid model. `wale` and `vreman` vanish in pure shear, and need a stage of their own.
     pub model: EddyViscosityModel,
     /// C_s, C_w or c of the model; published 0.1 to 0.2, 0.325 to 0.6, 0.025 to 0.07. With the regularised operator, which dissipates by
     /// itself, the smallest err least (`ripstop validate taylor-green-vortex`).

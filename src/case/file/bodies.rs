@@ -105,9 +105,9 @@ pub struct SurfaceFile {
     pub file: String,
     /// Metres per unit of the file.
     pub scale: f64,
-    /// Vertices nearer than this are joined [m]; 0 if absent (docs/meshes.md).
+    /// Vertices nearer than this are joined [m]; 0 if absent (docs/meshes.md#joining-seams).
     pub weld_tolerance_m: Option<f64>,
-    /// Turns triangles that run against their neighbours; `false` if absent.
+    /// Turns triangles that run against their neighbours (docs/meshes.md#turning-triangles-alike); `false` if absent.
     #[serde(default)]
     pub orient_triangles: bool,
     /// Findings that are meant; others refuse the case (docs/meshes.md). None if absent.
@@ -161,7 +161,7 @@ impl Motion {
 pub struct ConstantVelocity {
     /// Velocity [m/s].
     pub velocity_m_s: [f64; 3],
-    /// Time in which it rises, from t = 0 [s]; 0 if absent.
+    /// Time in which the velocity rises, from t = 0 [s]; 0 if absent.
     pub start_time_s: Option<f64>,
 }
 
@@ -173,9 +173,9 @@ pub struct ConstantRotation {
     pub axis: [f64; 3],
     /// Angular velocity about it [rad/s].
     pub rate_rad_s: f64,
-    /// Point on the axis [m]; `position_m` if absent.
+    /// Point on the axis [m]; if absent `position_m` of a body, the middle of the nodes of a support.
     pub centre_m: Option<[f64; 3]>,
-    /// Time in which it rises, from t = 0 [s]; 0 if absent.
+    /// Time in which the rate rises, from t = 0 [s]; 0 if absent.
     pub start_time_s: Option<f64>,
 }
 
@@ -193,7 +193,7 @@ pub struct Oscillation {
     pub angle_deg: Option<f64>,
     /// Axis of the angle, of any length; required where it turns.
     pub axis: Option<[f64; 3]>,
-    /// Point on the axis [m]; `position_m` if absent.
+    /// Point on the axis [m]; if absent `position_m` of a body, the middle of the nodes of a support.
     pub centre_m: Option<[f64; 3]>,
 }
 
@@ -203,13 +203,13 @@ pub struct Oscillation {
 pub struct MotionRows {
     /// Times, ascending [s].
     pub times_s: Vec<f64>,
-    /// Displacement at each [m]; 0 if absent.
+    /// Displacement at each of `times_s` [m]; 0 if absent.
     pub displacements_m: Option<Vec<[f64; 3]>>,
-    /// Angle about `axis` at each [°]; 0 if absent.
+    /// Angle about `axis` at each of `times_s` [°]; 0 if absent.
     pub angles_deg: Option<Vec<f64>>,
     /// Axis of the angles, of any length; required with them.
     pub axis: Option<[f64; 3]>,
-    /// Point on the axis [m]; `position_m` if absent.
+    /// Point on the axis [m]; if absent `position_m` of a body, the middle of the nodes of a support.
     pub centre_m: Option<[f64; 3]>,
 }
 

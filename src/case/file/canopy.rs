@@ -19,7 +19,7 @@ pub struct Folding {
     pub folded_diameter_ratio: f64,
     /// D_p/D_0 to which pressure opens the canopy before the wind starts.
     pub opened_diameter_ratio: f64,
-    /// That pressure [Pa].
+    /// Pressure that opens it to `opened_diameter_ratio` [Pa].
     pub loading_pressure_pa: f64,
     /// Turn of the folded canopy towards +y about the confluence, −45 to 45 [°]; 0 if absent. Not with `apex_guide_n_m`.
     pub tilt_deg: Option<f64>,
@@ -41,9 +41,10 @@ pub struct Lines {
     /// Straight pieces of a line, with its mass and drag along it, 1 to 200; 1 if absent.
     pub segments: Option<usize>,
     /// Length of a riser below the confluence, as strong and heavy as all lines together [m]; absent: none. Its lower end is held or
-    /// carries the payload. With several risers, of those above it.
+    /// carries the payload. With several risers, of those above it, and required.
     pub riser_length_m: Option<f64>,
-    /// Risers above the confluence, a divisor of `count`: so many neighbouring lines join into each; 1, below it, if absent.
+    /// Risers above the confluence, a divisor of `count` and less than it: `count`/`riser_count` neighbouring lines join into each. 1, below
+    /// it, if absent.
     pub riser_count: Option<usize>,
     /// Cross section of a line [m²].
     pub area_m2: f64,
@@ -57,6 +58,6 @@ pub struct Lines {
     pub damping_n_s: Option<f64>,
     /// C_d of drag across the lines, ½ ρ C_d d |u_n| u_n per length, in the undisturbed wind and not given to the air; absent: none.
     pub drag_coefficient: Option<f64>,
-    /// Diameter d that it refers to [m].
+    /// Diameter d of `drag_coefficient` [m]; required with it, and refused without.
     pub diameter_m: Option<f64>,
 }

@@ -37,7 +37,7 @@ pub struct File {
     /// Held nodes that are moved, by name; absent: none.
     #[serde(default)]
     pub supports: BTreeMap<String, Support>,
-    /// Fabric of the structure. A wing has its own.
+    /// Fabric of the structure; required unless it is a cable, or a wing, which has its own.
     pub fabric: Option<Fabric>,
     /// Suspension lines of a canopy that is drawn in the case; required with one.
     pub lines: Option<Lines>,
@@ -55,11 +55,11 @@ pub struct File {
     pub gravity: Option<Gravity>,
     /// What hangs on a canopy and falls with it; absent: the confluence is held.
     pub payload: Option<Payload>,
-    /// Coupling of the air with fabric and bodies; required with both.
+    /// Coupling of the air with a structure or rigid bodies; required where both are there.
     pub coupling: Option<Coupling>,
     /// Solver of the fabric; absent: with the values of its keys.
     pub solver: Option<Solver>,
-    /// Simulated time; absent: no motion, only the equilibrium.
+    /// Simulated time; required with air. Absent: no motion, only the equilibrium.
     pub time: Option<Time>,
     /// Static equilibrium, after the motion if there is one; absent: none.
     pub equilibrium: Option<Equilibrium>,

@@ -7,17 +7,18 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// What others found for the result NAME of `summary.json`: one table, or several as `[[comparison.NAME]]` (docs/parachutes.md).
+/// One finding of others, or several.
 #[derive(Debug, Clone, PartialEq, JsonSchema)]
 pub struct ComparisonTable(#[schemars(with = "OneOrSeveralEntries")] pub Vec<ComparisonEntry>);
 
-/// One finding of others; exactly one of `value` and `range`.
+/// What others found for the result NAME of `summary.json`; several are written `[[comparison.NAME]]` (docs/parachutes.md#comparisons). Exactly
+/// one of `value` and `range`.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonEntry {
     /// The value, in the unit of the result.
     pub value: Option<f64>,
-    /// Or the range in which it lies.
+    /// Range in which the value lies, instead of `value`.
     pub range: Option<[f64; 2]>,
     /// Where it is from.
     pub source: String,

@@ -22,13 +22,13 @@ pub struct Fabric {
     /// α of the shear law 2ε₁₂ = τ/G + α τ³, 1e-40 to 1e-6 [1/Pa³]; linear if absent.
     pub cubic_shear_compliance_1_pa3: Option<f64>,
     /// Share of compressive stiffness kept by slack fabric; 1e-5 if absent, 1 for a plate. The result and column
-    /// `residual_stiffness_load_share` tells how much of the load it carries (see "Residual stiffness" in docs/case-files.md).
+    /// `residual_stiffness_load_share` tells how much of the load it carries (docs/case-files.md#residual-stiffness).
     pub residual_stiffness: Option<f64>,
     /// How far the fabric is stretched as it is laid out, along warp and weft; 0 if absent.
     pub initial_strain: Option<[f64; 2]>,
     /// Von Mises stress from which fabric counts as yielding [Pa]; the law stays elastic.
     pub yield_stress_pa: Option<f64>,
-    /// How air passes the fabric; absent: not at all. Not in `[structure.wing.fabrics]`.
+    /// How air passes the fabric, only with `[air]`; absent: not at all. Not in `[structure.wing.fabrics]`.
     pub permeability: Option<Permeability>,
 }
 
@@ -51,11 +51,11 @@ pub enum Permeability {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErgunLaw {
-    /// a [Pa s/m²].
+    /// a of Δp/e = a v + b v|v| [Pa s/m²].
     pub viscous_coefficient_pa_s_m2: f64,
-    /// b [kg/m⁴].
+    /// b of Δp/e = a v + b v|v| [kg/m⁴].
     pub inertial_coefficient_kg_m4: f64,
-    /// e [m]; the fabric's thickness if absent. Required of rigid bodies.
+    /// e of Δp/e = a v + b v|v| [m]; the fabric's thickness if absent. Required of rigid bodies.
     pub thickness_m: Option<f64>,
 }
 

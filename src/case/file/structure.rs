@@ -170,7 +170,7 @@ canopy_table! {
         slot_width_m: f64,
         /// Where slots begin, along the centre line from the constructed apex [m].
         slot_from_m: f64,
-        /// Where they end [m].
+        /// Where slots end, along the centre line [m].
         slot_to_m: f64,
     }
 }
@@ -229,7 +229,7 @@ canopy_table! {
     Cruciform {
         /// Length of one whole rectangle [m].
         length_m: f64,
-        /// Its width [m].
+        /// Width of a rectangle [m].
         width_m: f64,
     }
 }
@@ -331,9 +331,9 @@ pub struct MeshFile {
     pub scale: f64,
     /// Numbers of held nodes, from 1 as in an OBJ file.
     pub held_nodes: Vec<u32>,
-    /// Vertices nearer than this are joined, and seams with other vertices on either side are sewn [m]; 0 if absent (docs/meshes.md).
+    /// Vertices nearer than this are joined, and seams with other vertices on either side are sewn [m]; 0 if absent (docs/meshes.md#joining-seams).
     pub weld_tolerance_m: Option<f64>,
-    /// Turns triangles that run against their neighbours; `false` if absent.
+    /// Turns triangles that run against their neighbours (docs/meshes.md#turning-triangles-alike); `false` if absent.
     #[serde(default)]
     pub orient_triangles: bool,
     /// Findings that are meant; others refuse the case (docs/meshes.md). None if absent.
@@ -350,7 +350,7 @@ pub struct MeshFile {
     pub nominal_area_m2: Option<f64>,
     /// Table of lines (CSV), with `line_material`; absent: none.
     pub lines: Option<String>,
-    /// What these lines are made of.
+    /// Material of `lines`; required with them.
     pub line_material: Option<CableMaterial>,
 }
 

@@ -13,13 +13,13 @@ use super::bodies::Motion;
 pub struct Support {
     /// Two opposite corners of a box: the held nodes that start inside it [m].
     pub box_m: Option<[[f64; 3]; 2]>,
-    /// Or their numbers, from 1.
+    /// Numbers of the held nodes, from 1, instead of `box_m`.
     pub nodes: Option<Vec<u32>>,
     /// How far they are moved [m]; without `[time]` at once, for the equilibrium.
     pub displacement_m: Option<[f64; 3]>,
-    /// Time in which they are moved so far at constant speed, then they stay [s]; `time.end_s` if absent.
+    /// Time in which they are moved by `displacement_m` at constant speed, then they stay [s]; `time.end_s` if absent.
     pub ramp_time_s: Option<f64>,
-    /// Or how they move, only with `[time]`. Rotations are about the middle of the nodes unless they name a centre. It begins where the
+    /// How they move, instead of `displacement_m`, only with `[time]`. Rotations are about the middle of the nodes unless they name a centre. It begins where the
     /// structure starts; an equilibrium after it is that with the supports where it ended.
     pub motion: Option<Motion>,
 }

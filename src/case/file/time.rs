@@ -27,7 +27,7 @@ pub struct Coupling {
     /// How far markers stand inside closed surfaces of rigid bodies [cells]; 0.5 if absent.
     pub surface_inset_cells: Option<f64>,
     /// How far markers stand inside rims of rigid bodies and fabric [cells]; 0.65 if absent. Narrow openings have a wider inset, in
-    /// proportion (docs/coupling.md).
+    /// proportion (docs/coupling.md#rims-and-openings).
     pub rim_inset_cells: Option<f64>,
     /// Largest distance of neighbouring markers, 0.25 to 1.5 [cells]; 1 if absent. Insets were calibrated with 1; the farther apart, the
     /// lower the drag (`ripstop validate marker-spacing`).
@@ -36,7 +36,7 @@ pub struct Coupling {
     pub mass_factor: Option<f64>,
 }
 
-/// Solver of the fabric (see "When a solve of the fabric ends" in docs/case-files.md).
+/// Solver of the fabric (docs/case-files.md#when-a-solve-of-the-fabric-ends).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
@@ -51,20 +51,19 @@ pub struct Solver {
     pub allow_unsolved: Option<bool>,
 }
 
-/// Simulated time; absent: no motion, only the equilibrium.
+/// Simulated time; required with air. Absent: no motion, only the equilibrium.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// End of the run [s].
     pub end_s: f64,
-    /// Implicit step of the fabric, only without air [s]; with `[time.adaptive]` the largest. The air has its own.
+    /// Implicit step of the fabric [s]; required without air, and refused with it, which has its own. With `[time.adaptive]` the largest.
     pub step_s: Option<f64>,
     /// Divides steps as accuracy asks for, only without air; absent: every step is solved at once.
     pub adaptive: Option<AdaptiveSteps>,
 }
 
-/// Steps are halved where positions would err by more than a tolerance in one, or the solver does not reach its own (see "Adaptive steps"
-/// in docs/case-files.md).
+/// Steps are halved where positions would err by more than a tolerance in one, or the solver does not reach its own (docs/case-files.md#adaptive-steps).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdaptiveSteps {
@@ -82,7 +81,8 @@ pub struct Equilibrium {
     pub tolerance: f64,
     /// Evaluations allowed.
     pub evaluation_limit: usize,
-    /// Pressure jump along the normals of the triangles, which follows the fabric [Pa]; 0 if absent.
+    /// Pressure jump along the normals of the triangles, which follows the fabric [Pa]; 0 if absent. Required of
+    /// `[structure.lep_sim]`, refused for `[structure.wing]`.
     pub pressure_pa: Option<f64>,
     /// Prescribed pressure inside and outside of a wing.
     pub wing_pressure: Option<WingPressure>,

@@ -18,8 +18,8 @@ pub struct Wing {
     pub tip_cell_width_ratio: Option<f64>,
     /// Where the right half's risers are held [m].
     pub hang_point_m: [f64; 3],
-    /// Stiffness of a spring along x at the nose in the middle [N/m]; absent: none. Prescribed pressure turns with the wing, and nothing
-    /// else keeps it from drifting.
+    /// Stiffness of a spring along x at the nose in the middle [N/m]; absent: none, in a trim 500. Prescribed pressure turns with the
+    /// wing, and nothing else keeps it from drifting. Not in the wind.
     pub pitch_guide_n_m: Option<f64>,
     /// Where short ribs in the middle of every cell begin, per chord, 0.5 to 0.95; they end at the trailing edge. Absent: none.
     pub mini_ribs_from: Option<f64>,
@@ -49,18 +49,13 @@ pub struct Wing {
     pub tunnel: Option<WingTunnel>,
 }
 
-/// Dotted path of a key of the wing.
-pub(in crate::case) fn wing_key(name: &str) -> String {
-    format!("structure.wing.{name}")
-}
-
 /// How a wing stands in the wind (docs/ram-air.md).
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WingTunnel {
     /// Where the middle between both hang points stands [m].
     pub place_m: [f64; 3],
-    /// Turn about it, nose up [°]; 0 if absent.
+    /// Turn about `place_m`, nose up [°]; 0 if absent.
     pub pitch_deg: Option<f64>,
     /// The panels start laid together: every point at this share of its height over the lower side of the ribs, 0.05 to 1; 1 if absent.
     pub start_thickness_ratio: Option<f64>,
@@ -211,13 +206,13 @@ pub struct LineRow {
     pub pull: Option<Pull>,
 }
 
-/// How risers are pulled in over time.
+/// How risers are pulled in over time; needs `[time]`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pull {
     /// Length by which the riser is shortened [m].
     pub length_m: f64,
-    /// Points [time in s, share of that length], from t = 0 on, straight between them.
+    /// Points [time in s, share of `length_m`], from t = 0 and a share of 0 on, straight between them.
     pub table: Vec<[f64; 2]>,
     /// On one half of the wing; on both if absent.
     pub half: Option<HalfName>,

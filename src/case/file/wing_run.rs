@@ -34,7 +34,7 @@ pub struct Trim {
     pub air_density_kg_m3: f64,
     /// Mass that hangs at the hang points, harness and all [kg]. The wing brings its own.
     pub pilot_mass_kg: f64,
-    /// Its C_D A [m²].
+    /// C_D A of the pilot [m²].
     pub pilot_drag_area_m2: f64,
     /// C_d of lines and risers across the stream, with the diameters of their materials; 1.1 if absent.
     pub line_drag_coefficient: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Trim {
     /// Share of the new shape that the air sees; 1 if absent.
     pub relaxation: Option<f64>,
     /// Whether the trim is sought first on meshes with half, a quarter, … of the edges each way, not below 10 along the chord and 2 across a
-    /// cell; `true` if absent.
+    /// cell; each carries its displacements over to the next. `true` if absent; `false`: from the drawn shape at once.
     pub from_coarser_meshes: Option<bool>,
     /// When the wing stands still; absent: with the values of its keys.
     #[serde(default)]
@@ -91,9 +91,9 @@ pub struct LoadTest {
 pub struct PanelShaping {
     /// What is to come out; `ballooning` if absent.
     pub aim: Option<ShapingAim>,
-    /// Ballooning to be flown, only with that aim; that of the plan if absent.
+    /// Ballooning to be flown, only with `aim = "ballooning"`; that of the plan if absent.
     pub target: Option<Ballooning>,
-    /// Largest difference of the flown ballooning from it, or of the distance of ribs over the designed one; 0.002 if absent.
+    /// Largest difference of the flown ballooning from `target`, or of the distance of ribs over the designed one; 0.002 if absent.
     pub tolerance: Option<f64>,
     /// Share of the difference by which panels are changed; 0.7 if absent.
     pub relaxation: Option<f64>,
