@@ -230,7 +230,7 @@ tests_and_validation() {
     if [ -n "$small" ]; then
         # One that starts the program, one that asks the device.
         tests tests-program 60 is_listed_and_kept_from_devices
-        tests tests-device 60 device::pictures_look_alike
+        tests tests-device 60 device::interpolate_and_spread_match
         names=(catenary)
     else
         # Whatever needs a device has one of these in its name.
