@@ -12,6 +12,7 @@ use super::failure::Failure;
 use super::log::emit;
 use super::progress::Progress;
 use super::signals::requests;
+use super::threads;
 use crate::bench::{
     self, Stop, Watch, aerodynamics, coupling, device, fabric, stability, work_precision,
 };
@@ -68,6 +69,7 @@ impl From<Stop> for Failure {
 }
 
 pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
+    threads::start(0)?;
     let engines = engines(arguments)?;
     let filter = arguments.filter.as_deref();
     let named = |name: &str| filter.is_some_and(|filter| name.contains(filter));

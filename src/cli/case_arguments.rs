@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::engine::EngineArguments;
 use super::failure::Failure;
+use super::threads;
 use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
 use crate::gpu::Device;
 use crate::measure;
@@ -66,12 +67,7 @@ impl CaseArguments {
 
     /// Plans a case, and refuses what does not fit.
     pub(super) fn plan(&self, case: Case) -> Result<Prepared, Failure> {
-        if self.threads > 0 {
-            // Fails only if a pool exists already, as from the second run of a sweep on.
-            let _ = rayon::ThreadPoolBuilder::new()
-                .num_threads(usize::from(self.threads))
-                .build_global();
-        }
+        threads::start(self.threads.into())?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
             .fit_into(None)

@@ -15,6 +15,7 @@ mod run;
 mod schema;
 mod signals;
 mod sweep;
+mod threads;
 mod validate;
 
 use std::process::ExitCode;

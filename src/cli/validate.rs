@@ -10,6 +10,7 @@ use super::failure::Failure;
 use super::log::emit;
 use super::progress::Progress;
 use super::signals::requests;
+use super::threads;
 use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
@@ -34,6 +35,7 @@ pub(super) struct ValidateArguments {
 }
 
 pub(super) fn validate(arguments: &ValidateArguments) -> Result<u8, Failure> {
+    threads::start(0)?;
     let problems = validate::chosen(arguments.filter.as_deref());
     if problems.is_empty() {
         let names: Vec<&str> = PROBLEMS.iter().map(|problem| problem.name).collect();

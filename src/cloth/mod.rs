@@ -199,13 +199,4 @@ impl Structure {
             Some(further) => self.further_fabrics[further].thickness_m,
         }
     }
-
-    /// Yield stress of the fabric of a triangle [Pa], if it has one.
-    #[must_use]
-    pub fn yield_stress_of_pa(&self, triangle: &Triangle) -> Option<f64> {
-        match (triangle.fabric as usize).checked_sub(1) {
-            None => self.yield_stress_pa,
-            Some(further) => self.further_fabrics[further].yield_stress_pa,
-        }
-    }
 }

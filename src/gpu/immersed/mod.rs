@@ -222,12 +222,6 @@ impl Immersed {
         })
     }
 
-    /// Bytes on the device for markers and the box of cells.
-    #[must_use]
-    pub fn device_bytes(&self) -> u64 {
-        self.areas.len() as u64 * 144 + self.boxed.as_ref().map_or(0, |b| b.capacity * 36)
-    }
-
     fn boxed(&mut self, fluid: &Fluid, cells: u64) -> Result<(), DeviceError> {
         if self.boxed.as_ref().is_some_and(|b| b.capacity >= cells) {
             return Ok(());
