@@ -104,6 +104,7 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
             "fabric.permeability.ergun.viscous_coefficient_pa_s_m2=1e6",
             "fabric.permeability.ergun.inertial_coefficient_kg_m4=1e5",
             "title=absent",
+            "resolution.lattice_speed=absent",
         ],
     ),
     (

@@ -1,8 +1,9 @@
 //! The air: `[air]` and `[resolution]`.
 
 use super::body::Body;
-use super::density::density_kg_m3;
+use super::density::{density_kg_m3, sound_m_s};
 use super::file::{self, File};
+use super::lattice_speed::{self, LATTICE_SPEED_LIMIT};
 use super::problem::Problem;
 use super::usual;
 use super::values::{absent, positive, readable, within};
@@ -15,9 +16,6 @@ const UPDATE_EVERY_LIMIT: u32 = 16;
 
 /// Smallest number of cells along any axis of the air.
 const SMALLEST_AXIS_CELLS: usize = 4;
-
-/// Largest lattice speed allowed: Mach 0.26, where the error of weak compressibility, of order Ma², reaches 7 %.
-pub const LATTICE_SPEED_LIMIT: f64 = 0.15;
 
 /// The air.
 #[derive(Debug, Clone, Copy)]
@@ -126,17 +124,6 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
     if resolution.cell_size_m.is_none() {
         usual::noted("resolution.cell_size_m", cell_size_m);
     }
-    let lattice_speed = positive("resolution.lattice_speed", resolution.lattice_speed)?;
-    if lattice_speed > LATTICE_SPEED_LIMIT {
-        return Err(Problem::new(
-            "resolution.lattice_speed",
-            format!(
-                "resolution.lattice_speed = {lattice_speed} is Mach {:.2}: too high for a weakly compressible method",
-                lattice_speed * 3f64.sqrt()
-            ),
-            format!("choose at most {LATTICE_SPEED_LIMIT} (Mach 0.26); 0.08 is usual"),
-        ));
-    }
     let tunnels = match (&air.wind_tunnel, &air.descent) {
         (Some(tunnel), None) => Some((tunnel.clone(), "air.wind_tunnel", "speed_m_s")),
         (None, Some(descent)) => Some((descent.tunnel(), "air.descent", "release_speed_m_s")),
@@ -234,6 +221,11 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             ));
         }
     };
+    let lattice_speed = lattice_speed::check(
+        resolution.lattice_speed,
+        reference_speed_m_s,
+        sound_m_s(air, density_kg_m3),
+    )?;
     if speed_m_s / reference_speed_m_s * lattice_speed > LATTICE_SPEED_LIMIT {
         return Err(Problem::new(
             "resolution.reference_speed_m_s",

@@ -1,4 +1,4 @@
-//! Density of the undisturbed air.
+//! Density of the undisturbed air, and its speed of sound.
 
 use super::file::Air;
 use super::problem::Problem;
@@ -7,6 +7,12 @@ use super::values::{absent, positive, within};
 
 /// Altitudes of the standard atmosphere's lowest layer [m].
 const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
+
+/// Sound in air at 15 °C [m/s].
+pub const SOUND_M_S: f64 = 340.3;
+
+/// Fluids from this density on are liquids, whose sound is too fast to matter [kg/m³].
+pub const LIQUID_KG_M3: f64 = 10.0;
 
 /// Density of the air: as given, or of the standard atmosphere.
 pub(super) fn density_kg_m3(file: &Air) -> Result<f64, Problem> {
@@ -31,16 +37,29 @@ pub(super) fn density_kg_m3(file: &Air) -> Result<f64, Problem> {
     }
 }
 
+/// Speed of sound of the air: at sea level, or that of the standard atmosphere at the altitude of a descent [m/s]; the altitude is checked.
+/// `None` of liquids.
+pub(super) fn sound_m_s(file: &Air, density_kg_m3: f64) -> Option<f64> {
+    let altitude = file.descent.as_ref().and_then(|descent| descent.altitude_m);
+    (density_kg_m3 < LIQUID_KG_M3)
+        .then(|| SOUND_M_S * altitude.map_or(1.0, standard_temperature_ratio).sqrt())
+}
+
 /// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere, over the geometric altitude [kg/m³].
 fn standard_density_kg_m3(altitude_m: f64) -> f64 {
-    const LAPSE_K_M: f64 = 0.0065;
-    const SEA_LEVEL_K: f64 = 288.15;
     const SEA_LEVEL_KG_M3: f64 = 1.225;
     // g M/(R L) − 1
     const EXPONENT: f64 = 4.255_88;
+    SEA_LEVEL_KG_M3 * standard_temperature_ratio(altitude_m).powf(EXPONENT)
+}
+
+/// Temperature of the same over that at sea level, both in K.
+fn standard_temperature_ratio(altitude_m: f64) -> f64 {
+    const LAPSE_K_M: f64 = 0.0065;
+    const SEA_LEVEL_K: f64 = 288.15;
     const EARTH_RADIUS_M: f64 = 6_356_766.0;
     let geopotential_m = EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m);
-    SEA_LEVEL_KG_M3 * (1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K).powf(EXPONENT)
+    1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K
 }
 
 #[cfg(test)]
@@ -57,5 +76,12 @@ mod tests {
             let found = super::standard_density_kg_m3(altitude);
             assert!((found / density - 1.0).abs() < 1e-4, "{altitude}: {found}");
         }
+    }
+
+    /// Speed of sound at 10 000 m of the same tables over that at sea level.
+    #[test]
+    fn sound_is_slower_in_the_cold() {
+        let ratio = super::standard_temperature_ratio(10_000.0).sqrt();
+        assert!((ratio / (299.532 / 340.294) - 1.0).abs() < 1e-4, "{ratio}");
     }
 }

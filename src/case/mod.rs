@@ -18,6 +18,7 @@ mod fabric;
 pub mod file;
 mod grid_sequence;
 mod identity;
+mod lattice_speed;
 mod lep_sim;
 mod load;
 pub mod locate;

@@ -4,16 +4,18 @@ use std::path::Path;
 
 use glam::DVec3;
 
-pub use super::air::{Air, Flow, LATTICE_SPEED_LIMIT};
+pub use super::air::{Air, Flow};
 pub use super::bodies::{MARKER_MOTION_LIMIT, RigidBody, Shape};
 pub use super::body::{
     Airbag, Body, BodyKind, Canopy, Coupon, HangingCable, ImportedWing, LoadingPressure,
 };
 pub use super::comparison::Comparison;
 pub use super::coupling::Coupling;
+pub use super::density::{LIQUID_KG_M3, SOUND_M_S};
 pub use super::descent::{Carrier, Descent};
 pub use super::equilibrium::Equilibrium;
 use super::file::File;
+pub use super::lattice_speed::LATTICE_SPEED_LIMIT;
 pub use super::mesh_examination::ExaminedMesh;
 use super::mesh_examination::FromFiles;
 pub use super::output::Output;

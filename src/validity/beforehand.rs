@@ -3,16 +3,10 @@
 use super::rule::Rule;
 use super::subject::{Kind, Subject, subjects};
 use crate::case::Scene;
-use crate::case::scene::{Air, Flow};
+use crate::case::scene::{Air, Flow, LIQUID_KG_M3, SOUND_M_S};
 use crate::measure::steady::{SETTLING, SHORTEST_WINDOW};
 use crate::output::{Bound, Supports, ValidityRow, When};
 use crate::plan::Plan;
-
-/// Sound in air at 15 °C [m/s].
-const SOUND_M_S: f64 = 340.3;
-
-/// Fluids from this density on are liquids, whose sound is too fast to matter [kg/m³].
-const LIQUID_KG_M3: f64 = 10.0;
 
 /// Width of the kernel through which air and structure meet [cells].
 const KERNEL_CELLS: f64 = 4.0;

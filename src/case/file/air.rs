@@ -88,8 +88,10 @@ pub struct Resolution {
     /// Side of a cell [m].
     pub cell_size_m: Option<f64>,
     /// Cells per step at the speed of the wind, at most 0.15; it sets the time step. In `[air.descent]` at the speed of release: as the
-    /// speed falls, the time step grows with it, by a quarter of an octave at a time.
-    pub lattice_speed: f64,
+    /// speed falls, the time step grows with it, by a quarter of an octave at a time. If absent, sound on the lattice is as fast as in
+    /// air: the lattice speed is the Mach number over √3, at most 0.08. Sound moves at 340.3 m/s, or as in the standard atmosphere at
+    /// `air.descent.altitude_m`. Where that gives less than 0.03, and in liquids, 0.05 is taken: fewer steps, with slower sound.
+    pub lattice_speed: Option<f64>,
     /// Speed that `lattice_speed` stands for [m/s]; the speed of the wind if absent. It sets the time step only: coefficients refer to
     /// the wind.
     pub reference_speed_m_s: Option<f64>,
