@@ -4,7 +4,7 @@ use super::read_out::Group;
 use super::{
     air, bodies, canopy, canopy_shape, contact, fabric, falling, flown_ballooning, imported_wing,
     line_drag, load_test, opening, payload_bodies, permeable, plate, residual, sail_support,
-    shared, solver, supports, wing, wing_trim, wing_wind,
+    shared, solver, supports, wing, wing_trim, wing_walls, wing_wind,
 };
 use crate::output::ReadOut;
 
@@ -61,6 +61,7 @@ pub fn read_out_tables() -> [Vec<Group>; 2] {
         fabric::RESULTS.group(),
         wing::RESULTS.group(),
         wing_wind::RESULTS.group(),
+        wing_walls::RESULTS.group(),
         wing_trim::RESULTS.group(),
         sail_support::RESULTS.group(),
         flown_ballooning::RESULTS.group(),

@@ -38,9 +38,11 @@ mod spectrum;
 pub mod statistics;
 pub mod steady;
 mod supports;
+mod wall_images;
 mod wing;
 mod wing_lines;
 mod wing_trim;
+mod wing_walls;
 pub(crate) mod wing_wind;
 
 pub use bodies::watched;

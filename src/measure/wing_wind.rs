@@ -16,6 +16,7 @@ use super::shared::{
 };
 use super::statistics::{Mean, average, batch_mean, largest, range};
 use super::wing::{self, PITCH, RISER_FORCE_LEFT, RISER_FORCE_RIGHT, ROW_LOAD, ROW_SHARE, RowLoad};
+use super::wing_walls;
 use crate::case::scene::Scene;
 use crate::case::wing::{Pull, Wing};
 use crate::frame::StructureFrame;
@@ -269,6 +270,7 @@ pub(super) fn results(
             Quantity::told(&LIFT_TO_DRAG, lift.value / drag.value)
         },
     );
+    wing_walls::results(results, (scene, &known), [lift, drag], &quantity);
     rows(results, &known, &mean, &quantity);
     inside(results, &known, &mean, &quantity);
     filling(results, record, &known);

@@ -65,7 +65,7 @@ const OF_OPENINGS: [&str; 7] = [
 ];
 
 /// Parts of names of results that belong to lift.
-const OF_LIFT: [&str; 3] = ["lift", "glide", "moment"];
+const OF_LIFT: [&str; 4] = ["lift", "glide", "moment", "incidence"];
 
 impl Supports {
     /// Whether the result of that name needs the row.
