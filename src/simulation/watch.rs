@@ -323,7 +323,7 @@ mod tests {
         for quiet in [
             &[1.4, 1.4, 2.6, 2.7, 2.6][..],
             &[0.1, 0.3, 0.9, 2.0, 2.4],
-            &[1.4, 1.8, 2.2, 2.6, 3.0, 3.5],
+            &[1.4, 1.9, 2.6, 3.5],
             &[1.4, 2.6, 1.6, 2.6, 1.6],
         ] {
             assert_eq!(of_speeds(quiet), None, "{quiet:?}");
@@ -338,7 +338,7 @@ mod tests {
         for quiet in [
             // Set in motion from rest.
             &[0.0, 0.001, 0.01, 0.1, 0.3, 0.3][..],
-            &[0.03, 0.06, 0.1, 0.19, 0.2, 0.21],
+            &[0.03, 0.05, 0.085, 0.145, 0.25, 0.4],
             &[0.021, 0.045, 0.095, 0.195, 0.15],
             &[0.3, 0.3, 0.5, 0.3],
         ] {
@@ -405,6 +405,14 @@ mod tests {
         broken.extremes.fastest = None;
         let mut watch = Watch::default();
         assert_eq!(watch.add_whole(&broken).unwrap().state.cell, [0; 3]);
+        // Far from markers a cell that is too fast now says more than a look long ago.
+        for (ratio, blamed) in [(3.0, 10), (4.5, 30)] {
+            let mut watch = Watch::default();
+            assert_eq!(watch.add_whole(&found(10, 1.4, None)), None);
+            broken.extremes.fastest = Some(state(30, ratio * REFERENCE));
+            let alarm = watch.add_whole(&broken).unwrap();
+            assert_eq!(alarm.state.cell[0], blamed);
+        }
     }
 
     #[test]
