@@ -1,5 +1,5 @@
-// Density and velocity read back from the populations: whole fields for pictures, sums for balances, and the search for cells that
-// are not finite or too fast.
+// Density and velocity read back from the populations: whole fields for pictures, sums for balances, and the cells that
+// stand out: the fastest one, and the one whose density is farthest off.
 
 struct Region {
     // First cell and size of a box of cells.
@@ -10,10 +10,6 @@ struct Region {
     offset: u32,
     at_once: u32,
     padding: u32,
-    speed_limit_squared: f32,
-    density_limit: f32,
-    padding_a: u32,
-    padding_b: u32,
 }
 
 @group(0) @binding(19) var<uniform> region: Region;
@@ -21,8 +17,9 @@ struct Region {
 @group(0) @binding(20) var<storage, read_write> states: array<vec4<f32>>;
 // Per workgroup: density excess, momentum, 1/2 rho u^2, 3 unused.
 @group(0) @binding(21) var<storage, read_write> partial_sums: array<f32>;
-// Number of the first cell that is not sound.
-@group(0) @binding(22) var<storage, read_write> first_unsound: atomic<u32>;
+// Two per workgroup, of the fastest finite cell and of the one with the largest |density excess|: that value, the cell's number, its
+// density excess and its squared speed, all as bits.
+@group(0) @binding(22) var<storage, read_write> group_extremes: array<vec4<u32>>;
 
 fn element_of(i: u32) -> u32 {
     let row = i / region.size.x;
@@ -78,19 +75,57 @@ fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
+const INFINITE: u32 = 0x7f800000u;
+const NO_CELL: u32 = 0xffffffffu;
+// A value's bits and the number of its cell; bits of numbers that are not negative stand in the order of the numbers.
+var<workgroup> shared_fastest: array<vec2<u32>, WORKGROUP>;
+var<workgroup> shared_farthest: array<vec2<u32>, WORKGROUP>;
+
+// The larger value; of equal ones that of the first cell.
+fn larger(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    if b.x > a.x || (b.x == a.x && b.y < a.y) {
+        return b;
+    }
+    return a;
+}
+
 @compute @workgroup_size(WORKGROUP)
-fn breakdown(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
+fn extremes(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32) {
     let i = thread_index(group, groups, local);
     let cell = i + region.offset;
-    if i >= region.at_once || cell >= region.count {
-        return;
+    let inside = i < region.at_once && cell < region.count;
+    var own = vec2<u32>();
+    var fastest = vec2<u32>(0u, NO_CELL);
+    var farthest = vec2<u32>(0u, NO_CELL);
+    if inside {
+        let state = bare_state(gather(element_of(cell)));
+        let square = dot(state.xyz, state.xyz);
+        own = vec2<u32>(bitcast<u32>(state.w), bitcast<u32>(square));
+        if is_finite(state.w) && is_finite(square) {
+            fastest = vec2<u32>(own.y, cell);
+            farthest = vec2<u32>(bitcast<u32>(abs(state.w)), cell);
+        } else {
+            farthest = vec2<u32>(INFINITE, cell);
+        }
     }
-    let state = bare_state(gather(element_of(cell)));
-    let square = dot(state.xyz, state.xyz);
-    let sound = is_finite(state.w) && is_finite(square)
-        && abs(state.w) < region.density_limit && square < region.speed_limit_squared;
-    if !sound {
-        atomicMin(&first_unsound, cell);
+    shared_fastest[local] = fastest;
+    shared_farthest[local] = farthest;
+    workgroupBarrier();
+    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
+        if local < half {
+            shared_fastest[local] = larger(shared_fastest[local], shared_fastest[local + half]);
+            shared_farthest[local] = larger(shared_farthest[local], shared_farthest[local + half]);
+        }
+        workgroupBarrier();
+    }
+    // The winners write; where no cell is finite, the first thread says so.
+    let slot = 2u * (region.offset / WORKGROUP + group.y * groups.x + group.x);
+    let most = shared_fastest[0];
+    if inside && (cell == most.y || (local == 0u && most.y == NO_CELL)) {
+        group_extremes[slot] = vec4<u32>(most, own);
+    }
+    if inside && cell == shared_farthest[0].y {
+        group_extremes[slot + 1u] = vec4<u32>(shared_farthest[0], own);
     }
 }

@@ -12,7 +12,7 @@ use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
 use ripstop::measure::{Record, flow_past_bodies, results};
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
-use ripstop::simulation::{MarkerEngine, Simulation};
+use ripstop::simulation::{Failure, MarkerEngine, Simulation};
 use ripstop::statics::Statics;
 
 use crate::canopy::small_case;
@@ -32,6 +32,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("bodies::passes_of_forcing_lower_the_slip", Passes),
         on_every_engine("bodies::a_spinning_sphere_meets_a_moment", Spin),
         on_every_engine("bodies::resumes_with_the_same_bits", Resume),
+        on_every_engine("bodies::a_breakdown_is_told_where_it_begins", Breakdown),
         plain("bodies::a_sphere_from_a_file_is_a_sphere", from_file),
         plain("bodies::beside_a_canopy", beside_a_canopy),
         plain("bodies::plans_hold_what_is_there", plans),
@@ -358,6 +359,53 @@ impl Body for Resume {
         };
         let same = bits(&mut unbroken, &mut record) == bits(&mut resumed, &mut resumed_record);
         assert!(same);
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Breakdown;
+
+impl Body for Breakdown {
+    /// A sphere at Reynolds number 10⁶ without eddy viscosity breaks down at its surface, and the run says so.
+    fn run(self, engine: Engine) {
+        let cells = 8.0;
+        let case = sphere_case(
+            Path::new("."),
+            &[
+                "air.kinematic_viscosity_m2_s=1.5e-9",
+                "air.wind_tunnel.size_m=[0.5, 0.3, 0.3]",
+                "air.wind_tunnel.start_time_s=6.0",
+                "air.wind_tunnel.sponge_length_m=0.05",
+                "bodies.sphere.position_m=[0.15, 0.15, 0.15]",
+                &format!("resolution.cells_per_diameter={cells:?}"),
+                "resolution.lattice_speed=0.1",
+                "time.end_s=200.0",
+            ],
+        );
+        let plan = Plan::new(&case.scene, engine.plan_placement());
+        let device = engine.device();
+        let mut simulation = Simulation::new(case.scene.clone(), plan, device).unwrap();
+        let failure = loop {
+            assert!(simulation.steps_are_left(), "the flow survives");
+            if let Err(failure) = simulation.advance() {
+                break failure;
+            }
+        };
+        let Failure::Diverged(diverged) = failure else {
+            panic!("{failure}");
+        };
+        let what = &diverged.what;
+        let place = what.split_once("cell [").unwrap().1;
+        let place = place.split_once(']').unwrap().0;
+        let centre = 1.5 * cells - 0.5;
+        let from_centre: f64 = place
+            .split(", ")
+            .map(|cell| (cell.parse::<f64>().unwrap() - centre).powi(2))
+            .sum();
+        // The shear layer leaves the sphere half a diameter from its centre.
+        assert!(from_centre.sqrt() < cells, "{diverged}");
+        assert!(what.contains("cells from a marker"), "{diverged}");
+        eprintln!("{} {diverged}", engine.name());
     }
 }
 

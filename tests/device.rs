@@ -419,7 +419,8 @@ fn breakdown() {
     let setup = setups().remove(0);
     let sound = Engine::Gpu.air(setup.clone(), &rough);
     assert_eq!(sound.breakdown(0.4).unwrap(), None);
-    for engine in [Engine::CpuF32, Engine::Gpu] {
+    for engine in [Engine::CpuF32, Engine::CpuF64, Engine::Gpu] {
+        stand_out(engine, setup.clone());
         let found = |state: &ripstop::lattice::grid::Initial| {
             engine
                 .air(setup.clone(), state)
@@ -429,10 +430,53 @@ fn breakdown() {
         };
         let too_fast = found(&wild);
         assert_eq!(too_fast.cell, fast);
-        assert!((too_fast.velocity[0] - 0.5).abs() < 1e-6);
+        assert!((too_fast.speed - 0.5).abs() < 1e-6);
         let not_finite = found(&hollow);
         assert_eq!(not_finite.cell, fast);
         assert!(not_finite.density_excess.is_nan());
+    }
+}
+
+/// What stands out in a box is what the states of all cells say.
+fn stand_out(engine: Engine, setup: Setup) {
+    let cells = setup.cells;
+    let mut air = engine.air(setup, &rough);
+    // In both parities.
+    for _ in 0..2 {
+        let states = air.macroscopic().unwrap();
+        for (first, end) in [([0; 3], cells), ([3, 1, 2], cells.map(|n| n - 1))] {
+            let found = air.extremes(first, end).unwrap().unwrap();
+            let inside = |i: &usize| {
+                let cell = [
+                    i % cells[0],
+                    i / cells[0] % cells[1],
+                    i / cells[0] / cells[1],
+                ];
+                (0..3).all(|a| (first[a]..end[a]).contains(&cell[a]))
+            };
+            let speed = |i: usize| {
+                let square: f32 = states[i].1.iter().map(|u| u * u).sum();
+                f64::from(square).sqrt()
+            };
+            let most = |of: &dyn Fn(usize) -> f64| {
+                let all = (0..states.len()).filter(inside);
+                all.map(of).fold(0.0, f64::max)
+            };
+            let number = |[x, y, z]: [usize; 3]| x + cells[0] * (y + cells[1] * z);
+            let fastest = found.fastest.unwrap();
+            let excess = |i: usize| f64::from(states[i].0.abs());
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6, "{engine:?} {a} {b}");
+            close(fastest.speed, most(&speed));
+            close(fastest.speed, speed(number(fastest.cell)));
+            close(found.farthest.density_excess.abs(), most(&excess));
+            close(
+                found.farthest.density_excess,
+                states[number(found.farthest.cell)].0.into(),
+            );
+            assert!(inside(&number(fastest.cell)) && inside(&number(found.farthest.cell)));
+        }
+        assert!(air.extremes([2; 3], [2; 3]).unwrap().is_none());
+        air.collide_stream(None, None).unwrap();
     }
 }
 

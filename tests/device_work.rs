@@ -100,9 +100,10 @@ fn step(cloth: ClothPlacement) {
         after.2 - before.2,
     );
     assert_eq!(solves, STEPS);
-    // Nothing is asked for outside the stages but one search for a breakdown, at most.
+    // Nothing is asked for outside the stages but one look at all cells, at most, and two around the markers: each a dispatch and a read,
+    // and those around the markers as much again for the slip.
     let besides = device.work().since(&all_before).since(&work);
-    assert!(besides.submits <= 2 && besides.maps <= 1, "{besides:?}");
+    assert!(besides.submits <= 10 && besides.maps <= 5, "{besides:?}");
     // A slow device gets its air in several parts, each a dispatch, a submit and a write.
     let more = parts(&simulation) - parts_before - STEPS;
     let submits = work.submits - more;

@@ -130,20 +130,51 @@ pub const OUTLET_RELAXATION: f64 = 0.4;
 /// operator at small viscosity.
 pub const OUTLET_DELAY: f64 = 0.65;
 
-/// A cell whose state is no longer finite, or faster than the method allows.
+/// A cell with its density and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Breakdown {
+pub struct CellState {
     /// The cell.
     pub cell: [usize; 3],
     /// Its density excess δρ.
     pub density_excess: f64,
-    /// Its velocity [cells per step].
-    pub velocity: [f64; 3],
+    /// Its bare speed |u*| [cells per step].
+    pub speed: f64,
 }
 
-impl Breakdown {
+impl CellState {
     /// Largest |δρ| of a sound cell.
     pub const DENSITY_LIMIT: f64 = 0.5;
+
+    /// True if density and speed are finite.
+    #[must_use]
+    pub const fn is_finite(&self) -> bool {
+        self.density_excess.is_finite() && self.speed.is_finite()
+    }
+
+    /// True if the cell is finite, slower than `speed_limit` [cells per step], and its density no farther off than the limit.
+    #[must_use]
+    pub fn is_sound(&self, speed_limit: f64) -> bool {
+        self.speed < speed_limit && self.density_excess.abs() < Self::DENSITY_LIMIT
+    }
+}
+
+/// The cells of a box that stand out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extremes {
+    /// The fastest cell among those that are finite; `None` where no cell is.
+    pub fastest: Option<CellState>,
+    /// The first cell that is not finite; where all are, the cell with the largest |δρ|.
+    pub farthest: CellState,
+}
+
+impl Extremes {
+    /// A cell that is not sound, if there is one: the fastest finite one first, then that with the largest |δρ|.
+    #[must_use]
+    pub fn breakdown(&self, speed_limit: f64) -> Option<CellState> {
+        let found = [self.fastest, Some(self.farthest)];
+        let mut unsound = found.into_iter().flatten();
+        unsound.find(|state| !state.is_sound(speed_limit))
+    }
 }
 
 /// Index arithmetic on the grid with its ghost layer.

@@ -8,7 +8,7 @@ use crate::cpu::fluid::Fluid;
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::eddy_viscosity::EddyViscosity;
-use crate::lattice::grid::{Breakdown, Grid, Initial, Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::{CellState, Extremes, Grid, Initial, Setup, Sides, StreamwiseEnds};
 use crate::lattice::start::{Start, Stress};
 use crate::plan::{AirPlacement, Plan, Precision, Stage};
 
@@ -101,9 +101,19 @@ impl AirEngine {
         each_engine!(self, fluid => Ok(fluid.eddy_viscosities()), fluid => fluid.eddy_viscosities())
     }
 
-    /// First cell that is not finite or too fast.
-    pub fn breakdown(&self, speed_limit: f64) -> Result<Option<Breakdown>, DeviceError> {
-        each_engine!(self, fluid => Ok(fluid.breakdown(speed_limit)), fluid => fluid.breakdown(speed_limit))
+    /// What stands out among the cells from `first` to before `end`; `None` in an empty box.
+    pub fn extremes(
+        &self,
+        first: [usize; 3],
+        end: [usize; 3],
+    ) -> Result<Option<Extremes>, DeviceError> {
+        each_engine!(self, fluid => Ok(fluid.extremes(first, end)), fluid => fluid.extremes(first, end))
+    }
+
+    /// A cell that is not finite, too thin or too dense, or faster than `speed_limit` [cells per step]: the fastest finite one, if it is such.
+    pub fn breakdown(&self, speed_limit: f64) -> Result<Option<CellState>, DeviceError> {
+        let found = self.extremes([0; 3], self.grid().cells)?;
+        Ok(found.and_then(|found| found.breakdown(speed_limit)))
     }
 
     /// Density excess and velocity of all cells.

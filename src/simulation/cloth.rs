@@ -234,12 +234,12 @@ impl Simulation {
     }
 
     /// A solve that is not finite ends the run.
-    pub(super) fn finite(&self, outcome: Option<&Outcome>) -> Result<(), Failure> {
+    pub(super) fn finite(&mut self, outcome: Option<&Outcome>) -> Result<(), Failure> {
         if outcome.is_none_or(|outcome| outcome.stop != Stop::NotFinite) {
             return Ok(());
         }
         // The fabric often only feels what the air has become.
-        self.watch()?;
+        self.look()?;
         let node = self
             .cloth
             .as_ref()

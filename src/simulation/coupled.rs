@@ -128,6 +128,11 @@ impl Coupled {
         &self.markers
     }
 
+    /// Places of the markers [cells].
+    pub(super) fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
     /// Places of the markers, and what the last `spread` owes the air there in the next step [cells, lattice units].
     pub(super) fn pending_forces(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
         let forces = (0..self.positions.len()).map(|k| self.immersed.force(k));

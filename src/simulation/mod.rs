@@ -17,6 +17,7 @@ mod drags;
 mod failure;
 mod frames;
 mod impulses;
+mod looks;
 mod markers;
 mod opening;
 mod panels;
@@ -26,6 +27,7 @@ mod state;
 mod statics;
 mod structure_state;
 mod supports;
+mod watch;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -48,6 +50,7 @@ pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
 pub use markers::MarkerEngine;
 pub use opening::Opening;
 pub use structure_state::{StaticLoads, StructureState};
+use watch::Watch;
 
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
@@ -56,14 +59,8 @@ use crate::gpu::{Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, PlannedStage, Stage, capabilities};
 
-/// Steps between searches for cells that are not finite or too fast.
-const WATCH_INTERVAL: u64 = 100;
-
 /// One step in so many is timed where a device works while the host goes on; a prime, to meet all cadences alike.
 const TIMED_INTERVAL: u64 = 31;
-
-/// Speed at which the air counts as diverged [cells per step]: Mach 0.69, far beyond what the method represents.
-const DIVERGED_SPEED: f64 = 0.4;
 
 /// Where steps and time are counted from: the release, or the last change of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +94,9 @@ pub struct Simulation {
     opening: Option<Opening>,
     origin: Origin,
     step: u64,
-    /// Last step at which the air was searched and found sound.
+    /// Looks for a flow that breaks down.
+    watch: Watch,
+    /// Last step at which all air was looked at and found sound.
     sound_step: u64,
     /// Farthest that a marker moved between two solves of the fabric [cells].
     largest_marker_motion: f64,
@@ -224,6 +223,7 @@ impl Simulation {
             impulses,
             opening: None,
             step: 0,
+            watch: Watch::default(),
             sound_step: 0,
             largest_marker_motion: 0.0,
             static_loads: None,
@@ -332,11 +332,7 @@ impl Simulation {
         if self.step == self.plan.start_steps {
             self.start_impulses()?;
         }
-        if self.step.is_multiple_of(WATCH_INTERVAL) {
-            self.watch()?;
-            self.sound_step = self.step;
-        }
-        Ok(())
+        self.watch()
     }
 
     /// True if a stage has work in this step.
@@ -422,12 +418,15 @@ impl Simulation {
     }
 
     /// A marker that left the air ends the run.
-    fn still_inside(&self, markers: Result<(), OutOfDomain>) -> Result<(), Failure> {
-        let (Err(left), Some(coupled)) = (markers, &self.coupled) else {
+    fn still_inside(&mut self, markers: Result<(), OutOfDomain>) -> Result<(), Failure> {
+        let Err(left) = markers else {
             return Ok(());
         };
         // Perhaps the air drove it out.
-        self.watch()?;
+        self.look()?;
+        let Some(coupled) = &self.coupled else {
+            return Ok(());
+        };
         let place = coupled.units().position_m(left.position);
         let what = format!(
             "a marker left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
@@ -483,28 +482,6 @@ impl Simulation {
             return Ok(());
         };
         impulses.add_step(air, self.cloth.as_ref(), &acting, coupled)
-    }
-
-    /// Looks for cells that are not finite or too fast.
-    fn watch(&self) -> Result<(), Failure> {
-        let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
-            return Ok(());
-        };
-        let Some(found) = air.breakdown(DIVERGED_SPEED)? else {
-            return Ok(());
-        };
-        let place = settings.units.position_m(found.cell.map(|c| c as f64));
-        let speed = settings.units.velocity_m_s(found.velocity).length();
-        Err(self.diverged(format!(
-            "the air at cell {:?}, ({:.3}, {:.3}, {:.3}) m, moves at {speed:.3e} m/s with a density of {:.3} times that of the \
-             undisturbed air; lower resolution.lattice_speed, refine, or switch the eddy viscosity on",
-            found.cell,
-            place.x,
-            place.y,
-            place.z,
-            1.0 + found.density_excess
-        ))
-        .into())
     }
 
     fn diverged(&self, what: String) -> Diverged {

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::lattice::Real;
-use crate::lattice::grid::Breakdown;
 use crate::lattice::operators::bare_moments;
 use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
 
@@ -74,25 +73,5 @@ impl<T: Real> Fluid<T> {
             .collect();
         rows.iter()
             .fold((0.0, 0.0), |total, row| (total.0 + row.0, total.1 + row.1))
-    }
-
-    /// The first cell that is not finite or moves faster than `speed_limit` [cells per step], if any.
-    #[must_use]
-    pub fn breakdown(&self, speed_limit: f64) -> Option<Breakdown> {
-        let [nx, ny, nz] = self.setup.cells;
-        (0..ny * nz).into_par_iter().find_map_first(|row| {
-            (0..nx).find_map(|x| {
-                let cell = [x, row % ny, row / ny];
-                let (density_excess, velocity) = self.bare_state(cell);
-                let square = velocity.iter().map(|u| u * u).sum::<f64>();
-                let sound = density_excess.abs() < Breakdown::DENSITY_LIMIT
-                    && square < speed_limit * speed_limit;
-                (!sound).then_some(Breakdown {
-                    cell,
-                    density_excess,
-                    velocity,
-                })
-            })
-        })
     }
 }

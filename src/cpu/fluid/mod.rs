@@ -8,6 +8,7 @@ pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
+mod extremes;
 mod held_eddy_viscosity;
 mod macroscopic;
 mod prefetch;

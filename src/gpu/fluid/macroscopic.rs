@@ -1,4 +1,6 @@
-//! Density and velocity read back from the populations, their sums, and the search for cells that broke down.
+//! Density and velocity read back from the populations, their sums, and the cells that stand out.
+
+use std::cmp::Reverse;
 
 use rayon::prelude::*;
 
@@ -9,8 +11,11 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::WORKGROUP;
 use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
-use crate::lattice::grid::Breakdown;
+use crate::lattice::grid::{CellState, Extremes};
 use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
+
+/// What the shader writes where no cell of a workgroup is finite.
+const NO_CELL: u32 = u32::MAX;
 
 impl Fluid {
     fn whole(&self) -> Region {
@@ -133,43 +138,50 @@ impl Fluid {
         })
     }
 
-    /// The first cell that is not finite or moves faster than `speed_limit` [cells per step], if any.
-    pub fn breakdown(&self, speed_limit: f64) -> Result<Option<Breakdown>, DeviceError> {
-        let unsound = &self.read_back.first_unsound;
-        self.device.write(unsound, 0, &[u32::MAX]);
-        let region = Region {
-            speed_limit_squared: (speed_limit * speed_limit) as f32,
-            density_limit: Breakdown::DENSITY_LIMIT as f32,
-            ..self.whole()
-        };
-        let bound = &self.read_back.breakdown[usize::from(self.odd)];
+    /// What stands out among the cells from `first` to before `end`; `None` in an empty box.
+    pub fn extremes(
+        &self,
+        first: [usize; 3],
+        end: [usize; 3],
+    ) -> Result<Option<Extremes>, DeviceError> {
+        if (0..3).any(|a| end[a] <= first[a]) {
+            return Ok(None);
+        }
+        let region = self.region(first, end);
+        let bound = &self.read_back.extremes[usize::from(self.odd)];
         let (count, at_once) = (u64::from(region.count), self.cells_at_once());
         for offset in (0..count).step_by(at_once as usize) {
             let part = Region {
                 offset: offset as u32,
                 ..region
             };
-            self.dispatch(bound, part, at_once.min(count - offset), "breakdown");
+            self.dispatch(bound, part, at_once.min(count - offset), "extremes");
         }
-        let first = self.device.read::<u32>(unsound, 0, 1)?[0];
-        if first == u32::MAX {
-            return Ok(None);
-        }
-        let [nx, ny, _] = self.setup.cells;
-        let index = first as usize;
-        let cell = [index % nx, index / nx % ny, index / nx / ny];
-        let one = Region {
-            offset: first,
-            ..self.whole()
+        let groups = count.div_ceil(u64::from(WORKGROUP)) as usize;
+        let found: Vec<[[u32; 4]; 2]> =
+            self.device.read(&self.read_back.partial_sums, 0, groups)?;
+        let most = |of: usize| {
+            let of_groups = found.iter().map(|group| group[of]);
+            of_groups
+                .filter(|[_, cell, ..]| *cell != NO_CELL)
+                .max_by_key(|&[value, cell, ..]| (value, Reverse(cell)))
         };
-        let bound = &self.read_back.macroscopic[usize::from(self.odd)];
-        self.dispatch(bound, one, 1, "macroscopic");
-        let state = self.device.read::<[f32; 4]>(&self.read_back.states, 0, 1)?[0];
-        let [x, y, z, excess] = state.map(f64::from);
-        Ok(Some(Breakdown {
-            cell,
-            density_excess: excess,
-            velocity: [x, y, z],
+        let state = |[_, cell, excess, square]: [u32; 4]| {
+            let index = cell as usize;
+            let [nx, ny, ..] = region.size.map(|n| n as usize);
+            CellState {
+                cell: [
+                    first[0] + index % nx,
+                    first[1] + index / nx % ny,
+                    first[2] + index / nx / ny,
+                ],
+                density_excess: f32::from_bits(excess).into(),
+                speed: f64::from(f32::from_bits(square)).sqrt(),
+            }
+        };
+        Ok(most(1).map(|farthest| Extremes {
+            fastest: most(0).map(state),
+            farthest: state(farthest),
         }))
     }
 }

@@ -51,14 +51,6 @@ parameters! {
         at_once: u32,
         /// Unused.
         padding: u32,
-        /// Square of the largest sound speed [cells² per step²].
-        speed_limit_squared: f32,
-        /// Largest sound |δρ|.
-        density_limit: f32,
-        /// Unused.
-        padding_a: u32,
-        /// Unused.
-        padding_b: u32,
     }
     /// One copy of the list that `boundaries` reads.
     BoundaryCopy {

@@ -12,7 +12,7 @@ use crate::lattice::grid::Grid;
 /// Cells fetched in one transfer.
 pub(super) const CELLS_AT_ONCE: u64 = TRANSFER_BYTES / 16;
 
-/// Floats that a workgroup of `totals` writes.
+/// Words of 32 bits that a workgroup of `totals` or `extremes` writes.
 pub(super) const SUMS: usize = 8;
 
 /// Pipelines with their buffers, by parity.
@@ -22,10 +22,9 @@ pub(super) struct ReadBack {
     pub(super) states: wgpu::Buffer,
     pub(super) states_at_once: u64,
     pub(super) partial_sums: wgpu::Buffer,
-    pub(super) first_unsound: wgpu::Buffer,
     pub(super) macroscopic: [Bound; 2],
     pub(super) totals: [Bound; 2],
-    pub(super) breakdown: [Bound; 2],
+    pub(super) extremes: [Bound; 2],
 }
 
 impl ReadBack {
@@ -45,10 +44,9 @@ impl ReadBack {
             "partial sums",
             4 * SUMS as u64 * u64::from(x) * u64::from(y),
         )?;
-        let first_unsound = device.storage("first unsound cell", 4)?;
         let pipelines = device.pipelines(
             &shaders::MACROSCOPIC[storage as usize],
-            ["macroscopic", "totals", "breakdown"],
+            ["macroscopic", "totals", "extremes"],
             constants,
         )?;
         let bound = |k: usize, odd: bool| -> Result<Bound, DeviceError> {
@@ -57,22 +55,22 @@ impl ReadBack {
                 ("region", &region),
                 ("states", &states),
                 ("partial_sums", &partial_sums),
-                ("first_unsound", &first_unsound),
+                // As many bytes, and never both at a time.
+                ("group_extremes", &partial_sums),
             ]);
             device.bind(&pipelines[k], &named)
         };
         let both =
             |k| -> Result<[Bound; 2], DeviceError> { Ok([bound(k, false)?, bound(k, true)?]) };
-        let (macroscopic, totals, breakdown) = (both(0)?, both(1)?, both(2)?);
+        let (macroscopic, totals, extremes) = (both(0)?, both(1)?, both(2)?);
         Ok(Self {
             macroscopic,
             totals,
-            breakdown,
+            extremes,
             region,
             states,
             states_at_once,
             partial_sums,
-            first_unsound,
         })
     }
 }
