@@ -6,7 +6,7 @@
 override CELLS_X: u32 = 2u;
 override CELLS_Y: u32 = 2u;
 override RELAXATION_TIME: f32 = 1.0;
-// Ghosts of a velocity inlet at -x and a pressure outlet at +x stream for themselves.
+// The ghosts of a pressure outlet at +x stream for themselves; those of the inlet have a stage of their own (absorbing_faces.wgsl).
 override INLET_OUTLET: bool = false;
 // Length of the viscous sponge before the outlet [cells]; 0 without one.
 override SPONGE_LENGTH: f32 = 0.0;
@@ -15,23 +15,11 @@ const SPONGE_RELAXATION_TIME: f32 = 1.0;
 override OUTLET_RELAXATION: f32 = 0.0;
 // Delay of sound between the last cell and the outlet's ghost [steps].
 override OUTLET_DELAY: f32 = 0.0;
+// Change of velocity over that of density of a wave that leaves there, in units of the speed of sound.
+override OUTLET_COSINE: f32 = 1.0;
 // Threads of a workgroup of this stage; all others have WORKGROUP.
 override COLLIDE_WORKGROUP: u32 = WORKGROUP;
 const SOUND_SPEED: f32 = 0.57735026919;
-
-struct StepParameters {
-    inlet_velocity: vec4<f32>,
-    // Force per cell and unit of density excess zero: a uniform acceleration.
-    acceleration: vec4<f32>,
-    // First cell of the box that holds all forces, and its size.
-    box_first: vec4<u32>,
-    box_size: vec4<u32>,
-    // First plane of this dispatch.
-    first_plane: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
-}
 
 @group(0) @binding(19) var<uniform> step: StepParameters;
 // Body force of the cells of the box (x, y, z, unused).
@@ -75,28 +63,17 @@ fn advance(p: Place, force: vec3<f32>, forced: bool) {
     }
 }
 
-// The second cell of a row lends the inlet's ghost its density, the last one the outlet's its state, delayed like sound that leaves; both
-// ghosts are at equilibrium and stream like any cell (src/cpu/fluid/boundaries.rs). The ghost's population at rest is the memory of
-// the last cell's density excess.
+// The last cell of a row lends the outlet's ghost its state, delayed like sound that leaves; the ghost is at equilibrium and streams like any
+// cell (src/cpu/fluid/boundaries.rs). Its population at rest is the memory of the last cell's density excess.
 fn send_ghosts(p: Place, out: Populations) {
     let n = p.element;
-    if p.cell.x == min(1u, CELLS_X - 1u) {
-        let excess = moments(out).density_excess;
-        let u = step.inlet_velocity.xyz;
-        let ghost = n - p.cell.x - 1u;
-        far_x[ghost + 1u] = packed(shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
-        far_xy[ghost + 1u + STRIDE_Y] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
-        far_xz[ghost + 1u + STRIDE_Z] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));
-        far_x_y[ghost + 1u - STRIDE_Y] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u));
-        far_x_z[ghost + 1u - STRIDE_Z] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u));
-    }
     if p.cell.x == CELLS_X - 1u {
         let state = bare_state(out);
         let ghost = n + 1u;
         let late = -(OUTLET_DELAY * (state.w - unpacked(rest[ghost])));
         rest[ghost] = packed(state.w);
         let excess = (1.0 - OUTLET_RELAXATION / f32(CELLS_X)) * (state.w + late);
-        let u = vec3<f32>(state.x + SOUND_SPEED * late, state.yz);
+        let u = vec3<f32>(state.x + OUTLET_COSINE * SOUND_SPEED * late, state.yz);
         near_x[ghost] = packed(shifted_equilibrium(AXIS, vec3<f32>(-1.0, 0.0, 0.0), excess, u));
         near_xy[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, -1.0, 0.0), excess, u));
         near_xz[ghost] = packed(shifted_equilibrium(DIAGONAL, vec3<f32>(-1.0, 0.0, -1.0), excess, u));

@@ -5,6 +5,7 @@
 const SINGLE_RELAXATION_TIME: u32 = 0u;
 const TWO_RELAXATION_TIMES: u32 = 1u;
 const RECURSIVE_REGULARISED: u32 = 2u;
+const STABILISED_REGULARISED: u32 = 3u;
 override OPERATOR: u32 = RECURSIVE_REGULARISED;
 // Smagorinsky's eddy viscosity, evaluated within the collision.
 override EDDY: bool = false;
@@ -12,6 +13,7 @@ override EDDY: bool = false;
 override EDDY_FACTOR: f32 = 0.0;
 
 const TRT_MAGIC: f32 = 3.0 / 16.0;
+const RESIDUAL_FACTOR: f32 = 1.0;
 const AXIS: f32 = 1.0 / 18.0;
 const DIAGONAL: f32 = 1.0 / 36.0;
 
@@ -24,7 +26,10 @@ fn collide(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool)
             return relax_pairs(f, relaxation_time, force, forced, false);
         }
         case RECURSIVE_REGULARISED: {
-            return recursive_regularised(f, relaxation_time, force, forced);
+            return regularise(f, relaxation_time, force, forced, false);
+        }
+        case STABILISED_REGULARISED: {
+            return regularise(f, relaxation_time, force, forced, true);
         }
         default: {
             // No operator has this number: the run is to break down, not to take another one.
@@ -132,7 +137,20 @@ fn relax_pair(first: f32, second: f32, weight: f32, cu: f32, cf: f32, terms: Pai
     return vec2<f32>(0.5 * (even + odd), 0.5 * (even - odd));
 }
 
-fn recursive_regularised(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool) -> Populations {
+// Square of the third-order moments that the recursion does not predict; the moments are bare, without any force.
+fn residual_square(f: Populations, bare: vec3<f32>, density: f32, u: vec3<f32>, normal: vec3<f32>, shear: vec3<f32>) -> f32 {
+    let isotropic = bare / 3.0;
+    // Of orders xxy, xxz, yyz and yyx, zzx, zzy.
+    let flux = density * vec3<f32>(u.x * u.y, u.x * u.z, u.y * u.z) + 2.0 * shear;
+    let first = vec3<f32>(f[7] - f[8], f[9] - f[10], f[11] - f[12]);
+    let second = vec3<f32>(f[13] - f[14], f[15] - f[16], f[17] - f[18]);
+    let aab = first - second - isotropic.yzz - u.xxy * flux - u.yzz * normal.xxy;
+    let bba = first + second - isotropic.xxy - u.yzz * flux - u.xxy * normal.yzz;
+    return dot(aab, aab) + dot(bba, bba);
+}
+
+// Recursive regularisation; with viscosity from the residual where `stabilised` (always a literal).
+fn regularise(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bool, stabilised: bool) -> Populations {
     let m = moments(f);
     let density = 1.0 + m.density_excess;
     let inverse_density = 1.0 / density;
@@ -161,6 +179,11 @@ fn recursive_regularised(f: Populations, relaxation_time: f32, force: vec3<f32>,
     var tau = relaxation_time;
     if EDDY {
         tau = eddy_relaxation_time(tau, normal, shear, inverse_density);
+    }
+    if stabilised {
+        let viscous = tau - 0.5;
+        let square = residual_square(f, m.momentum, density, u, normal, shear);
+        tau = 0.5 + sqrt(viscous * viscous + RESIDUAL_FACTOR * RESIDUAL_FACTOR * square);
     }
     let keep = 1.0 - 1.0 / tau;
     let kept_normal = keep * normal;

@@ -3,7 +3,7 @@
 use libtest_mimic::Trial;
 use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells};
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
-use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use ripstop::lattice::{Operator, Real};
 use ripstop::simulation::AirEngine;
 
@@ -255,12 +255,15 @@ impl Body for Mirror {
 struct Wind;
 
 impl Body for Wind {
-    /// Uniform wind is an exact solution between inlet, outlet, sponge and frictionless walls.
+    /// Uniform wind is an exact solution between inlet, outlet, sponge and frictionless walls, one of which absorbs.
     fn run(self, engine: Engine) {
         let setup = Setup {
             cells: [20, 8, 6],
             ends: StreamwiseEnds::InletOutlet,
-            sides: Sides::FreeSlip,
+            sides: Sides::Each([
+                Faces::Walls([Wall::FreeSlip; 2]),
+                Faces::Walls([Wall::FreeSlip, Wall::Absorbing]),
+            ]),
             relaxation_time: 0.500_003,
             sponge_cells: Some(6.0),
             operator: Operator::RecursiveRegularised,

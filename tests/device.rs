@@ -296,6 +296,14 @@ fn setups() -> Vec<Setup> {
                 (StreamwiseEnds::Periodic, Sides::FreeSlip, None),
                 (StreamwiseEnds::InletOutlet, Sides::FreeSlip, Some(5.0)),
                 (StreamwiseEnds::InletOutlet, Sides::Periodic, None),
+                (
+                    StreamwiseEnds::InletOutlet,
+                    Sides::Each([
+                        Faces::Walls([Wall::Absorbing; 2]),
+                        Faces::Walls([Wall::FreeSlip, Wall::Absorbing]),
+                    ]),
+                    Some(5.0),
+                ),
                 // Walls, with all kinds of edges and corners; one moves.
                 (
                     StreamwiseEnds::Walls([lid, Wall::AT_REST]),

@@ -114,7 +114,7 @@ impl Body for Couette {
                             Operator::SingleRelaxationTime | Operator::TwoRelaxationTimes => {
                                 excess.abs()
                             }
-                            Operator::RecursiveRegularised => 0.0,
+                            Operator::RecursiveRegularised | Operator::StabilisedRegularised => 0.0,
                         };
                         let error = (0..3)
                             .map(|a| (u[a] - e[a]).abs())

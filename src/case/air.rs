@@ -2,12 +2,14 @@
 
 use super::body::Body;
 use super::density::{density_kg_m3, sound_m_s};
+use super::faces::{check_sides, refuse_faces};
 use super::file::{self, File};
 use super::lattice_speed::{self, LATTICE_SPEED_LIMIT};
 use super::problem::Problem;
 use super::usual;
 use super::values::{absent, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
+use crate::lattice::grid::Sides;
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
 
@@ -52,7 +54,7 @@ impl Air {
 /// What the air does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flow {
-    /// Wind along +x between frictionless walls.
+    /// Wind along +x.
     WindTunnel {
         /// Wind speed [m/s].
         speed_m_s: f64,
@@ -60,6 +62,8 @@ pub enum Flow {
         start_time_s: f64,
         /// Length of the viscous sponge before the outlet [m].
         sponge_length_m: Option<f64>,
+        /// What lies beside, below and above.
+        sides: Sides,
     },
     /// Decaying Taylor–Green vortices in a periodic box.
     TaylorGreen {
@@ -179,10 +183,12 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 speed_m_s: tunnel.speed_m_s,
                 start_time_s: tunnel.start_time_s,
                 sponge_length_m,
+                sides: check_sides(air, air.descent.is_some())?,
             };
             (tunnel.size_m, tunnel.speed_m_s, flow)
         }
         (None, Some(vortices)) if !both => {
+            refuse_faces(air)?;
             let side_m = positive("air.taylor_green.side_m", vortices.side_m)?;
             let depth_m = positive("air.taylor_green.depth_m", vortices.depth_m)?;
             let speed_m_s = positive("air.taylor_green.speed_m_s", vortices.speed_m_s)?;

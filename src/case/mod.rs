@@ -15,6 +15,7 @@ mod descent;
 mod equilibrium;
 mod error;
 mod fabric;
+mod faces;
 pub mod file;
 mod grid_sequence;
 mod identity;

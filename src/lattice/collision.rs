@@ -86,6 +86,8 @@ declare! {
     TwoRelaxationTimes = 1, "two_relaxation_times", "TRT", two_relaxation_times;
     /// For any Reynolds number, with an eddy viscosity; without one flow around bluff bodies breaks down at 10⁴ and above.
     RecursiveRegularised = 2, "recursive_regularised", "regularised", recursive_regularised;
+    /// For any Reynolds number, bodies included, without an eddy viscosity: adds viscosity only where the lattice resolves nothing.
+    StabilisedRegularised = 3, "stabilised_regularised", "stabilised", stabilised_regularised;
 }
 
 impl Operator {

@@ -23,7 +23,7 @@ pub type Initial<'a> = dyn Fn([usize; 3]) -> (f64, [f64; 3]) + Sync + 'a;
 pub enum StreamwiseEnds {
     /// The domain repeats along x.
     Periodic,
-    /// Velocity inlet at −x, pressure outlet at +x.
+    /// Velocity inlet at −x, pressure outlet at +x; both let sound out.
     InletOutlet,
     /// A wall at −x and one at +x.
     Walls([Wall; 2]),
@@ -40,6 +40,29 @@ pub enum Sides {
     Each([Faces; 2]),
 }
 
+impl Sides {
+    /// What lies at the ends of y and z, in the order lower y, upper y, lower z, upper z.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let faces = match self {
+            Self::Periodic => [Faces::Periodic; 2],
+            Self::FreeSlip => [Faces::Walls([Wall::FreeSlip; 2]); 2],
+            Self::Each(faces) => *faces,
+        };
+        let words: Vec<&str> = faces
+            .into_iter()
+            .flat_map(|faces| match faces {
+                Faces::Periodic => ["periodic"; 2],
+                Faces::Walls(walls) => walls.map(Wall::in_words),
+            })
+            .collect();
+        if words.iter().all(|word| *word == words[0]) {
+            return words[0].to_owned();
+        }
+        format!("y {}, {}; z {}, {}", words[0], words[1], words[2], words[3])
+    }
+}
+
 /// What lies at both ends of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Faces {
@@ -54,6 +77,8 @@ pub enum Faces {
 pub enum Wall {
     /// Frictionless.
     FreeSlip,
+    /// Frictionless, and lets sound out ([`super::faces`]); along x as [`Wall::FreeSlip`].
+    Absorbing,
     /// The air sticks to it.
     NoSlip {
         /// Velocity of the wall, in its own plane [cells per step].
@@ -64,6 +89,20 @@ pub enum Wall {
 impl Wall {
     /// A wall at rest to which the air sticks.
     pub const AT_REST: Self = Self::NoSlip { velocity: [0.0; 3] };
+
+    const fn in_words(self) -> &'static str {
+        match self {
+            Self::FreeSlip => "frictionless",
+            Self::Absorbing => "absorbing",
+            Self::NoSlip { .. } => "no slip",
+        }
+    }
+
+    /// True if the air slides along it.
+    #[must_use]
+    pub const fn is_frictionless(self) -> bool {
+        matches!(self, Self::FreeSlip | Self::Absorbing)
+    }
 }
 
 /// All that defines the air, in lattice units.
@@ -129,6 +168,10 @@ pub const OUTLET_RELAXATION: f64 = 0.4;
 /// viscous stress of the wave, which a ghost at equilibrium lacks. Found by `ripstop validate acoustic-pulse` for the regularised
 /// operator at small viscosity.
 pub const OUTLET_DELAY: f64 = 0.65;
+
+/// Change of velocity over that of density, in units of c_s, of a wave that leaves through an outlet: cos θ between those of waves at 0° and
+/// 30° to its normal, which come back alike.
+pub const OUTLET_COSINE: f64 = 0.93;
 
 /// A cell with its density and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -313,7 +356,7 @@ pub enum Beyond {
 #[must_use]
 pub fn beyond(setup: &Setup, inlet_velocity: [f64; 3]) -> [[Beyond; 2]; 3] {
     let wall = |axis: usize, wall: Wall| match wall {
-        Wall::FreeSlip => {
+        Wall::FreeSlip | Wall::Absorbing => {
             let mut factor = [1.0; 3];
             factor[axis] = -1.0;
             Beyond::Ghost {

@@ -87,7 +87,7 @@ fn source(
         match met(ends, sides, a, from[a] >= n) {
             Met::Ghost => continue,
             Met::Repeats => from[a] = from[a].rem_euclid(n),
-            Met::Wall(Wall::FreeSlip) => {
+            Met::Wall(Wall::FreeSlip | Wall::Absorbing) => {
                 from[a] = from[a].clamp(0, n - 1);
                 velocity[a] = -velocity[a];
             }

@@ -8,6 +8,7 @@
 pub mod collision;
 pub mod control_volume;
 pub mod eddy_viscosity;
+pub mod faces;
 pub mod grid;
 pub mod links;
 pub mod operators;

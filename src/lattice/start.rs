@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::grid::{Faces, Initial, Setup, Sides, StreamwiseEnds, Wall};
+use super::grid::{Faces, Initial, Setup, Sides, StreamwiseEnds};
 use super::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, equilibrium};
 
 /// What lies beyond the first and the last cell of an axis.
@@ -62,7 +62,9 @@ impl Start {
         let [nx, ny, nz] = setup.cells;
         let across = |faces: Faces| match faces {
             Faces::Periodic => Beyond::Repeats,
-            Faces::Walls([Wall::FreeSlip, Wall::FreeSlip]) => Beyond::Mirrors,
+            Faces::Walls(walls) if walls.iter().all(|wall| wall.is_frictionless()) => {
+                Beyond::Mirrors
+            }
             Faces::Walls(_) => Beyond::Ends,
         };
         let [y, z] = match setup.sides {
@@ -208,6 +210,7 @@ impl Start {
 #[cfg(test)]
 mod tests {
     use super::super::Operator;
+    use super::super::grid::Wall;
     use super::*;
 
     /// The stress beyond equilibrium is −2/3 ρ τ S for a flow without divergence; density and momentum are untouched.

@@ -94,11 +94,13 @@ impl Plan {
                     speed_m_s,
                     start_time_s,
                     sponge_length_m,
+                    sides,
                 } => {
                     writeln!(
                         out,
                         "  wind                {speed_m_s} m/s, rising for {start_time_s} s before t = 0"
                     )?;
+                    writeln!(out, "  sides               {}", sides.in_words())?;
                     if let Some(length) = sponge_length_m {
                         writeln!(out, "  outlet sponge       {length} m")?;
                     }

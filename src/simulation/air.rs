@@ -162,10 +162,12 @@ impl AirEngine {
 fn setup(air: &Air, plan: &Plan) -> Setup {
     let (ends, sides, sponge_cells) = match air.flow {
         Flow::WindTunnel {
-            sponge_length_m, ..
+            sponge_length_m,
+            sides,
+            ..
         } => (
             StreamwiseEnds::InletOutlet,
-            Sides::FreeSlip,
+            sides,
             sponge_length_m.map(|length| length / air.units.cell_size_m),
         ),
         Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, Sides::Periodic, None),

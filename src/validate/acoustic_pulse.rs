@@ -1,87 +1,198 @@
-//! A plane sound pulse in a tunnel with and without wind: how much of it comes back from the outlet, and from the inlet.
+//! A packet of plane sound waves in a wind: how much of it comes back from the outlet, the inlet and a side, at 0°, 30° and 45° to the normal.
 //!
-//! The air is a sum of two waves, w± = ½ (δρ ± u′/c_s) with u′ = u − U. A Gaussian pulse of w+ runs into the outlet, or one of w− into the
-//! inlet; when all of it has arrived, the largest wave of the other kind is what came back. It is compared with the pulse in air without ends
-//! at the same time.
+//! The packet has a Gaussian envelope along the normal of the face, as wide as its waves are long, and is periodic along the face. When it has met
+//! the face, the largest density excess that is left is what came back. It is compared with the packet in air without faces at the same time.
+
+use std::f64::consts::TAU;
 
 use super::flows::states;
 use super::report::Gate;
 use super::session::{Session, Stop};
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use crate::lattice::{Operator, SOUND_SPEED_SQUARED};
 
-/// Cells between inlet and outlet.
-const LENGTH: usize = 400;
-
-/// Standard deviation of the pulse [cells].
-const WIDTH: f64 = 10.0;
-
-/// Its largest density excess.
+/// Largest density excess of the packet.
 const AMPLITUDE: f64 = 1e-3;
 
+/// Widths of the envelope between the middle of the packet and the face, and on its other side.
+const WIDTHS: f64 = 4.0;
+
+/// What came back at most of a wave at 0° or 30°.
+const REFLECTED: f64 = 0.05;
+
+/// Angles between the waves' way and the normal of the face [°].
+const ANGLES_DEG: [f64; 3] = [0.0, 30.0, 45.0];
+
+/// A face of the box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Face {
+    Outlet,
+    Inlet,
+    Side,
+}
+
+impl Face {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Outlet => "outlet",
+            Self::Inlet => "inlet",
+            Self::Side => "absorbing side",
+        }
+    }
+
+    /// Axis of its normal.
+    const fn axis(self) -> usize {
+        match self {
+            Self::Outlet | Self::Inlet => 0,
+            Self::Side => 1,
+        }
+    }
+
+    /// 1 at the upper end of the axis, −1 at the lower one.
+    const fn sign(self) -> f64 {
+        match self {
+            Self::Outlet | Self::Side => 1.0,
+            Self::Inlet => -1.0,
+        }
+    }
+}
+
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
-    for operator in Operator::in_use() {
-        let name = operator.short_name();
-        for wind in [0.0, 0.08] {
-            let speed = format!("{name}, wind {wind}");
-            let back = reflected(session, operator, wind, true)?;
-            let row = session.row(CELLS, format!("outlet, {speed}: reflected/incident"), back);
-            // Tunnels of high Reynolds numbers take the regularised operator.
-            if operator == Operator::RecursiveRegularised {
-                row.gate(Gate::AtMost(0.05));
+    // Length of the waves: the fundamental of a tunnel of 48 cells between its sides is twice as long.
+    let wave_length = session.size(48.0, 96.0);
+    let operators = [
+        Operator::TwoRelaxationTimes,
+        Operator::StabilisedRegularised,
+    ];
+    for operator in operators {
+        for face in [Face::Outlet, Face::Inlet, Face::Side] {
+            for angle_deg in ANGLES_DEG {
+                for wind in [0.05, 0.08] {
+                    let packet = Packet {
+                        face,
+                        angle: angle_deg.to_radians(),
+                        wave_length,
+                        wind,
+                        operator,
+                    };
+                    let back = packet.reflected(session)?;
+                    let name = operator.short_name();
+                    let row = session.row(
+                        packet.cells(),
+                        format!(
+                            "{}, {angle_deg}°, {name}, wind {wind}: reflected/incident",
+                            face.name()
+                        ),
+                        back,
+                    );
+                    // Tunnels of high Reynolds numbers take a regularised operator.
+                    if operator == Operator::StabilisedRegularised && angle_deg <= 30.0 {
+                        row.gate(Gate::AtMost(REFLECTED));
+                    }
+                }
             }
-            let back = reflected(session, operator, wind, false)?;
-            session.row(CELLS, format!("inlet, {speed}: reflected/incident"), back);
         }
     }
     Ok(())
 }
 
-const CELLS: [usize; 3] = [LENGTH, 4, 4];
-
-fn reflected(
-    session: &mut Session,
-    operator: Operator,
+/// The packet and the face that it meets.
+#[derive(Debug, Clone, Copy)]
+struct Packet {
+    face: Face,
+    /// Between its way and the normal [rad].
+    angle: f64,
+    /// [cells]
+    wave_length: f64,
+    /// Along x [cells per step].
     wind: f64,
-    outlet: bool,
-) -> Result<f64, Stop> {
-    let sound = SOUND_SPEED_SQUARED.sqrt();
-    let sign = if outlet { 1.0 } else { -1.0 };
-    let tunnel = Setup {
-        cells: CELLS,
-        ends: StreamwiseEnds::InletOutlet,
-        sides: Sides::Periodic,
-        relaxation_time: 0.501,
-        sponge_cells: None,
-        operator,
-        eddy_viscosity: None,
-    };
-    // The same pulse where it meets nothing: the method itself damps it on its way.
-    let endless = Setup {
-        cells: [2 * LENGTH, CELLS[1], CELLS[2]],
-        ends: StreamwiseEnds::Periodic,
-        ..tunnel.clone()
-    };
-    let centre = 0.5 * LENGTH as f64;
-    // Until what came back is at the middle again.
-    let time = centre / (sound + wind) + centre / (sound - wind);
-    let mut largest = [0.0; 2];
-    for ((setup, kind), largest) in [(tunnel, -sign), (endless, sign)]
-        .into_iter()
-        .zip(&mut largest)
-    {
-        let initial = |[x, _, _]: [usize; 3]| {
-            let distance = (x as f64 + 0.5 - centre) / WIDTH;
-            let excess = AMPLITUDE * (-0.5 * distance * distance).exp();
-            (excess, [wind + sign * sound * excess, 0.0, 0.0])
+    operator: Operator,
+}
+
+impl Packet {
+    /// Cells along and across the normal: one period along the face.
+    fn cells(&self) -> [usize; 3] {
+        let along = (2.0 * WIDTHS * self.wave_length).round() as usize + 20;
+        let across = if self.angle == 0.0 {
+            4
+        } else {
+            (self.wave_length / self.angle.sin()).round() as usize
         };
+        let mut cells = [2; 3];
+        cells[self.face.axis()] = along;
+        cells[1 - self.face.axis()] = across;
+        cells
+    }
+
+    fn reflected(&self, session: &mut Session) -> Result<f64, Stop> {
+        let axis = self.face.axis();
+        let (ends, sides) = match self.face {
+            Face::Side => (
+                StreamwiseEnds::Periodic,
+                Sides::Each([Faces::Walls([Wall::Absorbing; 2]), Faces::Periodic]),
+            ),
+            Face::Inlet | Face::Outlet => (StreamwiseEnds::InletOutlet, Sides::Periodic),
+        };
+        let cells = self.cells();
+        let tunnel = Setup {
+            cells,
+            ends,
+            sides,
+            relaxation_time: 0.5001,
+            sponge_cells: None,
+            operator: self.operator,
+            eddy_viscosity: None,
+        };
+        // The same packet where it meets nothing: the method itself damps and spreads it on its way.
+        let mut endless = Setup {
+            ends: StreamwiseEnds::Periodic,
+            sides: Sides::Periodic,
+            ..tunnel.clone()
+        };
+        endless.cells[axis] *= 3;
+        let left = self.largest_at_the_end(session, tunnel, 0)?;
+        Ok(left / self.largest_at_the_end(session, endless, cells[axis])?)
+    }
+
+    /// Largest density excess when what came back is where the packet began; `before` cells lie before the box.
+    fn largest_at_the_end(
+        &self,
+        session: &mut Session,
+        setup: Setup,
+        before: usize,
+    ) -> Result<f64, Stop> {
+        let sound = SOUND_SPEED_SQUARED.sqrt();
+        let (axis, sign) = (self.face.axis(), self.face.sign());
+        let way = WIDTHS * self.wave_length;
+        let middle = if sign > 0.0 {
+            self.cells()[axis] as f64 - way
+        } else {
+            way
+        } + before as f64;
+        let wave_number = TAU / self.wave_length;
+        let [along, across] = [self.angle.cos(), self.angle.sin()];
+        let wind = self.wind;
+        let width = self.wave_length;
+        let initial = move |cell: [usize; 3]| {
+            let from_middle = cell[axis] as f64 + 0.5 - middle;
+            let sideways = cell[1 - axis] as f64 + 0.5;
+            let phase = wave_number * (sign * along * from_middle + across * sideways);
+            let excess =
+                AMPLITUDE * (-0.5 * (from_middle / width).powi(2)).exp() * phase.cos();
+            let mut velocity = [0.0; 3];
+            velocity[axis] = sign * along * sound * excess;
+            velocity[1 - axis] = across * sound * excess;
+            velocity[0] += wind;
+            (excess, velocity)
+        };
+        let wind_there = if axis == 0 { sign * wind } else { 0.0 };
+        let [there, back] = [1.0, -1.0].map(|way| along * sound + way * wind_there);
         let mut air = session.air(setup, &initial)?;
         air.set_inlet_velocity([wind, 0.0, 0.0]);
-        session.advance(&mut air, time.round() as usize, None)?;
-        *largest = states(&air)?
+        session.advance(&mut air, (way / there + way / back).round() as usize, None)?;
+        Ok(states(&air)?
             .iter()
-            .map(|(excess, u)| (0.5 * (excess + kind * (u[0] - wind) / sound)).abs())
-            .fold(0.0, f64::max);
+            .map(|(excess, _)| excess.abs())
+            .fold(0.0, f64::max))
     }
-    Ok(largest[0] / largest[1])
 }

@@ -20,9 +20,43 @@ pub struct Air {
     pub wind_tunnel: Option<WindTunnel>,
     /// Decaying vortices in a periodic box: a test of the air alone.
     pub taylor_green: Option<TaylorGreen>,
+    /// What lies beside, below and above a wind tunnel or a descent; absorbing sides if absent.
+    pub faces: Option<Faces>,
 }
 
-/// Wind along +x between frictionless walls.
+/// Sides of the box. The inlet and the outlet always let sound out.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Faces {
+    /// All four sides that are not given by themselves; `"absorbing"` if absent.
+    pub sides: Option<Side>,
+    /// At the lower end of y.
+    pub y_lower: Option<Side>,
+    /// At the upper end of y.
+    pub y_upper: Option<Side>,
+    /// At the lower end of z.
+    pub z_lower: Option<Side>,
+    /// At the upper end of z.
+    pub z_upper: Option<Side>,
+}
+
+/// What lies at a side of the box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// A frictionless wall for the flow that lets sound out: nothing flows through it in the mean.
+    Absorbing,
+    /// A frictionless solid wall: sound comes back from it.
+    Frictionless,
+    /// A plane of symmetry, which is a frictionless solid wall.
+    Symmetry,
+    /// A solid wall to which the air sticks; not in `[air.descent]`, where nothing stands still beside the box.
+    NoSlip,
+    /// The box repeats: both sides of an axis.
+    Periodic,
+}
+
+/// Wind along +x between the sides of `[air.faces]`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WindTunnel {

@@ -5,8 +5,9 @@
 //! * periodic: what left through the opposite face;
 //! * free slip (half-way specular reflection): what left mirrored at the wall midway between cell and ghost;
 //! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
-//! * velocity inlet: equilibrium with the inlet's velocity and the density of the second cell (zero pressure gradient), both as after the
-//!   collision of the step, like every cell that streams;
+//! * absorbing sides: as free slip, then less what sound takes out ([`crate::lattice::faces`]);
+//! * velocity inlet: equilibrium with the inlet's velocity and the density that the leaving populations tell of, but for what sound takes out
+//!   (there, too);
 //! * pressure outlet: equilibrium with the density and velocity of the last cell, delayed like an outgoing sound wave; a viscous
 //!   sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
@@ -14,18 +15,19 @@
 //!
 //! The outlet lets sound pass. The density excess at the ghost is that of the last cell a little earlier, δρ_g = δρ − d (δρ − δρ'), where
 //! δρ' is that of the step before (kept in the ghost's place among the populations at rest) and d = [`OUTLET_DELAY`]. What changes on
-//! the way is an outgoing wave: the incoming one, ½ (δρ − u/c_s), which the outlet itself sent, is taken over by u_g = u + c_s (δρ_g − δρ).
+//! the way is an outgoing wave: the incoming one, ½ (δρ − u/c_s), which the outlet itself sent, is taken over by
+//! u_g = u + c_s cos θ (δρ_g − δρ), cos θ = [`OUTLET_COSINE`].
 //! Then the ghost loses a share a = [`OUTLET_RELAXATION`] / (cells between inlet and outlet) of its excess, so that the incoming wave adds
 //! up −(a/2) δρ per step: the relaxation towards the target pressure of a characteristic outlet (L₁ = K δp: Rudy & Strikwerda 1980,
 //! doi:10.1016/0021-9991(80)90174-6; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2). Our departure: only changes of density, not of
-//! velocity, count as sound, so that vortices make no pressure. *Limits*: waves that meet the outlet at an angle are reflected in
-//! part, and an inlet of given velocity reflects most of a wave.
+//! velocity, count as sound, so that vortices make no pressure. *Limits*: of waves at 45° a tenth to a fifth comes back.
 
 use rayon::prelude::*;
 
 use super::Fluid;
 use super::sides::FAMILIES;
-use crate::lattice::grid::{OUTLET_DELAY, OUTLET_RELAXATION};
+use crate::lattice::faces::{IMPEDANCE, InletAnswer, SIDE_FLOW, TANGENTIAL_SHARE, present_share};
+use crate::lattice::grid::{OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
     DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
@@ -68,13 +70,122 @@ impl<T: Real> Fluid<T> {
     }
 }
 
+impl<T: Real> Fluid<T> {
+    /// Takes away what sound takes out through the sides, after the copies.
+    pub(super) fn absorb_at_sides(&mut self) {
+        let (cells, share) = (self.setup.cells, T::of(present_share(self.setup.cells)));
+        let (grid, odd) = (self.grid, self.odd);
+        let sides = self.absorbing_sides.iter().zip(&mut self.face_means.sides);
+        for (side, means) in sides {
+            absorb(
+                self.populations.arrays_mut(),
+                &side.slots(&grid, odd),
+                side.row_stride(&grid),
+                means,
+                cells[0],
+                share,
+            );
+        }
+    }
+}
+
+/// The work on one side: rows of `nx` cells, `stride` elements apart, with the slots of the five populations that enter the first cell.
+fn absorb<T: Real>(
+    mut arrays: [&mut [T]; DIRECTION_COUNT],
+    slots: &[(usize, usize); 5],
+    stride: usize,
+    means: &mut [f32],
+    nx: usize,
+    share: T,
+) {
+    let [axis, a, b, c, d] =
+        slots.map(|(array, first)| std::mem::take(&mut arrays[array]).split_at_mut(first).1);
+    let weights = [1.0 / 18.0, 1.0 / 36.0, 1.0 / 36.0, 1.0 / 36.0, 1.0 / 36.0].map(T::of);
+    let (flow, sixth) = (T::of(SIDE_FLOW), T::of(1.0 / 6.0));
+    means
+        .par_chunks_mut(nx)
+        .zip(axis.par_chunks_mut(stride))
+        .zip(a.par_chunks_mut(stride))
+        .zip(b.par_chunks_mut(stride))
+        .zip(c.par_chunks_mut(stride))
+        .zip(d.par_chunks_mut(stride))
+        .with_min_len(ROWS_PER_TASK)
+        .for_each(|(((((means, axis), a), b), c), d)| {
+            let rows = [
+                &mut axis[..nx],
+                &mut a[..nx],
+                &mut b[..nx],
+                &mut c[..nx],
+                &mut d[..nx],
+            ];
+            for x in 0..nx {
+                let mean = T::of(f64::from(means[x]));
+                let met = (rows[0][x] + rows[1][x]) + (rows[2][x] + rows[3][x]) + rows[4][x];
+                let over_mean = met - mean;
+                means[x] = (mean + share * over_mean).to_f64() as f32;
+                let taken = flow * over_mean / (sixth + met);
+                for k in 0..5 {
+                    rows[k][x] = rows[k][x] - taken * (rows[k][x] + weights[k]);
+                }
+            }
+        });
+}
+
+/// Rows of a side that one task works on at least: shorter ones cost more to hand out than to do.
+const ROWS_PER_TASK: usize = 16;
+
+/// The inlet in a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Inlet<T> {
+    velocity: [T; 3],
+    wave: T,
+    of_wind: T,
+    tangential: T,
+    /// Share of the present that a running mean takes.
+    share: T,
+}
+
+impl<T: Real> Inlet<T> {
+    pub(super) fn new(velocity: [f64; 3], cells: [usize; 3]) -> Self {
+        let answer = InletAnswer::new(velocity[0]);
+        Self {
+            velocity: velocity.map(T::of),
+            wave: T::of(answer.wave),
+            of_wind: T::of(answer.of_wind),
+            tangential: T::of(answer.tangential),
+            share: T::of(present_share(cells)),
+        }
+    }
+
+    /// Density and velocity of the ghost, from the populations that leave (−x; −x−y, −x−z, −x+y, −x+z) and their running mean.
+    #[inline(always)]
+    fn ghost(&self, leaving: [T; 5], mean: &mut f32) -> (T, [T; 3]) {
+        let [x, xy, xz, x_y, x_z] = leaving;
+        let met = x + ((xy + x_y) + (xz + x_z));
+        let past = T::of(f64::from(*mean));
+        let over_mean = T::of(6.0) * met + self.of_wind - past;
+        *mean = (past + self.share * over_mean).to_f64() as f32;
+        let wave = self.wave * over_mean;
+        let [u, v, w] = self.velocity;
+        let kept = T::of(1.0 - TANGENTIAL_SHARE);
+        (
+            past + wave,
+            [
+                u - T::of(IMPEDANCE) * wave,
+                kept * v + self.tangential * (x_y - xy),
+                kept * w + self.tangential * (x_z - xz),
+            ],
+        )
+    }
+}
+
 /// What lies at both ends of a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum RowEnds<T> {
     /// The row repeats.
     Periodic,
-    /// Inlet, with its velocity, and outlet.
-    InletOutlet([T; 3]),
+    /// Inlet and outlet.
+    InletOutlet(Inlet<T>),
     /// Walls: among the copies.
     Walls,
 }
@@ -88,8 +199,9 @@ pub(super) fn fill_row_ends<T: Real>(
     start: usize,
     nx: usize,
     ends: &RowEnds<T>,
+    inlet_mean: Option<&mut f32>,
 ) {
-    let inlet_velocity = match ends {
+    let inlet = match ends {
         RowEnds::Walls => return,
         RowEnds::Periodic => {
             for direction in DOWNSTREAM {
@@ -98,7 +210,10 @@ pub(super) fn fill_row_ends<T: Real>(
             }
             return;
         }
-        RowEnds::InletOutlet(inlet_velocity) => inlet_velocity,
+        RowEnds::InletOutlet(inlet) => inlet,
+    };
+    let Some(inlet_mean) = inlet_mean else {
+        return;
     };
     // The momentum after the collision is what a streaming cell carries.
     let state = |x: usize| {
@@ -108,17 +223,22 @@ pub(super) fn fill_row_ends<T: Real>(
         }
         bare_moments(&f)
     };
-    let (inlet_excess, _) = state(1.min(nx - 1));
     let (excess, momentum) = state(nx - 1);
     let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
     let [u, v, w] = momentum.map(|j| j * inverse_density);
     let late = -(T::of(OUTLET_DELAY) * (excess - arrays[0][start + nx]));
     arrays[0][start + nx] = excess;
     let outlet_excess = T::of(1.0 - OUTLET_RELAXATION / nx as f64) * (excess + late);
-    let outlet_velocity = [u + T::of(SOUND_SPEED_SQUARED.sqrt()) * late, v, w];
+    let outlet_velocity = [
+        u + T::of(OUTLET_COSINE * SOUND_SPEED_SQUARED.sqrt()) * late,
+        v,
+        w,
+    ];
+    let leaving = DOWNSTREAM.map(|direction| arrays[direction][start]);
+    let (inlet_excess, inlet_velocity) = inlet.ghost(leaving, inlet_mean);
     for direction in DOWNSTREAM {
         arrays[direction + 1][start - 1] =
-            shifted_equilibrium(direction, inlet_excess, inlet_velocity);
+            shifted_equilibrium(direction, inlet_excess, &inlet_velocity);
         arrays[direction][start + nx] =
             shifted_equilibrium(direction + 1, outlet_excess, &outlet_velocity);
     }

@@ -12,7 +12,7 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::Fluid;
-use super::boundaries::{RowEnds, fill_row_ends};
+use super::boundaries::{Inlet, RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
@@ -84,6 +84,7 @@ impl<T: Real> Fluid<T> {
         self.odd = !self.odd;
         self.steps += 1;
         self.apply_boundaries();
+        self.absorb_at_sides();
     }
 
     fn smagorinsky_constant(&self) -> Option<f64> {
@@ -111,7 +112,9 @@ impl<T: Real> Fluid<T> {
                 .map(|held| held.relaxation_times.as_slice()),
             ends: match self.setup.ends {
                 StreamwiseEnds::Periodic => RowEnds::Periodic,
-                StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(self.inlet_velocity.map(T::of)),
+                StreamwiseEnds::InletOutlet => {
+                    RowEnds::InletOutlet(Inlet::new(self.inlet_velocity, self.setup.cells))
+                }
                 StreamwiseEnds::Walls(_) => RowEnds::Walls,
             },
         };
@@ -124,8 +127,13 @@ impl<T: Real> Fluid<T> {
                 first_plane: s * planes,
                 planes: planes.min(nz - s * planes),
                 arrays: std::array::from_fn(|_| Default::default()),
+                inlet_means: &mut [],
             })
             .collect();
+        let rows = planes * self.setup.cells[1];
+        for (slab, means) in slabs.iter_mut().zip(self.face_means.inlet.chunks_mut(rows)) {
+            slab.inlet_means = means;
+        }
         for (array, data) in self.populations.arrays_mut().into_iter().enumerate() {
             // The direction that reads this array in this step: 'local' slots are read by the first of a pair.
             let direction = if array == 0 || odd {
@@ -165,6 +173,8 @@ struct Slab<'a, T> {
     first_plane: usize,
     planes: usize,
     arrays: [&'a mut [T]; DIRECTION_COUNT],
+    /// Running means at the inlet, row by row; empty without one.
+    inlet_means: &'a mut [f32],
 }
 
 /// The work on one slab, compiled once per instruction set.
@@ -231,7 +241,13 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     touched,
                     acceleration.is_some(),
                 );
-                fill_row_ends(&mut self.slab.arrays, start, nx, &self.common.ends);
+                fill_row_ends(
+                    &mut self.slab.arrays,
+                    start,
+                    nx,
+                    &self.common.ends,
+                    self.slab.inlet_means.get_mut(plane * ny + y),
+                );
                 for &x in touched {
                     for a in 0..3 {
                         force[a][x as usize] = resting[a];

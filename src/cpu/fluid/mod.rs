@@ -16,6 +16,7 @@ mod sides;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::lattice::faces::{AbsorbingSide, FaceMeans};
 use crate::lattice::grid::{Grid, Initial, LINE_BYTES, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
@@ -25,6 +26,9 @@ use held_eddy_viscosity::HeldEddyViscosity;
 use sides::Sides;
 use storage::Storage;
 
+/// Section of a checkpoint with the running means of faces that let sound out.
+pub const FACE_MEANS: &str = "face_means";
+
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
 pub struct Fluid<T: Real> {
@@ -33,6 +37,9 @@ pub struct Fluid<T: Real> {
     /// One array per direction, shifted populations, ghost layer included.
     populations: Storage<T>,
     sides: Sides,
+    /// Sides that let sound out; none in most scenes without a tunnel.
+    absorbing_sides: Vec<AbsorbingSide>,
+    face_means: FaceMeans,
     /// Relaxation time per x [cells]; `None` without a sponge.
     relaxation_profile: Option<Vec<T>>,
     /// `None` where no model needs the velocity gradient.
@@ -68,6 +75,8 @@ impl<T: Real> Fluid<T> {
                 },
                 setup.sides,
             )),
+            absorbing_sides: AbsorbingSide::all(&setup),
+            face_means: FaceMeans::at_rest(&setup),
             relaxation_profile,
             held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             inlet_velocity: [0.0; 3],
@@ -84,6 +93,7 @@ impl<T: Real> Fluid<T> {
 
     /// Takes the populations of a start, before the first step.
     pub fn fill(&mut self, start: &Start) {
+        self.face_means = FaceMeans::of_start(&self.setup, start);
         let [nx, ny, nz] = self.setup.cells;
         for z in 0..nz {
             for y in 0..ny {
@@ -148,6 +158,9 @@ impl<T: Real> Fluid<T> {
             }
             out.put(&format!("populations_{array:02}"), &packed)?;
         }
+        if self.face_means.count() > 0 {
+            out.put(FACE_MEANS, &self.face_means.joined())?;
+        }
         if let Some(held) = &self.held_eddy_viscosity {
             out.put("eddy_relaxation_times", &held.relaxation_times)?;
         }
@@ -168,6 +181,10 @@ impl<T: Real> Fluid<T> {
             for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
                 self.populations[array][row].copy_from_slice(&packed[packed_row]);
             }
+        }
+        let means = self.face_means.count();
+        if means > 0 {
+            self.face_means.take(&from.take_exactly(FACE_MEANS, means)?);
         }
         if let Some(held) = &mut self.held_eddy_viscosity {
             held.restore(from.take_exactly("eddy_relaxation_times", self.grid.cell_count())?);

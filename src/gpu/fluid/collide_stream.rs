@@ -114,9 +114,15 @@ impl Fluid {
 
     /// Recorded after the sweep of a step of the given parity.
     fn record_boundaries(&self, pass: &mut Pass<'_>, parity: usize) {
+        if let Some(faces) = &self.absorbing_faces {
+            faces.record_inlet(pass, 1 - parity);
+        }
         if let Some(boundaries) = &self.boundaries {
             let (bound, groups) = &boundaries[1 - parity];
             bound.dispatch(pass, *groups);
+        }
+        if let Some(faces) = &self.absorbing_faces {
+            faces.record_sides(pass, 1 - parity);
         }
     }
 

@@ -3,6 +3,7 @@
 //! A storage binding is capped at 2³¹ bytes on many drivers, hence one buffer per direction: 5·10⁸ cells. The parity of a step is
 //! a choice between two bind groups.
 
+mod absorbing_faces;
 pub mod collide_stream;
 pub mod control_volume;
 pub mod eddy_viscosity;
@@ -30,6 +31,7 @@ use crate::lattice::grid::{Grid, Initial, Setup};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Storage};
+use absorbing_faces::AbsorbingFaces;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
 use held_eddy_viscosity::HeldEddyViscosity;
@@ -62,6 +64,8 @@ pub struct Fluid {
     /// With the body force near the sheet, by parity, and the generation of the force box that it is bound to.
     forced: Option<([Bound; 2], u64)>,
     boundaries: Option<[Counted; 2]>,
+    /// `None` where no face lets sound out.
+    absorbing_faces: Option<AbsorbingFaces>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
     read_back: ReadBack,
@@ -131,6 +135,14 @@ impl Fluid {
         };
         let (free, accelerated) = (both(&free)?, both(&accelerated)?);
         let boundaries = boundaries(device, &setup, &grid, storage, &populations)?;
+        let absorbing_faces = AbsorbingFaces::new(
+            device,
+            &setup,
+            &grid,
+            storage,
+            &populations,
+            &step_parameters,
+        )?;
         let read_back = ReadBack::new(device, &grid, storage, &populations, &constants)?;
         let mut fluid = Self {
             device: Arc::clone(device),
@@ -143,6 +155,7 @@ impl Fluid {
             forced_pipeline,
             forced: None,
             boundaries,
+            absorbing_faces,
             held_eddy_viscosity,
             read_back,
             inlet_velocity: [0.0; 3],
@@ -167,6 +180,7 @@ impl Fluid {
             let (_, data) = self.first_planes(start, direction, self.grid.cells[2]);
             self.write_populations(array, &data);
         }
+        self.fill_face_means(start);
     }
 
     /// Populations of the first `planes` of a start as their array holds them before an even step, from its first element on, and the
@@ -317,6 +331,7 @@ impl Fluid {
             let name = format!("populations_{array:02}");
             self.save_stored(out, &name, buffer, self.grid.total)?;
         }
+        self.save_face_means(out)?;
         if let Some(held) = &self.held_eddy_viscosity {
             let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
             self.save_stored(out, "eddy_relaxation_times", buffer, count)?;
@@ -335,6 +350,7 @@ impl Fluid {
             let name = format!("populations_{array:02}");
             self.restore_stored(from, &name, buffer, self.grid.total)?;
         }
+        self.restore_face_means(from)?;
         if let Some(held) = &self.held_eddy_viscosity {
             let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
             self.restore_stored(from, "eddy_relaxation_times", buffer, count)?;

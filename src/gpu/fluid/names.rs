@@ -2,7 +2,9 @@
 
 use crate::gpu::tuning::Tuning;
 use crate::lattice::DIRECTION_COUNT;
-use crate::lattice::grid::{Grid, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds};
+use crate::lattice::grid::{
+    Grid, OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION, Setup, StreamwiseEnds,
+};
 
 const NEAR_FAR: [[&str; 2]; 9] = [
     ["near_x", "far_x"],
@@ -64,6 +66,7 @@ pub(super) fn constants(tuning: Tuning, setup: &Setup, grid: &Grid) -> Vec<(&'st
         ("SPONGE_LENGTH", setup.sponge_cells.unwrap_or(0.0)),
         ("OUTLET_RELAXATION", OUTLET_RELAXATION),
         ("OUTLET_DELAY", OUTLET_DELAY),
+        ("OUTLET_COSINE", OUTLET_COSINE),
     ]
 }
 

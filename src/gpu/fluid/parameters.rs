@@ -52,6 +52,23 @@ parameters! {
         /// Unused.
         padding: u32,
     }
+    /// A face that lets sound out.
+    AbsorbingFace {
+        /// Array and element of the populations of the first cell that leave through it.
+        leaving: [[u32; 4]; 5],
+        /// Of those that enter.
+        entering: [[u32; 4]; 5],
+        /// Cells of a row, rows, elements from cell to cell, elements from row to row.
+        shape: [u32; 4],
+        /// Where its running means begin.
+        first_mean: u32,
+        /// Unused.
+        padding_a: u32,
+        /// Unused.
+        padding_b: u32,
+        /// Unused.
+        padding_c: u32,
+    }
     /// One copy of the list that `boundaries` reads.
     BoundaryCopy {
         /// Array written + 32 array read.

@@ -1,0 +1,108 @@
+// Faces that let sound out: the inlet and the sides (src/lattice/faces.rs tells how). A thread per cell of a face. The inlet's stage comes before
+// `boundaries`, which mirror what its ghosts send; the sides' after it, those of y and of z one after the other, since they share edges.
+
+struct AbsorbingFace {
+    // (array, element) of the populations of the first cell that leave through the face: along its normal, then the four diagonals.
+    leaving: array<vec4<u32>, 5>,
+    // (array, element) of those that enter, in the same order.
+    entering: array<vec4<u32>, 5>,
+    // Cells of a row, rows, elements from cell to cell, elements from row to row.
+    shape: vec4<u32>,
+    first_mean: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+// Flow through a face over the density of a wave that leaves.
+override IMPEDANCE: f32 = 0.0;
+// Flow out of a side over the populations that meet it.
+override SIDE_FLOW: f32 = 0.0;
+// Share of the present that the running means take in a step.
+override PRESENT_SHARE: f32 = 0.0;
+// Part of the tangential velocity of leaving air that the inlet's ghost takes.
+override TANGENTIAL_SHARE: f32 = 0.0;
+
+@group(0) @binding(19) var<storage, read> faces: array<AbsorbingFace>;
+@group(0) @binding(20) var<storage, read_write> means: array<f32>;
+@group(0) @binding(21) var<uniform> step: StepParameters;
+
+const AXIS: f32 = 1.0 / 18.0;
+const DIAGONAL: f32 = 1.0 / 36.0;
+
+struct FaceCell {
+    // Elements from those of the first cell.
+    shift: u32,
+    mean: u32,
+    inside: bool,
+}
+
+fn face_cell(face: u32, i: u32) -> FaceCell {
+    let shape = faces[face].shape;
+    let row = i / shape.x;
+    var cell: FaceCell;
+    cell.shift = (i - row * shape.x) * shape.z + row * shape.w;
+    cell.mean = faces[face].first_mean + i;
+    cell.inside = row < shape.y;
+    return cell;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn absorb_at_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let cell = face_cell(0u, group.x * WORKGROUP + local);
+    if !cell.inside {
+        return;
+    }
+    var met: array<f32, 5>;
+    for (var k = 0u; k < 5u; k++) {
+        let slot = faces[0].leaving[k];
+        met[k] = load(slot.x, slot.y + cell.shift);
+    }
+    let wind = step.inlet_velocity.xyz;
+    let square = 3.0 * wind.x * wind.x;
+    let sum = met[0] + ((met[1] + met[3]) + (met[2] + met[4]));
+    let past = means[cell.mean];
+    let over_mean = 6.0 * sum + (3.0 * wind.x - square) - past;
+    means[cell.mean] = past + PRESENT_SHARE * over_mean;
+    let wave = over_mean / (1.0 - 3.0 * wind.x + square + (3.0 - 6.0 * wind.x) * IMPEDANCE);
+    let excess = past + wave;
+    // The diagonals of LEAVING_INLET: -y, -z, +y, +z.
+    let across = vec2<f32>(met[3] - met[1], met[4] - met[2]);
+    let tangential = (1.0 - TANGENTIAL_SHARE) * wind.yz + (TANGENTIAL_SHARE * 6.0 / (1.0 - 3.0 * wind.x)) * across;
+    let u = vec3<f32>(wind.x - IMPEDANCE * wave, tangential);
+    send(0u, cell.shift, shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
+    send(1u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
+    send(2u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));
+    send(3u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u));
+    send(4u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u));
+}
+
+fn send(k: u32, shift: u32, population: f32) {
+    let slot = faces[0].entering[k];
+    store(slot.x, slot.y + shift, population);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn absorb_at_sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let face = group.y;
+    let cell = face_cell(face, group.x * WORKGROUP + local);
+    if !cell.inside {
+        return;
+    }
+    var met: array<f32, 5>;
+    var sum = 0.0;
+    for (var k = 0u; k < 5u; k++) {
+        let slot = faces[face].leaving[k];
+        met[k] = load(slot.x, slot.y + cell.shift);
+        sum += met[k];
+    }
+    let past = means[cell.mean];
+    let over_mean = sum - past;
+    means[cell.mean] = past + PRESENT_SHARE * over_mean;
+    let taken = SIDE_FLOW * over_mean / (1.0 / 6.0 + sum);
+    for (var k = 0u; k < 5u; k++) {
+        let slot = faces[face].entering[k];
+        let weight = select(DIAGONAL, AXIS, k == 0u);
+        store(slot.x, slot.y + cell.shift, met[k] - taken * (met[k] + weight));
+    }
+}
