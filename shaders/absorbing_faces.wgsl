@@ -14,14 +14,12 @@ struct AbsorbingFace {
     padding_c: u32,
 }
 
-// Flow through a face over the density of a wave that leaves.
-override IMPEDANCE: f32 = 0.0;
+// Flow through the inlet over the density of a wave that leaves.
+override INLET_IMPEDANCE: f32 = 0.0;
 // Flow out of a side over the populations that meet it.
 override SIDE_FLOW: f32 = 0.0;
 // Share of the present that the running means take in a step.
 override PRESENT_SHARE: f32 = 0.0;
-// Part of the tangential velocity of leaving air that the inlet's ghost takes.
-override TANGENTIAL_SHARE: f32 = 0.0;
 
 @group(0) @binding(19) var<storage, read> faces: array<AbsorbingFace>;
 @group(0) @binding(20) var<storage, read_write> means: array<f32>;
@@ -64,12 +62,9 @@ fn absorb_at_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     let past = means[cell.mean];
     let over_mean = 6.0 * sum + (3.0 * wind.x - square) - past;
     means[cell.mean] = past + PRESENT_SHARE * over_mean;
-    let wave = over_mean / (1.0 - 3.0 * wind.x + square + (3.0 - 6.0 * wind.x) * IMPEDANCE);
+    let wave = over_mean / (1.0 - 3.0 * wind.x + square + (3.0 - 6.0 * wind.x) * INLET_IMPEDANCE);
     let excess = past + wave;
-    // The diagonals of LEAVING_INLET: -y, -z, +y, +z.
-    let across = vec2<f32>(met[3] - met[1], met[4] - met[2]);
-    let tangential = (1.0 - TANGENTIAL_SHARE) * wind.yz + (TANGENTIAL_SHARE * 6.0 / (1.0 - 3.0 * wind.x)) * across;
-    let u = vec3<f32>(wind.x - IMPEDANCE * wave, tangential);
+    let u = vec3<f32>(wind.x - INLET_IMPEDANCE * wave, wind.yz);
     send(0u, cell.shift, shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
     send(1u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
     send(2u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));

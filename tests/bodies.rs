@@ -33,6 +33,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("bodies::a_spinning_sphere_meets_a_moment", Spin),
         on_every_engine("bodies::resumes_with_the_same_bits", Resume),
         on_every_engine("bodies::a_breakdown_is_told_where_it_begins", Breakdown),
+        on_every_engine("bodies::stands_without_an_eddy_viscosity", Stands),
         plain("bodies::a_sphere_from_a_file_is_a_sphere", from_file),
         plain("bodies::beside_a_canopy", beside_a_canopy),
         plain("bodies::plans_hold_what_is_there", plans),
@@ -362,6 +363,45 @@ impl Body for Resume {
     }
 }
 
+/// A sphere at Reynolds number 10⁶ without eddy viscosity, in a tunnel of 5 × 3 × 3 diameters.
+fn fast_sphere(cells: f64, changes: &[&str]) -> Case {
+    let cells = format!("resolution.cells_per_diameter={cells:?}");
+    let mut all = vec![
+        "air.kinematic_viscosity_m2_s=1.5e-9",
+        "air.wind_tunnel.size_m=[0.5, 0.3, 0.3]",
+        "air.wind_tunnel.start_time_s=6.0",
+        "air.wind_tunnel.sponge_length_m=0.05",
+        "bodies.sphere.position_m=[0.15, 0.15, 0.15]",
+        &cells,
+    ];
+    all.extend(changes);
+    sphere_case(Path::new("."), &all)
+}
+
+#[derive(Clone, Copy)]
+struct Stands;
+
+impl Body for Stands {
+    /// What breaks down in `Breakdown` within 10 D/U stands with viscosity from the residual, faster and for longer.
+    fn run(self, engine: Engine) {
+        let case = fast_sphere(
+            8.0,
+            &[
+                "resolution.operator=stabilised_regularised",
+                "resolution.lattice_speed=0.15",
+                "time.end_s=150.0",
+            ],
+        );
+        let (simulation, record) = simulate(&case, engine);
+        assert!(!simulation.steps_are_left());
+        // Without walls a sphere has 0.4 to 0.5 below the drag crisis; blockage 8.7 % and cells of an eighth of it add to that.
+        let drag = value(&simulation, &record, "drag_coefficient");
+        assert!((0.4..0.8).contains(&drag), "C_D {drag}");
+        let slip = value(&simulation, &record, "slip_mean");
+        assert!(slip < 0.04, "{slip}");
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Breakdown;
 
@@ -369,19 +409,7 @@ impl Body for Breakdown {
     /// A sphere at Reynolds number 10⁶ without eddy viscosity breaks down at its surface, and the run says so.
     fn run(self, engine: Engine) {
         let cells = 8.0;
-        let case = sphere_case(
-            Path::new("."),
-            &[
-                "air.kinematic_viscosity_m2_s=1.5e-9",
-                "air.wind_tunnel.size_m=[0.5, 0.3, 0.3]",
-                "air.wind_tunnel.start_time_s=6.0",
-                "air.wind_tunnel.sponge_length_m=0.05",
-                "bodies.sphere.position_m=[0.15, 0.15, 0.15]",
-                &format!("resolution.cells_per_diameter={cells:?}"),
-                "resolution.lattice_speed=0.1",
-                "time.end_s=200.0",
-            ],
-        );
+        let case = fast_sphere(cells, &["resolution.lattice_speed=0.1", "time.end_s=200.0"]);
         let plan = Plan::new(&case.scene, engine.plan_placement());
         let device = engine.device();
         let mut simulation = Simulation::new(case.scene.clone(), plan, device).unwrap();
@@ -402,9 +430,12 @@ impl Body for Breakdown {
             .split(", ")
             .map(|cell| (cell.parse::<f64>().unwrap() - centre).powi(2))
             .sum();
-        // The shear layer leaves the sphere half a diameter from its centre.
-        assert!(from_centre.sqrt() < cells, "{diverged}");
-        assert!(what.contains("cells from a marker"), "{diverged}");
+        // At the surface or in the shear layer, which leaves it half a diameter from the centre; corners of the box are 2.5 diameters away.
+        assert!(from_centre.sqrt() < 1.5 * cells, "{diverged}");
+        assert!(
+            what.contains("cells from a marker") || what.contains("in the wake"),
+            "{diverged}"
+        );
         eprintln!("{} {diverged}", engine.name());
     }
 }

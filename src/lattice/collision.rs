@@ -91,6 +91,12 @@ declare! {
 }
 
 impl Operator {
+    /// True if flow around bluff bodies stands at any Reynolds number without an eddy viscosity (docs/stability.md).
+    #[must_use]
+    pub const fn stands_bluff_bodies(self) -> bool {
+        matches!(self, Self::StabilisedRegularised)
+    }
+
     /// Those that runs are meant to take, and not for comparison only.
     pub fn in_use() -> impl Iterator<Item = Self> {
         Self::ALL

@@ -17,8 +17,11 @@ const AMPLITUDE: f64 = 1e-3;
 /// Widths of the envelope between the middle of the packet and the face, and on its other side.
 const WIDTHS: f64 = 4.0;
 
-/// What came back at most of a wave at 0° or 30°.
+/// What came back at most of a wave at 0° or 30° from outlet and sides.
 const REFLECTED: f64 = 0.05;
+
+/// The same from the inlet: a wave at 30° against a wind of 0.08 makes vorticity there, and 6 % of it comes back.
+const REFLECTED_AT_INLET: f64 = 0.07;
 
 /// Angles between the waves' way and the normal of the face [°].
 const ANGLES_DEG: [f64; 3] = [0.0, 30.0, 45.0];
@@ -87,7 +90,11 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
                     );
                     // Tunnels of high Reynolds numbers take a regularised operator.
                     if operator == Operator::StabilisedRegularised && angle_deg <= 30.0 {
-                        row.gate(Gate::AtMost(REFLECTED));
+                        row.gate(Gate::AtMost(if face == Face::Inlet {
+                            REFLECTED_AT_INLET
+                        } else {
+                            REFLECTED
+                        }));
                     }
                 }
             }
@@ -177,8 +184,7 @@ impl Packet {
             let from_middle = cell[axis] as f64 + 0.5 - middle;
             let sideways = cell[1 - axis] as f64 + 0.5;
             let phase = wave_number * (sign * along * from_middle + across * sideways);
-            let excess =
-                AMPLITUDE * (-0.5 * (from_middle / width).powi(2)).exp() * phase.cos();
+            let excess = AMPLITUDE * (-0.5 * (from_middle / width).powi(2)).exp() * phase.cos();
             let mut velocity = [0.0; 3];
             velocity[axis] = sign * along * sound * excess;
             velocity[1 - axis] = across * sound * excess;

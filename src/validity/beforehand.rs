@@ -54,15 +54,17 @@ const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
             value: |whole| Some(whole.air.lattice_speed * 3f64.sqrt()),
         },
         Rule {
-            name: "Reynolds number without an eddy viscosity",
+            name: "Reynolds number without added viscosity",
             unit: "1",
-            meaning: "of what stands in the air; beyond the limit the flow around bluff bodies breaks down without an eddy viscosity",
+            meaning: "of what stands in the air; beyond the limit the flow around bluff bodies breaks down without an eddy viscosity or a stabilised operator",
             bound: Bound::AtMost,
             limit: 5e3,
             supports: Supports::Everything,
-            remedy: "add resolution.eddy_viscosity, Smagorinsky's with 0.15",
+            remedy: "take resolution.operator = \"stabilised_regularised\", or add resolution.eddy_viscosity, Smagorinsky's with 0.15",
             value: |whole| {
-                (whole.bluff && whole.air.eddy_viscosity.is_none()).then_some(whole.reynolds)
+                let added =
+                    whole.air.eddy_viscosity.is_some() || whole.air.operator.stands_bluff_bodies();
+                (whole.bluff && !added).then_some(whole.reynolds)
             },
         },
         Rule {

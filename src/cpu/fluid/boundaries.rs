@@ -26,7 +26,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::sides::FAMILIES;
-use crate::lattice::faces::{IMPEDANCE, InletAnswer, SIDE_FLOW, TANGENTIAL_SHARE, present_share};
+use crate::lattice::faces::{INLET_IMPEDANCE, InletAnswer, SIDE_FLOW, present_share};
 use crate::lattice::grid::{OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
@@ -140,7 +140,6 @@ pub(super) struct Inlet<T> {
     velocity: [T; 3],
     wave: T,
     of_wind: T,
-    tangential: T,
     /// Share of the present that a running mean takes.
     share: T,
 }
@@ -152,12 +151,11 @@ impl<T: Real> Inlet<T> {
             velocity: velocity.map(T::of),
             wave: T::of(answer.wave),
             of_wind: T::of(answer.of_wind),
-            tangential: T::of(answer.tangential),
             share: T::of(present_share(cells)),
         }
     }
 
-    /// Density and velocity of the ghost, from the populations that leave (−x; −x−y, −x−z, −x+y, −x+z) and their running mean.
+    /// Density and velocity of the ghost, from the populations that leave, along the normal first, and their running mean.
     #[inline(always)]
     fn ghost(&self, leaving: [T; 5], mean: &mut f32) -> (T, [T; 3]) {
         let [x, xy, xz, x_y, x_z] = leaving;
@@ -167,15 +165,7 @@ impl<T: Real> Inlet<T> {
         *mean = (past + self.share * over_mean).to_f64() as f32;
         let wave = self.wave * over_mean;
         let [u, v, w] = self.velocity;
-        let kept = T::of(1.0 - TANGENTIAL_SHARE);
-        (
-            past + wave,
-            [
-                u - T::of(IMPEDANCE) * wave,
-                kept * v + self.tangential * (x_y - xy),
-                kept * w + self.tangential * (x_z - xz),
-            ],
-        )
+        (past + wave, [u - T::of(INLET_IMPEDANCE) * wave, v, w])
     }
 }
 

@@ -10,7 +10,7 @@ use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
 use crate::gpu::shaders::{self, WORKGROUP};
 use crate::lattice::faces::{
-    AbsorbingSide, FaceMeans, IMPEDANCE, LEAVING_INLET, SIDE_FLOW, TANGENTIAL_SHARE, present_share,
+    AbsorbingSide, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW, present_share,
 };
 use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::start::Start;
@@ -46,10 +46,9 @@ impl AbsorbingFaces {
             &shaders::ABSORBING_FACES[storage as usize],
             ["absorb_at_inlet", "absorb_at_sides"],
             &[
-                ("IMPEDANCE", IMPEDANCE),
+                ("INLET_IMPEDANCE", INLET_IMPEDANCE),
                 ("SIDE_FLOW", SIDE_FLOW),
                 ("PRESENT_SHARE", present_share(setup.cells)),
-                ("TANGENTIAL_SHARE", TANGENTIAL_SHARE),
             ],
         )?;
         let bound = |pipeline, faces: &[AbsorbingFace], inlet| -> Result<Counted, DeviceError> {
