@@ -32,6 +32,9 @@ pub const INLET_IMPEDANCE: f64 = 0.525;
 /// Flow out of a side over the populations that meet it: κ/(1/6 + κ/2).
 pub const SIDE_FLOW: f64 = IMPEDANCE / (1.0 / 6.0 + 0.5 * IMPEDANCE);
 
+/// Section of a checkpoint with the running means.
+pub const FACE_MEANS: &str = "face_means";
+
 /// Passages of sound over the longest side of the box that the running means are over.
 const PASSAGES: f64 = 16.0;
 

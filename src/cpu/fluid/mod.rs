@@ -16,7 +16,7 @@ mod sides;
 mod storage;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::faces::{AbsorbingSide, FaceMeans};
+use crate::lattice::faces::{AbsorbingSide, FACE_MEANS, FaceMeans};
 use crate::lattice::grid::{Grid, Initial, LINE_BYTES, Setup, StreamwiseEnds};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
@@ -25,9 +25,6 @@ pub use collide_stream::{BodyForce, ForcedCells};
 use held_eddy_viscosity::HeldEddyViscosity;
 use sides::Sides;
 use storage::Storage;
-
-/// Section of a checkpoint with the running means of faces that let sound out.
-pub const FACE_MEANS: &str = "face_means";
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]

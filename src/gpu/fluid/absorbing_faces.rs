@@ -2,19 +2,21 @@
 
 use super::names::by_number;
 use super::parameters::AbsorbingFace;
-use super::{Counted, Fluid};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::fluid::FACE_MEANS;
 use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
+use crate::gpu::pipeline::Bound;
 use crate::gpu::shaders::{self, WORKGROUP};
 use crate::lattice::faces::{
-    AbsorbingSide, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW, present_share,
+    AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW, present_share,
 };
 use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTIONS, DOWNSTREAM, Storage};
+
+/// A pipeline with the workgroups that it needs, along cells and faces.
+type Counted = (Bound, [u32; 2]);
 
 /// The faces of a set-up, by the parity of the step to come.
 #[derive(Debug)]
@@ -108,34 +110,23 @@ impl AbsorbingFaces {
             bound.dispatch(pass, *groups);
         }
     }
-}
 
-impl Fluid {
     /// Takes the state of a start as the mean at the faces.
-    pub(super) fn fill_face_means(&self, start: &Start) {
-        if let Some(faces) = &self.absorbing_faces {
-            let means = FaceMeans::of_start(&self.setup, start);
-            self.device.write(&faces.means, 0, &means.joined());
-        }
+    pub(super) fn fill(&self, device: &Device, setup: &Setup, start: &Start) {
+        let means = FaceMeans::of_start(setup, start);
+        device.write(&self.means, 0, &means.joined());
     }
 
     /// Writes the running means.
-    pub(super) fn save_face_means(&self, out: &mut Writer) -> std::io::Result<()> {
-        match &self.absorbing_faces {
-            None => Ok(()),
-            Some(faces) => {
-                let means = self.device.read::<f32>(&faces.means, 0, faces.count);
-                out.put(FACE_MEANS, &means.map_err(std::io::Error::other)?)
-            }
-        }
+    pub(super) fn save(&self, device: &Device, out: &mut Writer) -> std::io::Result<()> {
+        let means = device.read::<f32>(&self.means, 0, self.count);
+        out.put(FACE_MEANS, &means.map_err(std::io::Error::other)?)
     }
 
     /// Takes them from a checkpoint.
-    pub(super) fn restore_face_means(&self, from: &Reader) -> Result<(), CheckpointError> {
-        if let Some(faces) = &self.absorbing_faces {
-            let means: Vec<f32> = from.take_exactly(FACE_MEANS, faces.count)?;
-            self.device.write(&faces.means, 0, &means);
-        }
+    pub(super) fn restore(&self, device: &Device, from: &Reader) -> Result<(), CheckpointError> {
+        let means: Vec<f32> = from.take_exactly(FACE_MEANS, self.count)?;
+        device.write(&self.means, 0, &means);
         Ok(())
     }
 }

@@ -180,7 +180,9 @@ impl Fluid {
             let (_, data) = self.first_planes(start, direction, self.grid.cells[2]);
             self.write_populations(array, &data);
         }
-        self.fill_face_means(start);
+        if let Some(faces) = &self.absorbing_faces {
+            faces.fill(&self.device, &self.setup, start);
+        }
     }
 
     /// Populations of the first `planes` of a start as their array holds them before an even step, from its first element on, and the
@@ -331,7 +333,9 @@ impl Fluid {
             let name = format!("populations_{array:02}");
             self.save_stored(out, &name, buffer, self.grid.total)?;
         }
-        self.save_face_means(out)?;
+        if let Some(faces) = &self.absorbing_faces {
+            faces.save(&self.device, out)?;
+        }
         if let Some(held) = &self.held_eddy_viscosity {
             let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
             self.save_stored(out, "eddy_relaxation_times", buffer, count)?;
@@ -350,7 +354,9 @@ impl Fluid {
             let name = format!("populations_{array:02}");
             self.restore_stored(from, &name, buffer, self.grid.total)?;
         }
-        self.restore_face_means(from)?;
+        if let Some(faces) = &self.absorbing_faces {
+            faces.restore(&self.device, from)?;
+        }
         if let Some(held) = &self.held_eddy_viscosity {
             let (buffer, count) = (&held.relaxation_times, self.grid.cell_count());
             self.restore_stored(from, "eddy_relaxation_times", buffer, count)?;
