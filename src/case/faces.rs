@@ -8,15 +8,10 @@ use crate::lattice::grid::{Faces, Sides, Wall};
 /// Checks `[air.faces]` of a tunnel; `falls` for that of a descent.
 pub(super) fn check_sides(air: &file::Air, falls: bool) -> Result<Sides, Problem> {
     let written = air.faces.clone().unwrap_or_default();
-    let usual_side = match written.sides {
-        Some(side) => side,
-        None => {
-            usual::noted("air.faces.sides", "absorbing");
-            file::Side::Absorbing
-        }
-    };
-    let of = |axis: &str, sides: [Option<file::Side>; 2]| {
-        let [lower, upper] = sides.map(|side| side.unwrap_or(usual_side));
+    let usual_side = usual::or("air.faces.sides", written.sides, file::Side::Absorbing);
+    let of = |axis: &str, [lower, upper]: [Option<file::Side>; 2]| {
+        let lower = usual::or(format!("air.faces.{axis}_lower"), lower, usual_side);
+        let upper = usual::or(format!("air.faces.{axis}_upper"), upper, usual_side);
         let key = |end: &str| format!("air.faces.{axis}_{end}");
         match [lower, upper] {
             [file::Side::Periodic, file::Side::Periodic] => return Ok(Faces::Periodic),

@@ -1,7 +1,7 @@
 //! What may be written in `[air]` and `[resolution]`.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
@@ -41,7 +41,7 @@ pub struct Faces {
 }
 
 /// What lies at a side of the box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// A frictionless wall for the flow that lets sound out: nothing flows through it in the mean.
