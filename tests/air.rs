@@ -373,41 +373,34 @@ impl Body for Echo {
 struct Leak;
 
 impl Body for Leak {
-    /// A side that is kept under pressure for long lets nothing through: the running mean takes the pressure off. Here vortices of the start
-    /// press on it, and sound comes and goes; mass stays within what sound takes out.
+    /// All air is pressed towards a side for long. At first some leaves there and enters opposite; once the running means know the pressure, it
+    /// stands as between solid walls. Without them it would go on to flow, at κ times the density excess at the sides.
     fn run(self, engine: Engine) {
         let n = 24;
+        let acceleration = 1e-5;
         let absorbing = Faces::Walls([Wall::Absorbing; 2]);
         let setup = Setup {
-            cells: [n, n, 3],
+            cells: [4, n, 4],
             ends: StreamwiseEnds::Periodic,
             sides: Sides::Each([absorbing, Faces::Periodic]),
             ..periodic([1; 3], 0.6, Operator::StabilisedRegularised)
         };
-        let k = std::f64::consts::TAU / n as f64;
-        // Along the sides the wind presses and sucks by turns.
-        let initial = |[x, y, _]: [usize; 3]| {
-            let [x, y] = [k * (x as f64 + 0.5), 0.5 * k * (y as f64 + 0.5)];
-            (
-                0.0,
-                [
-                    0.05 + 0.04 * x.sin() * y.cos(),
-                    -0.08 * x.cos() * y.sin(),
-                    0.0,
-                ],
-            )
-        };
-        let mut air = engine.air(setup, &initial);
-        advance(&mut air, 4000);
-        let through = states(&air)
+        let mut air = engine.air(setup, &|_| (0.0, [0.0; 3]));
+        for _ in 0..12_000 {
+            air.collide_stream(Some([0.0, acceleration, 0.0]), None)
+                .unwrap();
+        }
+        let states = states(&air);
+        let excess = |y: usize| states[4 * y].0;
+        // δρ = 3 p, and p rises by a per cell.
+        let rise = (excess(n - 1) - excess(0)) / (3.0 * acceleration * (n - 1) as f64);
+        assert!((rise - 1.0).abs() < 0.02, "{rise}");
+        // The bare velocity lacks half of what the step adds.
+        let through = states
             .iter()
-            .enumerate()
-            .filter(|(i, _)| [0, n - 1].contains(&(i / n % n)))
-            .map(|(_, (_, u))| u[1].abs())
+            .map(|(_, u)| (u[1] + 0.5 * acceleration).abs())
             .fold(0.0, f64::max);
-        let mean = states(&air).iter().map(|(excess, _)| excess).sum::<f64>() / (3 * n * n) as f64;
         assert!(through < tolerances::THROUGH_SIDES, "{through:e}");
-        assert!(mean.abs() < tolerances::THROUGH_SIDES, "{mean:e}");
     }
 }
 

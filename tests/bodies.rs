@@ -389,7 +389,7 @@ impl Body for Stands {
             &[
                 "resolution.operator=stabilised_regularised",
                 "resolution.lattice_speed=0.15",
-                "time.end_s=150.0",
+                "time.end_s=100.0",
             ],
         );
         let (simulation, record) = simulate(&case, engine);

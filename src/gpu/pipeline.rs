@@ -185,6 +185,9 @@ impl Device {
     }
 }
 
+/// A pipeline with the workgroups that it needs.
+pub(super) type Counted = (Bound, [u32; 2]);
+
 impl Bound {
     /// Records a dispatch of workgroups along x and y.
     pub(super) fn dispatch(&self, pass: &mut Pass<'_>, groups: [u32; 2]) {

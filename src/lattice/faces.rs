@@ -25,8 +25,8 @@ use super::{DIRECTIONS, DOWNSTREAM, SOUND_SPEED_SQUARED, opposite};
 /// (`ripstop validate acoustic-pulse`).
 pub const IMPEDANCE: f64 = 0.535;
 
-/// The same at the inlet: waves at an angle make vorticity there, since the tangential velocity is given. Of waves at 30° in a wind of 0.08 comes back
-/// 6 %.
+/// The same at the inlet: waves at an angle make vorticity there, since the tangential velocity is given. Of waves at 30° in a wind of 0.08
+/// 6.5 % comes back.
 pub const INLET_IMPEDANCE: f64 = 0.525;
 
 /// Flow out of a side over the populations that meet it: κ/(1/6 + κ/2).

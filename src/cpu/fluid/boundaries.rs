@@ -20,7 +20,7 @@
 //! Then the ghost loses a share a = [`OUTLET_RELAXATION`] / (cells between inlet and outlet) of its excess, so that the incoming wave adds
 //! up −(a/2) δρ per step: the relaxation towards the target pressure of a characteristic outlet (L₁ = K δp: Rudy & Strikwerda 1980,
 //! doi:10.1016/0021-9991(80)90174-6; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2). Our departure: only changes of density, not of
-//! velocity, count as sound, so that vortices make no pressure. *Limits*: of waves at 45° a tenth to a fifth comes back.
+//! velocity, count as sound, so that vortices make no pressure. *Limits*: of waves at 45° a tenth comes back.
 
 use rayon::prelude::*;
 

@@ -34,7 +34,7 @@ pub struct Fluid<T: Real> {
     /// One array per direction, shifted populations, ghost layer included.
     populations: Storage<T>,
     sides: Sides,
-    /// Sides that let sound out; none in most scenes without a tunnel.
+    /// Sides that let sound out; empty where none does.
     absorbing_sides: Vec<AbsorbingSide>,
     face_means: FaceMeans,
     /// Relaxation time per x [cells]; `None` without a sponge.

@@ -6,7 +6,7 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::gpu::commands::Pass;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::Bound;
+use crate::gpu::pipeline::Counted;
 use crate::gpu::shaders::{self, WORKGROUP};
 use crate::lattice::faces::{
     AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW, present_share,
@@ -14,9 +14,6 @@ use crate::lattice::faces::{
 use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTIONS, DOWNSTREAM, Storage};
-
-/// A pipeline with the workgroups that it needs, along cells and faces.
-type Counted = (Bound, [u32; 2]);
 
 /// The faces of a set-up, by the parity of the step to come.
 #[derive(Debug)]

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use super::device::Device;
 use super::error::DeviceError;
-use super::pipeline::{Bound, Pipeline};
+use super::pipeline::{Bound, Counted, Pipeline};
 use super::shaders;
 use super::tuning::Padding;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -44,9 +44,6 @@ const F16_SCALE: f32 = 32768.0;
 
 /// Elements that padded rows or planes are multiples of: a warp, and a line of 128 bytes.
 const PADDED_ELEMENTS: usize = 32;
-
-/// A pipeline with the workgroups that it needs.
-type Counted = (Bound, [u32; 2]);
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug)]
