@@ -6,6 +6,8 @@ struct AbsorbingFace {
     leaving: array<vec4<u32>, 5>,
     // (array, element) of those that enter, in the same order.
     entering: array<vec4<u32>, 5>,
+    // Of the inlet: (array, element) of the populations that move along it from its first cell, and their velocities along y and z, plus one.
+    along: array<vec4<u32>, 16>,
     // Cells of a row, rows, elements from cell to cell, elements from row to row.
     shape: vec4<u32>,
     first_mean: u32,
@@ -16,6 +18,8 @@ struct AbsorbingFace {
 
 // Flow through the inlet over the density of a wave that leaves.
 override INLET_IMPEDANCE: f32 = 0.0;
+// Share of the tangential momentum of the first cell, over its running mean, that the inlet has.
+override INLET_TANGENTIAL: f32 = 0.0;
 // Flow out of a side over the populations that meet it.
 override SIDE_FLOW: f32 = 0.0;
 // Share of the present that the running means take in a step.
@@ -27,6 +31,8 @@ override PRESENT_SHARE: f32 = 0.0;
 
 const AXIS: f32 = 1.0 / 18.0;
 const DIAGONAL: f32 = 1.0 / 36.0;
+// Running means of a cell at the inlet: density, and momenta along y and z.
+const INLET_MEANS: u32 = 3u;
 
 struct FaceCell {
     // Elements from those of the first cell.
@@ -59,12 +65,23 @@ fn absorb_at_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     let wind = step.inlet_velocity.xyz;
     let square = 3.0 * wind.x * wind.x;
     let sum = met[0] + ((met[1] + met[3]) + (met[2] + met[4]));
-    let past = means[cell.mean];
+    var momentum = vec2<f32>(0.0);
+    for (var k = 0u; k < 16u; k++) {
+        let slot = faces[0].along[k];
+        momentum += (vec2<f32>(slot.zw) - 1.0) * load(slot.x, slot.y + cell.shift);
+    }
+    let mean = INLET_MEANS * cell.mean;
+    let past = means[mean];
     let over_mean = 6.0 * sum + (3.0 * wind.x - square) - past;
-    means[cell.mean] = past + PRESENT_SHARE * over_mean;
+    means[mean] = past + PRESENT_SHARE * over_mean;
+    let past_momentum = vec2<f32>(means[mean + 1u], means[mean + 2u]);
+    let over_momentum = momentum - past_momentum;
+    let new_momentum = past_momentum + PRESENT_SHARE * over_momentum;
+    means[mean + 1u] = new_momentum.x;
+    means[mean + 2u] = new_momentum.y;
     let wave = over_mean / (1.0 - 3.0 * wind.x + square + (3.0 - 6.0 * wind.x) * INLET_IMPEDANCE);
     let excess = past + wave;
-    let u = vec3<f32>(wind.x - INLET_IMPEDANCE * wave, wind.yz);
+    let u = vec3<f32>(wind.x - INLET_IMPEDANCE * wave, wind.yz + INLET_TANGENTIAL * over_momentum);
     send(0u, cell.shift, shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
     send(1u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
     send(2u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));

@@ -2,7 +2,8 @@
 //!
 //! [`work_precision`] computes flows with known answers over resolution, Mach number, operator, storage and engine, and says which
 //! settings no other beats in both time and error. [`stability`] looks for the fastest flow that every operator survives at vanishing
-//! viscosity; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`coupling`] compares schemes of
+//! viscosity, of free turbulence and past bodies; [`crate::lattice::stability`] holds what it found, for `ripstop check`. [`bluff_bodies`] follows
+//! bodies over resolution, Reynolds number and speed on the lattice. [`coupling`] compares schemes of
 //! coupling air and fabric, and follows the default one down to sheets much lighter than the air around them. [`aerodynamics`] measures
 //! panels, and draws a measured wing's polar beside the computed one. [`fabric`] solves equilibria with known answers over mesh size, model and
 //! arithmetic. [`device`] measures a device: latencies, bandwidth, air, canopies and fabric.
@@ -10,6 +11,7 @@
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
 pub mod aerodynamics;
+pub mod bluff_bodies;
 pub mod coupling;
 pub mod device;
 mod drag;
@@ -21,12 +23,13 @@ pub mod stability;
 mod taylor_green;
 pub mod work_precision;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::bluff_body;
 use crate::gpu::{Device, DeviceError};
-use crate::output::OutputError;
+use crate::output::{OutputError, write_atomically};
 use crate::plan::{AirPlacement, Placement, Precision};
 use crate::run::Observer;
 use crate::simulation::Failure;
@@ -106,6 +109,18 @@ pub struct Watch<'a> {
     pub interrupt: &'a AtomicBool,
     /// Told of the progress.
     pub observer: &'a mut dyn Observer,
+}
+
+/// Writes rows as a table with a heading.
+fn write_rows<T: serde::Serialize>(path: &Path, rows: &[T]) -> Result<(), Stop> {
+    write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        for row in rows {
+            table.serialize(row).map_err(std::io::Error::other)?;
+        }
+        table.flush()
+    })?;
+    Ok(())
 }
 
 fn go_on(interrupt: &AtomicBool) -> Result<(), Stop> {

@@ -1,6 +1,8 @@
-//! The fastest flow that every operator survives, over viscosity and flow angle.
+//! The fastest flow that every operator survives, over viscosity: free turbulence at three angles, and bodies in a tunnel.
 //!
-//! The flow: a three-dimensional Taylor–Green vortex of amplitude U/3, carried through its periodic box of 16³ cells by a uniform wind of
+//! Bodies: those of [`super::bluff_bodies`], with 12 cells per diameter, side or chord, for 60 D/U.
+//!
+//! Free turbulence: a three-dimensional Taylor–Green vortex of amplitude U/3, carried through its periodic box of 16³ cells by a uniform wind of
 //! 2U/3 at an angle to the x axis, for twenty turnovers L/(U/3). Far below the cell size the grid resolves nothing of the cascade, which
 //! is where operators break down. A flow counts as survived if every cell is finite, slower than 1.5 U, and the kinetic energy has not
 //! grown.
@@ -12,12 +14,11 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::work_precision::advance;
-use super::{Engine, Stop, Watch, go_on, plots};
+use super::{Engine, Stop, Watch, bluff_bodies, go_on, plots, write_rows};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use crate::lattice::stability::{Point, VISCOUS_PARTS, measured};
-use crate::output::write_atomically;
+use crate::lattice::stability::{Body, Point, PointAtBody, VISCOUS_PARTS, measured};
 use crate::plan::AirPlacement;
 use crate::simulation::AirEngine;
 
@@ -42,7 +43,16 @@ const MODELS: [Option<EddyViscosityModel>; 4] = [
 /// Looks at the flow during a run.
 const LOOKS: usize = 40;
 
-/// Computes the map on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
+/// Speeds of the wind past bodies [cells per step], tried until one is survived.
+const BODY_SPEEDS: [f64; 4] = [0.15, 0.1, 0.05, 0.025];
+
+/// Cells per diameter, side or chord of bodies.
+const BODY_CELLS: usize = 12;
+
+/// Time that bodies are followed [D/U].
+const BODY_TIME: f64 = 60.0;
+
+/// Computes the map of free turbulence on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
 pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
     let planned = (engines.len() * Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
@@ -83,35 +93,107 @@ pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<P
             }
         }
     }
-    write_atomically(&folder.join("stability.csv"), |out| {
-        let mut table = csv::Writer::from_writer(out);
-        for point in &points {
-            table.serialize(point).map_err(std::io::Error::other)?;
-        }
-        table.flush()
-    })?;
+    write_rows(&folder.join("stability.csv"), &points)?;
     plots::stability(&folder.join("stability.png"), &points)?;
+    Ok(points)
+}
+
+/// Computes the map of flows past bodies on one engine; writes `stability_at_bodies.csv` into `folder`.
+///
+/// The fastest wind is tried first, since most settings stand it or break down soon.
+pub fn map_at_bodies(
+    engine: &Engine,
+    folder: &Path,
+    watch: &mut Watch,
+) -> Result<Vec<PointAtBody>, Stop> {
+    let mut points = Vec::new();
+    let planned =
+        (Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len() * Body::OF_MAP.len()) as u64;
+    for operator in Operator::ALL {
+        for eddy_viscosity in MODELS {
+            for viscous_part in VISCOUS_PARTS {
+                for body in Body::OF_MAP {
+                    let mut mach = 0.0;
+                    for lattice_speed in BODY_SPEEDS {
+                        let flow = bluff_bodies::Flow {
+                            body,
+                            cells: BODY_CELLS,
+                            reynolds: 3.0 * lattice_speed * BODY_CELLS as f64 / viscous_part,
+                            lattice_speed,
+                            operator,
+                            eddy_viscosity: eddy_viscosity.map(measured),
+                            end: BODY_TIME,
+                        };
+                        if flow.outcome(engine, folder, watch.interrupt)?.stands {
+                            mach = lattice_speed * 3f64.sqrt();
+                            break;
+                        }
+                    }
+                    points.push(PointAtBody {
+                        engine: engine.name(),
+                        operator,
+                        eddy_viscosity,
+                        viscous_part,
+                        body,
+                        mach: (1e3 * mach).round() / 1e3,
+                    });
+                    watch
+                        .observer
+                        .progress(points.len() as u64, planned, "stability at bodies");
+                }
+            }
+        }
+    }
+    write_rows(&folder.join("stability_at_bodies.csv"), &points)?;
     Ok(points)
 }
 
 /// Largest Mach number survived at every angle: one line per setting, one column per τ − ½.
 #[must_use]
 pub fn table(points: &[Point]) -> String {
-    let mut text = format!("{:<58}", "largest Mach number survived; tau - 1/2 =");
+    let settings = points.iter().map(|point| Setting {
+        name: name_of(&point.engine, point.operator, point.eddy_viscosity),
+        viscous_part: point.viscous_part,
+        mach: point.mach,
+    });
+    lines("largest Mach number survived; tau - 1/2 =", settings)
+}
+
+/// The same past every body.
+#[must_use]
+pub fn table_at_bodies(points: &[PointAtBody]) -> String {
+    let settings = points.iter().map(|point| Setting {
+        name: name_of(&point.engine, point.operator, point.eddy_viscosity),
+        viscous_part: point.viscous_part,
+        mach: point.mach,
+    });
+    lines("the same of winds past bodies; tau - 1/2 =", settings)
+}
+
+/// What one line of a table takes from a point of a map.
+struct Setting {
+    name: String,
+    viscous_part: f64,
+    mach: f64,
+}
+
+fn lines(title: &str, settings: impl Iterator<Item = Setting>) -> String {
+    let mut text = format!("{title:<58}");
     for part in VISCOUS_PARTS {
         text.push_str(&format!("{part:>7.0e}"));
     }
     let mut lines: Vec<(String, [f64; VISCOUS_PARTS.len()])> = Vec::new();
-    for point in points {
-        let name = format!("{}, {}", point.engine, describe(point));
-        if lines.last().is_none_or(|(last, _)| *last != name) {
-            lines.push((name, [f64::INFINITY; VISCOUS_PARTS.len()]));
+    for setting in settings {
+        if lines.last().is_none_or(|(last, _)| *last != setting.name) {
+            lines.push((setting.name, [f64::INFINITY; VISCOUS_PARTS.len()]));
         }
         if let (Some((_, mach)), Some(i)) = (
             lines.last_mut(),
-            VISCOUS_PARTS.iter().position(|p| *p == point.viscous_part),
+            VISCOUS_PARTS
+                .iter()
+                .position(|p| *p == setting.viscous_part),
         ) {
-            mach[i] = mach[i].min(point.mach);
+            mach[i] = mach[i].min(setting.mach);
         }
     }
     for (name, mach) in lines {
@@ -123,12 +205,12 @@ pub fn table(points: &[Point]) -> String {
     text + "\n"
 }
 
-/// Operator and eddy viscosity in words.
-fn describe(point: &Point) -> String {
-    let operator = point.operator.name();
-    match point.eddy_viscosity {
-        Some(model) => format!("{operator} + {}", model.name()),
-        None => operator.to_owned(),
+/// Engine, operator and eddy viscosity in words.
+fn name_of(engine: &str, operator: Operator, model: Option<EddyViscosityModel>) -> String {
+    let operator = operator.name();
+    match model {
+        Some(model) => format!("{engine}, {operator} + {}", model.name()),
+        None => format!("{engine}, {operator}"),
     }
 }
 

@@ -7,6 +7,7 @@ use super::file::{self, File};
 use super::lattice_speed::{self, LATTICE_SPEED_LIMIT};
 use super::problem::Problem;
 use super::usual;
+use super::usual_box;
 use super::values::{absent, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::grid::Sides;
@@ -148,10 +149,13 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                     "the wind blows along +x; give 0 to 1000 m/s (and mind that the air is treated as incompressible)",
                 ));
             }
-            for size in tunnel.size_m {
+            let size_m = tunnel
+                .size_m
+                .ok_or_else(|| usual_box::unknown_size(&key("size_m")))?;
+            for size in size_m {
                 positive(&key("size_m"), size)?;
             }
-            if cell_size_m > 0.5 * tunnel.size_m[0] {
+            if cell_size_m > 0.5 * size_m[0] {
                 let key = if resolution.cell_size_m.is_some() {
                     "resolution.cell_size_m"
                 } else {
@@ -162,7 +166,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                     format!(
                         "{key} makes cells of {} m in a tunnel {} m long",
                         readable(cell_size_m),
-                        readable(tunnel.size_m[0])
+                        readable(size_m[0])
                     ),
                     "choose smaller cells: 20 to 40 per D_0 are usual",
                 ));
@@ -174,7 +178,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                         &key("sponge_length_m"),
                         length,
                         cell_size_m,
-                        0.5 * tunnel.size_m[0],
+                        0.5 * size_m[0],
                     )
                 })
                 .transpose()?;
@@ -185,7 +189,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 sponge_length_m,
                 sides: check_sides(air, air.descent.is_some())?,
             };
-            (tunnel.size_m, tunnel.speed_m_s, flow)
+            (size_m, tunnel.speed_m_s, flow)
         }
         (None, Some(vortices)) if !both => {
             refuse_faces(air)?;
@@ -276,7 +280,8 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             .transpose()?,
         flow,
     };
-    check_stability(&air, speed_m_s)?;
+    let has_bodies = body.is_some() || !file.bodies.is_empty();
+    check_stability(&air, speed_m_s, has_bodies)?;
     Ok(air)
 }
 
@@ -302,9 +307,9 @@ fn cell_of_chord_m(file: &File, cells: f64) -> Result<f64, Problem> {
     Ok(chord_m / positive(KEY, cells)?)
 }
 
-/// Refuses a flow that the operator did not survive when the stability map was measured. Flow around bodies is faster than the wind:
-/// the plan warns of that.
-fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
+/// Refuses a flow that the operator did not survive when the stability maps were measured: free turbulence, and where something stands in
+/// the wind, bodies as well.
+fn check_stability(air: &Air, speed_m_s: f64, has_bodies: bool) -> Result<(), Problem> {
     let speed = if speed_m_s > 0.0 {
         speed_m_s
     } else {
@@ -312,30 +317,49 @@ fn check_stability(air: &Air, speed_m_s: f64) -> Result<(), Problem> {
     };
     let mach = speed / air.units.speed_m_s() * 3f64.sqrt();
     let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
-    let limit = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
+    let of_turbulence = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
         stability::largest_mach(operator, eddy_viscosity, "f32", viscous_part)
     };
-    let own = limit(air.operator, air.eddy_viscosity);
-    let Some(survived) = own.filter(|survived| mach > *survived) else {
-        return Ok(());
+    let of_bodies = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
+        // No wind beyond the fastest one tried was measured.
+        stability::largest_mach_at_bodies(operator, eddy_viscosity, viscous_part)
+            .filter(|limit| has_bodies && *limit < stability::FASTEST_AT_BODIES)
     };
+    let breaks_down = |limit: Option<f64>| limit.filter(|survived| mach > *survived);
+    let (survived, flow) =
+        if let Some(survived) = breaks_down(of_turbulence(air.operator, air.eddy_viscosity)) {
+            (survived, "in the stability map")
+        } else if let Some(survived) = breaks_down(of_bodies(air.operator, air.eddy_viscosity)) {
+            (survived, "past bodies in the stability map")
+        } else {
+            return Ok(());
+        };
+    let smagorinsky = Some(stability::measured(EddyViscosityModel::Smagorinsky));
     let help = [
-        (None, "resolution.operator = \"recursive_regularised\""),
         (
-            Some(stability::measured(EddyViscosityModel::Smagorinsky)),
+            Operator::StabilisedRegularised,
+            None,
+            "resolution.operator = \"stabilised_regularised\", without an eddy viscosity",
+        ),
+        (
+            Operator::RecursiveRegularised,
+            smagorinsky,
             "resolution.operator = \"recursive_regularised\" and resolution.eddy_viscosity = { model = \"smagorinsky\", constant = 0.15 }",
         ),
     ]
     .into_iter()
-    .find_map(|(eddy_viscosity, keys)| {
-        let survived = limit(Operator::RecursiveRegularised, eddy_viscosity)?;
-        (mach <= survived).then(|| format!("use {keys}, which survives Mach {survived:.2}"))
+    .find(|(operator, eddy_viscosity, _)| {
+        breaks_down(of_turbulence(*operator, *eddy_viscosity)).is_none()
+            && breaks_down(of_bodies(*operator, *eddy_viscosity)).is_none()
     })
-    .unwrap_or_else(|| "lower resolution.lattice_speed, or use smaller cells".to_owned());
+    .map_or_else(
+        || "lower resolution.lattice_speed, or use smaller cells".to_owned(),
+        |(_, _, keys)| format!("use {keys}, which survives that"),
+    );
     Err(Problem::new(
         "resolution.operator",
         format!(
-            "at tau - 1/2 = {viscous_part:.1e} and Mach {mach:.2} this operator breaks down: in the stability map it survives Mach {survived:.2}"
+            "at tau - 1/2 = {viscous_part:.1e} and Mach {mach:.2} this operator breaks down: {flow} it survives Mach {survived:.2}"
         ),
         help,
     ))

@@ -13,6 +13,7 @@ use super::permeability;
 use super::problem::Problem;
 use super::time::Time;
 use super::usual;
+use super::usual_box;
 use super::values::{self, check_name, positive, vector, within};
 use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
@@ -156,7 +157,10 @@ fn check_body(
         table,
     };
     check_name("bodies", name, "a body")?;
-    let position_m = vector(&written.key("position_m"), table.position_m)?;
+    let place_m = table
+        .position_m
+        .ok_or_else(|| usual_box::unknown_place(&written.key("position_m")))?;
+    let position_m = vector(&written.key("position_m"), place_m)?;
     let cell = air.units.cell_size_m;
     let (shape, mut surface) = check_shape(&written, files, EDGE_CELLS * cell)?;
     let rotation = values::rotation(&written.key("rotation"), table.rotation.as_ref())?;

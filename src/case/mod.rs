@@ -49,6 +49,7 @@ mod time;
 mod trim;
 mod unused;
 mod usual;
+mod usual_box;
 mod values;
 pub mod wing;
 pub mod wing_design;

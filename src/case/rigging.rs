@@ -6,6 +6,7 @@ use super::fabric::check_fabric;
 use super::file::{self, CanopyCommon, File};
 use super::problem::Problem;
 use super::usual;
+use super::usual_box;
 use super::values::{absent, positive, vector, within};
 use crate::geometry::parachute::designs::Shape;
 use crate::geometry::parachute::sewn::{Cut, Folding, LinePlaces};
@@ -179,7 +180,12 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         line_slack_m: check_line_slack(lines)?,
         line_segments,
         risers: check_risers(lines)?,
-        confluence_m: vector(&key("confluence_m"), common.confluence_m)?,
+        confluence_m: vector(
+            &key("confluence_m"),
+            common
+                .confluence_m
+                .ok_or_else(|| usual_box::unknown_place(&key("confluence_m")))?,
+        )?,
         folding: Folding {
             diameter_ratio: folded_diameter_ratio,
             asymmetry,

@@ -28,7 +28,7 @@ use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
     air, bodies, comparison, coupling, descent, equilibrium, output, shift, solver, steady,
-    structure, supports, time, unused, usual,
+    structure, supports, time, unused, usual, usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
@@ -109,6 +109,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
         .transpose()?;
     unused::refuse(file)?;
+    let file = &*usual_box::complete(file);
     let mut files = FromFiles::new(folder);
     let mut body = structure::check(file, &mut files, gravity_m_s2)?;
     let air = file

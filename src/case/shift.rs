@@ -61,7 +61,7 @@ pub(super) fn with_moved_bodies(file: &File, by_m: DVec3) -> File {
     let moved = |place: [f64; 3]| (DVec3::from_array(place) + by_m).to_array();
     let mut file = file.clone();
     for body in file.bodies.values_mut() {
-        body.position_m = moved(body.position_m);
+        body.position_m = body.position_m.map(moved);
         let moment_point_m = body
             .reference
             .as_mut()

@@ -14,7 +14,8 @@ use super::progress::Progress;
 use super::signals::requests;
 use super::threads;
 use crate::bench::{
-    self, Stop, Watch, aerodynamics, coupling, device, fabric, stability, work_precision,
+    self, Stop, Watch, aerodynamics, bluff_bodies, coupling, device, fabric, stability,
+    work_precision,
 };
 use crate::gpu::{AdapterChoice, Device};
 use crate::output::prepare_directory;
@@ -22,7 +23,8 @@ use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down, `aerodynamics` measures
+    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down (`stability-at-bodies` its second part alone), `bluff-bodies` follows
+    /// bodies over cells, Reynolds numbers and speeds on the lattice, `aerodynamics` measures
     /// panels, `fabric` solves Hencky's disc and an airbag, `device` measures a device, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
@@ -43,6 +45,8 @@ pub(super) struct BenchArguments {
 }
 
 const STABILITY: &str = "stability";
+const STABILITY_AT_BODIES: &str = "stability-at-bodies";
+const BLUFF_BODIES: &str = "bluff-bodies";
 const AERODYNAMICS: &str = "aerodynamics";
 const FABRIC: &str = "fabric";
 const DEVICE: &str = "device";
@@ -74,12 +78,16 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let filter = arguments.filter.as_deref();
     let named = |name: &str| filter.is_some_and(|filter| name.contains(filter));
     let maps_stability = named(STABILITY);
+    let maps_bodies = named(STABILITY_AT_BODIES);
+    let follows_bodies = named(BLUFF_BODIES);
     let comparisons: Vec<_> = COUPLING.iter().filter(|(name, _)| named(name)).collect();
     let measures = work_precision::names().any(|name| filter.is_none_or(|f| name.contains(f)));
     let flies_wings = named(AERODYNAMICS);
     let loads_fabric = named(FABRIC);
     let measures_device = named(DEVICE);
     if !maps_stability
+        && !maps_bodies
+        && !follows_bodies
         && !flies_wings
         && !loads_fabric
         && !measures_device
@@ -87,7 +95,14 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         && comparisons.is_empty()
     {
         let names: Vec<&str> = work_precision::names()
-            .chain([STABILITY, AERODYNAMICS, FABRIC, DEVICE])
+            .chain([
+                STABILITY,
+                STABILITY_AT_BODIES,
+                BLUFF_BODIES,
+                AERODYNAMICS,
+                FABRIC,
+                DEVICE,
+            ])
             .chain(COUPLING.map(|(name, _)| name))
             .collect();
         return Err(Failure::Other(
@@ -106,6 +121,13 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         interrupt: &interrupt,
         observer: &mut progress,
     };
+    // Bodies and schemes of coupling are computed in single precision, on CPU threads if they take part.
+    let single = engines.iter().find(|engine| {
+        !matches!(
+            engine.placement,
+            AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
+        )
+    });
     let mut text = String::new();
     if measures {
         let (points, summary) =
@@ -116,6 +138,18 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if maps_stability {
         let points = stability::map(&engines, &arguments.out, &mut watch)?;
         text.push_str(&stability::table(&points));
+    }
+    if maps_bodies && let Some(engine) = single {
+        let points = stability::map_at_bodies(engine, &arguments.out, &mut watch)?;
+        text.push_str(&stability::table_at_bodies(&points));
+    }
+    if follows_bodies && let Some(engine) = single {
+        let rows = bluff_bodies::matrix(arguments.full, engine, &arguments.out, &mut watch)?;
+        text.push_str(&format!(
+            "{}\n{}",
+            engine.name(),
+            bluff_bodies::table(&rows)
+        ));
     }
     if flies_wings {
         let points = aerodynamics::measure(arguments.full, &arguments.out, &mut watch)?;
@@ -128,15 +162,8 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if measures_device {
         text.push_str(&measure_device(arguments, &engines, &mut watch)?);
     }
-    // Schemes are compared in single precision, on CPU threads if they take part.
-    let engine = engines.iter().find(|engine| {
-        !matches!(
-            engine.placement,
-            AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
-        )
-    });
     for (_, compare) in comparisons {
-        if let Some(engine) = engine {
+        if let Some(engine) = single {
             let (_, table) = compare(arguments.full, engine, &arguments.out, &mut watch)?;
             text.push_str(&format!("{}\n{table}", engine.name()));
         }

@@ -10,7 +10,8 @@
 //! * Sides reflect first, without friction ([`super::links`]); then a share φ = v/(1/6 + g) of every population that came back is taken away, which
 //!   takes the tangential momentum of the air that leaves with it.
 //! * The inlet sends the equilibrium of density δρ̄ + δ and velocity U − v, with δρ̄ the mean of what the leaving populations tell of the
-//!   density at U. The tangential velocity is the wind's: to pass on what the leaving populations carry of it would let the wind turn, and breaks down.
+//!   density at U. A wave at an angle moves the air along the face, too: the share [`INLET_TANGENTIAL`] of that of the first cell, over its running
+//!   mean, goes with the wind. (With the mean the wind would turn; held to zero, the wave makes vorticity, and 6 % of it comes back.)
 //!
 //! Sources: one-dimensional characteristic faces (Thompson 1987, doi:10.1016/0021-9991(87)90041-6; Poinsot & Lele 1992); that they take a cosine less
 //! than one for waves at an angle is Engquist & Majda's second remark (1977, doi:10.1090/S0025-5718-1977-0436612-4). *Our own*: wave and flow
@@ -18,6 +19,7 @@
 //! mean stands for the far field.
 
 use super::grid::{Faces, Grid, Setup, Sides, StreamwiseEnds, Wall};
+use super::operators::bare_moments;
 use super::start::Start;
 use super::{DIRECTIONS, DOWNSTREAM, SOUND_SPEED_SQUARED, opposite};
 
@@ -25,9 +27,14 @@ use super::{DIRECTIONS, DOWNSTREAM, SOUND_SPEED_SQUARED, opposite};
 /// (`ripstop validate acoustic-pulse`).
 pub const IMPEDANCE: f64 = 0.535;
 
-/// The same at the inlet: waves at an angle make vorticity there, since the tangential velocity is given. Of waves at 30° in a wind of 0.08
-/// 6.5 % comes back.
-pub const INLET_IMPEDANCE: f64 = 0.525;
+/// The same at the inlet: there at most 4.9 % comes back.
+pub const INLET_IMPEDANCE: f64 = 0.53;
+
+/// Share of the tangential momentum of the first cell, over its running mean, that the inlet has.
+pub const INLET_TANGENTIAL: f64 = 0.95;
+
+/// Running means of a cell at the inlet: density excess as the leaving populations tell of it, and tangential momenta along y and z.
+pub const INLET_MEANS: usize = 3;
 
 /// Flow out of a side over the populations that meet it: κ/(1/6 + κ/2).
 pub const SIDE_FLOW: f64 = IMPEDANCE / (1.0 / 6.0 + 0.5 * IMPEDANCE);
@@ -149,10 +156,10 @@ impl AbsorbingSide {
     }
 }
 
-/// Running means of all absorbing faces: density excess at the inlet's cells, z slowest, then the populations that meet each side, by rows.
+/// Running means of all absorbing faces: those of the inlet's cells, z slowest, then the populations that meet each side, by rows.
 #[derive(Debug, Clone, Default)]
 pub struct FaceMeans {
-    /// Of the inlet, `[ny · nz]`; empty without one.
+    /// Of the inlet, `[ny · nz · 3]`; empty without one. See [`INLET_MEANS`].
     pub inlet: Vec<f32>,
     /// Of each side, `[rows · nx]`.
     pub sides: Vec<Vec<f32>>,
@@ -164,7 +171,7 @@ impl FaceMeans {
     pub fn at_rest(setup: &Setup) -> Self {
         let [nx, ny, nz] = setup.cells;
         let inlet = match setup.ends {
-            StreamwiseEnds::InletOutlet => vec![0.0; ny * nz],
+            StreamwiseEnds::InletOutlet => vec![0.0; INLET_MEANS * ny * nz],
             _ => Vec::new(),
         };
         let sides = AbsorbingSide::all(setup)
@@ -179,8 +186,12 @@ impl FaceMeans {
     pub fn of_start(setup: &Setup, start: &Start) -> Self {
         let mut means = Self::at_rest(setup);
         let [nx, ny, _] = setup.cells;
-        for (i, mean) in means.inlet.iter_mut().enumerate() {
-            *mean = start.density_excess([0, i % ny, i / ny]) as f32;
+        let (cells, _) = means.inlet.as_chunks_mut::<INLET_MEANS>();
+        for (i, [excess, y, z]) in cells.iter_mut().enumerate() {
+            let cell = [0, i % ny, i / ny];
+            *excess = start.density_excess(cell) as f32;
+            let (_, momentum) = bare_moments(&start.populations(cell));
+            [*y, *z] = [momentum[1], momentum[2]].map(|j| j as f32);
         }
         for (side, means) in AbsorbingSide::all(setup).into_iter().zip(&mut means.sides) {
             for (i, mean) in means.iter_mut().enumerate() {
@@ -218,6 +229,21 @@ impl FaceMeans {
         }
     }
 }
+
+/// Directions that carry momentum along the inlet.
+pub const ALONG_INLET: [usize; 16] = {
+    let mut along = [0; 16];
+    let (mut direction, mut count) = (0, 0);
+    while direction < DIRECTIONS.len() {
+        let [_, y, z] = DIRECTIONS[direction];
+        if y != 0 || z != 0 {
+            along[count] = direction;
+            count += 1;
+        }
+        direction += 1;
+    }
+    along
+};
 
 /// Directions that leave through the inlet, in the order of [`DOWNSTREAM`].
 pub const LEAVING_INLET: [usize; 5] = {
@@ -295,10 +321,10 @@ mod tests {
             eddy_viscosity: None,
         };
         let mut means = FaceMeans::at_rest(&setup);
-        assert_eq!(means.count(), 12 + 15 + 2 * 20);
+        assert_eq!(means.count(), 3 * 12 + 15 + 2 * 20);
         let list: Vec<f32> = (0..means.count()).map(|i| i as f32).collect();
         means.take(&list);
         assert_eq!(means.joined(), list);
-        assert_eq!(means.sides[1][0], 27.0);
+        assert_eq!(means.sides[1][0], 51.0);
     }
 }

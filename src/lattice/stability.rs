@@ -1,7 +1,7 @@
-//! The stability map: the fastest flow that every operator survives, over the relaxation time.
+//! The stability maps: the fastest flow that every operator survives, over the relaxation time, of free turbulence and past bluff bodies.
 //!
-//! The numbers are measured, not derived: `ripstop bench stability` writes the table that lies beside this file (see
-//! [`crate::bench::stability`] for the flow). To refresh it, copy the new `stability.csv` here.
+//! The numbers are measured, not derived: `ripstop bench stability` writes the tables that lie beside this file (see
+//! [`crate::bench::stability`] for the flows). To refresh them, copy the new `stability.csv` and `stability_at_bodies.csv` here.
 
 use std::sync::LazyLock;
 
@@ -15,6 +15,9 @@ pub const VISCOUS_PARTS: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
 /// Constants below this share of the measured one count as no eddy viscosity.
 const SMALLEST_SHARE: f64 = 0.6;
+
+/// Mach number of the fastest wind that was tried past bodies: 0.15 cells per step.
+pub const FASTEST_AT_BODIES: f64 = 0.26;
 
 /// The eddy viscosity with which the map was measured.
 #[must_use]
@@ -44,18 +47,86 @@ pub struct Point {
     pub mach: f64,
 }
 
-static MAP: LazyLock<Vec<Point>> = LazyLock::new(|| {
-    csv::Reader::from_reader(include_str!("stability.csv").as_bytes())
+/// What stands in a wind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Body {
+    /// A sphere.
+    Sphere,
+    /// A square plate normal to the wind.
+    Plate,
+    /// A wing of one chord's span with the profile NACA 0020, at 5°.
+    Profile,
+    /// The shipped flat circular canopy, which moves.
+    Canopy,
+}
+
+impl Body {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Sphere, Self::Plate, Self::Profile, Self::Canopy];
+
+    /// Those of the map: rigid ones, of which a flow takes seconds.
+    pub const OF_MAP: [Self; 3] = [Self::Sphere, Self::Plate, Self::Profile];
+
+    /// Name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Plate => "plate",
+            Self::Profile => "profile",
+            Self::Canopy => "canopy",
+        }
+    }
+}
+
+/// One line of the map of flows past bodies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointAtBody {
+    /// Engine and precision.
+    pub engine: String,
+    /// Collision operator.
+    pub operator: Operator,
+    /// Model of the eddy viscosity, with the constant of [`measured`].
+    pub eddy_viscosity: Option<EddyViscosityModel>,
+    /// τ − ½.
+    pub viscous_part: f64,
+    /// What stands in the wind.
+    pub body: Body,
+    /// Mach number of the fastest wind tried that was survived; zero if none was.
+    pub mach: f64,
+}
+
+static MAP: LazyLock<Vec<Point>> = LazyLock::new(|| lines(include_str!("stability.csv")));
+
+static MAP_AT_BODIES: LazyLock<Vec<PointAtBody>> =
+    LazyLock::new(|| lines(include_str!("stability_at_bodies.csv")));
+
+fn lines<T: serde::de::DeserializeOwned>(table: &str) -> Vec<T> {
+    csv::Reader::from_reader(table.as_bytes())
         .into_deserialize()
         // A test reads every line.
         .filter_map(Result::ok)
         .collect()
-});
+}
 
-/// The measured map.
+/// The measured map of free turbulence.
 #[must_use]
 pub fn map() -> &'static [Point] {
     &MAP
+}
+
+/// The measured map of flows past bodies.
+#[must_use]
+pub fn map_at_bodies() -> &'static [PointAtBody] {
+    &MAP_AT_BODIES
+}
+
+/// The model that an eddy viscosity counts as: a small constant is none.
+fn model_of(eddy_viscosity: Option<EddyViscosity>) -> Option<EddyViscosityModel> {
+    eddy_viscosity
+        .filter(|eddy| eddy.constant >= SMALLEST_SHARE * measured(eddy.model).constant)
+        .map(|eddy| eddy.model)
 }
 
 /// Largest Mach number survived at every angle by an operator at τ − ½ = `viscous_part`, interpolated over its logarithm between the lines
@@ -67,10 +138,8 @@ pub fn largest_mach(
     precision: &str,
     viscous_part: f64,
 ) -> Option<f64> {
-    let model = eddy_viscosity
-        .filter(|eddy| eddy.constant >= SMALLEST_SHARE * measured(eddy.model).constant)
-        .map(|eddy| eddy.model);
-    let survived = |part: f64| {
+    let model = model_of(eddy_viscosity);
+    interpolated(viscous_part, |part| {
         map()
             .iter()
             .filter(|point| {
@@ -81,7 +150,33 @@ pub fn largest_mach(
             })
             .map(|point| point.mach)
             .reduce(f64::min)
-    };
+    })
+}
+
+/// Mach number of the fastest wind that an operator survived at every body of the map, in single precision (double precision breaks down
+/// alike). Otherwise as [`largest_mach`].
+#[must_use]
+pub fn largest_mach_at_bodies(
+    operator: Operator,
+    eddy_viscosity: Option<EddyViscosity>,
+    viscous_part: f64,
+) -> Option<f64> {
+    let model = model_of(eddy_viscosity);
+    interpolated(viscous_part, |part| {
+        map_at_bodies()
+            .iter()
+            .filter(|point| {
+                point.operator == operator
+                    && point.eddy_viscosity == model
+                    && point.viscous_part == part
+            })
+            .map(|point| point.mach)
+            .reduce(f64::min)
+    })
+}
+
+/// A limit between those of the lines, over the logarithm of τ − ½.
+fn interpolated(viscous_part: f64, survived: impl Fn(f64) -> Option<f64>) -> Option<f64> {
     let [first, .., last] = VISCOUS_PARTS;
     let sought = viscous_part.clamp(last, first);
     let after = VISCOUS_PARTS

@@ -3,7 +3,6 @@
 use super::Plan;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
-use crate::lattice::stability;
 
 /// Shape quality below which triangles slow the solver down.
 const POOR_SHAPE: f64 = 0.1;
@@ -11,9 +10,6 @@ const POOR_SHAPE: f64 = 0.1;
 /// Tolerance of the static equilibrium below which a device's arithmetic may not reach: the shipped chain was measured to stall at
 /// 6e-6.
 const DEVICE_TOLERANCE: f64 = 1e-5;
-
-/// Air around a bluff body is faster than the wind by up to this factor.
-const FASTER_AROUND_BODIES: f64 = 2.0;
 
 /// Share of the section that a body may block before its drag wants more than a small correction. A canopy is counted with its nominal
 /// area S_0, about twice of what it projects when inflated.
@@ -27,7 +23,6 @@ impl Plan {
     #[must_use]
     pub fn warnings(&self, scene: &Scene) -> Vec<String> {
         let mut warnings = Vec::new();
-        warnings.extend(self.stability(scene));
         warnings.extend(blockage(scene));
         warnings.extend(nominal_area(scene));
         warnings.extend(self.device_tolerance(scene));
@@ -43,26 +38,6 @@ impl Plan {
             );
         }
         warnings
-    }
-
-    fn stability(&self, scene: &Scene) -> Option<String> {
-        let air = scene.air.as_ref()?;
-        let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
-        let mach = air.lattice_speed * 3f64.sqrt();
-        let limit = stability::largest_mach(
-            air.operator,
-            air.eddy_viscosity,
-            self.placement.precision_name(),
-            viscous_part,
-        )?;
-        let bodies = scene.body.is_some() || !scene.rigid_bodies.is_empty();
-        let fastest = mach * if bodies { FASTER_AROUND_BODIES } else { 1.0 };
-        (fastest > limit).then(|| {
-            format!(
-                "the air may break down: at tau - 1/2 = {viscous_part:.1e} this operator survives Mach {limit:.2} in the stability map, and the \
-                 flow may reach {fastest:.2}; lower resolution.lattice_speed, or use recursive_regularised with an eddy viscosity"
-            )
-        })
     }
 
     fn device_tolerance(&self, scene: &Scene) -> Option<String> {

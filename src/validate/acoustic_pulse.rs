@@ -18,11 +18,8 @@ const AMPLITUDE: f64 = 1e-3;
 /// Widths of the envelope between the middle of the packet and the face, and on its other side.
 const WIDTHS: f64 = 4.0;
 
-/// What came back at most of a wave at 0° or 30° from outlet and sides.
+/// What came back at most of a wave at 0° or 30°.
 const REFLECTED: f64 = 0.05;
-
-/// The same from the inlet: a wave at 30° against a wind of 0.08 makes vorticity there, and 6.5 % of it comes back.
-const REFLECTED_AT_INLET: f64 = 0.07;
 
 /// A face of the box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,11 +76,7 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 );
                 let row = session.row(packet.cells(), what, back);
                 if angle_deg <= 30.0 {
-                    row.gate(Gate::AtMost(if face == Face::Inlet {
-                        REFLECTED_AT_INLET
-                    } else {
-                        REFLECTED
-                    }));
+                    row.gate(Gate::AtMost(REFLECTED));
                 }
             }
         }

@@ -62,8 +62,8 @@ pub enum Side {
 pub struct WindTunnel {
     /// Speed of the wind [m/s]. It may be 0, if `resolution.reference_speed_m_s` is given.
     pub speed_m_s: f64,
-    /// Length, width and height of the box [m].
-    pub size_m: [f64; 3],
+    /// Length, width and height of the box [m]. If absent of a drawn canopy or a single sphere, disk, plate or cylinder as large as it needs.
+    pub size_m: Option<[f64; 3]>,
     /// Time in which the wind rises, uniformly, while the structure is held [s]. t = 0 is its end.
     pub start_time_s: f64,
     /// Length of a viscous layer before the outlet [m]; absent: none.
@@ -92,7 +92,7 @@ impl Descent {
     pub(in crate::case) const fn tunnel(&self) -> WindTunnel {
         WindTunnel {
             speed_m_s: self.release_speed_m_s,
-            size_m: self.size_m,
+            size_m: Some(self.size_m),
             start_time_s: self.start_time_s,
             sponge_length_m: self.sponge_length_m,
         }

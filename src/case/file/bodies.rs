@@ -11,8 +11,9 @@ use crate::geometry::mesh::doctor::Kind;
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// Middle of its shape at t = 0; of a mesh the file's origin [m].
-    pub position_m: [f64; 3],
+    /// Middle of its shape at t = 0; of a mesh the file's origin [m]. If absent of a single sphere, disk, plate or cylinder it stands in the middle
+    /// of the tunnel's section.
+    pub position_m: Option<[f64; 3]>,
     /// Turns the shape about its `position_m`; absent: not at all.
     pub rotation: Option<Rotation>,
     /// A sphere.
@@ -40,6 +41,17 @@ impl Body {
         let disk = self.disk.as_ref().map(|d| d.diameter_m);
         let cylinder = self.cylinder.as_ref().map(|c| c.diameter_m);
         sphere.or(disk).or(cylinder).filter(|d| *d > 0.0)
+    }
+
+    /// Its largest extent as written; `None` of a mesh [m].
+    pub(in crate::case) fn extent_m(&self) -> Option<f64> {
+        let plate = self.plate.as_ref().map(|p| p.size_m[0].max(p.size_m[1]));
+        let length = self.cylinder.as_ref().map(|c| c.length_m);
+        let extent = [self.diameter_m(), plate, length]
+            .into_iter()
+            .flatten()
+            .fold(0.0, f64::max);
+        Some(extent).filter(|extent| *extent > 0.0)
     }
 
     /// Its free fall, if it has one.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 /// Keys that every canopy has.
 #[derive(Debug, Clone)]
 pub(in crate::case) struct CanopyCommon {
-    pub(in crate::case) confluence_m: [f64; 3],
+    pub(in crate::case) confluence_m: Option<[f64; 3]>,
     pub(in crate::case) apex_guide_n_m: Option<f64>,
     pub(in crate::case) folding: Folding,
 }

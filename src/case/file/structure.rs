@@ -1,5 +1,7 @@
 //! What may be written in `[structure]`: one kind of structure, with its own table.
 
+use std::f64::consts::PI;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -49,6 +51,16 @@ pub enum Structure {
     Wing(Box<Wing>),
 }
 
+/// A canopy that is drawn in the case.
+pub(in crate::case) struct DrawnCanopy<'a> {
+    /// Name of its table.
+    pub(in crate::case) name: &'static str,
+    /// D_0, if it follows from the table [m].
+    pub(in crate::case) diameter_m: Option<f64>,
+    /// Where its lines meet.
+    pub(in crate::case) confluence_m: &'a mut Option<[f64; 3]>,
+}
+
 impl Structure {
     /// True for a parachute canopy that is drawn in the case.
     #[must_use]
@@ -69,6 +81,43 @@ impl Structure {
     #[must_use]
     pub const fn is_canopy(&self) -> bool {
         self.is_drawn_canopy() || matches!(self, Self::Mesh(mesh) if mesh.nominal_area_m2.is_some())
+    }
+
+    /// What a canopy that is drawn in the case needs room for.
+    pub(in crate::case) fn drawn_canopy(&mut self) -> Option<DrawnCanopy<'_>> {
+        let (name, area_m2, confluence_m) = match self {
+            Self::FlatCircular(t) => (
+                "flat_circular",
+                Some(t.nominal_area_m2),
+                &mut t.confluence_m,
+            ),
+            Self::Conical(t) => ("conical", Some(t.nominal_area_m2), &mut t.confluence_m),
+            Self::Slotted(t) => ("slotted", Some(t.nominal_area_m2), &mut t.confluence_m),
+            Self::ExtendedSkirt(t) => (
+                "extended_skirt",
+                Some(t.nominal_area_m2),
+                &mut t.confluence_m,
+            ),
+            Self::Annular(t) => ("annular", Some(t.nominal_area_m2), &mut t.confluence_m),
+            Self::DiskGapBand(t) => {
+                let of_diameter = t.nominal_diameter_m.map(|d| 0.25 * PI * d * d);
+                let area_m2 = t.nominal_area_m2.or(of_diameter);
+                ("disk_gap_band", area_m2, &mut t.confluence_m)
+            }
+            Self::Cruciform(t) => {
+                let area_m2 = t.width_m * (2.0 * t.length_m - t.width_m);
+                ("cruciform", Some(area_m2), &mut t.confluence_m)
+            }
+            _ => return None,
+        };
+        let diameter_m = area_m2
+            .filter(|area| *area > 0.0)
+            .map(|area| (4.0 * area / PI).sqrt());
+        Some(DrawnCanopy {
+            name,
+            diameter_m,
+            confluence_m,
+        })
     }
 
     /// The wing, if it is one.
@@ -106,8 +155,8 @@ macro_rules! canopy_table {
             $($(#[$meaning])* pub $key: $kind,)*
             /// Rings of triangles from vent or apex to the skirt; at least 12 for results.
             pub rings: usize,
-            /// Where all lines meet [m]. It is held, unless it carries a payload.
-            pub confluence_m: [f64; 3],
+            /// Where all lines meet [m]. It is held, unless it carries a payload. If absent the canopy stands in the middle of the tunnel's section.
+            pub confluence_m: Option<[f64; 3]>,
             /// Stiffness of a lateral spring at the apex, or where vent lines cross [N/m]; absent: none.
             pub apex_guide_n_m: Option<f64>,
             /// How the canopy is folded at the start.

@@ -7,7 +7,7 @@
 //! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
 //! * absorbing sides: as free slip, then less what sound takes out ([`crate::lattice::faces`]);
 //! * velocity inlet: equilibrium with the inlet's velocity and the density that the leaving populations tell of, but for what sound takes out
-//!   (there, too);
+//!   and along with it (there, too);
 //! * pressure outlet: equilibrium with the density and velocity of the last cell, delayed like an outgoing sound wave; a viscous
 //!   sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
@@ -26,7 +26,9 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::sides::FAMILIES;
-use crate::lattice::faces::{INLET_IMPEDANCE, InletAnswer, SIDE_FLOW, present_share};
+use crate::lattice::faces::{
+    INLET_IMPEDANCE, INLET_MEANS, INLET_TANGENTIAL, InletAnswer, SIDE_FLOW, present_share,
+};
 use crate::lattice::grid::{OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
@@ -155,17 +157,39 @@ impl<T: Real> Inlet<T> {
         }
     }
 
-    /// Density and velocity of the ghost, from the populations that leave, along the normal first, and their running mean.
+    /// What `now` is over a running mean, which it then is taken into.
     #[inline(always)]
-    fn ghost(&self, leaving: [T; 5], mean: &mut f32) -> (T, [T; 3]) {
+    fn over_mean(&self, now: T, mean: &mut f32) -> (T, T) {
+        let past = T::of(f64::from(*mean));
+        let over = now - past;
+        *mean = (past + self.share * over).to_f64() as f32;
+        (past, over)
+    }
+
+    /// Density and velocity of the ghost, from the populations that leave, along the normal first, the momentum of the first cell, and the
+    /// running means.
+    #[inline(always)]
+    fn ghost(
+        &self,
+        leaving: [T; 5],
+        momentum: [T; 3],
+        means: &mut [f32; INLET_MEANS],
+    ) -> (T, [T; 3]) {
         let [x, xy, xz, x_y, x_z] = leaving;
         let met = x + ((xy + x_y) + (xz + x_z));
-        let past = T::of(f64::from(*mean));
-        let over_mean = T::of(6.0) * met + self.of_wind - past;
-        *mean = (past + self.share * over_mean).to_f64() as f32;
-        let wave = self.wave * over_mean;
+        let [of_density, of_y, of_z] = means;
+        let (past, over) = self.over_mean(T::of(6.0) * met + self.of_wind, of_density);
+        let wave = self.wave * over;
+        let (_, along_y) = self.over_mean(momentum[1], of_y);
+        let (_, along_z) = self.over_mean(momentum[2], of_z);
+        let along = T::of(INLET_TANGENTIAL);
         let [u, v, w] = self.velocity;
-        (past + wave, [u - T::of(INLET_IMPEDANCE) * wave, v, w])
+        let velocity = [
+            u - T::of(INLET_IMPEDANCE) * wave,
+            v + along * along_y,
+            w + along * along_z,
+        ];
+        (past + wave, velocity)
     }
 }
 
@@ -189,7 +213,7 @@ pub(super) fn fill_row_ends<T: Real>(
     start: usize,
     nx: usize,
     ends: &RowEnds<T>,
-    inlet_mean: Option<&mut f32>,
+    inlet_means: Option<&mut [f32; INLET_MEANS]>,
 ) {
     let inlet = match ends {
         RowEnds::Walls => return,
@@ -202,7 +226,7 @@ pub(super) fn fill_row_ends<T: Real>(
         }
         RowEnds::InletOutlet(inlet) => inlet,
     };
-    let Some(inlet_mean) = inlet_mean else {
+    let Some(inlet_means) = inlet_means else {
         return;
     };
     // The momentum after the collision is what a streaming cell carries.
@@ -213,6 +237,7 @@ pub(super) fn fill_row_ends<T: Real>(
         }
         bare_moments(&f)
     };
+    let (_, first_momentum) = state(0);
     let (excess, momentum) = state(nx - 1);
     let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
     let [u, v, w] = momentum.map(|j| j * inverse_density);
@@ -225,7 +250,7 @@ pub(super) fn fill_row_ends<T: Real>(
         w,
     ];
     let leaving = DOWNSTREAM.map(|direction| arrays[direction][start]);
-    let (inlet_excess, inlet_velocity) = inlet.ghost(leaving, inlet_mean);
+    let (inlet_excess, inlet_velocity) = inlet.ghost(leaving, first_momentum, inlet_means);
     for direction in DOWNSTREAM {
         arrays[direction + 1][start - 1] =
             shifted_equilibrium(direction, inlet_excess, &inlet_velocity);

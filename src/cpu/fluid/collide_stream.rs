@@ -15,6 +15,7 @@ use super::Fluid;
 use super::boundaries::{Inlet, RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
 use crate::lattice::collision::{Collision, PerOperator};
+use crate::lattice::faces::INLET_MEANS;
 use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real, opposite};
@@ -131,7 +132,8 @@ impl<T: Real> Fluid<T> {
             })
             .collect();
         let rows = planes * self.setup.cells[1];
-        for (slab, means) in slabs.iter_mut().zip(self.face_means.inlet.chunks_mut(rows)) {
+        let (inlet_means, _) = self.face_means.inlet.as_chunks_mut();
+        for (slab, means) in slabs.iter_mut().zip(inlet_means.chunks_mut(rows)) {
             slab.inlet_means = means;
         }
         for (array, data) in self.populations.arrays_mut().into_iter().enumerate() {
@@ -174,7 +176,7 @@ struct Slab<'a, T> {
     planes: usize,
     arrays: [&'a mut [T]; DIRECTION_COUNT],
     /// Running means at the inlet, row by row; empty without one.
-    inlet_means: &'a mut [f32],
+    inlet_means: &'a mut [[f32; INLET_MEANS]],
 }
 
 /// The work on one slab, compiled once per instruction set.

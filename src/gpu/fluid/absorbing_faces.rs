@@ -9,7 +9,8 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::Counted;
 use crate::gpu::shaders::{self, WORKGROUP};
 use crate::lattice::faces::{
-    AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW, present_share,
+    ALONG_INLET, AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, INLET_TANGENTIAL,
+    LEAVING_INLET, SIDE_FLOW, present_share,
 };
 use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::start::Start;
@@ -46,6 +47,7 @@ impl AbsorbingFaces {
             ["absorb_at_inlet", "absorb_at_sides"],
             &[
                 ("INLET_IMPEDANCE", INLET_IMPEDANCE),
+                ("INLET_TANGENTIAL", INLET_TANGENTIAL),
                 ("SIDE_FLOW", SIDE_FLOW),
                 ("PRESENT_SHARE", present_share(setup.cells)),
             ],
@@ -138,6 +140,11 @@ fn inlet_face(grid: &Grid, odd: bool) -> AbsorbingFace {
     AbsorbingFace {
         leaving: LEAVING_INLET.map(|direction| slot([0; 3], direction)),
         entering: DOWNSTREAM.map(|direction| slot([-1, 0, 0], direction)),
+        along: ALONG_INLET.map(|direction| {
+            let [array, element, ..] = slot([0; 3], direction);
+            let [_, y, z] = DIRECTIONS[direction].map(|c| (c + 1) as u32);
+            [array, element, y, z]
+        }),
         shape: [grid.cells[1], grid.cells[2], grid.stride_y, grid.stride_z].map(|n| n as u32),
         ..AbsorbingFace::default()
     }

@@ -58,6 +58,8 @@ parameters! {
         leaving: [[u32; 4]; 5],
         /// Of those that enter.
         entering: [[u32; 4]; 5],
+        /// Of those that move along the inlet, and their velocities along y and z, plus one.
+        along: [[u32; 4]; 16],
         /// Cells of a row, rows, elements from cell to cell, elements from row to row.
         shape: [u32; 4],
         /// Where its running means begin.
