@@ -130,6 +130,9 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
     if scene.body.is_some() || scene.rigid_bodies.len() > 1 {
         return Err("there are several bodies");
     }
+    if !body.faces.is_empty() {
+        return Err("the body passes through a face: of half models and mounts no law is known");
+    }
     settling(scene, air, body)?;
     let along = drag_direction(air, body);
     if along.x.abs() < 0.9999 || matches!(body.motion.motion, Motion::ConstantRotation { .. }) {

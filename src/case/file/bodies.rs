@@ -11,7 +11,8 @@ use crate::geometry::mesh::doctor::Kind;
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// Middle of its shape at t = 0; of a mesh the file's origin [m].
+    /// Middle of its shape at t = 0; of a mesh the file's origin [m]. A held body may pass through sides that are not periodic and through the outlet:
+    /// what lies outside is left out (docs/rigid-bodies.md#bodies-that-pass-through-a-face).
     pub position_m: [f64; 3],
     /// Turns the shape about its `position_m`; absent: not at all.
     pub rotation: Option<Rotation>,
@@ -119,7 +120,7 @@ pub struct SurfaceFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
-    /// Area [m²]; the frontal area if absent.
+    /// Area [m²]; the frontal area if absent, of a body that passes through a face its part in the box.
     pub area_m2: Option<f64>,
     /// Length [m]; diameter or smaller side if absent.
     pub length_m: Option<f64>,
