@@ -213,7 +213,10 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         area_m2: body.blocking_area_m2,
         corners_m,
         passed,
-        thickness_m: body.volume_m3.map(|_| size.min_element()),
+        thickness_m: body
+            .volume_m3
+            .map(|_| size.min_element())
+            .filter(|size| size.is_finite()),
         opening_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
