@@ -27,12 +27,14 @@ fn place_markers(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     }
     let marker = markers[k];
     for (var axis = 0u; axis < 3u; axis++) {
-        let w = kernel(marker.fraction[axis]);
-        let slot = 12u * k + 4u * axis;
+        let own = kernel(marker.fraction[axis]);
+        let w = folded_weights(own, marker.fold, axis);
+        let slot = KERNEL_STRIDE * k + 4u * axis;
         weights[slot] = w.x;
         weights[slot + 1u] = w.y;
         weights[slot + 2u] = w.z;
         weights[slot + 3u] = w.w;
+        keep_normal_weights(k, axis, own, marker.fold);
     }
     var first = true;
     if k > 0u {
@@ -76,7 +78,7 @@ fn touched_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
                 if corner > last {
                     break;
                 }
-                let slot = 12u * k;
+                let slot = KERNEL_STRIDE * k;
                 area += weights[slot + last - corner] * (weights[slot + 4u + y] * weights[slot + 8u + z]) * markers[k].area;
                 k++;
             }
@@ -96,9 +98,9 @@ fn interpolate(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
             let row = kernel_row(markers[k].corner, y, z);
-            let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
+            let weight = row_weight(KERNEL_STRIDE * k, y, z);
             for (var x = 0u; x < 4u; x++) {
-                sum += weight * weights[12u * k + x] * cell_states[row + x];
+                sum += weight * weights[KERNEL_STRIDE * k + x] * cell_states[row + x];
             }
         }
     }

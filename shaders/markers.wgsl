@@ -7,8 +7,9 @@ struct Marker {
     corner: u32,
     // Rest area [cells^2].
     area: f32,
-    padding_a: u32,
-    padding_b: u32,
+    // How its kernel is folded at faces (folded_kernels.wgsl).
+    fold: u32,
+    padding: u32,
     // Distance from the second cell under the kernel along x, y, z [cells], in 0..1.
     fraction: vec4<f32>,
 }
@@ -25,7 +26,7 @@ struct MarkerParameters {
 
 @group(0) @binding(19) var<uniform> parameters: MarkerParameters;
 @group(0) @binding(20) var<storage, read> markers: array<Marker>;
-// Kernel weights along x, y, z, four each.
+// Kernel weights along x, y, z, four each; KERNEL_STRIDE in all for a marker.
 @group(0) @binding(21) var<storage, read_write> weights: array<f32>;
 // Per cell of the box: 1 + the first marker whose kernel begins here, and the flag of a touched cell.
 @group(0) @binding(22) var<storage, read> touched: array<u32>;

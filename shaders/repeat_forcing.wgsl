@@ -16,16 +16,16 @@ fn repeat_forcing(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgrou
     if k >= parameters.marker_count {
         return;
     }
-    var sum = vec3<f32>();
+    var sum = vec4<f32>();
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
             let row = kernel_row(markers[k].corner, y, z);
-            let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
+            let weight = row_weight(KERNEL_STRIDE * k, y, z);
             for (var x = 0u; x < 4u; x++) {
-                sum += weight * weights[12u * k + x] * (cell_states[row + x].xyz + 0.5 * cell_forces[row + x].xyz);
+                sum += weight * weights[KERNEL_STRIDE * k + x] * (cell_states[row + x] + 0.5 * cell_forces[row + x]);
             }
         }
     }
     let stiffness = 2.0 * marker_states[k].w * markers[k].area;
-    marker_forces[k] += vec4<f32>(stiffness * (target_velocities[k].xyz - sum), 0.0);
+    marker_forces[k] += vec4<f32>(stiffness * (target_velocities[k].xyz - sum.xyz), 0.0);
 }

@@ -27,9 +27,8 @@ fn spread(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) grou
                     if corner > last {
                         break;
                     }
-                    let slot = 12u * k;
-                    force += weights[slot + last - corner] * (weights[slot + 4u + y] * weights[slot + 8u + z])
-                        * marker_forces[k];
+                    let slot = KERNEL_STRIDE * k;
+                    force += weights[slot + last - corner] * row_weight(slot, y, z) * marker_forces[k];
                     k++;
                 }
             }
@@ -49,9 +48,9 @@ fn half_forced_velocity(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_wo
     for (var z = 0u; z < 4u; z++) {
         for (var y = 0u; y < 4u; y++) {
             let row = kernel_row(markers[k].corner, y, z);
-            let weight = weights[12u * k + 4u + y] * weights[12u * k + 8u + z];
+            let weight = row_weight(KERNEL_STRIDE * k, y, z);
             for (var x = 0u; x < 4u; x++) {
-                sum += weight * weights[12u * k + x] * (cell_states[row + x] + 0.5 * cell_forces[row + x]);
+                sum += weight * weights[KERNEL_STRIDE * k + x] * (cell_states[row + x] + 0.5 * cell_forces[row + x]);
             }
         }
     }

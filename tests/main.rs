@@ -66,6 +66,7 @@ mod standard_error;
 mod supply_chain;
 mod supports;
 mod sweep;
+mod through_faces;
 mod time_steps;
 mod tolerances;
 mod trim;
@@ -114,6 +115,7 @@ fn main() -> std::process::ExitCode {
         canopies::trials(),
         bodies::trials(),
         body_settling::trials(),
+        through_faces::trials(),
         cadence::trials(),
         adaptive::trials(),
         supply_chain::trials(),

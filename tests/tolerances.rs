@@ -300,6 +300,39 @@ pub mod wing_design {
     pub const HANGS: f64 = 0.05;
 }
 
+/// Bodies that pass through faces.
+pub mod through_faces {
+    use super::{DEVICE_WEIGHTS, Engine};
+
+    /// What markers at a face exchange in two passes against what they and their images exchange, over the largest: sums in another order, of air in the
+    /// engine's precision; on a device kernel weights in `f32`, too. Slips after two passes are some tenths of the velocities they are the rest of.
+    pub const fn exchange(engine: Engine) -> f64 {
+        match engine {
+            Engine::CpuF64 => 1e-11,
+            Engine::CpuF32 => 1e-5,
+            Engine::Gpu | Engine::GpuF16 => 10.0 * DEVICE_WEIGHTS,
+        }
+    }
+
+    /// Drag of half a sphere whose markers are the images of the other half's, over that of the whole: 2e-16 was measured in double precision; round-off,
+    /// as of forces that symmetry forbids.
+    pub const fn half_model(engine: Engine) -> f64 {
+        match engine {
+            Engine::CpuF64 => 1e-9,
+            Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-3,
+        }
+    }
+
+    /// The same where triangles lie across the face and are cut in two, so that some markers stand elsewhere: 5e-5 was measured at 8 cells per diameter.
+    pub const CUT_TRIANGLES: f64 = 5e-4;
+
+    /// Slip over the wind of bodies of six cells at faces: as of other coarse bodies.
+    pub const SLIP: f64 = 0.1;
+
+    /// Section of a cylinder of six cells against a circle: it is a prism of eighteen sides, 2 % smaller.
+    pub const PRISM: f64 = 0.04;
+}
+
 /// Supports that are moved.
 pub mod supports {
     /// Force of a bar that was pulled, in double precision: solved to displacements of 1e-9 elements, a millionth of the stretch.

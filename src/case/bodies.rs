@@ -11,6 +11,7 @@ use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
 use super::problem::Problem;
+use super::through_faces::{self, Passing, REACH_CELLS, box_size_m};
 use super::time::Time;
 use super::usual;
 use super::usual_box;
@@ -19,7 +20,7 @@ use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
-use crate::rigid::{self, PrescribedMotion, Surface};
+use crate::rigid::{self, BoxFace, PrescribedMotion, Surface};
 
 /// Edges of the triangles that shapes are divided into [cells]: one marker each, some 0.7 cells apart.
 const EDGE_CELLS: f64 = 1.2;
@@ -42,16 +43,20 @@ pub struct RigidBody {
     pub shape: Shape,
     /// Normal of a disk or plate before it moves.
     pub normal: DVec3,
-    /// Its surface before it moves.
+    /// Its surface before it moves; of a body that passes through faces the part in the box of air.
     pub surface: Surface,
-    /// The surface that markers stand on, a little inside; the same triangles.
+    /// The surface that markers stand on, a little inside.
     pub marker_surface: Surface,
+    /// The faces of the box that it passes through; empty of most.
+    pub faces: Vec<BoxFace>,
     /// How it moves.
     pub motion: PrescribedMotion,
-    /// Volume and its centroid before the body moves, if the surface is closed [m³, m].
+    /// Volume and its centroid before the body moves, in the box, if the whole surface is closed [m³, m].
     pub volume_m3: Option<(f64, DVec3)>,
     /// Area that coefficients refer to [m²].
     pub reference_area_m2: f64,
+    /// Area by which it blocks the section: that to which coefficients refer, or the frontal area in the box of one that passes through faces [m²].
+    pub blocking_area_m2: f64,
     /// Length that the Reynolds number and coefficients of moments refer to [m].
     pub reference_length_m: f64,
     /// Point of the body that moments are about, before it moves [m].
@@ -171,7 +176,7 @@ fn check_body(
     let inset = |key: &str, value: Option<f64>, usual_cells: f64| {
         within(key, usual::or(key, value, usual_cells), -1.0, 1.0)
     };
-    let marker_surface = rigid::inset(
+    let whole_markers = rigid::inset(
         &surface,
         cell * inset(
             "coupling.surface_inset_cells",
@@ -197,18 +202,30 @@ fn check_body(
     };
     let closed = surface.is_closed();
     let permeability = check_permeability(&written, closed, file, air.units.density_kg_m3)?;
+    let passing = Passing {
+        key: &written.key("position_m"),
+        name,
+        held: !motion.moves(),
+        falls: file.air.as_ref().is_some_and(|air| air.descent.is_some()),
+    };
+    let inside = through_faces::inside(passing, surface, whole_markers, air)?;
+    let own_area_m2 = shape.area_m2().map(|area| area * inside.frontal_share);
+    let reference_area_m2 = reference(&written, "area_m2", |r| r.area_m2, own_area_m2)?;
     let body = RigidBody {
         name: name.to_owned(),
         normal: rotation * DVec3::X,
         shape,
-        volume_m3: closed.then(|| {
-            let (volume, centroid) = surface.volume_m3();
-            (volume.abs(), centroid)
-        }),
-        surface,
-        marker_surface,
+        volume_m3: closed.then_some(inside.volume_m3),
+        blocking_area_m2: if inside.faces.is_empty() {
+            reference_area_m2
+        } else {
+            inside.surface.frontal_area_m2()
+        },
+        surface: inside.surface,
+        marker_surface: inside.marker_surface,
+        faces: inside.faces,
         motion,
-        reference_area_m2: reference(&written, "area_m2", |r| r.area_m2, shape.area_m2())?,
+        reference_area_m2,
         reference_length_m: reference(&written, "length_m", |r| r.length_m, shape.length_m())?,
         moment_point_m: match table.reference.as_ref().and_then(|r| r.moment_point_m) {
             Some(point) => vector(&written.key("reference.moment_point_m"), point)?,
@@ -377,9 +394,10 @@ pub(super) fn read_mesh(
 
 /// Refuses bodies that leave the air or outrun the coupling.
 fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Result<(), Problem> {
-    let cell = air.units.cell_size_m;
-    let size = DVec3::from_array(air.cells.map(|n| n as f64)) * cell;
-    let margin = 2.0 * cell;
+    let size = box_size_m(air);
+    let margin = REACH_CELLS * air.units.cell_size_m;
+    let mut walls = BoxFace::ALL.to_vec();
+    walls.retain(|wall| !body.faces.contains(wall));
     let looks = if body.motion.moves() { LOOKS } else { 0 };
     let (mut fastest, mut when) = (0.0, 0.0);
     for look in 0..=looks {
@@ -387,7 +405,7 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
         let placement = body.motion.at(t);
         for &point in &body.surface.positions_m {
             let place = placement.position_m(point);
-            if place.min_element() < margin || (size - place).min_element() < margin {
+            if walls.iter().any(|wall| wall.depth_m(place, size) < margin) {
                 return Err(Problem::new(
                     written.key("position_m"),
                     format!(
@@ -395,7 +413,12 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
                          cells of the walls of the tunnel of {:.4} × {:.4} × {:.4} m",
                         body.name, place.x, place.y, place.z, size.x, size.y, size.z
                     ),
-                    "move the body, enlarge the tunnel (air.wind_tunnel.size_m), or end sooner (time.end_s)",
+                    if body.motion.moves() {
+                        "move the body, enlarge the tunnel (air.wind_tunnel.size_m), or end sooner (time.end_s)"
+                    } else {
+                        "move the body, or enlarge the tunnel (air.wind_tunnel.size_m); one that is meant to pass through a side or the outlet must reach \
+                         two cells beyond it or more"
+                    },
                 ));
             }
             let speed = placement.velocity_m_s(point).length();

@@ -45,6 +45,7 @@ pub mod steady;
 mod structure;
 mod supports;
 mod text;
+mod through_faces;
 mod time;
 mod trim;
 mod unused;

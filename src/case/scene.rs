@@ -69,6 +69,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// True if a rigid body passes through a face of the box of air.
+    #[must_use]
+    pub fn passes_through_a_face(&self) -> bool {
+        self.rigid_bodies.iter().any(|body| !body.faces.is_empty())
+    }
+
     /// The canopy, if the structure is one.
     #[must_use]
     pub fn canopy(&self) -> Option<&Canopy> {

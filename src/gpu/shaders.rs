@@ -68,13 +68,19 @@ stored_shaders! {
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
     REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
-    INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "interpolate.wgsl";
+    INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "plain_kernels.wgsl",
+        "interpolate.wgsl";
+    INTERPOLATE_FOLDED = "interpolate_folded": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl",
+        "folded_kernels.wgsl", "interpolate.wgsl";
     CONTROL_VOLUME = "control_volume": "threads.wgsl", "arrays.wgsl", "control_volume.wgsl";
 }
 
 shaders! {
-    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "spread.wgsl";
-    REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "repeat_forcing.wgsl";
+    SPREAD = "spread": "threads.wgsl", "markers.wgsl", "plain_kernels.wgsl", "spread.wgsl";
+    SPREAD_FOLDED = "spread_folded": "threads.wgsl", "markers.wgsl", "folded_kernels.wgsl", "spread.wgsl";
+    REPEAT_FORCING = "repeat_forcing": "threads.wgsl", "markers.wgsl", "plain_kernels.wgsl", "repeat_forcing.wgsl";
+    REPEAT_FORCING_FOLDED = "repeat_forcing_folded":
+        "threads.wgsl", "markers.wgsl", "folded_kernels.wgsl", "repeat_forcing.wgsl";
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     NODAL_FORCES = "nodal_forces":

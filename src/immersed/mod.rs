@@ -1,5 +1,6 @@
 //! The immersed boundary: kernel, markers and the cells they touch. Pure formulas and lists, in lattice units.
 
+pub mod folds;
 pub mod kernel;
 pub mod markers;
 pub mod permeable;

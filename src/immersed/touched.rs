@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::folds::Folds;
 use super::kernel::{self, WIDTH};
 
 /// A marker whose kernel reaches out of the domain.
@@ -24,14 +25,17 @@ pub struct Domain {
     pub cells: [usize; 3],
     /// Axes along which the domain repeats, so that a kernel that leaves it on one side enters it on the other; never x.
     pub repeats: [bool; 3],
+    /// Faces that a body passes through, at which kernels are folded; `None` where there are none.
+    pub folds: Option<Folds>,
 }
 
 impl From<[usize; 3]> for Domain {
-    /// A domain that repeats along no axis.
+    /// A domain that repeats along no axis, through whose faces no body passes.
     fn from(cells: [usize; 3]) -> Self {
         Self {
             cells,
             repeats: [false; 3],
+            folds: None,
         }
     }
 }
@@ -40,18 +44,24 @@ impl From<[usize; 3]> for Domain {
 pub type CellBox = ([i64; 3], [i64; 3]);
 
 /// The smallest box of cells (first, one past the last) that holds the kernels of all markers at `positions` [cells]; the whole domain
-/// along an axis where a kernel reaches through a side that repeats; `None` without markers.
+/// along an axis where a kernel reaches through a side that repeats; `None` without markers. Folded kernels lie in the domain.
 pub fn bounding_box(
     positions: &[[f64; 3]],
     domain: Domain,
 ) -> Result<Option<CellBox>, OutOfDomain> {
     let bounds: [[f64; 2]; 3] = std::array::from_fn(|a| {
         let cells = domain.cells[a] as f64;
+        let faces = [-0.5, cells - 0.5];
         if domain.repeats[a] {
-            [-0.5, cells - 0.5]
-        } else {
-            [1.0, cells - 2.0]
+            return faces;
         }
+        let mut bounds = [1.0, cells - 2.0];
+        for (end, folded) in domain.folds.iter().flat_map(|f| f.at_ends(a)).enumerate() {
+            if folded {
+                bounds[end] = faces[end];
+            }
+        }
+        bounds
     });
     let mut least = [f64::INFINITY; 3];
     let mut greatest = [f64::NEG_INFINITY; 3];
@@ -80,6 +90,12 @@ pub fn bounding_box(
         if domain.repeats[a] && (low[a] < 0 || high[a] > cells) {
             (low[a], high[a]) = (0, cells);
         }
+        if domain.folds.is_some() && low[a] < 0 {
+            (low[a], high[a]) = (0, high[a].max(WIDTH as i64));
+        }
+        if domain.folds.is_some() && high[a] > cells {
+            (low[a], high[a]) = (low[a].min(cells - WIDTH as i64), cells);
+        }
     }
     Ok((!positions.is_empty()).then_some((low, high)))
 }
@@ -102,7 +118,12 @@ struct Kernel {
 impl Kernel {
     /// The kernel of a marker at `position` [cells]; its rows begin at slots of the box of cells that begins at `low`.
     fn at(position: [f64; 3], low: [i64; 3], size: [usize; 3]) -> Self {
-        let axes = position.map(kernel::weights);
+        Self::of_axes(position.map(kernel::weights), low, size)
+    }
+
+    /// The same from first cells and weights along the axes.
+    #[inline(always)]
+    fn of_axes(axes: [(i64, [f64; WIDTH]); 3], low: [i64; 3], size: [usize; 3]) -> Self {
         let x = (axes[0].0 - low[0]) as usize;
         // Where the box is the whole domain, a kernel may go on at its other end.
         let [ys, zs]: [[usize; WIDTH]; 2] = [1, 2].map(|a| {
@@ -123,6 +144,15 @@ impl Kernel {
         let weight = self.weights[2][row / WIDTH] * self.weights[1][row % WIDTH];
         self.weights[0].map(|along| weight * along)
     }
+}
+
+/// Where the component of a marker's vectors along the normal of a face has other weights than the others.
+#[derive(Debug, Clone, Copy)]
+struct NormalWeights {
+    marker: u32,
+    axis: u32,
+    /// Its weights along `axis`, less those of the others.
+    difference: [f64; WIDTH],
 }
 
 /// Place in a box whose ends meet, for one at most a box length away.
@@ -150,6 +180,8 @@ pub struct TouchedCells {
     pub rows: Vec<(u32, u32, u32)>,
     /// `[marker_count]`
     kernels: Vec<Kernel>,
+    /// At faces that a body passes through; empty without.
+    normals: Vec<NormalWeights>,
     /// True for the touched cells of the bounding box.
     marks: Vec<u8>,
     /// Number of every cell of the bounding box among the touched ones; not set elsewhere.
@@ -169,6 +201,7 @@ impl TouchedCells {
         self.x.clear();
         self.rows.clear();
         self.kernels.clear();
+        self.normals.clear();
         self.marks.clear();
         let Some((low, high)) = found else {
             return Ok(());
@@ -176,11 +209,14 @@ impl TouchedCells {
         let size: [usize; 3] = std::array::from_fn(|a| (high[a] - low[a]) as usize);
         self.marks.resize(size[0] * size[1] * size[2], 0);
         self.numbers.resize(self.marks.len(), 0);
-        positions
-            .par_iter()
-            .with_min_len(ALONE)
-            .map(|position| Kernel::at(*position, low, size))
-            .collect_into_vec(&mut self.kernels);
+        match &domain.folds {
+            None => positions
+                .par_iter()
+                .with_min_len(ALONE)
+                .map(|position| Kernel::at(*position, low, size))
+                .collect_into_vec(&mut self.kernels),
+            Some(folds) => self.fold(positions, (domain.cells, folds), low, size),
+        }
         for kernel in &self.kernels {
             for &slot in &kernel.rows {
                 self.marks[slot as usize..slot as usize + WIDTH].fill(1);
@@ -193,6 +229,32 @@ impl TouchedCells {
             .with_min_len(ALONE)
             .for_each(|kernel| kernel.rows = kernel.rows.map(|slot| numbers[slot as usize]));
         Ok(())
+    }
+
+    /// Kernels of markers where some are folded at faces.
+    fn fold(
+        &mut self,
+        positions: &[[f64; 3]],
+        (cells, folds): ([usize; 3], &Folds),
+        low: [i64; 3],
+        size: [usize; 3],
+    ) {
+        for (marker, position) in positions.iter().enumerate() {
+            let axes: [_; 3] =
+                std::array::from_fn(|axis| folds.on_axis(axis, position[axis], cells[axis]));
+            let plain = axes.map(|kernel| (kernel.first, kernel.weights));
+            self.kernels.push(Kernel::of_axes(plain, low, size));
+            for (axis, kernel) in axes.into_iter().enumerate() {
+                if kernel.normal != kernel.weights {
+                    let difference = std::array::from_fn(|i| kernel.normal[i] - kernel.weights[i]);
+                    self.normals.push(NormalWeights {
+                        marker: marker as u32,
+                        axis: axis as u32,
+                        difference,
+                    });
+                }
+            }
+        }
     }
 
     /// Gives the touched cells consecutive numbers.
@@ -236,6 +298,47 @@ impl TouchedCells {
             }
         }
         sum
+    }
+
+    /// The kernel with the weights by which a normal component differs.
+    fn normal_kernel(&self, normal: &NormalWeights) -> Kernel {
+        let mut kernel = self.kernels[normal.marker as usize];
+        kernel.weights[normal.axis as usize] = normal.difference;
+        kernel
+    }
+
+    /// What [`TouchedCells::interpolate`] of vectors leaves out at faces that a body passes through: (marker, component, to be added).
+    pub fn interpolate_normals<'a, const N: usize>(
+        &'a self,
+        values: &'a [[f64; N]],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        self.normals.iter().map(move |normal| {
+            let axis = normal.axis as usize;
+            let kernel = self.normal_kernel(normal);
+            let mut sum = 0.0;
+            for (row, &start) in kernel.rows.iter().enumerate() {
+                let cells = &values[start as usize..start as usize + WIDTH];
+                for (weight, value) in kernel.of_row(row).iter().zip(cells) {
+                    sum += weight * value[axis];
+                }
+            }
+            (normal.marker as usize, axis, sum)
+        })
+    }
+
+    /// Adds what [`TouchedCells::spread`] of vectors leaves out there, marker by marker.
+    pub fn spread_normals(&self, values: &[[f64; 3]], sums: &mut [[f64; 3]]) {
+        for normal in &self.normals {
+            let axis = normal.axis as usize;
+            let kernel = self.normal_kernel(normal);
+            let value = values[normal.marker as usize][axis];
+            for (row, &start) in kernel.rows.iter().enumerate() {
+                let cells = &mut sums[start as usize..start as usize + WIDTH];
+                for (sum, weight) in cells.iter_mut().zip(kernel.of_row(row)) {
+                    sum[axis] += weight * value;
+                }
+            }
+        }
     }
 
     /// Σ over markers of weight · value for every cell, `[touched]`: every thread takes a range of cells, and every cell its markers in
@@ -294,146 +397,5 @@ fn add_row<const N: usize>(sums: &mut [[f64; N]], weights: [f64; WIDTH], value: 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn positions() -> Vec<[f64; 3]> {
-        (0..200)
-            .map(|k| {
-                let t = f64::from(k) * 0.37;
-                [
-                    10.0 + 4.0 * t.sin(),
-                    9.0 + 3.0 * (1.7 * t).cos(),
-                    8.0 + 0.01 * t,
-                ]
-            })
-            .collect()
-    }
-
-    /// ⟨S u, F⟩ = ⟨u, S* F⟩ and total spread force = total force.
-    #[test]
-    fn interpolation_and_spreading_are_adjoint() {
-        let positions = positions();
-        let mut touched = TouchedCells::default();
-        touched.rebuild(&positions, [24, 20, 18]).unwrap();
-        let field: Vec<[f64; 1]> = touched
-            .cells
-            .iter()
-            .map(|c| [f64::from(c[0] * 7 + c[1] * 3 + c[2]).sin()])
-            .collect();
-        let force: Vec<[f64; 1]> = (0..positions.len()).map(|m| [(m as f64).cos()]).collect();
-        let left: f64 = (0..positions.len())
-            .map(|m| touched.interpolate(m, &field)[0] * force[m][0])
-            .sum();
-        let mut spread = Vec::new();
-        touched.spread(&force, &mut spread);
-        let right: f64 = spread.iter().zip(&field).map(|(s, f)| s[0] * f[0]).sum();
-        assert!((left - right).abs() < 1e-12 * force.len() as f64);
-        let total: f64 = spread.iter().map(|s| s[0]).sum();
-        assert!((total - force.iter().map(|f| f[0]).sum::<f64>()).abs() < 1e-12);
-    }
-
-    /// However many threads share the cells, each gets the same sum of its markers, in their order.
-    #[test]
-    fn spreading_has_the_same_bits_on_any_number_of_threads() {
-        let positions: Vec<[f64; 3]> = (0..5).flat_map(|_| positions()).collect();
-        let force: Vec<[f64; 3]> = (0..positions.len())
-            .map(|m| [(m as f64).cos(), (m as f64).sin(), 1.0 / (1.0 + m as f64)])
-            .collect();
-        let mut touched = TouchedCells::default();
-        touched.rebuild(&positions, [24, 20, 18]).unwrap();
-        let mut plain = vec![[0.0; 3]; touched.cells.len()];
-        for (position, force) in positions.iter().zip(&force) {
-            let axes = position.map(kernel::weights);
-            for (sum, cell) in plain.iter_mut().zip(&touched.cells) {
-                let at = |a: usize| {
-                    usize::try_from(i64::from(cell[a]) - axes[a].0)
-                        .ok()
-                        .and_then(|i| axes[a].1.get(i))
-                };
-                if let (Some(x), Some(y), Some(z)) = (at(0), at(1), at(2)) {
-                    for a in 0..3 {
-                        sum[a] += z * y * x * force[a];
-                    }
-                }
-            }
-        }
-        for threads in [1, 2, 3, 7] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            let mut sums = Vec::new();
-            pool.install(|| touched.spread(&force, &mut sums));
-            assert!(sums == plain, "{threads}");
-        }
-    }
-
-    #[test]
-    fn linear_fields_are_interpolated_exactly() {
-        let positions = positions();
-        let mut touched = TouchedCells::default();
-        touched.rebuild(&positions, [24, 20, 18]).unwrap();
-        let field: Vec<[f64; 3]> = touched.cells.iter().map(|c| c.map(f64::from)).collect();
-        for (m, position) in positions.iter().enumerate() {
-            let value = touched.interpolate(m, &field);
-            for a in 0..3 {
-                assert!((value[a] - position[a]).abs() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn rows_are_ordered_and_cover_all_cells() {
-        let mut touched = TouchedCells::default();
-        touched.rebuild(&positions(), [24, 20, 18]).unwrap();
-        let mut covered = 0;
-        for (row, first, end) in &touched.rows {
-            assert_eq!(*first, covered);
-            covered = *end;
-            for c in *first..*end {
-                let [_, y, z] = touched.cells[c as usize];
-                assert_eq!(y + z * 20, *row);
-            }
-        }
-        assert_eq!(covered as usize, touched.cells.len());
-        assert!(touched.rows.windows(2).all(|pair| pair[0].0 < pair[1].0));
-    }
-
-    /// Through a side that repeats, a sheet of markers one cell apart covers every cell alike.
-    #[test]
-    fn kernels_go_on_through_sides_that_repeat() {
-        let domain = Domain {
-            cells: [12, 6, 5],
-            repeats: [false, true, true],
-        };
-        let positions: Vec<[f64; 3]> = (0..30)
-            .map(|i| [5.3, f64::from(i % 6) - 0.2, f64::from(i / 6) - 0.4])
-            .collect();
-        let mut touched = TouchedCells::default();
-        touched.rebuild(&positions, domain).unwrap();
-        assert_eq!(touched.cells.len(), 4 * 30);
-        let mut sums = Vec::new();
-        touched.spread(&[[1.0]; 30], &mut sums);
-        let (_, along) = kernel::weights(5.3);
-        for (cell, place) in touched.cells.iter().enumerate() {
-            let expected = along[place[0] as usize - 4];
-            assert!((sums[cell][0] - expected).abs() < 1e-14);
-        }
-        assert!(touched.rebuild(&[[5.3, 5.6, 1.0]], domain).is_err());
-    }
-
-    #[test]
-    fn markers_near_the_border_are_reported() {
-        let mut touched = TouchedCells::default();
-        let error = touched
-            .rebuild(&[[5.0, 5.0, 5.0], [0.5, 5.0, 5.0]], [10, 10, 10])
-            .unwrap_err();
-        assert_eq!(error.marker, 1);
-        assert!(
-            touched
-                .rebuild(&[[f64::NAN, 5.0, 5.0]], [10, 10, 10])
-                .is_err()
-        );
-    }
-}
+#[path = "touched_tests.rs"]
+mod tests;

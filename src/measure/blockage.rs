@@ -14,7 +14,7 @@ use super::statistics::Mean;
 use crate::case::Scene;
 use crate::case::scene::{Air, Flow, RigidBody, Shape};
 use crate::output::{Quantity, Results};
-use crate::rigid::Motion;
+use crate::rigid::{BoxFace, Motion};
 
 /// Factor K of bodies about as wide as high, by Macha & Buffington.
 pub(super) const THREE_DIMENSIONS: f64 = 1.85;
@@ -130,6 +130,11 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
     if scene.body.is_some() || scene.rigid_bodies.len() > 1 {
         return Err("there are several bodies");
     }
+    let across =
+        spans(&body.faces) && matches!(body.shape, Shape::Cylinder { .. } | Shape::Plate { .. });
+    if !body.faces.is_empty() && !across {
+        return Err("the body passes through a face: of half models and mounts no law is known");
+    }
     settling(scene, air, body)?;
     let along = drag_direction(air, body);
     if along.x.abs() < 0.9999 || matches!(body.motion.motion, Motion::ConstantRotation { .. }) {
@@ -170,6 +175,11 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
         Shape::Sphere { .. } => Err("it holds for a sphere at Re 1e3 to 2e5 only"),
         Shape::Mesh => Err("the body is a mesh"),
     }
+}
+
+/// True if a body passes through both sides of one axis and no other face: it stands across the tunnel.
+fn spans(faces: &[BoxFace]) -> bool {
+    matches!(faces, [lower, upper] if lower.axis == upper.axis)
 }
 
 /// Extents of a body along y and z over those of the tunnel.

@@ -354,10 +354,15 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
         return;
     };
     let section = blockage::section_m2(air);
-    let area: f64 = scene.rigid_bodies.iter().map(|b| b.reference_area_m2).sum();
+    let area: f64 = scene.rigid_bodies.iter().map(|b| b.blocking_area_m2).sum();
+    let note = if scene.passes_through_a_face() {
+        "area over section: the reference area of bodies, the frontal area inside of those that pass through a face"
+    } else {
+        "reference area over section"
+    };
     results.insert(
         &BLOCKAGE_RATIO,
-        Quantity::new(area / section).with_note("reference area over section"),
+        Quantity::new(area / section).with_note(note),
     );
     let impulses = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX];
     let samples = [window.start, window.end - 1];

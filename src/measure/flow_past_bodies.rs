@@ -90,7 +90,8 @@ pub(super) fn reference_drag(air: &Air, body: &RigidBody) -> Option<(f64, &'stat
         _ => false,
     };
     let speed = reference_speed_m_s(air, body);
-    if !steady {
+    // What is published is of whole bodies.
+    if !steady || !body.faces.is_empty() {
         return None;
     }
     match body.shape {

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::record::Record;
+use super::shared::FORCE_IMBALANCE;
 use super::{
     air, bodies, canopy, contact, fabric, falling, flown_ballooning, imported_wing, line_drag,
     load_test, payload_bodies, permeable, plate, residual, sail_support, supports, wing, wing_trim,
@@ -10,9 +11,12 @@ use super::{
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
-use crate::output::Results;
+use crate::output::{Quantity, Results};
 use crate::simulation::Simulation;
 use crate::statics::Statics;
+
+/// Why forces are not checked where a body passes through a face.
+const NO_MOMENTUM_BOX: &str = "a body passes through a face, which the momentum box keeps three cells from: there is no second route";
 
 /// All results that the scene of a simulation defines.
 #[must_use]
@@ -88,6 +92,9 @@ pub(super) fn of_scene(
     supports::results(&mut results, record, scene);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {
         bodies::body_results(&mut results, record, scene, air);
+    }
+    if scene.passes_through_a_face() {
+        results.insert(&FORCE_IMBALANCE, Quantity::missing(NO_MOMENTUM_BOX));
     }
     results
 }

@@ -366,7 +366,7 @@ impl Plan {
             writeln!(
                 out,
                 "    blockage          S/section = {:.2} % (S = {:.4e} m2)",
-                100.0 * body.reference_area_m2 / section,
+                100.0 * body.blocking_area_m2 / section,
                 body.reference_area_m2
             )?;
             writeln!(
@@ -384,6 +384,15 @@ impl Plan {
                 )?;
             } else {
                 writeln!(out, "    moves             not at all")?;
+            }
+            if !body.faces.is_empty() {
+                let faces: Vec<&str> = body.faces.iter().map(|face| face.name()).collect();
+                writeln!(out, "    passes through    {}", faces.join(", "))?;
+                writeln!(
+                    out,
+                    "    {:<18}what lies outside is left out; kernels are mirrored at sides, the last cell stands for those beyond the outlet",
+                    ""
+                )?;
             }
         }
         Ok(())

@@ -78,7 +78,7 @@ fn blockage(scene: &Scene) -> Option<String> {
         BodyKind::Canopy(canopy) => Some(canopy.nominal_area_m2),
         _ => None,
     });
-    let rigid: f64 = scene.rigid_bodies.iter().map(|b| b.reference_area_m2).sum();
+    let rigid: f64 = scene.rigid_bodies.iter().map(|b| b.blocking_area_m2).sum();
     let share = (canopy.unwrap_or(0.0) + rigid) / section;
     (share > BLOCKAGE_LIMIT).then(|| {
         format!(

@@ -1,5 +1,6 @@
 //! Rigid bodies: surfaces of triangles, held or moved as prescribed. Pure geometry and kinematics, in SI units.
 
+mod box_faces;
 mod inset;
 pub mod motion;
 
@@ -8,6 +9,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::immersed::markers::Extent;
+pub use box_faces::BoxFace;
 pub use inset::inset;
 pub use motion::{Motion, Placement, PrescribedMotion};
 

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::case::Scene;
 use crate::case::scene::RigidBody;
+use crate::immersed::folds::Folds;
 use crate::immersed::markers::{self, Marker};
 use crate::rigid::PrescribedMotion;
 use crate::units::Units;
@@ -13,6 +14,18 @@ use crate::units::Units;
 /// Normal of a marker's triangle before a body moves.
 pub(super) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// The faces that bodies pass through; `None` where none does.
+pub(super) fn folds(scene: &Scene) -> Option<Folds> {
+    let mut folds = Folds::default();
+    for face in scene.rigid_bodies.iter().flat_map(|body| &body.faces) {
+        match face.axis {
+            0 => folds.outlet = true,
+            axis => folds.sides[axis - 1][usize::from(face.upper)] = true,
+        }
+    }
+    scene.passes_through_a_face().then_some(folds)
 }
 
 /// A body's markers.

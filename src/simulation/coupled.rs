@@ -20,7 +20,7 @@ use glam::DVec3;
 
 use super::across::Across;
 use super::air::AirEngine;
-use super::bodies::{BodyMarkers, Load, normal_of};
+use super::bodies::{BodyMarkers, Load, folds, normal_of};
 use super::markers::MarkerEngine;
 use super::permeable::PermeableMarkers;
 use crate::case::Scene;
@@ -94,7 +94,12 @@ impl Coupled {
             bodies,
             passes: coupling.passes,
             averaging_steps: coupling.averaging_steps,
-            immersed: MarkerEngine::new(engine, areas, coupling.over_relaxation)?,
+            immersed: MarkerEngine::through_faces(
+                engine,
+                folds(scene),
+                areas,
+                coupling.over_relaxation,
+            )?,
             positions: vec![[0.0; 3]; count],
             velocities: vec![[0.0; 3]; count],
             air_velocity_sums: vec![[0.0; 3]; count],

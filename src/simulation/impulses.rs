@@ -36,7 +36,7 @@ const LOOKS: u32 = 200;
 pub struct Impulses {
     units: Units,
     balance: Balance,
-    /// Cells touched by markers stayed inside the box so far.
+    /// Cells touched by markers stayed inside the box so far; never where a body passes through a face.
     contained: bool,
     markers: [f64; 3],
     /// Of every rigid body.
@@ -182,7 +182,8 @@ impl Impulses {
         Ok(Self {
             units: air.units,
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
-            contained: true,
+            // Markers at a face stand outside the box, which keeps three cells from all faces.
+            contained: !scene.passes_through_a_face(),
             markers: [0.0; 3],
             bodies: vec![Load::default(); bodies.len()],
             initial: MassMomentum::default(),

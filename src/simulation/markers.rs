@@ -5,6 +5,7 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::BodyForce;
 use crate::cpu::immersed::{self, Immersed};
 use crate::gpu::{self, DeviceError};
+use crate::immersed::folds::Folds;
 use crate::immersed::touched::{Domain, OutOfDomain};
 use crate::lattice::grid::Setup;
 
@@ -17,12 +18,14 @@ pub enum MarkerEngine {
     Gpu(Box<gpu::immersed::Immersed>),
 }
 
-/// The cells of the air for markers; kernels go on through sides that repeat, but not through the ends.
-pub fn domain(setup: &Setup) -> Domain {
+/// The cells of the air for markers; kernels go on through sides that repeat, but not through the ends, and are folded at faces that a body
+/// passes through.
+pub fn domain(setup: &Setup, folds: Option<Folds>) -> Domain {
     let [_, y, z] = setup.repeats();
     Domain {
         cells: setup.cells,
         repeats: [false, y, z],
+        folds,
     }
 }
 
@@ -36,9 +39,19 @@ macro_rules! both {
 }
 
 impl MarkerEngine {
-    /// Markers of the given areas [cells²] in the air of `engine`.
+    /// Markers of the given areas [cells²] in the air of `engine`, of which none stands at a face.
     pub fn new(
         engine: &AirEngine,
+        areas: Vec<f64>,
+        over_relaxation: f64,
+    ) -> Result<Self, DeviceError> {
+        Self::through_faces(engine, None, areas, over_relaxation)
+    }
+
+    /// The same with kernels folded at the given faces.
+    pub fn through_faces(
+        engine: &AirEngine,
+        folds: Option<Folds>,
         areas: Vec<f64>,
         over_relaxation: f64,
     ) -> Result<Self, DeviceError> {
@@ -46,16 +59,16 @@ impl MarkerEngine {
             AirEngine::CpuF32(fluid) => Self::Cpu(Box::new(Immersed::new(
                 areas,
                 over_relaxation,
-                domain(fluid.setup()),
+                domain(fluid.setup(), folds),
             ))),
             AirEngine::CpuF64(fluid) => Self::Cpu(Box::new(Immersed::new(
                 areas,
                 over_relaxation,
-                domain(fluid.setup()),
+                domain(fluid.setup(), folds),
             ))),
             AirEngine::Gpu(fluid) => Self::Gpu(Box::new(gpu::immersed::Immersed::new(
                 fluid,
-                domain(fluid.setup()),
+                domain(fluid.setup(), folds),
                 areas,
                 over_relaxation,
             )?)),

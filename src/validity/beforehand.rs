@@ -220,18 +220,22 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 20] {
             limit: 1.5,
             supports: Supports::Everything,
             remedy: "lengthen the box downstream",
-            value: |of| (of.kind != Kind::Wing).then(|| of.outlet()),
+            value: |of| {
+                let through = of.passed[0][1];
+                (of.kind != Kind::Wing && !through).then(|| of.outlet())
+            },
         },
         Rule {
             name: "distance to the side walls",
             unit: "1",
-            meaning: "from the nearest side wall to the structure at the start, over the diameter across the stream",
+            meaning: "from the nearest side wall to the structure at the start, over the diameter across the stream; a side that a body passes through does not count",
             bound: Bound::AtLeast,
             limit: 0.5,
             supports: Supports::Everything,
             remedy: "widen air.wind_tunnel.size_m, or keep away from the wall",
             value: |of| {
-                matches!(of.kind, Kind::Canopy | Kind::Round | Kind::Rigid).then(|| of.wall())
+                let bluff = matches!(of.kind, Kind::Canopy | Kind::Round | Kind::Rigid);
+                of.wall().filter(|_| bluff)
             },
         },
         Rule {

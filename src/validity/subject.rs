@@ -50,6 +50,8 @@ pub struct Subject<'a> {
     pub area_m2: f64,
     /// Corners of the box around it at the start [m].
     pub corners_m: [DVec3; 2],
+    /// Lower and upper faces of the box along x, y and z that it passes through by intent.
+    pub passed: [[bool; 2]; 3],
     /// Smallest thickness, if it has an inside [m].
     pub thickness_m: Option<f64>,
     /// Narrowest opening that air is meant to pass [m], and whether it is a hole rather than a slot.
@@ -114,6 +116,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
         across_m: 0.0,
         area_m2: 0.0,
         corners_m: corners(positions),
+        passed: [[false; 2]; 3],
         thickness_m: None,
         opening_m,
         mouth_m: None,
@@ -187,7 +190,13 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
 
 fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String) -> Subject<'a> {
     let corners_m = corners(&body.surface.positions_m);
-    let size = corners_m[1] - corners_m[0];
+    let mut size = corners_m[1] - corners_m[0];
+    let mut passed = [[false; 2]; 3];
+    for face in &body.faces {
+        passed[face.axis][usize::from(face.upper)] = true;
+        // It goes on beyond the face.
+        size[face.axis] = f64::INFINITY;
+    }
     let kind = match body.shape {
         Shape::Sphere { .. } | Shape::Cylinder { .. } => Kind::Round,
         _ => Kind::Rigid,
@@ -201,9 +210,13 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         kind,
         length_m: body.reference_length_m,
         across_m: body.reference_length_m,
-        area_m2: body.reference_area_m2,
+        area_m2: body.blocking_area_m2,
         corners_m,
-        thickness_m: body.volume_m3.map(|_| size.min_element()),
+        passed,
+        thickness_m: body
+            .volume_m3
+            .map(|_| size.min_element())
+            .filter(|size| size.is_finite()),
         opening_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
@@ -265,11 +278,20 @@ impl Subject<'_> {
         (self.box_m(0) - sponge_m - self.middle_m()) / self.across_m
     }
 
-    /// From the nearest side wall to the body [diameters across the stream].
-    pub fn wall(&self) -> f64 {
+    /// From the nearest side wall that it does not pass through to the body [diameters across the stream]; `None` if there is no such wall.
+    pub fn wall(&self) -> Option<f64> {
         let [low, high] = self.corners_m;
-        let gaps = [low.y, low.z, self.box_m(1) - high.y, self.box_m(2) - high.z];
-        gaps.into_iter().fold(f64::INFINITY, f64::min) / self.across_m
+        let gaps = [1, 2].into_iter().flat_map(|axis| {
+            let gaps = [low[axis], self.box_m(axis) - high[axis]];
+            gaps.into_iter().zip(self.passed[axis])
+        });
+        let kept = gaps.filter(|(_, passed)| !passed).map(|(gap, _)| gap);
+        kept.min_by(f64::total_cmp).map(|gap| gap / self.across_m)
+    }
+
+    /// True if it passes through a face of the box.
+    pub fn passes_through_a_face(&self) -> bool {
+        self.passed.iter().flatten().any(|passed| *passed)
     }
 
     /// Speed of the wind, or of the fall at release [m/s].

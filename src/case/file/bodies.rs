@@ -12,7 +12,8 @@ use crate::geometry::mesh::doctor::Kind;
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Middle of its shape at t = 0; of a mesh the file's origin [m]. If absent of a single sphere, disk, plate or cylinder it stands in the middle
-    /// of the tunnel's section.
+    /// of the tunnel's section. A held body may pass through sides that are not periodic and through the outlet: what lies outside is left out
+    /// (docs/rigid-bodies.md#bodies-that-pass-through-a-face).
     pub position_m: Option<[f64; 3]>,
     /// Turns the shape about its `position_m`; absent: not at all.
     pub rotation: Option<Rotation>,
@@ -131,7 +132,7 @@ pub struct SurfaceFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
-    /// Area [m²]; the frontal area if absent.
+    /// Area [m²]; the frontal area if absent, of a body that passes through a face its part in the box.
     pub area_m2: Option<f64>,
     /// Length [m]; diameter or smaller side if absent.
     pub length_m: Option<f64>,

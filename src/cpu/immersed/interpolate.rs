@@ -47,6 +47,9 @@ impl Immersed {
                 *strength = (self.over_relaxation * SUM_OF_SQUARES / density).min(largest);
                 *velocity = [x, y, z];
             });
+        for (marker, axis, part) in touched.interpolate_normals(states) {
+            self.air_velocities[marker][axis] += part;
+        }
         Ok(())
     }
 }

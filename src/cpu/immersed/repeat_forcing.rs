@@ -32,6 +32,9 @@ impl Immersed {
                     force[a] += stiffness * (velocities[k][a] - u[a]);
                 }
             });
+        for (k, axis, part) in self.touched.interpolate_normals(&forced) {
+            forces[k][axis] -= self.stiffness(k) * part;
+        }
         self.marker_forces = forces;
         self.gather_cell_forces();
         self.marker_forces.iter().fold([0.0; 3], |sum, force| {

@@ -27,6 +27,8 @@ impl Immersed {
     pub(super) fn gather_cell_forces(&mut self) {
         self.touched
             .spread(&self.marker_forces, &mut self.cell_forces);
+        self.touched
+            .spread_normals(&self.marker_forces, &mut self.cell_forces);
     }
 
     /// Slip left after the half force at every marker, u* + F/2 − v [cells per step], `[marker_count]`.
@@ -38,14 +40,18 @@ impl Immersed {
             .zip(&self.cell_forces)
             .map(|(u, f)| std::array::from_fn(|a| u[a] + 0.5 * f[a]))
             .collect();
-        velocities
+        let mut slips: Vec<[f64; 3]> = velocities
             .iter()
             .enumerate()
             .map(|(k, velocity)| {
                 let u = self.touched.interpolate(k, &forced);
                 std::array::from_fn(|a| u[a] - velocity[a])
             })
-            .collect()
+            .collect();
+        for (k, axis, part) in self.touched.interpolate_normals(&forced) {
+            slips[k][axis] += part;
+        }
+        slips
     }
 
     /// Its magnitude [cells per step], `[marker_count]`.

@@ -63,9 +63,12 @@ impl Immersed {
         let size: [u64; 3] = std::array::from_fn(|a| (high[a] - low[a]) as u64);
         let box_count: u64 = size.iter().product();
         self.boxed(fluid, box_count)?;
+        let (cells, folds) = (self.domain.cells, self.domain.folds);
         let corner = |position: &[f64; 3]| -> u64 {
             let c: [u64; 3] = std::array::from_fn(|a| {
-                (position[a].floor() as i64 - 1 - low[a]).rem_euclid(size[a] as i64) as u64
+                let first = position[a].floor() as i64 - 1;
+                let first = folds.map_or(first, |folds| folds.first(a, first, cells[a]));
+                (first - low[a]).rem_euclid(size[a] as i64) as u64
             });
             c[0] + size[0] * (c[1] + size[1] * c[2])
         };
@@ -91,6 +94,7 @@ impl Immersed {
                 Marker {
                     corner: (key >> 32) as u32,
                     area: self.areas[marker] as f32,
+                    fold: folds.map_or(0, |folds| folds.code(position, cells)),
                     fraction: [fraction[0], fraction[1], fraction[2], 0.0],
                     ..Marker::default()
                 }

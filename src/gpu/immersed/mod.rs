@@ -30,10 +30,10 @@ parameters! {
         corner: u32,
         /// Rest area [cells²].
         area: f32,
+        /// How its kernel is folded at faces that a body passes through; 0: not.
+        fold: u32,
         /// Unused.
-        padding_a: u32,
-        /// Unused.
-        padding_b: u32,
+        padding: u32,
         /// Distance from the second cell under the kernel [cells].
         fraction: [f32; 4],
     }
@@ -59,6 +59,12 @@ static GENERATIONS: AtomicU64 = AtomicU64::new(0);
 
 /// Flag of a touched cell, as in `shaders/markers.wgsl`.
 const TOUCHED: u32 = 1 << 31;
+
+/// Bytes of a marker's kernel weights: four along every axis.
+const KERNEL_BYTES: u64 = 48;
+
+/// The same where kernels are folded: four more of the normal component at the sides of y and z.
+const FOLDED_KERNEL_BYTES: u64 = 80;
 
 /// Section of a checkpoint with the forces of the markers.
 pub const FORCES: &str = "marker_forces_on_device";
@@ -130,15 +136,29 @@ impl Immersed {
         let device = Arc::clone(fluid.device());
         let count = areas.len();
         let constants = fluid.constants();
+        let storage = fluid.population_storage() as usize;
+        let (of_interpolate, of_spread, of_repeat, kernel_bytes) = match domain.folds {
+            None => (
+                &shaders::INTERPOLATE[storage],
+                &shaders::SPREAD,
+                &shaders::REPEAT_FORCING,
+                KERNEL_BYTES,
+            ),
+            Some(_) => (
+                &shaders::INTERPOLATE_FOLDED[storage],
+                &shaders::SPREAD_FOLDED,
+                &shaders::REPEAT_FORCING_FOLDED,
+                FOLDED_KERNEL_BYTES,
+            ),
+        };
         let [place_markers, touched_cells, interpolate] = device.pipelines(
-            &shaders::INTERPOLATE[fluid.population_storage() as usize],
+            of_interpolate,
             ["place_markers", "touched_cells", "interpolate"],
             &constants,
         )?;
         let [spread, half_forced_velocity] =
-            device.pipelines(&shaders::SPREAD, ["spread", "half_forced_velocity"], &[])?;
-        let [repeat_forcing] =
-            device.pipelines(&shaders::REPEAT_FORCING, ["repeat_forcing"], &[])?;
+            device.pipelines(of_spread, ["spread", "half_forced_velocity"], &[])?;
+        let [repeat_forcing] = device.pipelines(of_repeat, ["repeat_forcing"], &[])?;
         let n = count as u64;
         Ok(Self {
             over_relaxation,
@@ -155,7 +175,7 @@ impl Immersed {
                 repeat_forcing,
             },
             markers: device.storage("markers", 32 * n)?,
-            weights: device.storage("kernel weights", 48 * n)?,
+            weights: device.storage("kernel weights", kernel_bytes * n)?,
             parameters: device.uniform::<MarkerParameters>("marker parameters")?,
             marker_states: device.storage("marker states", 16 * n)?,
             marker_forces: device.storage("marker forces", 16 * n)?,
