@@ -409,7 +409,16 @@ impl Body for Breakdown {
     /// A sphere at Reynolds number 10⁶ without eddy viscosity breaks down at its surface, and the run says so.
     fn run(self, engine: Engine) {
         let cells = 8.0;
-        let case = fast_sphere(cells, &["resolution.lattice_speed=0.1", "time.end_s=200.0"]);
+        let mut case = fast_sphere(
+            cells,
+            &[
+                "resolution.operator=stabilised_regularised",
+                "resolution.lattice_speed=0.1",
+                "time.end_s=200.0",
+            ],
+        );
+        // A case file with this operator is refused.
+        case.scene.air.as_mut().unwrap().operator = Operator::RecursiveRegularised;
         let plan = Plan::new(&case.scene, engine.plan_placement());
         let device = engine.device();
         let mut simulation = Simulation::new(case.scene.clone(), plan, device).unwrap();

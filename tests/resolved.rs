@@ -77,6 +77,14 @@ const ABSENT_IS_NOTHING: &[&str] = &[
 /// What brings keys into cases that no shipped one has.
 const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
     (
+        "flat-circular-tunnel",
+        None,
+        &[
+            "air.wind_tunnel.size_m=absent",
+            "structure.flat_circular.confluence_m=absent",
+        ],
+    ),
+    (
         "sphere",
         None,
         &[

@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{Engine, Stop, Watch, go_on};
 use crate::case::{self, Case, Choices};
-use crate::frame::FluidFrame;
 use crate::geometry::profile::Profile;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
@@ -162,7 +161,7 @@ impl Flow {
             go_on(interrupt)?;
             let frame = simulation.frame(true)?;
             let Some(air) = &frame.fluid else { continue };
-            let (speed, energy) = speed_and_energy(air, wind_m_s);
+            let (speed, energy) = speed_and_energy(&air.velocity_m_s, wind_m_s);
             fastest = fastest.max(speed);
             energies.push(energy);
             if !speed.is_finite() || speed > FASTEST {
@@ -278,9 +277,9 @@ sample_interval_s = 1.0
 }
 
 /// Fastest cell [U] and Σ |u − U|² [U²]; NaN where a cell is not finite.
-fn speed_and_energy(air: &FluidFrame, wind_m_s: f64) -> (f64, f64) {
+fn speed_and_energy(velocities_m_s: &[[f32; 3]], wind_m_s: f64) -> (f64, f64) {
     let (mut fastest, mut energy) = (0.0_f64, 0.0);
-    for velocity in &air.velocity_m_s {
+    for velocity in velocities_m_s {
         let [x, y, z] = velocity.map(|v| f64::from(v) / wind_m_s);
         let across = y * y + z * z;
         let square = x * x + across;

@@ -1,6 +1,6 @@
 //! The fastest flow that every operator survives, over viscosity: free turbulence at three angles, and bodies in a tunnel.
 //!
-//! Bodies: those of [`super::bluff_bodies`], with 12 cells per diameter, side or chord, for 60 D/U.
+//! Bodies: those of [`super::bluff_bodies`], with 8 cells per diameter, side or chord, for 60 D/U.
 //!
 //! Free turbulence: a three-dimensional Taylor–Green vortex of amplitude U/3, carried through its periodic box of 16³ cells by a uniform wind of
 //! 2U/3 at an angle to the x axis, for twenty turnovers L/(U/3). Far below the cell size the grid resolves nothing of the cascade, which
@@ -47,7 +47,7 @@ const LOOKS: usize = 40;
 const BODY_SPEEDS: [f64; 4] = [0.15, 0.1, 0.05, 0.025];
 
 /// Cells per diameter, side or chord of bodies.
-const BODY_CELLS: usize = 12;
+const BODY_CELLS: usize = 8;
 
 /// Time that bodies are followed [D/U].
 const BODY_TIME: f64 = 60.0;
