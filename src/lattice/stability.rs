@@ -193,11 +193,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_line_of_the_map_is_read() {
-        let lines = include_str!("stability.csv").trim().lines().count();
-        assert_eq!(map().len() + 1, lines);
-        for point in map() {
-            assert!(VISCOUS_PARTS.contains(&point.viscous_part), "{point:?}");
+    fn every_line_of_the_maps_is_read() {
+        let lines = |table: &str| table.trim().lines().count();
+        assert_eq!(map().len() + 1, lines(include_str!("stability.csv")));
+        let at_bodies = map_at_bodies();
+        assert_eq!(
+            at_bodies.len() + 1,
+            lines(include_str!("stability_at_bodies.csv"))
+        );
+        let parts = map().iter().map(|point| point.viscous_part);
+        for part in parts.chain(at_bodies.iter().map(|point| point.viscous_part)) {
+            assert!(VISCOUS_PARTS.contains(&part), "{part}");
+        }
+        // Each operator, with and without each model, past each body.
+        let settings = Operator::ALL.len() * 4 * VISCOUS_PARTS.len();
+        assert_eq!(at_bodies.len(), settings * Body::OF_MAP.len());
+    }
+
+    /// What the map is for: one operator needs an eddy viscosity past bodies, one stands without.
+    #[test]
+    fn bodies_ask_for_more_than_turbulence() {
+        for part in VISCOUS_PARTS {
+            let at_bodies = |operator| largest_mach_at_bodies(operator, None, part).unwrap();
+            assert!(at_bodies(Operator::StabilisedRegularised) >= FASTEST_AT_BODIES);
+            let regularised = Operator::RecursiveRegularised;
+            assert_eq!(largest_mach(regularised, None, "f32", part), Some(0.6));
+            assert_eq!(at_bodies(regularised) < 0.1, part <= 1e-3, "{part}");
         }
     }
 
