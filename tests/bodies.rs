@@ -184,6 +184,7 @@ impl Body for AddedMass {
             Path::new("."),
             &[
                 "air.kinematic_viscosity_m2_s=3e-9",
+                "resolution.operator=stabilised_regularised",
                 "air.wind_tunnel.speed_m_s=0.0",
                 "air.wind_tunnel.start_time_s=0.1",
                 "air.wind_tunnel.size_m=[0.4, 0.4, 0.4]",

@@ -241,7 +241,7 @@ start_time_s = 0.02
 [resolution]
 cell_size_m = 0.05
 lattice_speed = 0.06
-operator = "recursive_regularised"
+operator = "stabilised_regularised"
 [bodies.plate]
 position_m = [0.5, 0.5, 0.5]
 plate.size_m = [0.35, 0.35]
@@ -324,7 +324,7 @@ start_time_s = 0.01
 [resolution]
 cell_size_m = 0.05
 lattice_speed = 0.06
-operator = "recursive_regularised"
+operator = "stabilised_regularised"
 [structure.sheet]
 size_m = [0.4, 0.4]
 divisions = [6, 6]

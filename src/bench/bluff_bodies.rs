@@ -22,7 +22,7 @@ use crate::output::write_atomically;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
 
-/// Length of the tunnel over its width, and its width [D].
+/// Length, width and height of the tunnel [D].
 const TUNNEL: [f64; 3] = [5.0, 3.0, 3.0];
 
 /// From the inlet to the middle of a body [D].
@@ -119,6 +119,9 @@ impl Flow {
     }
 
     /// Follows the flow on an engine. Files that the body needs are written into `folder`.
+    ///
+    /// # Errors
+    /// Where the device fails, the case is refused or the user interrupts; a flow that breaks down is no error.
     pub fn outcome(
         &self,
         engine: &Engine,
