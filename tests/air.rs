@@ -344,10 +344,11 @@ impl Body for Echo {
                 1 => setup.sides = Sides::Each([absorbing, Faces::Periodic]),
                 _ => setup.sides = Sides::Each([Faces::Periodic, absorbing]),
             }
-            // One wave along the face.
+            // One wave along the face; nothing changes along the third axis.
             let other = (axis + 1) % 3;
             if along > 0.0 {
                 setup.cells[other] = (length / along).round() as usize;
+                setup.cells[3 - axis - other] = 1;
             }
             let packet = |cell: [usize; 3]| {
                 let place = cell[axis] as f64 + 0.5 - 192.0;
