@@ -21,7 +21,7 @@
 use super::grid::{Faces, Grid, Setup, Sides, StreamwiseEnds, Wall};
 use super::operators::bare_moments;
 use super::start::Start;
-use super::{DIRECTIONS, DOWNSTREAM, SOUND_SPEED_SQUARED, opposite};
+use super::{DIRECTIONS, DOWNSTREAM, Operator, SOUND_SPEED_SQUARED, opposite};
 
 /// Flow through a face over the density of a wave that leaves [cells per step]. Waves at 0° and 30° to the normal come back alike, by 4 %
 /// (`ripstop validate acoustic-pulse`).
@@ -32,6 +32,15 @@ pub const INLET_IMPEDANCE: f64 = 0.53;
 
 /// Share of the tangential momentum of the first cell, over its running mean, that the inlet has.
 pub const INLET_TANGENTIAL: f64 = 0.95;
+
+/// That share with an operator. None with two relaxation times, which break down at the inlet with it sooner than they do without.
+#[must_use]
+pub const fn inlet_tangential(operator: Operator) -> f64 {
+    match operator {
+        Operator::TwoRelaxationTimes => 0.0,
+        _ => INLET_TANGENTIAL,
+    }
+}
 
 /// Running means of a cell at the inlet: density excess as the leaving populations tell of it, and tangential momenta along y and z.
 pub const INLET_MEANS: usize = 3;

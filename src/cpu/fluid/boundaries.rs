@@ -27,12 +27,12 @@ use rayon::prelude::*;
 use super::Fluid;
 use super::sides::FAMILIES;
 use crate::lattice::faces::{
-    INLET_IMPEDANCE, INLET_MEANS, INLET_TANGENTIAL, InletAnswer, SIDE_FLOW, present_share,
+    INLET_IMPEDANCE, INLET_MEANS, InletAnswer, SIDE_FLOW, inlet_tangential, present_share,
 };
 use crate::lattice::grid::{OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
-    DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
+    DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Operator, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
 };
 
 impl<T: Real> Fluid<T> {
@@ -144,16 +144,19 @@ pub(super) struct Inlet<T> {
     of_wind: T,
     /// Share of the present that a running mean takes.
     share: T,
+    /// Share of the first cell's tangential momentum over its mean that the ghost has.
+    along: T,
 }
 
 impl<T: Real> Inlet<T> {
-    pub(super) fn new(velocity: [f64; 3], cells: [usize; 3]) -> Self {
+    pub(super) fn new(velocity: [f64; 3], cells: [usize; 3], operator: Operator) -> Self {
         let answer = InletAnswer::new(velocity[0]);
         Self {
             velocity: velocity.map(T::of),
             wave: T::of(answer.wave),
             of_wind: T::of(answer.of_wind),
             share: T::of(present_share(cells)),
+            along: T::of(inlet_tangential(operator)),
         }
     }
 
@@ -182,12 +185,11 @@ impl<T: Real> Inlet<T> {
         let wave = self.wave * over;
         let (_, along_y) = self.over_mean(momentum[1], of_y);
         let (_, along_z) = self.over_mean(momentum[2], of_z);
-        let along = T::of(INLET_TANGENTIAL);
         let [u, v, w] = self.velocity;
         let velocity = [
             u - T::of(INLET_IMPEDANCE) * wave,
-            v + along * along_y,
-            w + along * along_z,
+            v + self.along * along_y,
+            w + self.along * along_z,
         ];
         (past + wave, velocity)
     }

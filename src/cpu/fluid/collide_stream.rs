@@ -113,9 +113,11 @@ impl<T: Real> Fluid<T> {
                 .map(|held| held.relaxation_times.as_slice()),
             ends: match self.setup.ends {
                 StreamwiseEnds::Periodic => RowEnds::Periodic,
-                StreamwiseEnds::InletOutlet => {
-                    RowEnds::InletOutlet(Inlet::new(self.inlet_velocity, self.setup.cells))
-                }
+                StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(Inlet::new(
+                    self.inlet_velocity,
+                    self.setup.cells,
+                    self.setup.operator,
+                )),
                 StreamwiseEnds::Walls(_) => RowEnds::Walls,
             },
         };

@@ -9,8 +9,8 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::Counted;
 use crate::gpu::shaders::{self, WORKGROUP};
 use crate::lattice::faces::{
-    ALONG_INLET, AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, INLET_TANGENTIAL,
-    LEAVING_INLET, SIDE_FLOW, present_share,
+    ALONG_INLET, AbsorbingSide, FACE_MEANS, FaceMeans, INLET_IMPEDANCE, LEAVING_INLET, SIDE_FLOW,
+    inlet_tangential, present_share,
 };
 use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::start::Start;
@@ -47,7 +47,7 @@ impl AbsorbingFaces {
             ["absorb_at_inlet", "absorb_at_sides"],
             &[
                 ("INLET_IMPEDANCE", INLET_IMPEDANCE),
-                ("INLET_TANGENTIAL", INLET_TANGENTIAL),
+                ("INLET_TANGENTIAL", inlet_tangential(setup.operator)),
                 ("SIDE_FLOW", SIDE_FLOW),
                 ("PRESENT_SHARE", present_share(setup.cells)),
             ],
