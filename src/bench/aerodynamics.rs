@@ -9,12 +9,11 @@ use std::time::Instant;
 use glam::DVec3;
 use kuva::prelude::{Layout, LinePlot, Plot, ScatterPlot};
 
-use super::{Stop, Watch, go_on, plots};
+use super::{Stop, Watch, go_on, plots, write_rows};
 use crate::aero::AeroError;
 use crate::aero::belloc;
 use crate::aero::decambering::{Decambering, Section};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
-use crate::output::write_atomically;
 
 /// Panels per side of a section and strips per half span, finest last.
 const SIZES: [[usize; 2]; 6] = [[6, 6], [10, 10], [15, 15], [20, 20], [30, 30], [40, 40]];
@@ -175,17 +174,6 @@ fn polar() -> Result<Vec<Angle>, Stop> {
             }
         })
         .collect())
-}
-
-pub(super) fn write_rows<T: serde::Serialize>(path: &Path, rows: &[T]) -> Result<(), Stop> {
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        for row in rows {
-            table.serialize(row).map_err(std::io::Error::other)?;
-        }
-        table.flush()
-    })?;
-    Ok(())
 }
 
 fn plot_errors(path: &Path, points: &[Point]) -> Result<(), Stop> {

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Engine, Stop, Watch, go_on};
+use super::{Engine, Stop, Watch, go_on, write_rows};
 use crate::case::{self, Case, Choices};
 use crate::geometry::profile::Profile;
 use crate::lattice::Operator;
@@ -418,7 +418,7 @@ pub fn matrix(
             energy_trend: outcome.energy_trend,
             seconds: began.elapsed().as_secs_f64(),
         });
-        super::write_rows(&folder.join("bluff-bodies.csv"), &rows)?;
+        write_rows(&folder.join("bluff-bodies.csv"), &rows)?;
     }
     Ok(rows)
 }

@@ -17,8 +17,7 @@ use std::time::Instant;
 use glam::DVec3;
 use kuva::prelude::{Layout, LinePlot, Plot, ScatterPlot};
 
-use super::aerodynamics::write_rows;
-use super::{Engine, Stop, Watch, go_on, plots};
+use super::{Engine, Stop, Watch, go_on, plots, write_rows};
 use crate::cloth::{Spring, Structure};
 use crate::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
 use crate::fabric::{Fabric, network};

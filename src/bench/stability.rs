@@ -151,10 +151,9 @@ pub fn map_at_bodies(
 /// Largest Mach number survived at every angle: one line per setting, one column per τ − ½.
 #[must_use]
 pub fn table(points: &[Point]) -> String {
-    let settings = points.iter().map(|point| Setting {
-        name: name_of(&point.engine, point.operator, point.eddy_viscosity),
-        viscous_part: point.viscous_part,
-        mach: point.mach,
+    let settings = points.iter().map(|point| {
+        let name = name_of(&point.engine, point.operator, point.eddy_viscosity);
+        (name, point.viscous_part, point.mach)
     });
     lines("largest Mach number survived; tau - 1/2 =", settings)
 }
@@ -162,38 +161,29 @@ pub fn table(points: &[Point]) -> String {
 /// The same past every body.
 #[must_use]
 pub fn table_at_bodies(points: &[PointAtBody]) -> String {
-    let settings = points.iter().map(|point| Setting {
-        name: name_of(&point.engine, point.operator, point.eddy_viscosity),
-        viscous_part: point.viscous_part,
-        mach: point.mach,
+    let settings = points.iter().map(|point| {
+        let name = name_of(&point.engine, point.operator, point.eddy_viscosity);
+        (name, point.viscous_part, point.mach)
     });
     lines("the same of winds past bodies; tau - 1/2 =", settings)
 }
 
-/// What one line of a table takes from a point of a map.
-struct Setting {
-    name: String,
-    viscous_part: f64,
-    mach: f64,
-}
-
-fn lines(title: &str, settings: impl Iterator<Item = Setting>) -> String {
+/// One line for each name, of (name, τ − ½, Mach number): the least Mach number of those alike.
+fn lines(title: &str, settings: impl Iterator<Item = (String, f64, f64)>) -> String {
     let mut text = format!("{title:<58}");
     for part in VISCOUS_PARTS {
         text.push_str(&format!("{part:>7.0e}"));
     }
     let mut lines: Vec<(String, [f64; VISCOUS_PARTS.len()])> = Vec::new();
-    for setting in settings {
-        if lines.last().is_none_or(|(last, _)| *last != setting.name) {
-            lines.push((setting.name, [f64::INFINITY; VISCOUS_PARTS.len()]));
+    for (name, viscous_part, survived) in settings {
+        if lines.last().is_none_or(|(last, _)| *last != name) {
+            lines.push((name, [f64::INFINITY; VISCOUS_PARTS.len()]));
         }
         if let (Some((_, mach)), Some(i)) = (
             lines.last_mut(),
-            VISCOUS_PARTS
-                .iter()
-                .position(|p| *p == setting.viscous_part),
+            VISCOUS_PARTS.iter().position(|p| *p == viscous_part),
         ) {
-            mach[i] = mach[i].min(setting.mach);
+            mach[i] = mach[i].min(survived);
         }
     }
     for (name, mach) in lines {

@@ -7,10 +7,9 @@ use std::time::Instant;
 use super::front::{fastest_within, pareto};
 pub use super::measurement::Point;
 use super::measurement::{ERROR_LIMITS, Flow, Setting};
-use super::{Engine, Stop, Watch, drag, go_on, plots, taylor_green};
+use super::{Engine, Stop, Watch, drag, go_on, plots, taylor_green, write_rows};
 use crate::bluff_body::BluffBody;
 use crate::lattice::Operator;
-use crate::output::write_atomically;
 use crate::plan::AirPlacement;
 use crate::simulation::AirEngine;
 
@@ -126,7 +125,7 @@ pub fn measure(
         )?;
         points.append(&mut own);
     }
-    write_csv(&folder.join("work-precision.csv"), &points)?;
+    write_rows(&folder.join("work-precision.csv"), &points)?;
     Ok((points, text))
 }
 
@@ -372,17 +371,6 @@ fn summary(problem: &Problem, points: &[Point]) -> String {
         ));
     }
     lines.join("\n") + "\n"
-}
-
-fn write_csv(path: &Path, points: &[Point]) -> Result<(), Stop> {
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        for point in points {
-            table.serialize(point).map_err(std::io::Error::other)?;
-        }
-        table.flush()
-    })?;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Which collision operators there are, in one table.
 //!
 //! Another one needs its formula in [`super::operators`], its line here, its formula and case in `shaders/operators.wgsl` (a test compares
-//! numbers and cases), and what `ripstop bench stability` measures of it in `stability.csv`.
+//! numbers and cases), and what `ripstop bench stability` measures of it in `stability.csv` and
+//! `stability_at_bodies.csv`.
 
 use super::Number;
 use super::operators::{self, Local, Populations};

@@ -213,6 +213,9 @@ impl Simulation {
             Flow::TaylorGreen { .. } => 0.0,
         };
         let dissipation = match air.eddy_viscosity {
+            _ if !air.operator.stands_bluff_bodies() => {
+                "take resolution.operator = \"stabilised_regularised\""
+            }
             None => "switch the eddy viscosity on",
             Some(_) => "raise the constant of the eddy viscosity",
         };

@@ -21,8 +21,7 @@ mod scheme;
 use std::path::Path;
 
 use super::front::unbeaten;
-use super::{Engine, Stop, Watch, go_on};
-use crate::output::write_atomically;
+use super::{Engine, Stop, Watch, go_on, write_rows};
 pub use point::Point;
 use scheme::{DEFAULT, LADDER, MASS_RATIOS, Scheme, TUNNELS, Tunnel, rigid_schemes, schemes};
 
@@ -75,17 +74,6 @@ fn table(points: &[Point]) -> String {
     text
 }
 
-fn write_csv(path: &Path, points: &[Point]) -> Result<(), Stop> {
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        for point in points {
-            table.serialize(point).map_err(std::io::Error::other)?;
-        }
-        table.flush()
-    })?;
-    Ok(())
-}
-
 /// Runs some schemes; every scheme that breaks down keeps its row.
 fn compute(
     schemes: &[Scheme],
@@ -100,7 +88,7 @@ fn compute(
         points.push(run(scheme, &TUNNELS[usize::from(full)], engine, watch)?);
         mark_unbeaten(&mut points);
         // What an interrupt leaves is worth keeping.
-        write_csv(&folder.join(format!("{name}.csv")), &points)?;
+        write_rows(&folder.join(format!("{name}.csv")), &points)?;
         let done = points.len() as u64;
         watch.observer.progress(done, schemes.len() as u64, name);
     }
