@@ -109,6 +109,7 @@ impl<T: Real> Bench<T> {
                 Sides::FreeSlip
             },
             relaxation_time: RELAXATION_TIME,
+            inlet_profile: None,
             sponge_cells: canopy.then_some(0.15 * side as f64),
             operator,
             eddy_viscosity: eddy.then_some(EddyViscosity::smagorinsky(SMAGORINSKY_CONSTANT)),

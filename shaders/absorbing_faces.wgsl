@@ -28,6 +28,9 @@ override PRESENT_SHARE: f32 = 0.0;
 @group(0) @binding(19) var<storage, read> faces: array<AbsorbingFace>;
 @group(0) @binding(20) var<storage, read_write> means: array<f32>;
 @group(0) @binding(21) var<uniform> step: StepParameters;
+// Of an inlet whose wind is not the same everywhere, y fastest: speed of every cell over that of the inlet, and −3τ times its rates of change along
+// y and z.
+@group(0) @binding(22) var<storage, read> profile: array<vec4<f32>>;
 
 const AXIS: f32 = 1.0 / 18.0;
 const DIAGONAL: f32 = 1.0 / 36.0;
@@ -54,15 +57,26 @@ fn face_cell(face: u32, i: u32) -> FaceCell {
 @compute @workgroup_size(WORKGROUP)
 fn absorb_at_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let cell = face_cell(0u, group.x * WORKGROUP + local);
-    if !cell.inside {
-        return;
+    if cell.inside {
+        answer_at_inlet(cell, step.inlet_velocity.xyz, vec2<f32>(0.0));
     }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn absorb_at_profiled_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let i = group.x * WORKGROUP + local;
+    let cell = face_cell(0u, i);
+    if cell.inside {
+        answer_at_inlet(cell, profile[i].x * step.inlet_velocity.xyz, profile[i].yz * step.inlet_velocity.x);
+    }
+}
+
+fn answer_at_inlet(cell: FaceCell, wind: vec3<f32>, shear: vec2<f32>) {
     var met: array<f32, 5>;
     for (var k = 0u; k < 5u; k++) {
         let slot = faces[0].leaving[k];
         met[k] = load(slot.x, slot.y + cell.shift);
     }
-    let wind = step.inlet_velocity.xyz;
     let square = 3.0 * wind.x * wind.x;
     let sum = met[0] + ((met[1] + met[3]) + (met[2] + met[4]));
     var momentum = vec2<f32>(0.0);
@@ -83,10 +97,10 @@ fn absorb_at_inlet(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     let excess = past + wave;
     let u = vec3<f32>(wind.x - INLET_IMPEDANCE * wave, wind.yz + INLET_TANGENTIAL * over_momentum);
     send(0u, cell.shift, shifted_equilibrium(AXIS, vec3<f32>(1.0, 0.0, 0.0), excess, u));
-    send(1u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u));
-    send(2u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u));
-    send(3u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u));
-    send(4u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u));
+    send(1u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 1.0, 0.0), excess, u) + DIAGONAL * shear.x);
+    send(2u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, 1.0), excess, u) + DIAGONAL * shear.y);
+    send(3u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, -1.0, 0.0), excess, u) - DIAGONAL * shear.x);
+    send(4u, cell.shift, shifted_equilibrium(DIAGONAL, vec3<f32>(1.0, 0.0, -1.0), excess, u) - DIAGONAL * shear.y);
 }
 
 fn send(k: u32, shift: u32, population: f32) {

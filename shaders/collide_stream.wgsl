@@ -94,7 +94,7 @@ fn collide_stream(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
 fn collide_stream_accelerated(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let p = place(group, local);
     if p.inside {
-        advance(p, step.acceleration.xyz, true);
+        advance(p, air_acceleration(p.cell), true);
     }
 }
 
@@ -104,7 +104,7 @@ fn collide_stream_forced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local
     if !p.inside {
         return;
     }
-    var force = step.acceleration.xyz;
+    var force = air_acceleration(p.cell);
     // Cells before the box wrap to huge numbers.
     let b = p.cell - step.box_first.xyz;
     if all(b < step.box_size.xyz) {

@@ -218,6 +218,7 @@ impl Body for Passes {
             ends: StreamwiseEnds::Periodic,
             sides: Sides::Periodic,
             relaxation_time: 0.6,
+            inlet_profile: None,
             sponge_cells: None,
             operator: Operator::RecursiveRegularised,
             eddy_viscosity: None,

@@ -28,6 +28,7 @@ fn still_box(relaxation_time: f64) -> Setup {
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time,
+        inlet_profile: None,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,

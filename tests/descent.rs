@@ -56,6 +56,7 @@ impl Body for StillAir {
                 ends,
                 sides: Sides::FreeSlip,
                 relaxation_time: 0.501,
+                inlet_profile: None,
                 sponge_cells: None,
                 operator: Operator::RecursiveRegularised,
                 eddy_viscosity: None,

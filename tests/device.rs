@@ -10,7 +10,7 @@ use ripstop::gpu::{layouts, shaders};
 use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
-use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
+use ripstop::lattice::grid::{Faces, InletProfile, Setup, Sides, StreamwiseEnds, Wall};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Plan, Precision, Storage};
 use ripstop::run::without_files;
 use ripstop::simulation::{AirEngine, Balance, Failure, MarkerEngine, Simulation};
@@ -319,9 +319,14 @@ fn setups() -> Vec<Setup> {
                     Some(5.0),
                 ),
             ] {
+                let cells = [19, 12, 11];
+                let profiled = ends == StreamwiseEnds::InletOutlet
+                    && operator == Operator::StabilisedRegularised;
                 setups.push(Setup {
-                    cells: [19, 12, 11],
+                    cells,
                     ends,
+                    inlet_profile: profiled
+                        .then(|| InletProfile::new(cells, |y, z| 0.5 + 0.04 * (y + 2 * z) as f64)),
                     sides,
                     relaxation_time: 0.52,
                     sponge_cells,
@@ -566,7 +571,7 @@ fn first_steps() {
         without_files(&case, plan, device).unwrap()
     };
     let (cpu, cpu_record) = run(Precision::F32.into());
-    let cell = case.scene.air.unwrap().units.cell_size_m;
+    let cell = case.scene.air.as_ref().unwrap().units.cell_size_m;
     for cloth in [ClothPlacement::Host, ClothPlacement::Device] {
         let (gpu, gpu_record) = run(placed(AirPlacement::Gpu(Storage::F32), cloth));
         let (a, b) = (cpu.cloth().unwrap(), gpu.cloth().unwrap());

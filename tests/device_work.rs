@@ -151,6 +151,7 @@ fn vortex(cells: [usize; 3], ends: StreamwiseEnds) -> Setup {
         ends,
         sides: Sides::Periodic,
         relaxation_time: 0.52,
+        inlet_profile: None,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,

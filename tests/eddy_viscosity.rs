@@ -49,6 +49,7 @@ fn periodic(cells: [usize; 3], eddy_viscosity: EddyViscosity) -> Setup {
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time: 0.52,
+        inlet_profile: None,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: Some(eddy_viscosity),

@@ -71,6 +71,7 @@ fn setup(cells: [usize; 3]) -> Setup {
         ends: StreamwiseEnds::Periodic,
         sides: Sides::FreeSlip,
         relaxation_time: 0.6,
+        inlet_profile: None,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,

@@ -30,6 +30,7 @@ fn setup(cells: [usize; 3], faces: [Faces; 3], relaxation_time: f64, operator: O
         },
         sides: Sides::Each([faces[1], faces[2]]),
         relaxation_time,
+        inlet_profile: None,
         sponge_cells: None,
         operator,
         eddy_viscosity: None,

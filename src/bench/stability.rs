@@ -234,6 +234,7 @@ fn survives(
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time: 0.5 + point.viscous_part,
+        inlet_profile: None,
         sponge_cells: None,
         operator: point.operator,
         eddy_viscosity: point.eddy_viscosity.map(measured),

@@ -27,6 +27,7 @@ pub(super) fn flow(setting: &Setting) -> Flow {
             ends: StreamwiseEnds::Periodic,
             sides: Sides::Periodic,
             relaxation_time: 0.5 + 3.0 * viscosity,
+            inlet_profile: None,
             sponge_cells: None,
             operator: setting.operator,
             eddy_viscosity: None,

@@ -4,13 +4,14 @@ use super::body::Body;
 use super::density::{density_kg_m3, sound_m_s};
 use super::faces::{check_sides, refuse_faces};
 use super::file::{self, File};
+use super::inlet;
 use super::lattice_speed::{self, LATTICE_SPEED_LIMIT};
 use super::problem::Problem;
 use super::usual;
 use super::usual_box;
 use super::values::{absent, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
-use crate::lattice::grid::Sides;
+use crate::lattice::grid::{InletProfile, Sides};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
 
@@ -21,7 +22,7 @@ const UPDATE_EVERY_LIMIT: u32 = 16;
 const SMALLEST_AXIS_CELLS: usize = 4;
 
 /// The air.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Air {
     /// Scales.
     pub units: Units,
@@ -53,7 +54,7 @@ impl Air {
 }
 
 /// What the air does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Flow {
     /// Wind along +x.
     WindTunnel {
@@ -65,6 +66,8 @@ pub enum Flow {
         sponge_length_m: Option<f64>,
         /// What lies beside, below and above.
         sides: Sides,
+        /// Wind at the inlet over `speed_m_s`; `None` where it is the same everywhere.
+        inlet_profile: Option<InletProfile>,
     },
     /// Decaying Taylor–Green vortices in a periodic box.
     TaylorGreen {
@@ -183,11 +186,14 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 })
                 .transpose()?;
             positive(&key("start_time_s"), tunnel.start_time_s)?;
+            let sides = check_sides(air, air.descent.is_some())?;
+            let cells = whole_cells(size_m, cell_size_m);
             let flow = Flow::WindTunnel {
                 speed_m_s: tunnel.speed_m_s,
                 start_time_s: tunnel.start_time_s,
                 sponge_length_m,
-                sides: check_sides(air, air.descent.is_some())?,
+                sides,
+                inlet_profile: inlet::check_inlet(air, cells, cell_size_m, sides)?,
             };
             (size_m, tunnel.speed_m_s, flow)
         }
@@ -236,7 +242,15 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         reference_speed_m_s,
         sound_m_s(air, density_kg_m3),
     )?;
-    if speed_m_s / reference_speed_m_s * lattice_speed > LATTICE_SPEED_LIMIT {
+    let wind_on_lattice = speed_m_s / reference_speed_m_s * lattice_speed;
+    if let Flow::WindTunnel {
+        inlet_profile: Some(profile),
+        ..
+    } = &flow
+    {
+        inlet::refuse_too_fast(profile, wind_on_lattice, LATTICE_SPEED_LIMIT)?;
+    }
+    if wind_on_lattice > LATTICE_SPEED_LIMIT {
         return Err(Problem::new(
             "resolution.reference_speed_m_s",
             format!(
@@ -245,7 +259,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             "raise reference_speed_m_s to the wind speed, or leave it out",
         ));
     }
-    let cells = size_m.map(|size| (size / cell_size_m).round().max(0.0) as usize);
+    let cells = whole_cells(size_m, cell_size_m);
     if cells.iter().any(|&n| n < SMALLEST_AXIS_CELLS) {
         return Err(Problem::new(
             "resolution",
@@ -283,6 +297,11 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
     let has_bodies = body.is_some() || !file.bodies.is_empty();
     check_stability(&air, speed_m_s, has_bodies)?;
     Ok(air)
+}
+
+/// Cells of a box, which has whole ones.
+fn whole_cells(size_m: [f64; 3], cell_size_m: f64) -> [usize; 3] {
+    size_m.map(|size| (size / cell_size_m).round().max(0.0) as usize)
 }
 
 /// Size of a cell of which `cells` make the largest chord [m].

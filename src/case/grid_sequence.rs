@@ -22,8 +22,8 @@ pub(super) fn check(file: &File, scene: &Scene, folder: &Path) -> Result<Vec<Sce
         return Ok(Vec::new());
     };
     let wind = matches!(
-        scene.air.map(|air| air.flow),
-        Some(Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0
+        scene.air.as_ref().map(|air| &air.flow),
+        Some(Flow::WindTunnel { speed_m_s, .. }) if *speed_m_s > 0.0
     );
     if scene.canopy().is_none() || !wind || scene.descent.is_some() {
         return Err(Problem::new(

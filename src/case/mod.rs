@@ -19,6 +19,7 @@ mod faces;
 pub mod file;
 mod grid_sequence;
 mod identity;
+mod inlet;
 mod lattice_speed;
 mod lep_sim;
 mod load;

@@ -103,7 +103,8 @@ mod tests {
     fn structures_move_with_what_holds_and_guides_them() {
         for name in ["flat-circular-tunnel", "flexible-plate", "parafoil-brake"] {
             let (before, after) = (load(name, &[]).scene, load(name, &[SHIFT]).scene);
-            let by_m = DVec3::new(0.5, -0.25, 0.125) * after.air.unwrap().units.cell_size_m;
+            let by_m =
+                DVec3::new(0.5, -0.25, 0.125) * after.air.as_ref().unwrap().units.cell_size_m;
             let [a, b] = [&before, &after].map(|scene| scene.body.as_ref().unwrap());
             assert_moved(&a.structure.positions_m, &b.structure.positions_m, by_m);
             let anchors = |body: &Body| -> Vec<DVec3> {
@@ -128,7 +129,7 @@ mod tests {
         ];
         let before = load("sphere", &turning).scene;
         let after = load("sphere", &[turning[0], turning[1], SHIFT]).scene;
-        let by_m = DVec3::new(0.5, -0.25, 0.125) * after.air.unwrap().units.cell_size_m;
+        let by_m = DVec3::new(0.5, -0.25, 0.125) * after.air.as_ref().unwrap().units.cell_size_m;
         let [a, b] = [&before, &after].map(|scene| &scene.rigid_bodies[0]);
         assert_moved(&a.surface.positions_m, &b.surface.positions_m, by_m);
         assert_moved(

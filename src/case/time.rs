@@ -67,8 +67,8 @@ pub(super) fn check(file: &File, air: Option<&Air>) -> Result<Option<Time>, Prob
             ));
         }
     };
-    let start_s = match air.map(|a| a.flow) {
-        Some(Flow::WindTunnel { start_time_s, .. }) => start_time_s,
+    let start_s = match air.map(|a| &a.flow) {
+        Some(Flow::WindTunnel { start_time_s, .. }) => *start_time_s,
         _ => 0.0,
     };
     if (end_s + start_s) / step_s > STEP_LIMIT {

@@ -89,7 +89,7 @@ impl CaseArguments {
     }
 
     fn too_large(&self, case: &Case, refusal: MemoryRefusal) -> Failure {
-        let air = case.scene.air.map(|air| air.cells);
+        let air = case.scene.air.as_ref().map(|air| air.cells);
         let needs = format!(
             "it needs {:.1} GB{}",
             refusal.needed as f64 / 1e9,

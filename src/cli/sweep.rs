@@ -179,7 +179,7 @@ fn known(
     case: &Case,
 ) -> Outcome {
     let hash = &case.hash;
-    let cell_size_m = case.scene.air.map(|air| air.units.cell_size_m);
+    let cell_size_m = case.scene.air.as_ref().map(|air| air.units.cell_size_m);
     let mut outcome = Outcome::waiting(point, hash, cell_size_m);
     let before = earlier.and_then(|sweep| {
         let mut runs = sweep.runs.iter();

@@ -60,9 +60,13 @@ pub fn all() -> Vec<Shader> {
 
 stored_shaders! {
     COLLIDE_STREAM = "collide_stream": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl", "no_held_eddy_viscosity.wgsl",
-        "step_parameters.wgsl", "collide_stream.wgsl";
+        "step_parameters.wgsl", "uniform_wind.wgsl", "collide_stream.wgsl";
     COLLIDE_STREAM_HELD = "collide_stream_held": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl",
-        "held_eddy_viscosity.wgsl", "step_parameters.wgsl", "collide_stream.wgsl";
+        "held_eddy_viscosity.wgsl", "step_parameters.wgsl", "uniform_wind.wgsl", "collide_stream.wgsl";
+    COLLIDE_STREAM_PROFILED = "collide_stream_profiled": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl",
+        "no_held_eddy_viscosity.wgsl", "step_parameters.wgsl", "profiled_wind.wgsl", "collide_stream.wgsl";
+    COLLIDE_STREAM_HELD_PROFILED = "collide_stream_held_profiled": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "operators.wgsl",
+        "held_eddy_viscosity.wgsl", "step_parameters.wgsl", "profiled_wind.wgsl", "collide_stream.wgsl";
     EDDY_VISCOSITY = "eddy_viscosity": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "eddy_viscosity.wgsl";
     ABSORBING_FACES = "absorbing_faces": "threads.wgsl", "lattice.wgsl", "arrays.wgsl", "step_parameters.wgsl", "absorbing_faces.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";

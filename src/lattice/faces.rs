@@ -325,6 +325,7 @@ mod tests {
                 Faces::Walls([Wall::Absorbing; 2]),
             ]),
             relaxation_time: 0.8,
+            inlet_profile: None,
             sponge_cells: None,
             operator: crate::lattice::Operator::TwoRelaxationTimes,
             eddy_viscosity: None,

@@ -12,6 +12,8 @@
 //! f_{i+1} to the local one, which is exactly where the next step, of the other parity, expects them.
 //! No two cells touch the same slot in a step. Arrays carry one layer of ghost cells.
 
+use std::sync::Arc;
+
 use super::eddy_viscosity::EddyViscosity;
 use super::{DIRECTIONS, Operator};
 
@@ -105,6 +107,63 @@ impl Wall {
     }
 }
 
+/// Wind at the inlet that is not the same everywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InletProfile {
+    /// Of every cell, y fastest, `[ny · nz]`.
+    rows: Arc<[ProfileRow]>,
+}
+
+/// The wind at one cell of the inlet, over the inlet's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfileRow {
+    /// Its speed.
+    pub ratio: f64,
+    /// Rates of change of the speed along y and z [1/cell].
+    pub shear: [f64; 2],
+}
+
+impl InletProfile {
+    /// With the ratio `of` a cell's y and z, for a section of so many cells.
+    pub fn new([_, ny, nz]: [usize; 3], of: impl Fn(usize, usize) -> f64) -> Self {
+        // Central differences, one-sided at the sides.
+        let between = |i: usize, n: usize| (i.saturating_sub(1), (i + 1).min(n - 1));
+        let rows = (0..ny * nz)
+            .map(|i| {
+                let (y, z) = (i % ny, i / ny);
+                let ((south, north), (below, above)) = (between(y, ny), between(z, nz));
+                let rate = |rise: f64, cells: usize| rise / cells.max(1) as f64;
+                ProfileRow {
+                    ratio: of(y, z),
+                    shear: [
+                        rate(of(north, z) - of(south, z), north - south),
+                        rate(of(y, above) - of(y, below), above - below),
+                    ],
+                }
+            })
+            .collect();
+        Self { rows }
+    }
+
+    /// Of every cell, y fastest.
+    #[must_use]
+    pub fn rows(&self) -> &[ProfileRow] {
+        &self.rows
+    }
+
+    /// Their mean.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.rows.iter().map(|row| row.ratio).sum::<f64>() / self.rows.len() as f64
+    }
+
+    /// The largest of them.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.rows.iter().map(|row| row.ratio).fold(0.0, f64::max)
+    }
+}
+
 /// All that defines the air, in lattice units.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -112,6 +171,8 @@ pub struct Setup {
     pub cells: [usize; 3],
     /// What lies upstream and downstream.
     pub ends: StreamwiseEnds,
+    /// Where the wind is not the same everywhere at the inlet.
+    pub inlet_profile: Option<InletProfile>,
     /// What lies beside, below and above.
     pub sides: Sides,
     /// Relaxation time τ; ν = (τ − ½)/3.
@@ -376,9 +437,16 @@ pub fn beyond(setup: &Setup, inlet_velocity: [f64; 3]) -> [[Beyond; 2]; 3] {
     let x = match setup.ends {
         StreamwiseEnds::Periodic => [Beyond::Periodic; 2],
         StreamwiseEnds::InletOutlet => [
-            Beyond::Ghost {
-                factor: [0.0; 3],
-                offset: inlet_velocity,
+            // A profile differs from cell to cell: the first cell stands for the ghost before it.
+            match setup.inlet_profile {
+                None => Beyond::Ghost {
+                    factor: [0.0; 3],
+                    offset: inlet_velocity,
+                },
+                Some(_) => Beyond::Ghost {
+                    factor: [1.0; 3],
+                    offset: [0.0; 3],
+                },
             },
             Beyond::Ghost {
                 factor: [1.0; 3],

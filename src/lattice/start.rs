@@ -221,6 +221,7 @@ mod tests {
             ends: StreamwiseEnds::InletOutlet,
             sides: Sides::Each([Faces::Walls([Wall::AT_REST; 2]); 2]),
             relaxation_time: 0.8,
+            inlet_profile: None,
             sponge_cells: None,
             operator: Operator::TwoRelaxationTimes,
             eddy_viscosity: None,

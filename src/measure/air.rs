@@ -39,7 +39,7 @@ results! {
 impl Moment {
     /// A sample; `None` without air.
     pub fn new(simulation: &Simulation) -> Result<Option<Self>, DeviceError> {
-        let (Some(engine), Some(air)) = (simulation.air(), simulation.scene().air) else {
+        let (Some(engine), Some(air)) = (simulation.air(), &simulation.scene().air) else {
             return Ok(None);
         };
         let (mass, energy) = engine.mass_and_energy()?;

@@ -85,7 +85,7 @@ impl Moment {
         let (Some(frame), Some(coupled), Some(air)) = (
             simulation.structure_frame().structure,
             simulation.coupled(),
-            simulation.scene().air,
+            &simulation.scene().air,
         ) else {
             return Ok(None);
         };
@@ -136,11 +136,11 @@ pub fn averaging(scene: &Scene) -> Option<String> {
     let (Some(air), Some(body), Some(time)) = (&scene.air, &scene.body, &scene.time) else {
         return None;
     };
-    let (BodyKind::Canopy(canopy), Flow::WindTunnel { speed_m_s, .. }) = (&body.kind, air.flow)
+    let (BodyKind::Canopy(canopy), Flow::WindTunnel { speed_m_s, .. }) = (&body.kind, &air.flow)
     else {
         return None;
     };
-    (speed_m_s > 0.0 && scene.descent.is_none()).then(|| {
+    (*speed_m_s > 0.0 && scene.descent.is_none()).then(|| {
         format!(
             "length of the run {:.1} D_0/U; means begin {SETTLING} D_0/U after the first peak of the diameter, when the wake has settled, and need {SHORTEST_WINDOW}",
             time.end_s * speed_m_s / canopy.nominal_diameter_m

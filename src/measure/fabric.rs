@@ -113,7 +113,7 @@ impl InWind {
         let (Some(fabric), Some(coupled), Some(air)) = (
             Fabric::new(simulation),
             simulation.coupled(),
-            simulation.scene().air,
+            &simulation.scene().air,
         ) else {
             return Ok(None);
         };

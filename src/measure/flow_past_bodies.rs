@@ -20,8 +20,8 @@ pub fn prefix(scene: &Scene, body: &RigidBody) -> String {
 
 /// Direction of the drag.
 pub(super) fn drag_direction(air: &Air, body: &RigidBody) -> DVec3 {
-    match (&body.motion.motion, air.flow) {
-        (_, Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0 => DVec3::X,
+    match (&body.motion.motion, &air.flow) {
+        (_, Flow::WindTunnel { speed_m_s, .. }) if *speed_m_s > 0.0 => DVec3::X,
         (Motion::ConstantVelocity { velocity_m_s, .. }, _) => {
             (-*velocity_m_s).try_normalize().unwrap_or(DVec3::X)
         }
@@ -31,8 +31,8 @@ pub(super) fn drag_direction(air: &Air, body: &RigidBody) -> DVec3 {
 
 /// Speed that the coefficients of a body refer to [m/s].
 pub(super) fn reference_speed_m_s(air: &Air, body: &RigidBody) -> f64 {
-    match (&body.motion.motion, air.flow) {
-        (_, Flow::WindTunnel { speed_m_s, .. }) if speed_m_s > 0.0 => speed_m_s,
+    match (&body.motion.motion, &air.flow) {
+        (_, Flow::WindTunnel { speed_m_s, .. }) if *speed_m_s > 0.0 => *speed_m_s,
         (Motion::ConstantVelocity { velocity_m_s, .. }, _) if *velocity_m_s != DVec3::ZERO => {
             velocity_m_s.length()
         }

@@ -91,7 +91,7 @@ impl Plan {
 
     /// Steps while the wind rises, and from release to the end.
     fn step_counts(scene: &Scene) -> (u64, u64) {
-        match (scene.time, scene.air.map(|air| air.flow)) {
+        match (scene.time, scene.air.as_ref().map(|air| &air.flow)) {
             (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
                 (start_time_s / time.step_s).ceil() as u64,
                 (time.end_s / time.step_s).ceil() as u64,

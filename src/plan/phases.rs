@@ -127,7 +127,7 @@ fn describe(phase: Phase, scene: &Scene, coarser: &[Scene]) -> String {
         }),
         Phase::RaiseWind => {
             let first = coarser.first().unwrap_or(scene);
-            match first.air.map(|air| air.flow) {
+            match first.air.as_ref().map(|air| &air.flow) {
                 Some(Flow::WindTunnel {
                     speed_m_s,
                     start_time_s,
@@ -140,10 +140,10 @@ fn describe(phase: Phase, scene: &Scene, coarser: &[Scene]) -> String {
             }
         }
         Phase::March { coarser: left } => march(grid(left), left, coarser.len()),
-        Phase::ChangeLattice { coarser: left } => match grid(left).air {
+        Phase::ChangeLattice { coarser: left } => match &grid(left).air {
             Some(air) => format!(
                 "to {} of {:.4} m, steps of {:.4e} s",
-                cells(&air),
+                cells(air),
                 air.units.cell_size_m,
                 air.units.time_step_s
             ),
@@ -194,8 +194,9 @@ fn march(scene: &Scene, left: usize, grids: usize) -> String {
     let steps = Plan::step_counts(scene).1;
     let place = scene
         .air
+        .as_ref()
         .filter(|_| grids > 0)
-        .map_or_else(String::new, |air| format!(" on {}", cells(&air)));
+        .map_or_else(String::new, |air| format!(" on {}", cells(air)));
     let changing = if scene.descent.is_some() {
         " at first: they follow the speed of the fall"
     } else {

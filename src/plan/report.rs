@@ -89,17 +89,26 @@ impl Plan {
                     eddy_viscosity.constant
                 )?;
             }
-            match air.flow {
+            match &air.flow {
                 Flow::WindTunnel {
                     speed_m_s,
                     start_time_s,
                     sponge_length_m,
                     sides,
+                    inlet_profile,
                 } => {
                     writeln!(
                         out,
                         "  wind                {speed_m_s} m/s, rising for {start_time_s} s before t = 0"
                     )?;
+                    if let Some(profile) = inlet_profile {
+                        writeln!(
+                            out,
+                            "  inlet profile       {:.3} of the wind in its mean, {:.3} at most",
+                            profile.mean(),
+                            profile.largest()
+                        )?;
+                    }
                     writeln!(out, "  sides               {}", sides.in_words())?;
                     if let Some(length) = sponge_length_m {
                         writeln!(out, "  outlet sponge       {length} m")?;

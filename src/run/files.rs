@@ -280,28 +280,32 @@ impl<'a> Files<'a> {
 /// Sets what the slice of air shows: on a scale that is the same for all pictures of a run, but in a fall on that of its present speed.
 fn show_flow(options: &mut PictureOptions, quantity: FlowQuantity, simulation: &Simulation) {
     let scene = simulation.scene();
-    let wind_m_s = scene.air.map(|air| match &scene.descent {
+    let wind_m_s = scene.air.as_ref().map(|air| match &scene.descent {
         Some(_) => simulation
             .wind_speed_m_s()
             .max(SLOWEST_SCALE * air.wind_or_reference_m_s()),
         None => air.wind_or_reference_m_s(),
     });
     options.flow = quantity;
-    options.flow_range = scene.air.zip(wind_m_s).and_then(|(air, wind_m_s)| {
-        let speed = match air.flow {
-            // Air speeds up beside a canopy.
-            Flow::WindTunnel { .. } => 1.4 * wind_m_s,
-            Flow::TaylorGreen { speed_m_s, .. } => speed_m_s,
-        };
-        match quantity {
-            FlowQuantity::Speed => Some([0.0, speed]),
-            FlowQuantity::Pressure => {
-                let pressure = 0.5 * air.units.density_kg_m3 * speed * speed;
-                Some([-pressure, pressure])
+    options.flow_range = scene
+        .air
+        .as_ref()
+        .zip(wind_m_s)
+        .and_then(|(air, wind_m_s)| {
+            let speed = match air.flow {
+                // Air speeds up beside a canopy.
+                Flow::WindTunnel { .. } => 1.4 * wind_m_s,
+                Flow::TaylorGreen { speed_m_s, .. } => speed_m_s,
+            };
+            match quantity {
+                FlowQuantity::Speed => Some([0.0, speed]),
+                FlowQuantity::Pressure => {
+                    let pressure = 0.5 * air.units.density_kg_m3 * speed * speed;
+                    Some([-pressure, pressure])
+                }
+                FlowQuantity::Vorticity => None,
             }
-            FlowQuantity::Vorticity => None,
-        }
-    });
+        });
     options.arrow_speed_m_s = wind_m_s.filter(|_| scene.output.picture_arrows);
 }
 

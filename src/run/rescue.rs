@@ -7,6 +7,8 @@ use super::guard::{ON_PURPOSE, OnPurpose};
 impl Run<'_> {
     /// Panics if a test asks for it at this step, and the state is whole as it asks for.
     #[allow(clippy::panic, reason = "what follows a panic is to be tested")]
+    /// It stays a call of its own: traces without line tables name it, too.
+    #[inline(never)]
     pub(super) fn fail_on_purpose(&self) {
         let now = OnPurpose {
             step: self.simulation.step_count(),

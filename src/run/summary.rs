@@ -47,7 +47,7 @@ pub(super) fn summarise(
         (present && cost.timed_steps > 0)
             .then(|| 1e3 * duration.as_secs_f64() / cost.timed_steps as f64)
     };
-    let cells = scene.air.map(|air| air.cells);
+    let cells = scene.air.as_ref().map(|air| air.cells);
     notes.extend(
         plan.warnings(scene)
             .into_iter()

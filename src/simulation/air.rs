@@ -160,21 +160,24 @@ impl AirEngine {
 
 /// The lattice of a scene's air; how often a stage runs is the plan's.
 fn setup(air: &Air, plan: &Plan) -> Setup {
-    let (ends, sides, sponge_cells) = match air.flow {
+    let (ends, inlet_profile, sides, sponge_cells) = match &air.flow {
         Flow::WindTunnel {
             sponge_length_m,
             sides,
+            inlet_profile,
             ..
         } => (
             StreamwiseEnds::InletOutlet,
-            sides,
+            inlet_profile.clone(),
+            *sides,
             sponge_length_m.map(|length| length / air.units.cell_size_m),
         ),
-        Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, Sides::Periodic, None),
+        Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, None, Sides::Periodic, None),
     };
     Setup {
         cells: air.cells,
         ends,
+        inlet_profile,
         sides,
         relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
         sponge_cells,
@@ -263,14 +266,14 @@ impl Balance {
 
 /// Density excess and velocity of every cell at the start [lattice units].
 fn initial_state(air: &Air) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
-    let flow = air.flow;
+    let flow = air.flow.clone();
     let units = air.units;
     let side_cells = air.cells[0] as f64;
-    move |cell| match flow {
+    move |cell| match &flow {
         // The wind rises from rest.
         Flow::WindTunnel { .. } => (0.0, [0.0; 3]),
         Flow::TaylorGreen { speed_m_s, .. } => {
-            let speed = speed_m_s / units.speed_m_s();
+            let speed = *speed_m_s / units.speed_m_s();
             let k = std::f64::consts::TAU / side_cells;
             let [x, y] = [k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5)];
             // p = (ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.

@@ -177,13 +177,13 @@ impl Simulation {
     /// after release, and between spans of the fabric ([`Simulation::spans_are_over`]). After an error the simulation cannot go on.
     pub fn change_lattice(&mut self, scene: Scene, mut plan: Plan) -> Result<(), Failure> {
         let (time_s, step) = (self.time_s(), self.step);
-        let (Some(old), Some(air), true) = (self.scene.air, self.air.take(), self.released())
+        let (Some(old), Some(air), true) = (&self.scene.air, self.air.take(), self.released())
         else {
             return Err(Failure::Start(
                 "only air whose structure has been released goes on on another lattice".to_owned(),
             ));
         };
-        let (Some(new), Some(time)) = (scene.air, scene.time) else {
+        let (Some(new), Some(time)) = (&scene.air, scene.time) else {
             return Err(Failure::Start("the other lattice has no air".to_owned()));
         };
         let mut field = Field::read(&air, old.units)?;
@@ -208,7 +208,7 @@ impl Simulation {
             let bare = std::array::from_fn(|a| velocity[a] - shift[a] / (1.0 + excess));
             (excess, bare, stress)
         };
-        let air = AirEngine::continued(&new, &plan, self.device.as_ref(), initial)?;
+        let air = AirEngine::continued(new, &plan, self.device.as_ref(), initial)?;
         let device = self.device.clone();
         let next = Self::assemble(scene, plan, device, Some(air), self.cloth.take())?;
         *self = Self {

@@ -372,7 +372,7 @@ impl Simulation {
         if let Flow::WindTunnel { speed_m_s, .. } = settings.flow {
             air.set_inlet_velocity(settings.units.velocity_to_lattice(wind));
             if self.step < start_steps && speed_m_s > 0.0 {
-                // All air is accelerated alike, so that the wind rises everywhere at once.
+                // All air is accelerated alike (or as an inlet profile has it), so that the wind rises everywhere at once.
                 let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0]
                     / start_steps as f64;
                 acceleration = Some([rate, 0.0, 0.0]);

@@ -159,11 +159,11 @@ impl Simulation {
                 descent.speed_m_s()
             };
         }
-        match self.scene.air.map(|air| air.flow) {
+        match self.scene.air.as_ref().map(|air| &air.flow) {
             Some(Flow::WindTunnel { speed_m_s, .. }) if self.plan.start_steps > 0 => {
                 speed_m_s * (step as f64 / self.plan.start_steps as f64).min(1.0)
             }
-            Some(Flow::WindTunnel { speed_m_s, .. }) => speed_m_s,
+            Some(Flow::WindTunnel { speed_m_s, .. }) => *speed_m_s,
             _ => 0.0,
         }
     }

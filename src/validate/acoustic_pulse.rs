@@ -126,6 +126,7 @@ impl Packet {
             ends,
             sides,
             relaxation_time: 0.5001,
+            inlet_profile: None,
             sponge_cells: None,
             operator: Operator::StabilisedRegularised,
             eddy_viscosity: None,

@@ -52,6 +52,7 @@ fn one(
         ends: StreamwiseEnds::Walls([lid, Wall::AT_REST]),
         sides: Sides::Each([Faces::Walls([Wall::AT_REST; 2]); 2]),
         relaxation_time: relaxation_time(LID * n as f64 / REYNOLDS),
+        inlet_profile: None,
         sponge_cells: None,
         operator,
         eddy_viscosity: None,

@@ -22,6 +22,7 @@ pub(super) fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operat
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time,
+        inlet_profile: None,
         sponge_cells: None,
         operator,
         eddy_viscosity: None,

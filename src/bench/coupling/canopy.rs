@@ -82,7 +82,8 @@ pub(super) fn run(
     let mut case = case(tunnel)?;
     let mut point = Point::new(NAME, scheme, tunnel.cells_per_diameter, engine);
     let scene = &mut case.scene;
-    let (Some(air), Some(body), Some(coupling)) = (scene.air, &mut scene.body, &mut scene.coupling)
+    let (Some(air), Some(body), Some(coupling)) =
+        (scene.air.clone(), &mut scene.body, &mut scene.coupling)
     else {
         return Err(refused("the case has no canopy in air"));
     };

@@ -75,7 +75,7 @@ pub(super) fn run_for(
     let mut case = case::parse(DISK, &source, Path::new("."), &Choices::default())
         .map_err(|error| Stop::Refused(error.to_string()))?;
     let mut point = Point::new(DISK, scheme, tunnel.cells_per_diameter, engine);
-    let (Some(air), Some(coupling)) = (case.scene.air, &mut case.scene.coupling) else {
+    let (Some(air), Some(coupling)) = (case.scene.air.clone(), &mut case.scene.coupling) else {
         return Err(Stop::Refused("the case has no body in air".to_owned()));
     };
     coupling.over_relaxation = scheme.over_relaxation;

@@ -252,6 +252,7 @@ fn vortices(
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time: RELAXATION_TIME,
+        inlet_profile: None,
         sponge_cells: None,
         operator,
         eddy_viscosity: None,

@@ -110,6 +110,7 @@ fn best_of_ten(
         ends: StreamwiseEnds::Periodic,
         sides: Sides::Periodic,
         relaxation_time: 0.6,
+        inlet_profile: None,
         sponge_cells: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,

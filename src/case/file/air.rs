@@ -24,7 +24,7 @@ pub struct Air {
     pub faces: Option<Faces>,
 }
 
-/// Sides of the box. The inlet and the outlet always let sound out.
+/// Sides of the box, and the wind at its inlet. The inlet and the outlet always let sound out.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Faces {
@@ -38,6 +38,77 @@ pub struct Faces {
     pub z_lower: Option<Side>,
     /// At the upper end of z.
     pub z_upper: Option<Side>,
+    /// Wind that is not the same everywhere at the inlet; absent: it is. It rises everywhere as the profile has it. Coefficients refer to
+    /// `air.wind_tunnel.speed_m_s`. Not in `[air.descent]`.
+    pub inlet: Option<Inlet>,
+}
+
+/// Wind at the inlet over `air.wind_tunnel.speed_m_s`; exactly one.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Inlet {
+    /// The power law of a turbulent boundary layer on walls or on the ground.
+    BoundaryLayer(BoundaryLayer),
+    /// Ratios at distances from the lower side.
+    Table(InletTable),
+}
+
+/// Speed (d/δ)^n at the distance d from the nearest of the sides, up to the thickness δ, and 1 beyond.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundaryLayer {
+    /// Thickness δ [m].
+    pub thickness_m: f64,
+    /// Exponent n; 1/7 if absent.
+    pub exponent: Option<f64>,
+    /// Sides on which it lies; those that are `"no_slip"` if absent.
+    pub sides: Option<Vec<BoxSide>>,
+}
+
+/// A side of the box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BoxSide {
+    /// At the lower end of y.
+    YLower,
+    /// At the upper end of y.
+    YUpper,
+    /// At the lower end of z.
+    ZLower,
+    /// At the upper end of z.
+    ZUpper,
+}
+
+impl BoxSide {
+    /// Distance of a place `[y, z]` in a box of the given size [m].
+    pub(in crate::case) const fn distance_m(self, size_m: [f64; 3], [y_m, z_m]: [f64; 2]) -> f64 {
+        match self {
+            Self::YLower => y_m,
+            Self::YUpper => size_m[1] - y_m,
+            Self::ZLower => z_m,
+            Self::ZUpper => size_m[2] - z_m,
+        }
+    }
+}
+
+/// Wind that changes along one axis.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InletTable {
+    /// The axis.
+    pub along: Across,
+    /// Pairs of the distance from the lower side [m] and the ratio, 0 to 3; straight between them, constant beyond.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// An axis across the wind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Across {
+    /// y.
+    Y,
+    /// z.
+    Z,
 }
 
 /// What lies at a side of the box.
@@ -124,7 +195,7 @@ pub struct Resolution {
     /// Cells per step at the speed of the wind, at most 0.15; it sets the time step. In `[air.descent]` at the speed of release: as the
     /// speed falls, the time step grows with it, by a quarter of an octave at a time. If absent, sound on the lattice is as fast as in
     /// air: the lattice speed is the Mach number over √3, at most 0.08. Sound moves at 340.3 m/s, or as in the standard atmosphere at
-    /// `air.descent.altitude_m`. Where that gives less than 0.03, and in liquids, 0.05 is taken: fewer steps, with slower sound.
+    /// `air.descent.altitude_m`. Where that gives less than 0.03, and in liquids, 0.08 is taken: fewer steps, with slower sound.
     pub lattice_speed: Option<f64>,
     /// Speed that `lattice_speed` stands for [m/s]; the speed of the wind if absent. It sets the time step only: coefficients refer to
     /// the wind.

@@ -7,7 +7,7 @@
 //! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
 //! * absorbing sides: as free slip, then less what sound takes out ([`crate::lattice::faces`]);
 //! * velocity inlet: equilibrium with the inlet's velocity and the density that the leaving populations tell of, but for what sound takes out
-//!   and along with it (there, too);
+//!   and along with it (there, too), and the stress of an inlet profile's shear;
 //! * pressure outlet: equilibrium with the density and velocity of the last cell, delayed like an outgoing sound wave; a viscous
 //!   sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
@@ -29,7 +29,9 @@ use super::sides::FAMILIES;
 use crate::lattice::faces::{
     INLET_IMPEDANCE, INLET_MEANS, InletAnswer, SIDE_FLOW, inlet_tangential, present_share,
 };
-use crate::lattice::grid::{OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION};
+use crate::lattice::grid::{
+    InletProfile, OUTLET_COSINE, OUTLET_DELAY, OUTLET_RELAXATION, ProfileRow,
+};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{
     DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Operator, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
@@ -69,6 +71,19 @@ impl<T: Real> Fluid<T> {
                     }
                 }
             });
+    }
+}
+
+impl<T: Real> RowEnds<'_, T> {
+    /// Those of a row by its number, y fastest.
+    #[inline(always)]
+    pub(super) fn of_row(&self, row: usize, relaxation_time: T) -> Self {
+        match self {
+            Self::InletOutlet(inlet, Some(profile)) => {
+                Self::InletOutlet(inlet.at(&profile.rows()[row], relaxation_time), None)
+            }
+            ends => *ends,
+        }
     }
 }
 
@@ -146,6 +161,8 @@ pub(super) struct Inlet<T> {
     share: T,
     /// Share of the first cell's tangential momentum over its mean that the ghost has.
     along: T,
+    /// −3τ times the rates of change of the wind along y and z.
+    shear: [T; 2],
 }
 
 impl<T: Real> Inlet<T> {
@@ -157,6 +174,21 @@ impl<T: Real> Inlet<T> {
             of_wind: T::of(answer.of_wind),
             share: T::of(present_share(cells)),
             along: T::of(inlet_tangential(operator)),
+            shear: [T::default(); 2],
+        }
+    }
+
+    /// The same at a row of a profile.
+    fn at(&self, row: &ProfileRow, relaxation_time: T) -> Self {
+        let velocity = self.velocity.map(|u| u * T::of(row.ratio));
+        let answer = InletAnswer::new(velocity[0].to_f64());
+        let of_rate = T::of(-3.0) * relaxation_time * self.velocity[0];
+        Self {
+            velocity,
+            shear: row.shear.map(|rate| of_rate * T::of(rate)),
+            wave: T::of(answer.wave),
+            of_wind: T::of(answer.of_wind),
+            ..*self
         }
     }
 
@@ -197,11 +229,11 @@ impl<T: Real> Inlet<T> {
 
 /// What lies at both ends of a row.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum RowEnds<T> {
+pub(super) enum RowEnds<'a, T> {
     /// The row repeats.
     Periodic,
-    /// Inlet and outlet.
-    InletOutlet(Inlet<T>),
+    /// Inlet and outlet, and the inlet's profile.
+    InletOutlet(Inlet<T>, Option<&'a InletProfile>),
     /// Walls: among the copies.
     Walls,
 }
@@ -214,7 +246,7 @@ pub(super) fn fill_row_ends<T: Real>(
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     start: usize,
     nx: usize,
-    ends: &RowEnds<T>,
+    ends: &RowEnds<'_, T>,
     inlet_means: Option<&mut [f32; INLET_MEANS]>,
 ) {
     let inlet = match ends {
@@ -226,7 +258,7 @@ pub(super) fn fill_row_ends<T: Real>(
             }
             return;
         }
-        RowEnds::InletOutlet(inlet) => inlet,
+        RowEnds::InletOutlet(inlet, _) => inlet,
     };
     let Some(inlet_means) = inlet_means else {
         return;
@@ -254,8 +286,10 @@ pub(super) fn fill_row_ends<T: Real>(
     let leaving = DOWNSTREAM.map(|direction| arrays[direction][start]);
     let (inlet_excess, inlet_velocity) = inlet.ghost(leaving, first_momentum, inlet_means);
     for direction in DOWNSTREAM {
+        let [_, y, z] = DIRECTIONS[direction].map(|c| T::of(f64::from(c)));
+        let sheared = T::of(WEIGHTS[direction]) * (y * inlet.shear[0] + z * inlet.shear[1]);
         arrays[direction + 1][start - 1] =
-            shifted_equilibrium(direction, inlet_excess, &inlet_velocity);
+            shifted_equilibrium(direction, inlet_excess, &inlet_velocity) + sheared;
         arrays[direction][start + nx] =
             shifted_equilibrium(direction + 1, outlet_excess, &outlet_velocity);
     }

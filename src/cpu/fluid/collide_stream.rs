@@ -16,7 +16,7 @@ use super::boundaries::{Inlet, RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::faces::INLET_MEANS;
-use crate::lattice::grid::{Grid, LINE_BYTES, StreamwiseEnds};
+use crate::lattice::grid::{Grid, InletProfile, LINE_BYTES, StreamwiseEnds};
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real, opposite};
 
@@ -26,7 +26,7 @@ const SLABS_PER_THREAD: usize = 4;
 /// Body force of one step, in lattice units (force per cell).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BodyForce<'a> {
-    /// Uniform acceleration of every cell, e.g. while a wind tunnel starts.
+    /// Uniform acceleration of every cell, e.g. while a wind tunnel starts; times the ratio of its row where the inlet has a profile.
     pub acceleration: Option<[f64; 3]>,
     /// Cells that carry a force of their own, ordered by array row, then x.
     pub cells: ForcedCells<'a>,
@@ -53,7 +53,7 @@ struct Common<'a, T> {
     eddy_factor: T,
     /// What the stage `eddy_viscosity` adds to the relaxation time of every cell, x fastest; `None` without that stage.
     held: Option<&'a [T]>,
-    ends: RowEnds<T>,
+    ends: RowEnds<'a, T>,
 }
 
 /// The sweep of a step, for whichever operator.
@@ -113,11 +113,10 @@ impl<T: Real> Fluid<T> {
                 .map(|held| held.relaxation_times.as_slice()),
             ends: match self.setup.ends {
                 StreamwiseEnds::Periodic => RowEnds::Periodic,
-                StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(Inlet::new(
-                    self.inlet_velocity,
-                    self.setup.cells,
-                    self.setup.operator,
-                )),
+                StreamwiseEnds::InletOutlet => RowEnds::InletOutlet(
+                    Inlet::new(self.inlet_velocity, self.setup.cells, self.setup.operator),
+                    self.setup.inlet_profile.as_ref(),
+                ),
                 StreamwiseEnds::Walls(_) => RowEnds::Walls,
             },
         };
@@ -165,6 +164,7 @@ impl<T: Real> Fluid<T> {
                 grid: &grid,
                 slab,
                 body_force,
+                profile: self.setup.inlet_profile.as_ref(),
                 common: &common,
                 operator: PhantomData,
             });
@@ -186,6 +186,8 @@ struct SweepSlab<'a, T, C> {
     grid: &'a Grid,
     slab: Slab<'a, T>,
     body_force: &'a BodyForce<'a>,
+    /// Of the wind, and of the acceleration.
+    profile: Option<&'a InletProfile>,
     common: &'a Common<'a, T>,
     operator: PhantomData<C>,
 }
@@ -203,13 +205,21 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
         let mut next = forced.rows.partition_point(|row| row.0 < first_row);
         let acceleration = self.body_force.acceleration.map(|a| a.map(T::of));
         // Force of every cell of a row; where nothing acts it stays zero (or the acceleration).
-        let resting = acceleration.unwrap_or_default();
+        let mut resting = acceleration.unwrap_or_default();
+        let profile = self.profile.filter(|_| acceleration.is_some());
         let mut force = resting.map(|component| vec![component; nx]);
         // Relaxation time of every cell of a row, where they all differ.
         let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| nx)];
         for plane in 0..self.slab.planes {
             for y in 0..ny {
                 let row = ((self.slab.first_plane + plane) * ny + y) as u32;
+                if let (Some(profile), Some(acceleration)) = (profile, acceleration) {
+                    let ratio = T::of(profile.rows()[row as usize].ratio);
+                    resting = acceleration.map(|a| a * ratio);
+                    for (force, resting) in force.iter_mut().zip(resting) {
+                        force.fill(resting);
+                    }
+                }
                 let mut touched: &[u32] = &[];
                 let mut entries = 0..0;
                 if let Some(&(_, first, end)) = forced.rows.get(next).filter(|entry| entry.0 == row)
@@ -249,7 +259,10 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     &mut self.slab.arrays,
                     start,
                     nx,
-                    &self.common.ends,
+                    &self
+                        .common
+                        .ends
+                        .of_row(row as usize, self.common.relaxation_time),
                     self.slab.inlet_means.get_mut(plane * ny + y),
                 );
                 for &x in touched {

@@ -42,6 +42,7 @@ fn setup(operator: Operator, eddy: Option<EddyViscosity>, tunnel: bool) -> Setup
             Sides::Periodic
         },
         relaxation_time: 0.52,
+        inlet_profile: None,
         sponge_cells: tunnel.then_some(13.0),
         operator,
         eddy_viscosity: eddy,

@@ -35,6 +35,7 @@ impl AbsorbingFaces {
         storage: Storage,
         populations: &[wgpu::Buffer],
         step_parameters: &wgpu::Buffer,
+        inlet_profile: Option<&wgpu::Buffer>,
     ) -> Result<Option<Self>, DeviceError> {
         let at_rest = FaceMeans::at_rest(setup);
         let count = at_rest.count();
@@ -44,7 +45,13 @@ impl AbsorbingFaces {
         let means = device.storage_of("face means", &at_rest.joined())?;
         let [at_inlet, at_sides] = device.pipelines(
             &shaders::ABSORBING_FACES[storage as usize],
-            ["absorb_at_inlet", "absorb_at_sides"],
+            [
+                match inlet_profile {
+                    None => "absorb_at_inlet",
+                    Some(_) => "absorb_at_profiled_inlet",
+                },
+                "absorb_at_sides",
+            ],
             &[
                 ("INLET_IMPEDANCE", INLET_IMPEDANCE),
                 ("INLET_TANGENTIAL", inlet_tangential(setup.operator)),
@@ -58,6 +65,7 @@ impl AbsorbingFaces {
             named.extend([("faces", &list), ("means", &means)]);
             if inlet {
                 named.push(("step", step_parameters));
+                named.extend(inlet_profile.map(|profile| ("profile", profile)));
             }
             let cells = faces.iter().map(|face| face.shape[0] * face.shape[1]).max();
             let groups = cells.unwrap_or(0).div_ceil(WORKGROUP);

@@ -170,6 +170,11 @@ impl Fluid {
                     .iter()
                     .map(HeldEddyViscosity::named),
             );
+            named.extend(
+                self.inlet_profile
+                    .iter()
+                    .map(|profile| ("profile", profile)),
+            );
             self.device.bind(&self.forced_pipeline, &named)
         };
         self.forced = Some(([bound(false)?, bound(true)?], forces.generation));

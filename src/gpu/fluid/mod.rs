@@ -27,7 +27,7 @@ use super::pipeline::{Bound, Counted, Pipeline};
 use super::shaders;
 use super::tuning::Padding;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, Setup};
+use crate::lattice::grid::{Grid, Initial, InletProfile, ProfileRow, Setup};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Storage};
@@ -66,6 +66,8 @@ pub struct Fluid {
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
     read_back: ReadBack,
+    /// See [`inlet_profile`]; `None` where the wind is the same everywhere.
+    inlet_profile: Option<wgpu::Buffer>,
     inlet_velocity: [f64; 3],
     odd: bool,
     steps: u64,
@@ -106,9 +108,12 @@ impl Fluid {
         let constants = constants(device.tuning(), &setup, &grid);
         let held_eddy_viscosity =
             HeldEddyViscosity::new(device, &setup, &grid, storage, &populations, &constants)?;
-        let shaders = match held_eddy_viscosity {
-            None => &shaders::COLLIDE_STREAM,
-            Some(_) => &shaders::COLLIDE_STREAM_HELD,
+        let inlet_profile = inlet_profile(device, &setup)?;
+        let shaders = match (&held_eddy_viscosity, &inlet_profile) {
+            (None, None) => &shaders::COLLIDE_STREAM,
+            (Some(_), None) => &shaders::COLLIDE_STREAM_HELD,
+            (None, Some(_)) => &shaders::COLLIDE_STREAM_PROFILED,
+            (Some(_), Some(_)) => &shaders::COLLIDE_STREAM_HELD_PROFILED,
         };
         let [free, accelerated, forced_pipeline] = device.pipelines(
             &shaders[storage as usize],
@@ -119,18 +124,22 @@ impl Fluid {
             ],
             &constants,
         )?;
-        let both = |pipeline: &Pipeline| -> Result<[Bound; 2], DeviceError> {
+        let both = |pipeline: &Pipeline,
+                    profile: Option<&wgpu::Buffer>|
+         -> Result<[Bound; 2], DeviceError> {
             let mut named = [false, true].map(|odd| by_parity(&populations, odd));
             for names in &mut named {
                 names.push(("step", &step_parameters));
                 names.extend(held_eddy_viscosity.iter().map(HeldEddyViscosity::named));
+                names.extend(profile.map(|profile| ("profile", profile)));
             }
             Ok([
                 device.bind(pipeline, &named[0])?,
                 device.bind(pipeline, &named[1])?,
             ])
         };
-        let (free, accelerated) = (both(&free)?, both(&accelerated)?);
+        let free = both(&free, None)?;
+        let accelerated = both(&accelerated, inlet_profile.as_ref())?;
         let boundaries = boundaries(device, &setup, &grid, storage, &populations)?;
         let absorbing_faces = AbsorbingFaces::new(
             device,
@@ -139,6 +148,7 @@ impl Fluid {
             storage,
             &populations,
             &step_parameters,
+            inlet_profile.as_ref(),
         )?;
         let read_back = ReadBack::new(device, &grid, storage, &populations, &constants)?;
         let mut fluid = Self {
@@ -155,6 +165,7 @@ impl Fluid {
             absorbing_faces,
             held_eddy_viscosity,
             read_back,
+            inlet_profile,
             inlet_velocity: [0.0; 3],
             odd: false,
             steps: 0,
@@ -416,4 +427,20 @@ impl Fluid {
             }
         }
     }
+}
+
+/// Wind at the inlet that is not the same everywhere, of every row along x, y fastest: its speed over the inlet's, and −3τ times its rates of
+/// change along y and z.
+fn inlet_profile(device: &Device, setup: &Setup) -> Result<Option<wgpu::Buffer>, DeviceError> {
+    let of_rate = -3.0 * setup.relaxation_time;
+    let rows = |profile: &InletProfile| -> Vec<[f32; 4]> {
+        let row = |row: &ProfileRow| {
+            let [y, z] = row.shear.map(|rate| (of_rate * rate) as f32);
+            [row.ratio as f32, y, z, 0.0]
+        };
+        profile.rows().iter().map(row).collect()
+    };
+    (setup.inlet_profile.as_ref())
+        .map(|profile| device.storage_of("inlet profile", &rows(profile)))
+        .transpose()
 }

@@ -25,8 +25,8 @@ impl Run<'_> {
         self.go_on_on(self.lattice.finer())?;
         observer.lattice_changed();
         self.record.grid_changes(self.simulation.time_s());
-        let air = self.simulation.scene().air;
-        let grid = air.map_or_else(String::new, |air| {
+        let air = &self.simulation.scene().air;
+        let grid = air.as_ref().map_or_else(String::new, |air| {
             let [nx, ny, nz] = air.cells;
             format!(
                 "; {nx} x {ny} x {nz} cells, steps of {:.3e} s from here",

@@ -199,7 +199,7 @@ impl Lattice {
 pub(in crate::run) fn detector(scene: &Scene) -> Option<Detector> {
     let confidence = scene.steady_drag_confidence?;
     if let Some(BodyKind::Canopy(canopy)) = scene.body.as_ref().map(|body| &body.kind) {
-        let unit_s = canopy.nominal_diameter_m / scene.air?.wind_or_reference_m_s();
+        let unit_s = canopy.nominal_diameter_m / scene.air.as_ref()?.wind_or_reference_m_s();
         return Some(Detector::new(unit_s, confidence));
     }
     let watched = measure::watched(scene).ok().filter(|all| !all.is_empty())?;

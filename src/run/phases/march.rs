@@ -104,7 +104,7 @@ impl Run<'_> {
 
     fn clock(&self) -> Clock {
         let scene = &self.case.scene;
-        let start_s = scene.air.map_or(0.0, |air| match air.flow {
+        let start_s = scene.air.as_ref().map_or(0.0, |air| match air.flow {
             Flow::WindTunnel { start_time_s, .. } => -start_time_s,
             Flow::TaylorGreen { .. } => 0.0,
         });

@@ -70,7 +70,7 @@ pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
     };
     let plan = Plan::new(&case.scene, placement);
     let (start, planned) = (plan.start_steps, plan.start_steps + plan.steps);
-    let (Some(air), Some(time)) = (case.scene.air, case.scene.time) else {
+    let (Some(air), Some(time)) = (case.scene.air.clone(), case.scene.time) else {
         return Err(Stop::Refused("the case has no air".to_owned()));
     };
     let every = ((case.scene.output.sample_interval_s / time.step_s).round() as u64).max(1);

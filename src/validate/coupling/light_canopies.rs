@@ -69,7 +69,7 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
     };
     let plan = Plan::new(&case.scene, placement);
     let (start, planned) = (plan.start_steps, plan.start_steps + plan.steps);
-    let Some(air) = case.scene.air else {
+    let Some(air) = &case.scene.air else {
         return Err(Stop::Refused("the canopy's case has no air".to_owned()));
     };
     let (cells, wind_m_s) = (air.cells, air.wind_or_reference_m_s());
