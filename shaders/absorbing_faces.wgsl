@@ -28,8 +28,8 @@ override PRESENT_SHARE: f32 = 0.0;
 @group(0) @binding(19) var<storage, read> faces: array<AbsorbingFace>;
 @group(0) @binding(20) var<storage, read_write> means: array<f32>;
 @group(0) @binding(21) var<uniform> step: StepParameters;
-// Of an inlet whose wind is not the same everywhere, y fastest: speed of every cell over that of the inlet, and −3τ times its rates of change along
-// y and z.
+// Of an inlet whose wind is not the same everywhere, y fastest: speed of every cell over that of the inlet, and 3(1 − τ) times its rates of change
+// along y and z.
 @group(0) @binding(22) var<storage, read> profile: array<vec4<f32>>;
 
 const AXIS: f32 = 1.0 / 18.0;

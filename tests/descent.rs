@@ -256,7 +256,7 @@ impl Body for Drop {
             panic!("a payload carries")
         };
         let confluence = straight.cloth().unwrap().positions_m[node as usize];
-        assert!((confluence.x - 0.6).abs() < 0.05, "{confluence}");
+        assert!((confluence.x - 1.67).abs() < 0.05, "{confluence}");
         let factor = latest(&record, "load_factor_g").unwrap();
         assert!(factor.is_finite() && factor > -1.0, "{factor}");
         assert!(latest(&record, "line_drag_n").unwrap() > 0.0);

@@ -47,7 +47,6 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "half",
     "hangs_from",
     "height",
-    "inlet",
     "inside",
     "inside_per_cell",
     "internal_pressure_coefficient",

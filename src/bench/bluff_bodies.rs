@@ -265,7 +265,6 @@ sample_interval_s = 1.0
                 format!("resolution.cells_per_diameter={:?}", self.cells as f64),
                 format!("resolution.lattice_speed={:?}", self.lattice_speed),
                 "resolution.operator=\"stabilised_regularised\"".to_owned(),
-                "resolution.eddy_viscosity=absent".to_owned(),
                 format!(
                     "air.kinematic_viscosity_m2_s={:?}",
                     wind_m_s * diameter_m / self.reynolds

@@ -336,6 +336,9 @@ fn hold(vertices: &[u32], welded: &Welded, structure: &mut Structure) -> Result<
     Ok(())
 }
 
+/// Least distance by which lines lead upstream, over the nominal diameter: more than round-off.
+const LEAST_LEAD: f64 = 1e-3;
+
 /// The mesh as a canopy, whose lines have to lead upstream.
 fn canopy(
     nominal_area_m2: f64,
@@ -350,11 +353,13 @@ fn canopy(
         ));
     }
     let middle_x = fabric.iter().map(|place| place.x).sum::<f64>() / fabric.len() as f64;
-    if let Some(end) = ends.iter().find(|end| end.x >= middle_x) {
+    let nominal_diameter_m = (4.0 * nominal_area_m2 / PI).sqrt();
+    let least_m = LEAST_LEAD * nominal_diameter_m;
+    if let Some(end) = ends.iter().find(|end| end.x > middle_x - least_m) {
         return Err(Problem::new(
             "structure.mesh.lines",
             format!(
-                "lines end at x = {:.4} m, downstream of the canopy (its middle is at {middle_x:.4} m)",
+                "lines end at x = {:.4} m, not upstream of the canopy (its middle is at {middle_x:.4} m)",
                 end.x
             ),
             "the air comes along +x: turn mesh and lines, with structure.mesh.rotation, so that the lines lead from the canopy towards −x",
@@ -362,7 +367,7 @@ fn canopy(
     }
     Ok(Canopy {
         nominal_area_m2,
-        nominal_diameter_m: (4.0 * nominal_area_m2 / PI).sqrt(),
+        nominal_diameter_m,
         canopy_node_count,
         apex: farthest_from_lines(structure, canopy_node_count),
         lower_end: (ends.len() == 1).then_some(canopy_node_count),

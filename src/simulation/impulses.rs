@@ -479,6 +479,9 @@ fn reach(kind: Option<&BodyKind>, cloth: &Cloth) -> (DVec3, DVec3) {
     }
 }
 
+/// Section of a checkpoint with the first cell of the momentum box and the cell behind its last.
+const MOMENTUM_BOX: &str = "momentum_box";
+
 impl Impulses {
     pub(super) fn save(&mut self, out: &mut Writer, air: &AirEngine) -> std::io::Result<()> {
         let outflow = self.balance.outflow(air).map_err(std::io::Error::other)?;
@@ -492,6 +495,10 @@ impl Impulses {
             .flat_map(|load| [load.force, load.moment])
             .collect();
         out.put("impulse_bodies", &bodies)?;
+        let volume = self.balance.volume();
+        let corners = volume.first.iter().chain(&volume.end);
+        let corners: Vec<u64> = corners.map(|corner| *corner as u64).collect();
+        out.put(MOMENTUM_BOX, &corners)?;
         out.put("impulse_outflow", &balance(&outflow))?;
         out.put("impulse_initial", &balance(&self.initial))?;
         out.put(
@@ -540,9 +547,19 @@ impl Impulses {
             (load.force, load.moment) = (pair[0], pair[1]);
         }
         let outflow = balance("impulse_outflow")?;
-        self.balance
-            .restart(air, outflow)
-            .map_err(|error| from.damaged(error.to_string()))?;
+        // A box that was laid around the structure after a change of the lattice is not that of its start.
+        let corners: Vec<u64> = from.take_exactly(MOMENTUM_BOX, 6)?;
+        let [first, end] = [0, 3].map(|k| [0, 1, 2].map(|a| corners[k + a] as usize));
+        let cells = air.grid().cells;
+        if (0..3).any(|a| first[a] < 1 || first[a] >= end[a] || end[a] >= cells[a]) {
+            return Err(from.damaged(format!(
+                "the momentum box {first:?} to {end:?} does not lie in {cells:?} cells"
+            )));
+        }
+        let refused = |error: DeviceError| from.damaged(error.to_string());
+        self.balance =
+            Balance::new(air, ControlVolume::new(&air.grid(), first, end)).map_err(refused)?;
+        self.balance.restart(air, outflow).map_err(refused)?;
         self.initial = balance("impulse_initial")?;
         let apparent: Vec<f64> = from.take_exactly("impulse_apparent", 4)?;
         self.apparent.copy_from_slice(&apparent[..3]);

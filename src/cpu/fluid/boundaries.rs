@@ -161,7 +161,7 @@ pub(super) struct Inlet<T> {
     share: T,
     /// Share of the first cell's tangential momentum over its mean that the ghost has.
     along: T,
-    /// −3τ times the rates of change of the wind along y and z.
+    /// 3(1 − τ) times the rates of change of the wind along y and z: what is beyond equilibrium after a collision.
     shear: [T; 2],
 }
 
@@ -182,7 +182,7 @@ impl<T: Real> Inlet<T> {
     fn at(&self, row: &ProfileRow, relaxation_time: T) -> Self {
         let velocity = self.velocity.map(|u| u * T::of(row.ratio));
         let answer = InletAnswer::new(velocity[0].to_f64());
-        let of_rate = T::of(-3.0) * relaxation_time * self.velocity[0];
+        let of_rate = T::of(3.0) * (T::of(1.0) - relaxation_time) * self.velocity[0];
         Self {
             velocity,
             shear: row.shear.map(|rate| of_rate * T::of(rate)),

@@ -429,10 +429,10 @@ impl Fluid {
     }
 }
 
-/// Wind at the inlet that is not the same everywhere, of every row along x, y fastest: its speed over the inlet's, and −3τ times its rates of
-/// change along y and z.
+/// Wind at the inlet that is not the same everywhere, of every row along x, y fastest: its speed over the inlet's, and 3(1 − τ)
+/// times its rates of change along y and z.
 fn inlet_profile(device: &Device, setup: &Setup) -> Result<Option<wgpu::Buffer>, DeviceError> {
-    let of_rate = -3.0 * setup.relaxation_time;
+    let of_rate = 3.0 * (1.0 - setup.relaxation_time);
     let rows = |profile: &InletProfile| -> Vec<[f32; 4]> {
         let row = |row: &ProfileRow| {
             let [y, z] = row.shear.map(|rate| (of_rate * rate) as f32);
