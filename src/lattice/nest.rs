@@ -45,6 +45,19 @@ pub struct Planes {
     pub lines: Vec<Vec<Line>>,
 }
 
+impl Planes {
+    /// Every cell.
+    pub fn cells(&self) -> impl Iterator<Item = [i64; 3]> {
+        self.lines.iter().flatten().flat_map(|line| {
+            (0..line.length as i64).map(|i| {
+                let mut cell = line.start;
+                cell[line.axis] += i;
+                cell
+            })
+        })
+    }
+}
+
 /// Depths of the source.
 pub const SOURCE: RangeInclusive<i64> = -1..=1;
 

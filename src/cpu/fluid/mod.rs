@@ -10,7 +10,6 @@ pub mod control_volume;
 pub mod eddy_viscosity;
 mod extremes;
 mod held_eddy_viscosity;
-pub mod levels;
 mod macroscopic;
 mod prefetch;
 mod sides;

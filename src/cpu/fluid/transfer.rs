@@ -50,7 +50,7 @@ impl<T: Real> Tie<T> {
     }
 
     /// Restricts, then fills: both lattices stand at one time.
-    pub(super) fn exchange(&mut self, coarse: &mut Fluid<T>, fine: &mut Fluid<T>) {
+    pub fn exchange(&mut self, coarse: &mut Fluid<T>, fine: &mut Fluid<T>) {
         let operator = coarse.setup.operator;
         let eddy = coarse.smagorinsky_constant().is_some();
         operator.with(
