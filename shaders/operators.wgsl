@@ -196,15 +196,21 @@ fn regularise(f: Populations, relaxation_time: f32, force: vec3<f32>, forced: bo
         q += work_normal;
         r += work_shear;
     }
-    // Third-order coefficients.
-    let xxy = u.x * (density * u_shear.x + 2.0 * kept_shear.x) + u.y * kept_normal.x;
-    let xxz = u.x * (density * u_shear.y + 2.0 * kept_shear.y) + u.z * kept_normal.x;
-    let yyx = u.y * (density * u_shear.x + 2.0 * kept_shear.x) + u.x * kept_normal.y;
-    let yyz = u.y * (density * u_shear.z + 2.0 * kept_shear.z) + u.z * kept_normal.y;
-    let zzx = u.z * (density * u_shear.y + 2.0 * kept_shear.y) + u.x * kept_normal.z;
-    let zzy = u.z * (density * u_shear.z + 2.0 * kept_shear.z) + u.y * kept_normal.z;
+    return assembled(m.density_excess, carried, q, r, u, density * u_shear, kept_normal, kept_shear);
+}
 
-    let base = m.density_excess - 1.5 * (q.x + q.y + q.z);
+// Populations of third order with the momentum `carried` and the second-order Hermite coefficients q, r; those of third order are what the
+// recursion has for the velocity, the momentum flux (xy, xz, yz) and a stress beyond equilibrium.
+fn assembled(density_excess: f32, carried: vec3<f32>, q: vec3<f32>, r: vec3<f32>, u: vec3<f32>, flux: vec3<f32>,
+    kept_normal: vec3<f32>, kept_shear: vec3<f32>) -> Populations {
+    let xxy = u.x * (flux.x + 2.0 * kept_shear.x) + u.y * kept_normal.x;
+    let xxz = u.x * (flux.y + 2.0 * kept_shear.y) + u.z * kept_normal.x;
+    let yyx = u.y * (flux.x + 2.0 * kept_shear.x) + u.x * kept_normal.y;
+    let yyz = u.y * (flux.z + 2.0 * kept_shear.z) + u.z * kept_normal.y;
+    let zzx = u.z * (flux.y + 2.0 * kept_shear.y) + u.x * kept_normal.z;
+    let zzy = u.z * (flux.z + 2.0 * kept_shear.z) + u.y * kept_normal.z;
+
+    let base = density_excess - 1.5 * (q.x + q.y + q.z);
     var out: Populations;
     out[0] = base / 3.0;
     var p: vec2<f32>;

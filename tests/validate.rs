@@ -11,7 +11,13 @@ use crate::engines::{needs_device, plain};
 use crate::tolerances;
 
 /// Problems that take some seconds on any engine.
-const FAST: [&str; 4] = ["poiseuille", "couette", "acoustic-pulse", "shear-layer"];
+const FAST: [&str; 5] = [
+    "poiseuille",
+    "couette",
+    "acoustic-pulse",
+    "levels",
+    "shear-layer",
+];
 
 /// Flow through what air passes, and a fall in a box that follows.
 const PERMEABLE: [&str; 3] = ["permeable-screen", "openings", "falling-disk"];

@@ -69,6 +69,8 @@ stored_shaders! {
         "held_eddy_viscosity.wgsl", "step_parameters.wgsl", "profiled_wind.wgsl", "collide_stream.wgsl";
     EDDY_VISCOSITY = "eddy_viscosity": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "eddy_viscosity.wgsl";
     ABSORBING_FACES = "absorbing_faces": "threads.wgsl", "lattice.wgsl", "arrays.wgsl", "step_parameters.wgsl", "absorbing_faces.wgsl";
+    TRANSFER = "transfer": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "place.wgsl", "operators.wgsl", "level_state.wgsl",
+        "transfer.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
     REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";

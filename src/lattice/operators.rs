@@ -110,7 +110,7 @@ pub fn scale<N: Number>(factor: N, v: [N; 3]) -> [N; 3] {
 
 /// Sum of two vectors.
 #[inline(always)]
-fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
+pub(super) fn sum<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
@@ -161,7 +161,7 @@ fn eddy_relaxation_time<N: Number>(local: &Local<N>, p: &[N; 6], inverse_density
 
 /// Momentum flux j u of the equilibrium (xx, yy, zz, xy, xz, yz).
 #[inline(always)]
-fn flux<N: Number>(j: &[N; 3], u: &[N; 3]) -> [N; 6] {
+pub(super) fn flux<N: Number>(j: &[N; 3], u: &[N; 3]) -> [N; 6] {
     [
         j[0] * u[0],
         j[1] * u[1],
@@ -174,7 +174,7 @@ fn flux<N: Number>(j: &[N; 3], u: &[N; 3]) -> [N; 6] {
 
 /// Force-work tensor ½(uF + Fu), in the order of [`flux`].
 #[inline(always)]
-fn force_work<N: Number>(u: &[N; 3], force: &[N; 3]) -> [N; 6] {
+pub(super) fn force_work<N: Number>(u: &[N; 3], force: &[N; 3]) -> [N; 6] {
     let half = u[0].constant(0.5);
     [
         u[0] * force[0],
@@ -188,7 +188,7 @@ fn force_work<N: Number>(u: &[N; 3], force: &[N; 3]) -> [N; 6] {
 
 /// Six components each of a symmetric tensor plus another.
 #[inline(always)]
-fn sum_of_tensors<N: Number>(a: &[N; 6], b: &[N; 6]) -> [N; 6] {
+pub(super) fn sum_of_tensors<N: Number>(a: &[N; 6], b: &[N; 6]) -> [N; 6] {
     [
         a[0] + b[0],
         a[1] + b[1],
@@ -365,11 +365,35 @@ fn residual_square<N: Number>(m: &Moments<N>, u: &[N; 3], flux: &[N; 6], p: &[N;
     dot([xxy, xxz, yyz], [xxy, xxz, yyz]) + dot([yyx, zzx, zzy], [yyx, zzx, zzy])
 }
 
+/// What the regularised operators read off a cell before its collision.
+pub(super) struct Regularised<N> {
+    pub(super) density_excess: N,
+    pub(super) inverse_density: N,
+    /// Σ f c.
+    pub(super) momentum: [N; 3],
+    pub(super) u: [N; 3],
+    /// j u.
+    pub(super) flux: [N; 6],
+    /// ½(uF + Fu); only where `FORCED`.
+    pub(super) work: [N; 6],
+    /// Stress beyond equilibrium, without its trace where `TRACELESS`.
+    pub(super) stress: [N; 6],
+    /// Relaxation time with all that adds to it.
+    pub(super) relaxation_time: N,
+}
+
+/// Reads it off; other operators than the regularised ones keep the trace of the stress.
 #[inline(always)]
-fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: bool>(
+pub(super) fn regularised<
+    N: Number,
+    const FORCED: bool,
+    const EDDY: bool,
+    const RESIDUAL: bool,
+    const TRACELESS: bool,
+>(
     f: &Populations<N>,
     local: &Local<N>,
-) -> Populations<N> {
+) -> Regularised<N> {
     let m = moments(f);
     let constant = |value: f64| m.density_excess.constant(value);
     let one = constant(1.0);
@@ -377,25 +401,23 @@ fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: b
     let inverse_density = one / (one + m.density_excess);
     let force = local.force;
     let mut j = m.momentum;
-    // Momentum after the collision, Σ f c + F.
-    let mut carried = m.momentum;
     if FORCED {
         j = sum(j, scale(half, force));
-        carried = sum(carried, force);
     }
     let u = scale(inverse_density, j);
     let flux = flux(&j, &u);
     let mut p = bare_non_equilibrium(&m, &flux);
-    let mut equilibrium = flux;
+    let mut work = flux;
     if FORCED {
-        let work = force_work(&u, &force);
+        work = force_work(&u, &force);
         p = sum_of_tensors(&p, &work);
-        equilibrium = sum_of_tensors(&flux, &work);
     }
-    let bulk = constant(1.0 / 3.0) * (p[0] + p[1] + p[2]);
-    p[0] = p[0] - bulk;
-    p[1] = p[1] - bulk;
-    p[2] = p[2] - bulk;
+    if TRACELESS {
+        let bulk = constant(1.0 / 3.0) * (p[0] + p[1] + p[2]);
+        p[0] = p[0] - bulk;
+        p[1] = p[1] - bulk;
+        p[2] = p[2] - bulk;
+    }
     let mut tau = if EDDY {
         eddy_relaxation_time(local, &p, inverse_density)
     } else {
@@ -410,7 +432,34 @@ fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: b
                 .plus_product(factor, square)
                 .square_root();
     }
-    let keep = one - one / tau;
+    Regularised {
+        density_excess: m.density_excess,
+        inverse_density,
+        momentum: m.momentum,
+        u,
+        flux,
+        work,
+        stress: p,
+        relaxation_time: tau,
+    }
+}
+
+#[inline(always)]
+fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: bool>(
+    f: &Populations<N>,
+    local: &Local<N>,
+) -> Populations<N> {
+    let cell = regularised::<N, FORCED, EDDY, RESIDUAL, true>(f, local);
+    let one = cell.density_excess.constant(1.0);
+    // Momentum after the collision, Σ f c + F.
+    let mut carried = cell.momentum;
+    let mut equilibrium = cell.flux;
+    if FORCED {
+        carried = sum(carried, local.force);
+        equilibrium = sum_of_tensors(&cell.flux, &cell.work);
+    }
+    let keep = one - one / cell.relaxation_time;
+    let p = cell.stress;
     let kept = [
         keep * p[0],
         keep * p[1],
@@ -419,9 +468,31 @@ fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: b
         keep * p[4],
         keep * p[5],
     ];
-
-    // Second-order Hermite coefficients, ρ u u + (1 − ω) Π̂ + ½ (uF + Fu), times 4.5/36.
+    // Second-order Hermite coefficients, ρ u u + (1 − ω) Π̂ + ½ (uF + Fu).
     let second = sum_of_tensors(&equilibrium, &kept);
+    assembled(
+        cell.density_excess,
+        &cell.u,
+        &cell.flux,
+        &kept,
+        &second,
+        carried,
+    )
+}
+
+/// Populations of third order with the momentum `carried` and the second-order Hermite coefficients `second`; those of third order are what the
+/// recursion has for the stress `kept` beyond equilibrium.
+#[inline(always)]
+pub(super) fn assembled<N: Number>(
+    density_excess: N,
+    u: &[N; 3],
+    flux: &[N; 6],
+    kept: &[N; 6],
+    second: &[N; 6],
+    carried: [N; 3],
+) -> Populations<N> {
+    let constant = |value: f64| density_excess.constant(value);
+    // Times 4.5/36.
     let eighth = constant(1.0 / 8.0);
     let quarter = constant(0.25);
     let normal = [eighth * second[0], eighth * second[1], eighth * second[2]];
@@ -431,7 +502,7 @@ fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: b
         quarter * second[5],
     ];
     // Third-order coefficients a_aab = u_a (ρ u_a u_b + 2 (1 − ω) Π̂_ab) + u_b (1 − ω) Π̂_aa, times 9/36.
-    let quarter_u = scale(quarter, u);
+    let quarter_u = scale(quarter, *u);
     let [xy, xz, yz] = [
         flux[3] + (kept[3] + kept[3]),
         flux[4] + (kept[4] + kept[4]),
@@ -446,14 +517,13 @@ fn regularise<N: Number, const FORCED: bool, const EDDY: bool, const RESIDUAL: b
 
     // Everything below is for the weight 1/36 of the diagonals.
     let trace = normal[0] + normal[1] + normal[2];
-    let base = (constant(1.0 / 36.0) * m.density_excess).minus_product(constant(1.0 / 3.0), trace);
+    let base = (constant(1.0 / 36.0) * density_excess).minus_product(constant(1.0 / 3.0), trace);
     // The populations sum to δρ and their momentum to the carried one: rest and axes take what the diagonals leave.
     let twelfth = constant(1.0 / 12.0);
     let axis_carried = scale(quarter - (twelfth + twelfth), carried);
     let carried = scale(twelfth, carried);
-    let mut out = *f;
-    out[0] = m
-        .density_excess
+    let mut out = [density_excess; DIRECTION_COUNT];
+    out[0] = density_excess
         .minus_product(constant(24.0), base)
         .minus_product(constant(12.0), trace);
     axis(&mut out, 0, base + normal[0], axis_carried[0] - (yyx + zzx));

@@ -83,6 +83,12 @@ impl AirEngine {
         each_engine!(self, fluid => *fluid.grid(), fluid => *fluid.grid())
     }
 
+    /// True after an odd number of steps.
+    #[must_use]
+    pub fn is_odd(&self) -> bool {
+        each_engine!(self, fluid => fluid.is_odd(), fluid => fluid.is_odd())
+    }
+
     /// Sets the velocity at the inlet [cells per step].
     pub fn set_inlet_velocity(&mut self, velocity: [f64; 3]) {
         each_engine!(self, fluid => fluid.set_inlet_velocity(velocity), fluid => fluid.set_inlet_velocity(velocity));

@@ -15,6 +15,7 @@ mod disk;
 mod drag;
 mod falling_disk;
 mod flows;
+mod levels;
 mod openings;
 mod permeable_screen;
 mod poiseuille;
@@ -36,7 +37,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 36] = [
+pub const PROBLEMS: [Problem; 37] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -61,6 +62,11 @@ pub const PROBLEMS: [Problem; 36] = [
         name: "acoustic-pulse",
         updates: [110.0, 110.0],
         compute: acoustic_pulse::compute,
+    },
+    Problem {
+        name: "levels",
+        updates: [20.0, 700.0],
+        compute: levels::compute,
     },
     Problem {
         name: "soak",

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::Fluid;
 use super::boundaries::{Inlet, RowEnds, fill_row_ends};
 use super::prefetch::prefetch;
+use super::slabs::{self, Arrays};
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::faces::INLET_MEANS;
 use crate::lattice::grid::{Grid, InletProfile, LINE_BYTES, StreamwiseEnds};
@@ -73,6 +74,7 @@ impl<T: Real> Fluid<T> {
     /// with the stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(&mut self, body_force: &BodyForce) {
         self.eddy_viscosity();
+        self.last_acceleration = body_force.acceleration.unwrap_or_default();
         let eddy = self.smagorinsky_constant().is_some();
         let operator = self.setup.operator;
         operator.with(
@@ -88,7 +90,7 @@ impl<T: Real> Fluid<T> {
         self.absorb_at_sides();
     }
 
-    fn smagorinsky_constant(&self) -> Option<f64> {
+    pub(super) fn smagorinsky_constant(&self) -> Option<f64> {
         self.setup.eddy_viscosity?.smagorinsky_constant()
     }
 
@@ -124,41 +126,22 @@ impl<T: Real> Fluid<T> {
             .div_ceil(SLABS_PER_THREAD * rayon::current_num_threads())
             .max(1);
         let slab_count = nz.div_ceil(planes);
-        let mut slabs: Vec<Slab<T>> = (0..slab_count)
-            .map(|s| Slab {
-                first_plane: s * planes,
-                planes: planes.min(nz - s * planes),
-                arrays: std::array::from_fn(|_| Default::default()),
-                inlet_means: &mut [],
-            })
-            .collect();
+        let counts = (0..slab_count).map(|s| planes.min(nz - s * planes));
         let rows = planes * self.setup.cells[1];
         let (inlet_means, _) = self.face_means.inlet.as_chunks_mut();
-        for (slab, means) in slabs.iter_mut().zip(inlet_means.chunks_mut(rows)) {
-            slab.inlet_means = means;
-        }
-        for (array, data) in self.populations.arrays_mut().into_iter().enumerate() {
-            // The direction that reads this array in this step: 'local' slots are read by the first of a pair.
-            let direction = if array == 0 || odd {
-                array
-            } else {
-                opposite(array)
-            };
-            let shift = if direction % 2 == 0 && direction > 0 {
-                grid.pair_shifts()[direction / 2 - 1]
-            } else {
-                0
-            };
-            // One block earlier, so that the ghost cells at both ends of a row lie in its slab, and rows begin with a whole vector.
-            let first = (grid.index([0, 0, 0]) - block).wrapping_add_signed(shift);
-            let mut rest = data.split_at_mut(first).1;
-            for slab in &mut slabs {
-                let length = (slab.planes * grid.stride_z).min(rest.len());
-                let (head, tail) = rest.split_at_mut(length);
-                slab.arrays[direction] = head;
-                rest = tail;
-            }
-        }
+        let mut inlet_means = inlet_means.chunks_mut(rows);
+        let slabs: Vec<Slab<T>> =
+            slabs::split(self.populations.arrays_mut(), &grid, odd, counts.clone())
+                .into_iter()
+                .zip(counts)
+                .enumerate()
+                .map(|(s, (arrays, count))| Slab {
+                    first_plane: s * planes,
+                    planes: count,
+                    arrays,
+                    inlet_means: inlet_means.next().unwrap_or_default(),
+                })
+                .collect();
         slabs.into_par_iter().for_each(|slab| {
             instructions.dispatch(SweepSlab::<T, C> {
                 grid: &grid,
@@ -176,7 +159,7 @@ impl<T: Real> Fluid<T> {
 struct Slab<'a, T> {
     first_plane: usize,
     planes: usize,
-    arrays: [&'a mut [T]; DIRECTION_COUNT],
+    arrays: Arrays<'a, T>,
     /// Running means at the inlet, row by row; empty without one.
     inlet_means: &'a mut [[f32; INLET_MEANS]],
 }

@@ -13,7 +13,9 @@ mod held_eddy_viscosity;
 mod macroscopic;
 mod prefetch;
 mod sides;
+mod slabs;
 mod storage;
+pub mod transfer;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::faces::{AbsorbingSide, FACE_MEANS, FaceMeans};
@@ -42,6 +44,8 @@ pub struct Fluid<T: Real> {
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
     inlet_velocity: [f64; 3],
+    /// Uniform acceleration of the last step.
+    last_acceleration: [f64; 3],
     odd: bool,
     steps: u64,
     /// Vector instructions of this CPU.
@@ -77,6 +81,7 @@ impl<T: Real> Fluid<T> {
             relaxation_profile,
             held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             inlet_velocity: [0.0; 3],
+            last_acceleration: [0.0; 3],
             odd: false,
             steps: 0,
             instructions: pulp::Arch::new(),
@@ -120,6 +125,12 @@ impl<T: Real> Fluid<T> {
     #[must_use]
     pub const fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// True after an odd number of steps.
+    #[must_use]
+    pub const fn is_odd(&self) -> bool {
+        self.odd
     }
 
     /// Velocity at the inlet in the steps to come [cells per step].

@@ -30,6 +30,7 @@ impl Fluid {
         forces: Option<&ForceBox>,
     ) -> Result<(), DeviceError> {
         self.eddy_viscosity()?;
+        self.last_acceleration = acceleration.unwrap_or_default();
         if let Some(forces) = forces
             && self
                 .forced
@@ -78,6 +79,7 @@ impl Fluid {
     /// Advances force-free air by many steps, as many in one submission as fit.
     pub fn collide_stream_steps(&mut self, steps: usize) -> Result<(), DeviceError> {
         let planes = self.setup.cells[2];
+        self.last_acceleration = [0.0; 3];
         let mut left = steps;
         while left > 0 {
             let at_once = self.planes_at_once() / planes;

@@ -14,6 +14,7 @@ mod names;
 pub mod parameters;
 mod read_back;
 pub mod repeat_plane;
+pub mod transfer;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -69,6 +70,8 @@ pub struct Fluid {
     /// See [`inlet_profile`]; `None` where the wind is the same everywhere.
     inlet_profile: Option<wgpu::Buffer>,
     inlet_velocity: [f64; 3],
+    /// Uniform acceleration of the last step.
+    last_acceleration: [f64; 3],
     odd: bool,
     steps: u64,
     /// Measured duration of one plane, which bounds the planes of a submission.
@@ -167,6 +170,7 @@ impl Fluid {
             read_back,
             inlet_profile,
             inlet_velocity: [0.0; 3],
+            last_acceleration: [0.0; 3],
             odd: false,
             steps: 0,
             plane_time: None,
@@ -258,6 +262,12 @@ impl Fluid {
     #[must_use]
     pub const fn device(&self) -> &Arc<Device> {
         &self.device
+    }
+
+    /// True after an odd number of steps.
+    #[must_use]
+    pub const fn is_odd(&self) -> bool {
+        self.odd
     }
 
     /// Velocity at the inlet in the steps to come [cells per step].

@@ -52,6 +52,19 @@ parameters! {
         /// Unused.
         padding: u32,
     }
+    /// What a lattice exchanges with a box of finer cells.
+    TransferParameters {
+        /// Uniform acceleration [cells per step²].
+        force: [f32; 4],
+        /// Cells of a dispatch.
+        count: u32,
+        /// States from number to number.
+        number_stride: u32,
+        /// From row to row.
+        row_stride: u32,
+        /// From plane to plane.
+        plane_stride: u32,
+    }
     /// A face that lets sound out.
     AbsorbingFace {
         /// Array and element of the populations of the first cell that leave through it.

@@ -1,0 +1,201 @@
+//! Boxes of cells half as large inside a lattice, and the cells through which two lattices know of each other.
+//!
+//! Eight fine cells fill a coarse one. The coarse lattice is computed everywhere, below the box, too. Cells are told apart by their depth: that of a
+//! coarse cell is the number of coarse cells between it and the nearest face of the box, negative outside.
+//!
+//! | depth | cells | what becomes of them when both lattices stand at one time |
+//! |---|---|---|
+//! | −1 to 1 | coarse | *source*: their states make the shell |
+//! | 0 | fine, in layers of two | *shell*: filled from the source |
+//! | 1 | coarse | *band*: restricted from the eight fine cells of each |
+//!
+//! A fine step spoils one layer of fine cells at the faces, so that two use up the shell. What lies deeper in the coarse lattice than the band
+//! influences nothing.
+
+use std::ops::RangeInclusive;
+
+/// Where a box of finer cells lies in a lattice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nest {
+    /// Its first cell of the lattice around it.
+    pub first: [usize; 3],
+    /// Cells of that lattice that it covers.
+    pub cells: [usize; 3],
+    /// Axes along which it covers all of a lattice that repeats, and repeats itself.
+    pub spans: [bool; 3],
+}
+
+/// Neighbouring cells along x or y, in cells of the lattice around the box, counted from the box's first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Line {
+    /// 0 or 1.
+    pub axis: usize,
+    /// The first.
+    pub start: [i64; 3],
+    /// Their number.
+    pub length: usize,
+}
+
+/// Cells of some depths, by planes of constant z.
+#[derive(Debug, Clone)]
+pub struct Planes {
+    /// z of the first plane.
+    pub first: i64,
+    /// Lines of every plane.
+    pub lines: Vec<Vec<Line>>,
+}
+
+impl Planes {
+    /// Every cell.
+    pub fn cells(&self) -> impl Iterator<Item = [i64; 3]> {
+        self.lines.iter().flatten().flat_map(|line| {
+            (0..line.length as i64).map(|i| {
+                let mut cell = line.start;
+                cell[line.axis] += i;
+                cell
+            })
+        })
+    }
+}
+
+/// Depths of the source.
+pub const SOURCE: RangeInclusive<i64> = -1..=1;
+
+/// Depth of the shell.
+pub const SHELL: RangeInclusive<i64> = 0..=0;
+
+/// Depth of the band.
+pub const BAND: RangeInclusive<i64> = 1..=1;
+
+/// Coarse cells that lie at least between a box and the faces of the lattice around it: source, and a cell whose populations its outermost cells stream from.
+pub const CLEARANCE: usize = 3;
+
+/// Coarse cells that a box is wide at least: two shells, two bands, and a cell between them.
+pub const NARROWEST: usize = 5;
+
+impl Nest {
+    /// Cells of the box.
+    #[must_use]
+    pub fn fine_cells(&self) -> [usize; 3] {
+        self.cells.map(|n| 2 * n)
+    }
+
+    /// True if it lies well inside a lattice of so many cells.
+    #[must_use]
+    pub fn fits(&self, outer: [usize; 3]) -> bool {
+        (0..3).all(|a| {
+            if self.spans[a] {
+                self.first[a] == 0 && self.cells[a] == outer[a]
+            } else {
+                self.cells[a] >= NARROWEST
+                    && self.first[a] >= CLEARANCE
+                    && self.first[a] + self.cells[a] + CLEARANCE <= outer[a]
+            }
+        })
+    }
+
+    /// Depth of a cell counted from the box's first, by one axis; endless along one that it spans.
+    const fn depth(&self, axis: usize, place: i64) -> i64 {
+        if self.spans[axis] {
+            return i64::MAX;
+        }
+        let from_end = self.cells[axis] as i64 - 1 - place;
+        if place < from_end { place } else { from_end }
+    }
+
+    /// Places along an axis that are `least` deep, with those beyond the ends of an axis that repeats where `beyond`.
+    const fn places(&self, axis: usize, least: i64, beyond: bool) -> (i64, i64) {
+        let end = self.cells[axis] as i64;
+        match (self.spans[axis], beyond) {
+            (true, true) => (-1, end + 1),
+            (true, false) => (0, end),
+            (false, _) => (least, end - least),
+        }
+    }
+
+    /// Cells of the given depths.
+    #[must_use]
+    pub fn cells_of(&self, depths: &RangeInclusive<i64>) -> Planes {
+        let (least, most) = (*depths.start(), *depths.end());
+        let beyond = least < 0;
+        let [(x, x_end), (y, y_end), (z, z_end)] =
+            [0, 1, 2].map(|axis| self.places(axis, least, beyond));
+        let lines = (z..z_end)
+            .map(|z| {
+                let mut lines = Vec::new();
+                let whole_plane = self.depth(2, z) <= most;
+                for y in y..y_end {
+                    if whole_plane || self.depth(1, y) <= most {
+                        lines.push(Line {
+                            axis: 0,
+                            start: [x, y, z],
+                            length: (x_end - x) as usize,
+                        });
+                    }
+                }
+                let inner: Vec<i64> = (y..y_end).filter(|y| self.depth(1, *y) > most).collect();
+                if let (Some(first), false) = (inner.first(), whole_plane) {
+                    for x in (x..x_end).filter(|x| self.depth(0, *x) <= most) {
+                        lines.push(Line {
+                            axis: 1,
+                            start: [x, *first, z],
+                            length: inner.len(),
+                        });
+                    }
+                }
+                lines
+            })
+            .collect();
+        Planes { first: z, lines }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Every cell of a depth is in one line, and no other.
+    #[test]
+    fn lines_cover_every_cell_of_a_depth_once() {
+        for spans in [[false; 3], [false, false, true], [false, true, true]] {
+            let nest = Nest {
+                first: [4; 3],
+                cells: [8, 7, 6],
+                spans,
+            };
+            for depths in [SOURCE, SHELL, BAND] {
+                let planes = nest.cells_of(&depths);
+                let mut found = BTreeSet::new();
+                for (z, lines) in (planes.first..).zip(&planes.lines) {
+                    for line in lines {
+                        for i in 0..line.length as i64 {
+                            let mut cell = line.start;
+                            cell[line.axis] += i;
+                            assert_eq!(cell[2], z);
+                            assert!(found.insert(cell), "{cell:?} twice");
+                        }
+                    }
+                }
+                let mut expected = BTreeSet::new();
+                let reach = |axis: usize| {
+                    let beyond = i64::from(!spans[axis] || depths == SOURCE);
+                    -beyond..nest.cells[axis] as i64 + beyond
+                };
+                for z in reach(2) {
+                    for y in reach(1) {
+                        for x in reach(0) {
+                            let cell = [x, y, z];
+                            let depth = (0..3).map(|a| nest.depth(a, cell[a])).min().unwrap();
+                            if depths.contains(&depth) {
+                                expected.insert(cell);
+                            }
+                        }
+                    }
+                }
+                assert_eq!(found, expected, "{spans:?} {depths:?}");
+            }
+        }
+    }
+}
