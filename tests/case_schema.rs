@@ -61,7 +61,7 @@ fn links() {
         plain.trim().replace(' ', "-")
     };
     let mut pages = BTreeMap::new();
-    for folder in [".", "docs", "benches"] {
+    for folder in [".", "docs", "docs/results", "benches"] {
         for entry in std::fs::read_dir(root().join(folder)).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|e| e == "md") {

@@ -83,10 +83,10 @@ pub const fn mass_closure(engine: Engine) -> f64 {
 /// outlet lets it settle within half a passage of the wind. A lag of one step leaves 7e-4.
 pub const TUNNEL_START: f64 = 1e-5;
 
-/// Velocity over the wind's speed (0.7 % was seen), and density excess (2.5e-4, a fortieth of the dynamic pressure), of wind that differs from layer
+/// Velocity over the wind's speed (0.7 % was seen), and density excess (5.7e-4, a seventeenth of the dynamic pressure), of wind that differs from layer
 /// to layer. Without the stress of its shear the inlet turns it by 6 %.
 pub const SHEARED_WIND: f64 = 1e-2;
-pub const SHEARED_WIND_EXCESS: f64 = 4e-4;
+pub const SHEARED_WIND_EXCESS: f64 = 8e-4;
 
 /// Velocity of still air seen from a box that falls slower and slower, between inlet and outlet [cells per step]: what the inlet takes over
 /// from the second cell, as in [`TUNNEL_START`].

@@ -62,6 +62,9 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("validate::fast_problems::cpu_f32", || {
         problems(&FAST, "cpu");
     }));
+    trials.extend(plain("validate::levels::cpu_f64", || {
+        computed(&["levels"], "cpu", &["--precision", "f64"]);
+    }));
     trials.push(needs_device(
         "validate::fast_problems::gpu".to_owned(),
         || problems(&FAST, "gpu"),
@@ -109,17 +112,22 @@ fn accelerator_script() {
 }
 
 fn problems(names: &[&str], engine: &str) {
+    computed(names, engine, &[]);
+}
+
+fn computed(names: &[&str], engine: &str, choices: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     for &problem in names {
         let out = folder.path().join(problem);
-        let output = ripstop(&[
+        let given = [
             "validate",
             problem,
             "--engine",
             engine,
             "--out",
             out.to_str().unwrap(),
-        ]);
+        ];
+        let output = ripstop(&[&given[..], choices].concat());
         assert_eq!(output.code, 0, "{}{}", output.printed, output.errors);
         assert!(output.printed.contains(" 0 fail"), "{}", output.printed);
         let report: serde_json::Value =

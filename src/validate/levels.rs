@@ -122,7 +122,7 @@ fn stream(session: &mut Session, operator: Operator) -> Result<(), Stop> {
     let setup = periodic([16; 3], 0.6, operator);
     let flow = move |_: [f64; 3]| (0.0, wind);
     let mut levels = nested(session, setup, &TWO_BOXES, [0.0; 3], 1.0, &flow)?;
-    let steps = session.size(50, 300);
+    let steps = session.size(20, 300);
     advance(session, &mut levels, steps, |_| None)?;
     let worst = all_cells(&levels, 1.0)?
         .iter()
