@@ -243,12 +243,14 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         sound_m_s(air, density_kg_m3),
     )?;
     let wind_on_lattice = speed_m_s / reference_speed_m_s * lattice_speed;
+    let mut fastest_m_s = speed_m_s;
     if let Flow::WindTunnel {
         inlet_profile: Some(profile),
         ..
     } = &flow
     {
         inlet::refuse_too_fast(profile, wind_on_lattice, LATTICE_SPEED_LIMIT)?;
+        fastest_m_s *= profile.largest();
     }
     if wind_on_lattice > LATTICE_SPEED_LIMIT {
         return Err(Problem::new(
@@ -295,7 +297,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         flow,
     };
     let has_bodies = body.is_some() || !file.bodies.is_empty();
-    check_stability(&air, speed_m_s, has_bodies)?;
+    check_stability(&air, fastest_m_s, has_bodies)?;
     Ok(air)
 }
 

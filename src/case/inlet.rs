@@ -9,6 +9,9 @@ use crate::lattice::grid::{Faces, InletProfile, Sides, Wall};
 /// Exponent of the power law of a turbulent boundary layer (Prandtl; Schlichting).
 const USUAL_EXPONENT: f64 = 1.0 / 7.0;
 
+/// Largest distance of a table [m].
+const FARTHEST_M: f64 = 1e6;
+
 /// Largest ratio of a table: beyond it the speed of the wind is hardly the one that coefficients should refer to.
 const LARGEST_RATIO: f64 = 3.0;
 
@@ -69,9 +72,7 @@ pub(super) fn check_inlet(
                 ));
             }
             for [distance_m, ratio] in points {
-                if !distance_m.is_finite() {
-                    positive(KEY, *distance_m)?;
-                }
+                within(KEY, *distance_m, 0.0, FARTHEST_M)?;
                 within(KEY, *ratio, 0.0, LARGEST_RATIO)?;
             }
             InletProfile::new(cells, |y, z| {

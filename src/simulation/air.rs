@@ -83,6 +83,12 @@ impl AirEngine {
         each_engine!(self, fluid => *fluid.grid(), fluid => *fluid.grid())
     }
 
+    /// What the air was built from.
+    #[must_use]
+    pub fn setup(&self) -> &Setup {
+        each_engine!(self, fluid => fluid.setup(), fluid => fluid.setup())
+    }
+
     /// True after an odd number of steps.
     #[must_use]
     pub fn is_odd(&self) -> bool {

@@ -87,9 +87,22 @@ impl Levels {
         }
     }
 
-    /// The same with a box of finer cells on the same engine. It must fit ([`Nest::fits`]), and its set-up be that of half the cells' size: τ − ½
-    /// twice as large, everything else alike. An eddy viscosity with a stage of its own has no levels.
+    /// The same with a box of finer cells on the same engine. An error if it does not fit ([`Nest::fits`]), if its set-up is not that of half the
+    /// cells' size (τ − ½ twice as large, operator and eddy viscosity alike), or if the eddy viscosity has a stage of its own.
     pub fn with(mut self, nest: Nest, mut inner: Self) -> Result<Self, DeviceError> {
+        let (coarse, fine) = (self.engine.setup(), inner.engine.setup());
+        let viscous = [coarse, fine].map(|setup| setup.relaxation_time - 0.5);
+        let alike = coarse.operator == fine.operator
+            && coarse.eddy_viscosity == fine.eddy_viscosity
+            && (viscous[1] - 2.0 * viscous[0]).abs() <= 1e-9 * viscous[1]
+            && nest.fine_cells() == fine.cells;
+        let held = (coarse.eddy_viscosity).is_some_and(|model| model.gradient_model().is_some());
+        if !alike || held || !nest.fits(coarse.cells) {
+            return Err(DeviceError::Command(format!(
+                "a box of {:?} cells at {:?} is no level of a lattice of {:?}",
+                fine.cells, nest.first, coarse.cells
+            )));
+        }
         let mut tie = Tie::new(nest, &self.engine, &inner.engine)?;
         tie.exchange(&mut self.engine, &mut inner.engine)?;
         self.boxes.push((tie, inner));

@@ -179,7 +179,26 @@ fn padded<S: Simd, T: Real>(length: usize) -> usize {
     length.next_multiple_of(T::lanes::<S>())
 }
 
-/// States of a line of populations; both have numbers `stride` apart, a multiple of a vector's lanes.
+/// Maps a line of cells with so many numbers each, number after number, each `stride` long, a multiple of a vector's lanes.
+#[inline(always)]
+fn mapped<S: Simd, T: Real, const FROM: usize, const INTO: usize>(
+    simd: S,
+    from: &[T],
+    into: &mut [T],
+    stride: usize,
+    map: impl Fn(&[Lanes<S, T>; FROM]) -> [Lanes<S, T>; INTO],
+) {
+    let (from, stride) = (T::vectors::<S>(from).0, stride / T::lanes::<S>());
+    let into = T::vectors_mut::<S>(into).0;
+    for i in 0..stride {
+        let cell = std::array::from_fn(|number| Lanes::new(simd, from[number * stride + i]));
+        for (number, value) in map(&cell).into_iter().enumerate() {
+            into[number * stride + i] = value.vector;
+        }
+    }
+}
+
+/// States of a line of populations, as in [`mapped`].
 #[inline(always)]
 fn states_of<S: Simd, T: Real, C: Collision>(
     simd: S,
@@ -189,18 +208,12 @@ fn states_of<S: Simd, T: Real, C: Collision>(
     stride: usize,
 ) {
     let local = collided.local(simd);
-    let (vectors, stride) = (T::vectors::<S>(populations).0, stride / T::lanes::<S>());
-    let states = T::vectors_mut::<S>(states).0;
-    for i in 0..stride {
-        let f = std::array::from_fn(|direction| Lanes::new(simd, vectors[direction * stride + i]));
-        let state = C::level_state(&f, &local);
-        for (number, value) in state.into_iter().enumerate() {
-            states[number * stride + i] = value.vector;
-        }
-    }
+    mapped(simd, populations, states, stride, |f| {
+        C::level_state(f, &local)
+    });
 }
 
-/// Populations of a line of states, as in [`states_of`].
+/// Populations of a line of states, as in [`mapped`].
 #[inline(always)]
 fn populations_of<S: Simd, T: Real, C: Collision>(
     simd: S,
@@ -210,15 +223,9 @@ fn populations_of<S: Simd, T: Real, C: Collision>(
     stride: usize,
 ) {
     let local = collided.local(simd);
-    let (vectors, stride) = (T::vectors::<S>(states).0, stride / T::lanes::<S>());
-    let populations = T::vectors_mut::<S>(populations).0;
-    for i in 0..stride {
-        let state = std::array::from_fn(|number| Lanes::new(simd, vectors[number * stride + i]));
-        let f = C::populations_of(&state, &local);
-        for (direction, value) in f.into_iter().enumerate() {
-            populations[direction * stride + i] = value.vector;
-        }
-    }
+    mapped(simd, states, populations, stride, |state| {
+        C::populations_of(state, &local)
+    });
 }
 
 /// Writes populations of `length` cells of a slab from `first` on (x, y, plane of the slab), along x or y.
