@@ -14,7 +14,7 @@ use crate::lattice::Operator;
 use crate::measure::flow_past_bodies::{disk_drag, sphere_drag};
 use crate::measure::shared::{IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, TIME};
 use crate::measure::{ReadOut, Record};
-use crate::plan::{AirPlacement, Placement, Plan, Precision};
+use crate::plan::{AirPlacement, Placement, Plan, Precision, steps_per};
 use crate::simulation::{Failure, Simulation};
 
 /// Time between samples [D/U].
@@ -70,6 +70,8 @@ pub struct BluffBody {
     pub lattice_speed: f64,
     /// Collision operator.
     pub operator: Operator,
+    /// Boxes of finer cells around the body, one in the other; cells are halved so often towards it.
+    pub levels: u32,
     /// Length, width and height of the tunnel [D].
     pub tunnel: [f64; 3],
     /// From the inlet to the middle of the body [D].
@@ -163,6 +165,12 @@ impl BluffBody {
         }
     }
 
+    /// Cell updates in a step, on the mean.
+    pub fn updates(&self) -> Result<f64, Stop> {
+        let case = self.case()?;
+        Ok(case.scene.air.map_or(0.0, |air| air.updates_per_step()))
+    }
+
     /// Steps at most, those in which the wind rises included.
     #[must_use]
     pub fn steps(&self) -> f64 {
@@ -212,6 +220,12 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
             y = 0.5 * width,
             z = 0.5 * height,
         );
+        if self.levels > 0 {
+            source.push_str(&format!(
+                "[air.refinement]\naround = \"structure\"\nlevels = {}\n",
+                self.levels
+            ));
+        }
         if let Until::Averaged(_) = self.until {
             source.push_str(&kick(shape, end));
         }
@@ -238,8 +252,7 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
                 ..Placement::from(Precision::F32)
             },
         );
-        let step_s = case.scene.time.map_or(f64::INFINITY, |time| time.step_s);
-        let sample_every = ((SAMPLE_INTERVAL / step_s).round() as u64).max(1);
+        let sample_every = steps_per(&case.scene, SAMPLE_INTERVAL);
         let (start_steps, planned) = (plan.start_steps, plan.start_steps + plan.steps);
         let mut simulation = Simulation::new(case.scene, plan, device.cloned())?;
         let mut record = Record::new(&simulation);
@@ -336,6 +349,7 @@ mod tests {
         resolution: 5,
         lattice_speed: 0.15,
         operator: Operator::TwoRelaxationTimes,
+        levels: 0,
         tunnel: [5.0, 4.0, 4.0],
         upstream: 2.0,
         sponge: 1.0,

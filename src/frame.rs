@@ -43,6 +43,8 @@ pub struct FluidFrame {
     pub velocity_m_s: Vec<[f32; 3]>,
     /// Pressure above the outlet's [Pa], `[cell_count]`.
     pub pressure_pa: Vec<f32>,
+    /// Boxes of finer cells in it, each before those in it; their cells stand for those that they cover.
+    pub finer: Vec<Self>,
 }
 
 /// How a piece of fabric carries its load.

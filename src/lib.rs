@@ -30,6 +30,7 @@
 //! |---|---|---|---|
 //! | `eddy_viscosity` | populations (WALE, Vreman) | eddy part of the relaxation times | `fluid/eddy_viscosity.rs` |
 //! | `collide_stream` | populations, body force | populations | `fluid/collide_stream.rs` |
+//! | `coarser_levels` | populations around boxes of finer cells, and of both where boxes end | populations | `fluid/transfer/`, `simulation/levels.rs` |
 //! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
 //! | *`fetch_air_velocities`* | u*, a_k | host | `immersed/interpolate.rs` |

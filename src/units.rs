@@ -13,6 +13,8 @@ pub struct Units {
     pub time_step_s: f64,
     /// Density of undisturbed air [kg/m³].
     pub density_kg_m3: f64,
+    /// Corner of the lattice that positions are counted from [m]: that of the finest cells around the structure.
+    pub origin_m: DVec3,
 }
 
 impl Units {
@@ -28,6 +30,7 @@ impl Units {
             cell_size_m,
             time_step_s: lattice_speed * cell_size_m / speed_m_s,
             density_kg_m3,
+            origin_m: DVec3::ZERO,
         }
     }
 
@@ -88,16 +91,16 @@ impl Units {
         DVec3::from_array(velocity) * self.speed_m_s()
     }
 
-    /// Position in cells, cell centres at whole numbers; the domain's corner is the origin.
+    /// Position in cells of the lattice, whose first cell's centre is the origin.
     #[must_use]
     pub fn position_to_lattice(&self, position_m: DVec3) -> [f64; 3] {
-        (position_m / self.cell_size_m - DVec3::splat(0.5)).to_array()
+        ((position_m - self.origin_m) / self.cell_size_m - DVec3::splat(0.5)).to_array()
     }
 
     /// Position [m] of a lattice position.
     #[must_use]
     pub fn position_m(&self, position: [f64; 3]) -> DVec3 {
-        (DVec3::from_array(position) + DVec3::splat(0.5)) * self.cell_size_m
+        self.origin_m + (DVec3::from_array(position) + DVec3::splat(0.5)) * self.cell_size_m
     }
 }
 

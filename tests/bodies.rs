@@ -353,7 +353,7 @@ impl Body for Resume {
             }
             let row = record.add(simulation).unwrap().to_vec();
             assert!(row.iter().all(|v| v.is_finite()), "{row:?}");
-            let air = simulation.air().unwrap().macroscopic().unwrap();
+            let air = simulation.air().unwrap().engine().macroscopic().unwrap();
             let air = air.iter().flat_map(|(d, u)| [*d, u[0], u[1], u[2]]);
             row.iter()
                 .map(|v| v.to_bits())

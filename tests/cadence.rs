@@ -58,7 +58,12 @@ fn obeyed() {
     let mut before = None;
     for step in 0..40 {
         simulation.advance().unwrap();
-        let now = simulation.air().unwrap().eddy_viscosities().unwrap();
+        let now = simulation
+            .air()
+            .unwrap()
+            .engine()
+            .eddy_viscosities()
+            .unwrap();
         if now != before {
             evaluated.push(step);
         }

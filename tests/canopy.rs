@@ -54,6 +54,7 @@ pub fn small_case(changes: &[&str]) -> Case {
     let source = include_str!("../cases/flat-circular-tunnel.toml");
     let mut overrides: Vec<String> = [
         "resolution.cells_per_diameter=12.0",
+        "air.refinement={around=\"nothing\"}",
         "air.wind_tunnel.size_m=[2.9915, 1.994, 1.994]",
         "air.wind_tunnel.sponge_length_m=0.4",
         "structure.flat_circular.confluence_m=[0.4, 0.997, 0.997]",

@@ -12,6 +12,7 @@ use ripstop::run::{self, Observer, Order, Report, Requests, Start};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::levels::{BOXES, ROOM};
 use crate::read_outs::latest;
 use crate::tolerances;
 
@@ -22,6 +23,9 @@ pub fn trials() -> Vec<Trial> {
             "change_of_lattice::the_canopy_goes_on_on_finer_cells",
             Finer,
         ),
+        plain("change_of_lattice::boxes_go_on_on_finer_cells", || {
+            goes_on_on_finer_cells(Engine::CpuF32, &[&[BOXES], &ROOM[..]].concat());
+        }),
         plain(
             "change_of_lattice::resumed_on_the_grid_that_it_was_on",
             on_its_grid,
@@ -29,6 +33,10 @@ pub fn trials() -> Vec<Trial> {
         plain(
             "change_of_lattice::resumed_with_the_step_that_it_had",
             with_its_step,
+        ),
+        plain(
+            "change_of_lattice::resumed_in_boxes_of_finer_cells",
+            in_boxes,
         ),
     ]
     .into_iter()
@@ -52,6 +60,16 @@ fn with_its_step() {
     resumed(include_str!("../cases/finite-mass-drop.toml"), &[]);
 }
 
+/// The same fall in a box of finer cells: all lattices change at once.
+fn in_boxes() {
+    let changes = [
+        BOXES,
+        "air.descent.size_m=[5.98, 3.99, 3.99]",
+        "structure.flat_circular.confluence_m=[1.67, 1.995, 1.995]",
+    ];
+    resumed(include_str!("../cases/finite-mass-drop.toml"), &changes);
+}
+
 fn canopy(changes: &[&str]) -> Case {
     let source = include_str!("../cases/flat-circular-tunnel.toml");
     let choices = Choices {
@@ -70,7 +88,7 @@ fn opening(case: &Case, engine: Engine, until_s: f64) -> (Simulation, Record) {
     let plan = Plan::new(&case.scene, engine.plan_placement());
     let mut simulation = Simulation::new(case.scene.clone(), plan, engine.device()).unwrap();
     let mut record = Record::new(&simulation);
-    while simulation.time_s() < until_s {
+    while simulation.time_s() < until_s || !simulation.stands_together() {
         simulation.advance().unwrap();
     }
     record.add(&mut simulation).unwrap();
@@ -81,6 +99,9 @@ fn opening(case: &Case, engine: Engine, until_s: f64) -> (Simulation, Record) {
 /// Mean drag coefficient over the next steps.
 fn sample(simulation: &mut Simulation, record: &mut Record, steps: usize) -> f64 {
     for _ in 0..steps {
+        simulation.advance().unwrap();
+    }
+    while !simulation.stands_together() {
         simulation.advance().unwrap();
     }
     record.add(simulation).unwrap();
@@ -130,46 +151,51 @@ impl Body for Drag {
 struct Finer;
 
 impl Body for Finer {
-    /// On finer cells time, shape and impulses go on; the three force routes still agree over both grids.
     fn run(self, engine: Engine) {
-        let coarse = canopy(&["resolution.cells_per_diameter=10.0"]);
-        let fine = canopy(&["resolution.cells_per_diameter=15.0"]);
-        let (mut simulation, mut record) = opening(&coarse, engine, 0.02);
-        let before = simulation.structure_frame().structure.unwrap();
-        let (time_s, drag) = (
-            simulation.time_s(),
-            latest(&record, "drag_coefficient").unwrap(),
+        goes_on_on_finer_cells(engine, &[]);
+    }
+}
+
+/// On finer cells time, shape and impulses go on; the three force routes still agree over both grids.
+fn goes_on_on_finer_cells(engine: Engine, changes: &[&str]) {
+    let with = |cells| canopy(&[&[cells], changes].concat());
+    let coarse = with("resolution.cells_per_diameter=10.0");
+    let fine = with("resolution.cells_per_diameter=15.0");
+    let (mut simulation, mut record) = opening(&coarse, engine, 0.02);
+    let before = simulation.structure_frame().structure.unwrap();
+    let (time_s, drag) = (
+        simulation.time_s(),
+        latest(&record, "drag_coefficient").unwrap(),
+    );
+    let plan = Plan::new(&fine.scene, engine.plan_placement());
+    simulation.change_lattice(fine.scene.clone(), plan).unwrap();
+    let after = simulation.structure_frame().structure.unwrap();
+    assert_eq!(before.positions_m, after.positions_m);
+    assert_eq!(before.velocities_m_s, after.velocities_m_s);
+    assert!((simulation.time_s() - time_s).abs() < 1e-15);
+    // The same instant, by impulses that go on.
+    let impulse = latest(&record, "impulse_markers_n_s").unwrap();
+    let sample_now = simulation.impulse_sample().unwrap().unwrap();
+    assert!((sample_now.markers.x / impulse - 1.0).abs() < tolerances::IMPULSE_CARRIED);
+    let drags: Vec<f64> = (0..6)
+        .map(|_| sample(&mut simulation, &mut record, 6))
+        .collect();
+    for now in &drags {
+        let moved = (now / drag - 1.0).abs();
+        assert!(
+            moved < tolerances::DRAG_ON_FINER_CELLS,
+            "{drag:.3} then {drags:.3?}"
         );
-        let plan = Plan::new(&fine.scene, engine.plan_placement());
-        simulation.change_lattice(fine.scene.clone(), plan).unwrap();
-        let after = simulation.structure_frame().structure.unwrap();
-        assert_eq!(before.positions_m, after.positions_m);
-        assert_eq!(before.velocities_m_s, after.velocities_m_s);
-        assert!((simulation.time_s() - time_s).abs() < 1e-15);
-        // The same instant, by impulses that go on.
-        let impulse = latest(&record, "impulse_markers_n_s").unwrap();
-        let sample_now = simulation.impulse_sample().unwrap().unwrap();
-        assert!((sample_now.markers.x / impulse - 1.0).abs() < tolerances::IMPULSE_CARRIED);
-        let drags: Vec<f64> = (0..6)
-            .map(|_| sample(&mut simulation, &mut record, 6))
-            .collect();
-        for now in &drags {
-            let moved = (now / drag - 1.0).abs();
-            assert!(
-                moved < tolerances::DRAG_ON_FINER_CELLS,
-                "{drag:.3} then {drags:.3?}"
-            );
-        }
-        let routes = [
-            "impulse_markers_n_s",
-            "impulse_momentum_box_n_s",
-            "impulse_lines_n_s",
-        ]
-        .map(|name| latest(&record, name).unwrap());
-        for route in routes {
-            let apart = (route / routes[0] - 1.0).abs();
-            assert!(apart < tolerances::ROUTES_OVER_A_CHANGE, "{routes:?}");
-        }
+    }
+    let routes = [
+        "impulse_markers_n_s",
+        "impulse_momentum_box_n_s",
+        "impulse_lines_n_s",
+    ]
+    .map(|name| latest(&record, name).unwrap());
+    for route in routes {
+        let apart = (route / routes[0] - 1.0).abs();
+        assert!(apart < tolerances::ROUTES_OVER_A_CHANGE, "{routes:?}");
     }
 }
 

@@ -159,6 +159,7 @@ fn check_three_scenes() {
         order,
         [
             Stage::CollideStream,
+            Stage::CoarserLevels,
             Stage::Interpolate,
             Stage::SolveCloth,
             Stage::Spread,
@@ -187,17 +188,21 @@ fn check_three_scenes() {
     let confluence = "structure.flat_circular.confluence_m=[0.6, 1.0, 1.0]";
     let text = ripstop(&["check", CANOPY, "--set", narrow, "--set", confluence]).printed;
     assert!(text.contains("blocks 20 % of the section"), "{text}");
-    let wale = Choices {
-        overrides: [
-            "resolution.eddy_viscosity.model=wale",
-            "resolution.eddy_viscosity.constant=0.5",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        ..Choices::default()
+    let alike = "air.refinement={around=\"nothing\"}";
+    let with = |changes: &[&str]| {
+        let choices = Choices {
+            overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+            ..Choices::default()
+        };
+        let case = case::load(&root().join(CANOPY), &choices).unwrap();
+        Plan::new(&case.scene, Precision::F32)
     };
-    let case = case::load(&root().join(CANOPY), &wale).unwrap();
-    let with_gradients = Plan::new(&case.scene, Precision::F32);
+    let canopy = with(&[alike]);
+    let with_gradients = with(&[
+        alike,
+        "resolution.eddy_viscosity.model=wale",
+        "resolution.eddy_viscosity.constant=0.5",
+    ]);
     let first = with_gradients.stages[0];
     assert_eq!((first.stage, first.every), (Stage::EddyViscosity, 4));
     assert_eq!(

@@ -633,7 +633,7 @@ fn same_bits() {
             .iter()
             .flat_map(|p| p.to_array().map(f64::to_bits))
             .collect();
-        let air: Vec<u64> = states(simulation.air().unwrap())
+        let air: Vec<u64> = states(simulation.air().unwrap().engine())
             .iter()
             .flat_map(|(p, u)| [p.to_bits(), u[0].to_bits(), u[1].to_bits(), u[2].to_bits()])
             .collect();

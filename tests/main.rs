@@ -43,6 +43,7 @@ mod fuzz;
 mod interrupts;
 mod keeping;
 mod lep_sim;
+mod levels;
 mod long_histories;
 mod mesh_files;
 mod mesh_findings;
@@ -96,6 +97,7 @@ fn main() -> std::process::ExitCode {
         wing_design::trials(),
         wing_patterns::trials(),
         lep_sim::trials(),
+        levels::trials(),
         long_histories::trials(),
         mesh_files::trials(),
         mesh_findings::trials(),

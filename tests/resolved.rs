@@ -81,6 +81,7 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
         None,
         &[
             "air.wind_tunnel.size_m=absent",
+            "air.refinement=absent",
             "structure.flat_circular.confluence_m=absent",
         ],
     ),
@@ -123,6 +124,7 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
         "flat-circular-tunnel",
         None,
         &[
+            "air.refinement={around=\"nothing\"}",
             "resolution.eddy_viscosity={model=\"wale\",constant=0.5}",
             "structure.flat_circular=absent",
             "structure.extended_skirt={nominal_area_m2=0.78,gores=8,rings=12,extension_ratio=0.1,confluence_m=[0.6,1.4955,1.4955],\

@@ -97,7 +97,7 @@ fn exchanged(
 ) -> Vec<[f64; 10]> {
     let air = engine.air(setup(cells), &|cell| (0.0, wind(cell)));
     let areas = vec![0.8; positions.len()];
-    let mut markers = MarkerEngine::through_faces(&air, folds, areas, 1.2).unwrap();
+    let mut markers = MarkerEngine::at_faces(&air, (folds, 0), areas, 1.2).unwrap();
     let still = vec![[0.0; 3]; positions.len()];
     exchange(&air, &mut markers, positions, &still);
     markers.repeat_forcing(&still).unwrap();

@@ -75,6 +75,9 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("validate::plates::cpu_f32", || {
         problems(&PLATES, "cpu");
     }));
+    trials.extend(plain("validate::levels_around_bodies::cpu_f32", || {
+        problems(&["levels-around-bodies"], "cpu");
+    }));
     trials.push(needs_device("validate::coupling::gpu".to_owned(), || {
         problems(&COUPLING[..1], "gpu");
     }));

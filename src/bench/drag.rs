@@ -20,6 +20,7 @@ pub(super) const fn sphere(setting: &Setting) -> BluffBody {
         resolution: setting.resolution,
         lattice_speed: setting.lattice_speed,
         operator: setting.operator,
+        levels: 0,
         tunnel: [7.0, 6.0, 6.0],
         upstream: 3.0,
         sponge: 1.0,

@@ -6,7 +6,7 @@
 //! bodies over resolution, Reynolds number and speed on the lattice. [`coupling`] compares schemes of
 //! coupling air and fabric, and follows the default one down to sheets much lighter than the air around them. [`aerodynamics`] measures
 //! panels, and draws a measured wing's polar beside the computed one. [`fabric`] solves equilibria with known answers over mesh size, model and
-//! arithmetic. [`device`] measures a device: latencies, bandwidth, air, canopies and fabric.
+//! arithmetic. [`levels`] measures what boxes of finer cells cost beside their steps. [`device`] measures a device: latencies, bandwidth, air, canopies and fabric.
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
@@ -17,6 +17,7 @@ pub mod device;
 mod drag;
 pub mod fabric;
 mod front;
+pub mod levels;
 mod measurement;
 mod plots;
 pub mod stability;

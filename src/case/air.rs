@@ -7,11 +7,13 @@ use super::file::{self, File};
 use super::inlet;
 use super::lattice_speed::{self, LATTICE_SPEED_LIMIT};
 use super::problem::Problem;
+use super::refinement::written;
 use super::usual;
 use super::usual_box;
 use super::values::{absent, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::grid::{InletProfile, Sides};
+use crate::lattice::nest::{self, Level, Refinement};
 use crate::lattice::{Operator, stability};
 use crate::units::Units;
 
@@ -28,8 +30,12 @@ pub struct Air {
     pub units: Units,
     /// Kinematic viscosity [m²/s].
     pub kinematic_viscosity_m2_s: f64,
-    /// Cells along x, y, z.
+    /// The box along x, y, z, in cells of the size around the structure.
     pub cells: [usize; 3],
+    /// Boxes of finer cells in the outermost lattice; without any all cells are alike.
+    pub boxes: Vec<Refinement>,
+    /// How often its cells can be doubled: the box of the air is made of whole cells of that size.
+    pub most_levels: u32,
     /// Speed that is `lattice_speed` on the lattice [m/s].
     pub reference_speed_m_s: f64,
     /// Cells per step at the reference speed.
@@ -43,6 +49,73 @@ pub struct Air {
 }
 
 impl Air {
+    /// How often cells are halved from the outermost lattice to that around the structure.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        nest::depth(&self.boxes)
+    }
+
+    /// Cells of the outermost lattice.
+    #[must_use]
+    pub fn outer_cells(&self) -> [usize; 3] {
+        self.cells.map(|n| n >> self.depth())
+    }
+
+    /// Edge length of its cells [m].
+    #[must_use]
+    pub fn outer_cell_size_m(&self) -> f64 {
+        self.units.cell_size_m * (1_u32 << self.depth()) as f64
+    }
+
+    /// All lattices, the outermost first, then the box around the structure that it holds, and so on inwards.
+    #[must_use]
+    pub fn levels(&self) -> Vec<Level> {
+        nest::levels(self.outer_cells(), &self.boxes)
+    }
+
+    /// The lattice around the structure; corner and cells in its own cells.
+    #[must_use]
+    pub fn finest(&self) -> Level {
+        self.levels()[self.depth()]
+    }
+
+    /// Edge length of a level's cells, in cells of the size around the structure.
+    #[must_use]
+    pub fn finest_cells_across(&self, level: &Level) -> f64 {
+        2f64.powi(self.depth() as i32 - level.depth as i32)
+    }
+
+    /// Relaxation time at a depth.
+    #[must_use]
+    pub fn relaxation_time(&self, depth: usize) -> f64 {
+        let finest = self.units.relaxation_time(self.kinematic_viscosity_m2_s) - 0.5;
+        0.5 + finest * 2f64.powi(depth as i32 - self.depth() as i32)
+    }
+
+    /// Cell updates of a step of the lattice around the structure, averaged over one of the outermost.
+    #[must_use]
+    pub fn updates_per_step(&self) -> f64 {
+        let updates = |level: &Level| {
+            let cells: f64 = level.cells.iter().map(|n| *n as f64).product();
+            cells / self.finest_cells_across(level)
+        };
+        self.levels().iter().map(updates).sum()
+    }
+
+    /// Cells in which boxes and the lattices around them exchange what they know, in a step of the lattice around the structure, averaged alike.
+    #[must_use]
+    pub fn exchanged_per_step(&self) -> f64 {
+        let exchanged =
+            |level: &Level| level.shell_cells() / (2.0 * self.finest_cells_across(level));
+        self.levels().iter().map(exchanged).sum()
+    }
+
+    /// Steps of the lattice around the structure in one of the outermost.
+    #[must_use]
+    pub fn steps_per_outer(&self) -> u64 {
+        1 << self.depth()
+    }
+
     /// Wind speed, to which coefficients and times refer; without wind the speed that the lattice is scaled with [m/s].
     #[must_use]
     pub const fn wind_or_reference_m_s(&self) -> f64 {
@@ -138,6 +211,11 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         _ => None,
     };
     let both = air.wind_tunnel.is_some() && air.descent.is_some();
+    let length_m = diameter.or_else(|| file.wing().map(largest_chord_m));
+    let most_levels = written::most_levels(air, cell_size_m, length_m)?;
+    // The box of the air is made of whole cells of the outermost lattice.
+    let across = f64::from(1_u32 << most_levels);
+    let outermost = |size_m| whole_cells(size_m, across * cell_size_m);
     let (size_m, speed_m_s, flow) = match (&tunnels, &air.taylor_green) {
         (Some((tunnel, table, speed)), None) => {
             let key = |name: &str| format!("{table}.{name}");
@@ -187,13 +265,13 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 .transpose()?;
             positive(&key("start_time_s"), tunnel.start_time_s)?;
             let sides = check_sides(air, air.descent.is_some())?;
-            let cells = whole_cells(size_m, cell_size_m);
+            let (cells, across_m) = (outermost(size_m), cell_size_m * across);
             let flow = Flow::WindTunnel {
                 speed_m_s: tunnel.speed_m_s,
                 start_time_s: tunnel.start_time_s,
                 sponge_length_m,
                 sides,
-                inlet_profile: inlet::check_inlet(air, cells, cell_size_m, sides)?,
+                inlet_profile: inlet::check_inlet(air, cells, across_m, sides)?,
             };
             (size_m, tunnel.speed_m_s, flow)
         }
@@ -261,7 +339,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             "raise reference_speed_m_s to the wind speed, or leave it out",
         ));
     }
-    let cells = whole_cells(size_m, cell_size_m);
+    let cells = outermost(size_m).map(|n| n << most_levels);
     if cells.iter().any(|&n| n < SMALLEST_AXIS_CELLS) {
         return Err(Problem::new(
             "resolution",
@@ -286,6 +364,8 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         ),
         kinematic_viscosity_m2_s,
         cells,
+        boxes: Vec::new(),
+        most_levels,
         reference_speed_m_s,
         lattice_speed,
         operator: resolution.operator,
@@ -296,6 +376,8 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
             .transpose()?,
         flow,
     };
+    let viscous_part = air.units.relaxation_time(kinematic_viscosity_m2_s) - 0.5;
+    written::refuse_unfit(most_levels, air.operator, air.eddy_viscosity, viscous_part)?;
     let has_bodies = body.is_some() || !file.bodies.is_empty();
     check_stability(&air, fastest_m_s, has_bodies)?;
     Ok(air)
@@ -324,8 +406,12 @@ fn cell_of_chord_m(file: &File, cells: f64) -> Result<f64, Problem> {
             "give resolution.cell_size_m instead",
         ));
     };
-    let chord_m = table.stations.iter().map(|s| s.chord_m).fold(0.0, f64::max);
-    Ok(chord_m / positive(KEY, cells)?)
+    Ok(largest_chord_m(table) / positive(KEY, cells)?)
+}
+
+/// Largest chord of a wing [m].
+fn largest_chord_m(table: &file::Wing) -> f64 {
+    table.stations.iter().map(|s| s.chord_m).fold(0.0, f64::max)
 }
 
 /// Refuses a flow that the operator did not survive when the stability maps were measured: free turbulence, and where something stands in
@@ -337,7 +423,9 @@ fn check_stability(air: &Air, speed_m_s: f64, has_bodies: bool) -> Result<(), Pr
         air.reference_speed_m_s
     };
     let mach = speed / air.units.speed_m_s() * 3f64.sqrt();
-    let viscous_part = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
+    // In the outermost lattice viscosity counts least.
+    let finest = air.units.relaxation_time(air.kinematic_viscosity_m2_s) - 0.5;
+    let viscous_part = finest / f64::from(1_u32 << air.most_levels);
     let of_turbulence = |operator: Operator, eddy_viscosity: Option<EddyViscosity>| {
         stability::largest_mach(operator, eddy_viscosity, "f32", viscous_part)
     };

@@ -34,6 +34,7 @@ mod permeability;
 mod plate;
 mod problem;
 mod reference;
+mod refinement;
 mod rigging;
 mod rims;
 pub mod scene;

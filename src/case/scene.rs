@@ -27,8 +27,8 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
-    air, bodies, comparison, coupling, descent, equilibrium, output, shift, solver, steady,
-    structure, supports, time, unused, usual, usual_box,
+    air, bodies, comparison, coupling, descent, equilibrium, output, refinement, shift, solver,
+    steady, structure, supports, time, unused, usual, usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
@@ -118,7 +118,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let file = &*usual_box::complete(file);
     let mut files = FromFiles::new(folder);
     let mut body = structure::check(file, &mut files, gravity_m_s2)?;
-    let air = file
+    let mut air = file
         .air
         .as_ref()
         .map(|air| air::check_air(file, air, body.as_ref()))
@@ -139,6 +139,9 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let time = time::check(file, air.as_ref())?;
     let supports = supports::check(file, body.as_ref(), time.as_ref(), &files)?;
     let rigid_bodies = bodies::check(file, &mut files, air.as_ref(), time.as_ref())?;
+    if let Some(air) = &mut air {
+        refinement::check(file, air, body.as_ref(), &rigid_bodies, time.as_ref())?;
+    }
     let coupling = coupling::check(file, air.as_ref(), body.as_mut())?;
     let descent = descent::check(
         file,

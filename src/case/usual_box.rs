@@ -5,19 +5,35 @@
 
 use std::borrow::Cow;
 
-use super::file::{File, Structure};
+use super::file::{Around, File, Refinement, Structure};
 use super::problem::Problem;
 use super::usual;
 use super::values::absent;
+use crate::lattice::eddy_viscosity::EddyViscosityModel;
 
-/// From the inlet to the middle of what stands in the wind, at least.
-const UPSTREAM: f64 = 2.5;
+/// Room that a tunnel leaves.
+struct Room {
+    /// From the inlet to the middle of what stands in the wind, at least.
+    upstream: f64,
+    /// From there to the outlet.
+    downstream: f64,
+    /// Width and height of the tunnel.
+    width: f64,
+}
 
-/// From there to the outlet.
-const DOWNSTREAM: f64 = 5.5;
+/// Of cells that are all alike.
+const ALIKE: Room = Room {
+    upstream: 2.5,
+    downstream: 5.5,
+    width: 4.0,
+};
 
-/// Width and height of the tunnel.
-const WIDTH: f64 = 4.0;
+/// With boxes of finer cells around what stands in the wind, where far cells cost little: S_0 is 2.2 % of the section.
+const WITH_BOXES: Room = Room {
+    upstream: 3.0,
+    downstream: 6.5,
+    width: 6.0,
+};
 
 /// From the inlet to the lower end of lines and riser, at least.
 const BEFORE_LINES: f64 = 0.3;
@@ -78,8 +94,8 @@ impl Standing {
     }
 
     /// From the inlet to its place, where that is left out [m].
-    fn usual_distance_m(&self) -> f64 {
-        let of_middle = UPSTREAM * self.diameter_m - self.reach_m;
+    fn usual_distance_m(&self, room: &Room) -> f64 {
+        let of_middle = room.upstream * self.diameter_m - self.reach_m;
         of_middle.max(BEFORE_LINES * self.diameter_m + self.before_m)
     }
 }
@@ -102,16 +118,17 @@ pub(super) fn complete(file: &File) -> Cow<'_, File> {
     if written_m.is_some() && one.place_m.is_some() {
         return Cow::Borrowed(file);
     }
+    let room = &refined(&mut completed, written_m.is_none());
     let place_m = one.place_m.unwrap_or_else(|| {
         let [width, height] =
-            written_m.map_or([WIDTH * one.diameter_m; 2], |size| [size[1], size[2]]);
-        let place = [one.usual_distance_m(), 0.5 * width, 0.5 * height];
+            written_m.map_or([room.width * one.diameter_m; 2], |size| [size[1], size[2]]);
+        let place = [one.usual_distance_m(room), 0.5 * width, 0.5 * height];
         usual::noted(one.key.as_str(), place)
     });
     if written_m.is_none()
         && let Some(tunnel) = completed.air.as_mut().and_then(|a| a.wind_tunnel.as_mut())
     {
-        let length = place_m[0] + one.reach_m + DOWNSTREAM * one.diameter_m;
+        let length = place_m[0] + one.reach_m + room.downstream * one.diameter_m;
         let size = [length, 2.0 * place_m[1], 2.0 * place_m[2]];
         tunnel.size_m = Some(usual::noted(SIZE_KEY, size));
     }
@@ -125,6 +142,30 @@ pub(super) fn complete(file: &File) -> Cow<'_, File> {
         (None, None) => {}
     }
     Cow::Owned(completed)
+}
+
+/// The room that its tunnel leaves; a file that leaves out the tunnel's size has boxes of finer cells, unless it says otherwise or its air cannot
+/// have them.
+fn refined(file: &mut File, finds_size: bool) -> Room {
+    let plain = file.resolution.as_ref().is_some_and(|resolution| {
+        let model = resolution.eddy_viscosity.as_ref().map(|eddy| eddy.model);
+        resolution.operator.is_recursive()
+            && model.is_none_or(|m| m == EddyViscosityModel::Smagorinsky)
+    });
+    let Some(air) = &mut file.air else {
+        return ALIKE;
+    };
+    if finds_size && plain && air.refinement.is_none() {
+        usual::noted("air.refinement.around", Around::Structure);
+        air.refinement = Some(Refinement {
+            around: Some(Around::Structure),
+            ..Refinement::default()
+        });
+    }
+    match &air.refinement {
+        Some(boxes) if boxes.around != Some(Around::Nothing) => WITH_BOXES,
+        _ => ALIKE,
+    }
 }
 
 /// A size that is left out, and does not follow from what stands in the wind.
@@ -175,7 +216,8 @@ mod tests {
 
     #[test]
     fn a_canopy_without_a_tunnel_has_room_on_all_sides() {
-        for changes in [&[NO_SIZE, NO_CONFLUENCE][..], &[NO_SIZE]] {
+        const ALIKE: &str = "air.refinement={around=\"nothing\"}";
+        for changes in [&[NO_SIZE, NO_CONFLUENCE, ALIKE][..], &[NO_SIZE, ALIKE]] {
             let case = load("flat-circular-tunnel", changes).unwrap();
             let [x, y, z] = distances_m(&case);
             assert!(x[0] > 1.0 && x[1] > 4.5, "{x:?}");
@@ -183,9 +225,9 @@ mod tests {
                 assert!((side[0] - side[1]).abs() < 0.05, "{side:?}");
             }
             // Where a place is written, the section is around it.
-            let half = if changes.len() == 1 { 1.4955 } else { 1.993 };
+            let half = if changes.len() == 2 { 1.4955 } else { 1.993 };
             assert!((y[0] - half).abs() < 0.05, "{y:?}");
-            let shape = if changes.len() == 1 { 3.0 } else { 4.0 };
+            let shape = if changes.len() == 2 { 3.0 } else { 4.0 };
             let air = case.scene.air.as_ref().unwrap();
             assert_eq!(air.cells[1], (24.0 * shape) as usize);
         }
@@ -200,7 +242,8 @@ mod tests {
         let air = sphere.scene.air.as_ref().unwrap();
         let body = &sphere.scene.rigid_bodies[0];
         let cells = air.units.cell_size_m / body.reference_length_m;
-        assert!((air.cells[1] as f64 * cells - super::WIDTH).abs() < 0.1);
+        assert!((air.cells[1] as f64 * cells - super::WITH_BOXES.width).abs() < 0.3);
+        assert!(air.depth() > 0);
     }
 
     #[test]

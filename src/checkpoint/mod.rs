@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use bytemuck::Pod;
 
@@ -69,17 +70,28 @@ pub enum CheckpointError {
 /// Writes sections.
 pub struct Writer<'a> {
     out: &'a mut dyn Write,
+    /// Before the name of every section.
+    prefix: String,
 }
 
 impl Writer<'_> {
     /// Adds a section.
     pub fn put<T: Pod>(&mut self, name: &str, data: &[T]) -> io::Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
+        let name = format!("{}{name}", self.prefix);
         self.out.write_all(&(name.len() as u32).to_le_bytes())?;
         self.out.write_all(name.as_bytes())?;
         self.out.write_all(&(bytes.len() as u64).to_le_bytes())?;
         self.out.write_all(&crc32fast::hash(bytes).to_le_bytes())?;
         self.out.write_all(bytes)
+    }
+
+    /// Writes sections whose names begin with `prefix`, for [`Reader::within`].
+    pub fn within(&mut self, prefix: &str) -> Writer<'_> {
+        Writer {
+            prefix: format!("{}{prefix}", self.prefix),
+            out: &mut *self.out,
+        }
     }
 
     /// Adds sections that [`sections`] has made; of two with one name the later one counts.
@@ -91,7 +103,10 @@ impl Writer<'_> {
 /// Sections in memory, for checkpoints that are written later.
 pub fn sections(fill: impl FnOnce(&mut Writer) -> io::Result<()>) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    fill(&mut Writer { out: &mut bytes })?;
+    fill(&mut Writer {
+        out: &mut bytes,
+        prefix: String::new(),
+    })?;
     Ok(bytes)
 }
 
@@ -107,7 +122,10 @@ pub fn write(
     write_atomically(&next, |out| {
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
-        let mut writer = Writer { out };
+        let mut writer = Writer {
+            out,
+            prefix: String::new(),
+        };
         writer.put("identity", identity.as_bytes())?;
         fill(&mut writer)?;
         writer.put::<u8>("end", &TRAILER)
@@ -153,7 +171,9 @@ pub fn exists(folder: &Path) -> bool {
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
-    sections: HashMap<String, Vec<u8>>,
+    sections: Arc<HashMap<String, Vec<u8>>>,
+    /// Before the name of every section.
+    prefix: String,
 }
 
 /// A checkpoint to go on from.
@@ -232,7 +252,8 @@ impl Reader {
         }
         let reader = Self {
             path: path.clone(),
-            sections,
+            sections: Arc::new(sections),
+            prefix: String::new(),
         };
         let found =
             String::from_utf8_lossy(reader.sections.get("identity").map_or(&[], Vec::as_slice))
@@ -247,14 +268,29 @@ impl Reader {
         Ok(reader)
     }
 
+    /// Reads sections whose names begin with `prefix`.
+    #[must_use]
+    pub fn within(&self, prefix: &str) -> Self {
+        Self {
+            path: self.path.clone(),
+            sections: Arc::clone(&self.sections),
+            prefix: format!("{}{prefix}", self.prefix),
+        }
+    }
+
+    fn name(&self, name: &str) -> String {
+        format!("{}{name}", self.prefix)
+    }
+
     /// True if there is such a section.
     #[must_use]
     pub fn has(&self, name: &str) -> bool {
-        self.sections.contains_key(name)
+        self.sections.contains_key(&self.name(name))
     }
 
     /// A section as numbers.
     pub fn take<T: Pod>(&self, name: &str) -> Result<Vec<T>, CheckpointError> {
+        let name = &self.name(name);
         let bytes = self
             .sections
             .get(name)

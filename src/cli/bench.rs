@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::signals::requests;
 use super::threads;
 use crate::bench::{
-    self, Stop, Watch, aerodynamics, bluff_bodies, coupling, device, fabric, stability,
+    self, Stop, Watch, aerodynamics, bluff_bodies, coupling, device, fabric, levels, stability,
     work_precision,
 };
 use crate::gpu::{AdapterChoice, Device};
@@ -25,7 +25,7 @@ use crate::plan::{AirPlacement, Precision, Storage};
 pub(super) struct BenchArguments {
     /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down (`stability-at-bodies` its second part alone), `bluff-bodies` follows
     /// bodies over cells, Reynolds numbers and speeds on the lattice, `aerodynamics` measures
-    /// panels, `fabric` solves Hencky's disc and an airbag, `device` measures a device, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
+    /// panels, `fabric` solves Hencky's disc and an airbag, `levels` measures boxes of finer cells, `device` measures a device, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]
@@ -50,6 +50,7 @@ const BLUFF_BODIES: &str = "bluff-bodies";
 const AERODYNAMICS: &str = "aerodynamics";
 const FABRIC: &str = "fabric";
 const DEVICE: &str = "device";
+const LEVELS: &str = "levels";
 
 type Comparison =
     fn(bool, &bench::Engine, &Path, &mut Watch) -> Result<(Vec<coupling::Point>, String), Stop>;
@@ -85,12 +86,14 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     let flies_wings = named(AERODYNAMICS);
     let loads_fabric = named(FABRIC);
     let measures_device = named(DEVICE);
+    let measures_levels = named(LEVELS);
     if !maps_stability
         && !maps_bodies
         && !follows_bodies
         && !flies_wings
         && !loads_fabric
         && !measures_device
+        && !measures_levels
         && !measures
         && comparisons.is_empty()
     {
@@ -102,6 +105,7 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
                 AERODYNAMICS,
                 FABRIC,
                 DEVICE,
+                LEVELS,
             ])
             .chain(COUPLING.map(|(name, _)| name))
             .collect();
@@ -158,6 +162,10 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     if loads_fabric {
         let points = fabric::measure(arguments.full, &engines, &arguments.out, &mut watch)?;
         text.push_str(&fabric::table(&points));
+    }
+    if measures_levels {
+        let (_, table) = levels::measure(arguments.full, &engines, &arguments.out, &mut watch)?;
+        text.push_str(&table);
     }
     if measures_device {
         text.push_str(&measure_device(arguments, &engines, &mut watch)?);

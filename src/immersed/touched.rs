@@ -27,6 +27,8 @@ pub struct Domain {
     pub repeats: [bool; 3],
     /// Faces that a body passes through, at which kernels are folded; `None` where there are none.
     pub folds: Option<Folds>,
+    /// Cells at faces that kernels keep off: those that a box of finer cells exchanges with the lattice around it.
+    pub kept: usize,
 }
 
 impl From<[usize; 3]> for Domain {
@@ -36,6 +38,7 @@ impl From<[usize; 3]> for Domain {
             cells,
             repeats: [false; 3],
             folds: None,
+            kept: 0,
         }
     }
 }
@@ -55,7 +58,8 @@ pub fn bounding_box(
         if domain.repeats[a] {
             return faces;
         }
-        let mut bounds = [1.0, cells - 2.0];
+        let kept = domain.kept as f64;
+        let mut bounds = [1.0 + kept, cells - 2.0 - kept];
         for (end, folded) in domain.folds.iter().flat_map(|f| f.at_ends(a)).enumerate() {
             if folded {
                 bounds[end] = faces[end];

@@ -109,6 +109,7 @@ fn rows_are_ordered_and_cover_all_cells() {
 #[test]
 fn kernels_go_on_through_sides_that_repeat() {
     let domain = Domain {
+        kept: 0,
         cells: [12, 6, 5],
         repeats: [false, true, true],
         folds: None,
@@ -137,6 +138,7 @@ fn folded_kernels_are_those_of_a_body_and_its_image() {
         outlet: true,
     };
     let domain = Domain {
+        kept: 0,
         cells: [14, 12, 11],
         repeats: [false; 3],
         folds: Some(folds),

@@ -125,7 +125,7 @@ impl Operator {
     }
 
     /// True if it rebuilds populations recursively, from the stress beyond equilibrium without its trace.
-    const fn is_recursive(self) -> bool {
+    pub(crate) const fn is_recursive(self) -> bool {
         matches!(
             self,
             Self::RecursiveRegularised | Self::StabilisedRegularised

@@ -43,6 +43,16 @@ pub enum Sides {
 }
 
 impl Sides {
+    /// True of y and z if the domain repeats along them.
+    #[must_use]
+    pub const fn repeat(&self) -> [bool; 2] {
+        match self {
+            Self::Periodic => [true; 2],
+            Self::FreeSlip => [false; 2],
+            Self::Each([y, z]) => [matches!(y, Faces::Periodic), matches!(z, Faces::Periodic)],
+        }
+    }
+
     /// What lies at the ends of y and z, in the order lower y, upper y, lower z, upper z.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -189,11 +199,7 @@ impl Setup {
     /// Axes along which the domain repeats.
     #[must_use]
     pub const fn repeats(&self) -> [bool; 3] {
-        let [y, z] = match self.sides {
-            Sides::Periodic => [true; 2],
-            Sides::FreeSlip => [false; 2],
-            Sides::Each([y, z]) => [matches!(y, Faces::Periodic), matches!(z, Faces::Periodic)],
-        };
+        let [y, z] = self.sides.repeat();
         [matches!(self.ends, StreamwiseEnds::Periodic), y, z]
     }
 
@@ -272,6 +278,19 @@ pub struct Extremes {
 }
 
 impl Extremes {
+    /// The same in cells that are counted from elsewhere.
+    #[must_use]
+    pub fn moved_by(self, corner: [usize; 3]) -> Self {
+        let moved = |state: CellState| CellState {
+            cell: std::array::from_fn(|a| state.cell[a] + corner[a]),
+            ..state
+        };
+        Self {
+            fastest: self.fastest.map(moved),
+            farthest: moved(self.farthest),
+        }
+    }
+
     /// A cell that is not sound, if there is one: the fastest finite one first, then that with the largest |δρ|.
     #[must_use]
     pub fn breakdown(&self, speed_limit: f64) -> Option<CellState> {

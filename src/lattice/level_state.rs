@@ -24,6 +24,19 @@ pub type LevelState<N> = [N; STATE_NUMBERS];
 /// Where the rate of strain begins in a state.
 pub const FIRST_STRAIN: usize = 4;
 
+/// A factor times a tensor. (A closure would not be compiled for the CPU's vectors.)
+#[inline(always)]
+fn times<N: Number>(factor: N, [xx, yy, zz, xy, xz, yz]: &[N; 6]) -> [N; 6] {
+    [
+        factor * *xx,
+        factor * *yy,
+        factor * *zz,
+        factor * *xy,
+        factor * *xz,
+        factor * *yz,
+    ]
+}
+
 /// State of a cell from its populations before a collision under `local`.
 #[inline(always)]
 pub fn level_state<N: Number, const EDDY: bool, const RESIDUAL: bool, const TRACELESS: bool>(
@@ -32,7 +45,7 @@ pub fn level_state<N: Number, const EDDY: bool, const RESIDUAL: bool, const TRAC
 ) -> LevelState<N> {
     let cell = operators::regularised::<N, true, EDDY, RESIDUAL, TRACELESS>(f, local);
     let factor = cell.density_excess.constant(-1.5) * cell.inverse_density / cell.relaxation_time;
-    let [xx, yy, zz, xy, xz, yz] = cell.stress.map(|p| factor * p);
+    let [xx, yy, zz, xy, xz, yz] = times(factor, &cell.stress);
     let [x, y, z] = cell.momentum;
     [cell.density_excess, x, y, z, xx, yy, zz, xy, xz, yz]
 }
@@ -61,12 +74,12 @@ pub fn populations_of<N: Number, const EDDY: bool, const RECURSIVE: bool>(
         tau = tau.plus_product(constant(1.0 / 6.0) * local.eddy_factor, norm);
     }
     let factor = constant(-2.0 / 3.0) * density * tau;
-    let stress = strain.map(|s| factor * s);
+    let stress = times(factor, &strain);
     let flux = operators::flux(&j, &u);
     let work = operators::force_work(&u, &local.force);
     let mut second = operators::sum_of_tensors(&flux, &stress);
-    for (second, work) in second.iter_mut().zip(work) {
-        *second = *second - work;
+    for k in 0..6 {
+        second[k] = second[k] - work[k];
     }
     // Operators without the recursion have equilibria of second order.
     let u = if RECURSIVE { u } else { [constant(0.0); 3] };

@@ -67,6 +67,9 @@ pub const SHELL: RangeInclusive<i64> = 0..=0;
 /// Depth of the band.
 pub const BAND: RangeInclusive<i64> = 1..=1;
 
+/// Fine cells at the faces of a box that it exchanges with the lattice around it: shell and band.
+pub const EXCHANGED_CELLS: usize = 4;
+
 /// Coarse cells that lie at least between a box and the faces of the lattice around it: source, and a cell whose populations its outermost cells stream from.
 pub const CLEARANCE: usize = 3;
 
@@ -78,6 +81,21 @@ impl Nest {
     #[must_use]
     pub fn fine_cells(&self) -> [usize; 3] {
         self.cells.map(|n| 2 * n)
+    }
+
+    /// True if it covers a cell of the lattice around it.
+    #[must_use]
+    pub fn covers(&self, cell: [usize; 3]) -> bool {
+        (0..3).all(|a| (self.first[a]..self.first[a] + self.cells[a]).contains(&cell[a]))
+    }
+
+    /// True if another box in the same lattice is far enough away for both.
+    #[must_use]
+    pub fn is_apart_from(&self, other: &Self) -> bool {
+        (0..3).any(|a| {
+            let ends = |nest: &Self| nest.first[a] + nest.cells[a] + CLEARANCE;
+            !self.spans[a] && (ends(self) <= other.first[a] || ends(other) <= self.first[a])
+        })
     }
 
     /// True if it lies well inside a lattice of so many cells.
@@ -147,6 +165,75 @@ impl Nest {
             })
             .collect();
         Planes { first: z, lines }
+    }
+}
+
+/// A box of finer cells, and the boxes in it. Of the boxes in a lattice the first holds all that acts on the air, in its finest cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refinement {
+    /// Where it lies in the lattice around it.
+    pub nest: Nest,
+    /// Boxes in it.
+    pub inner: Vec<Self>,
+}
+
+/// A lattice among those of nested boxes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Level {
+    /// How often cells were halved from those of the outermost lattice.
+    pub depth: usize,
+    /// Corner [cells of the outermost lattice's size halved `finest` times, where `finest` is the depth around the structure].
+    pub corner: [usize; 3],
+    /// Its cells.
+    pub cells: [usize; 3],
+    /// Axes along which it repeats since it spans all of a lattice that does; none of the outermost.
+    pub spans: [bool; 3],
+}
+
+impl Level {
+    /// Cells of a box that are filled from the lattice around it at every exchange; none of the outermost.
+    #[must_use]
+    pub fn shell_cells(&self) -> f64 {
+        if self.depth == 0 {
+            return 0.0;
+        }
+        let across = |a: usize| self.cells[a] as f64;
+        let inside = |a: usize| across(a) - if self.spans[a] { 0.0 } else { 4.0 };
+        (0..3).map(across).product::<f64>() - (0..3).map(inside).product::<f64>()
+    }
+}
+
+/// Depth of the boxes around the structure.
+#[must_use]
+pub fn depth(boxes: &[Refinement]) -> usize {
+    boxes.first().map_or(0, |first| 1 + depth(&first.inner))
+}
+
+/// All lattices, each before those in it: first the outermost of `cells`, then the first box with what is in it, and so on.
+#[must_use]
+pub fn levels(cells: [usize; 3], boxes: &[Refinement]) -> Vec<Level> {
+    let mut found = Vec::new();
+    let outermost = Level {
+        depth: 0,
+        corner: [0; 3],
+        cells,
+        spans: [false; 3],
+    };
+    add_levels(outermost, boxes, depth(boxes), &mut found);
+    found
+}
+
+fn add_levels(level: Level, boxes: &[Refinement], finest: usize, found: &mut Vec<Level>) {
+    found.push(level);
+    for Refinement { nest, inner } in boxes {
+        let size = 1 << (finest - level.depth);
+        let inside = Level {
+            depth: level.depth + 1,
+            corner: std::array::from_fn(|a| level.corner[a] + size * nest.first[a]),
+            cells: nest.fine_cells(),
+            spans: nest.spans,
+        };
+        add_levels(inside, inner, finest, found);
     }
 }
 

@@ -43,11 +43,12 @@ impl Moment {
             return Ok(None);
         };
         let (mass, energy) = engine.mass_and_energy()?;
-        let cell_mass = air.units.density_kg_m3 * air.units.cell_size_m.powi(3);
+        let cell_mass = air.units.density_kg_m3 * air.outer_cell_size_m().powi(3);
+        let cells: usize = air.outer_cells().iter().product();
         Ok(Some(Self {
             time_s: simulation.time_s(),
             energy_j: energy * cell_mass * air.units.speed_m_s().powi(2),
-            total_mass_kg: cell_mass * engine.grid().cell_count() as f64,
+            total_mass_kg: cell_mass * cells as f64,
             mass_excess_kg: mass * cell_mass,
         }))
     }

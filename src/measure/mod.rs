@@ -19,7 +19,7 @@ mod imported_wing;
 mod impulses;
 mod line_drag;
 mod load_test;
-mod opening;
+pub(crate) mod opening;
 mod outline;
 mod payload_bodies;
 mod permeable;

@@ -43,4 +43,4 @@ pub use summary::{
 };
 pub use table::{write_table, write_text_table};
 pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};
-pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow_vti};
+pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow, write_flow_vti};

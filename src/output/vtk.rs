@@ -8,7 +8,9 @@ use std::io;
 use std::iter::repeat_n;
 use std::path::Path;
 
-use super::atomic::{OutputError, invalid_data};
+use glam::DVec3;
+
+use super::atomic::{OutputError, invalid_data, write_atomically};
 use super::vtk_data::{Appended, write_file};
 use crate::frame::{BodiesFrame, CableKind, FabricState, FluidFrame, StructureFrame};
 
@@ -233,7 +235,53 @@ fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
     )))
 }
 
-/// Writes the air at the time `time_s` (seconds) as VTK `ImageData` whose points are the cell
+/// Writes the air at the time `time_s` (seconds): one `.vti`, or with boxes of finer cells one for every lattice and at `path` a `.vtm` that
+/// lists them.
+///
+/// For `flow_0.vtm` these are `flow_0.vti`, `flow_0_box_1.vti`, `flow_0_box_2.vti` and so on, each box after those around it. In every one
+/// `vtkGhostType` hides points that a finer lattice covers.
+///
+/// # Errors
+///
+/// As [`write_flow_vti`].
+pub fn write_flow(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), OutputError> {
+    if fluid.finer.is_empty() {
+        return write_flow_vti(path, fluid, time_s);
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut listed = String::new();
+    let lattices: Vec<&FluidFrame> = std::iter::once(fluid).chain(&fluid.finer).collect();
+    for (number, lattice) in lattices.iter().enumerate() {
+        let name = match number {
+            0 => format!("{stem}.vti"),
+            _ => format!("{stem}_box_{number}.vti"),
+        };
+        write_lattice(
+            &path.with_file_name(&name),
+            lattice,
+            &lattices[number + 1..],
+            time_s,
+        )?;
+        let label = match number {
+            0 => "outermost".to_owned(),
+            _ => format!("box {number}"),
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            listed,
+            "<DataSet index=\"{number}\" name=\"{label}\" file=\"{name}\"/>"
+        );
+    }
+    write_atomically(path, |out| {
+        write!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" \
+             byte_order=\"LittleEndian\">\n<vtkMultiBlockDataSet>\n{listed}</vtkMultiBlockDataSet>\n</VTKFile>\n"
+        )
+    })
+}
+
+/// Writes one grid of air at the time `time_s` (seconds) as VTK `ImageData` whose points are the cell
 /// centres.
 ///
 /// Point arrays: `velocity_m_s` (3 x f32, in m/s) and `pressure_pa` (f32, in Pa), the pressure above
@@ -244,6 +292,16 @@ fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
 /// When the arrays of `fluid` do not fit its grid, the grid is empty, or the file cannot be
 /// written; `path` is then unchanged.
 pub fn write_flow_vti(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), OutputError> {
+    write_lattice(path, fluid, &[], time_s)
+}
+
+/// The same, with points that lie in one of the `finer` grids hidden.
+fn write_lattice(
+    path: &Path,
+    fluid: &FluidFrame,
+    finer: &[&FluidFrame],
+    time_s: f64,
+) -> Result<(), OutputError> {
     check_fluid(fluid).map_err(|cause| OutputError::new("write", path, cause))?;
     let count = fluid.velocity_m_s.len();
     let extent = fluid
@@ -265,8 +323,32 @@ pub fn write_flow_vti(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<()
     xml += "<PointData Scalars=\"pressure_pa\" Vectors=\"velocity_m_s\">\n";
     xml += &data.array("velocity_m_s", count, fluid.velocity_m_s.iter().copied());
     xml += &data.array("pressure_pa", count, fluid.pressure_pa.iter().map(|&p| [p]));
+    if !finer.is_empty() {
+        xml += &data.array("vtkGhostType", count, hidden(fluid, finer).map(|h| [h]));
+    }
     xml += "</PointData>\n<CellData>\n</CellData>\n</Piece>\n</ImageData>\n";
     write_file(path, "ImageData", &xml, data)
+}
+
+/// VTK's mark of a point that is not shown.
+const HIDDEN_POINT: u8 = 2;
+
+/// The mark of every point: hidden where a finer grid has the air.
+fn hidden<'a>(
+    fluid: &'a FluidFrame,
+    finer: &'a [&FluidFrame],
+) -> impl ExactSizeIterator<Item = u8> + Clone + 'a {
+    let [nx, ny, _] = fluid.cells;
+    (0..fluid.velocity_m_s.len()).map(move |i| {
+        let cell = [i % nx, i / nx % ny, i / nx / ny].map(|n| n as f64);
+        let place = fluid.origin_m + fluid.cell_size_m * DVec3::from_array(cell);
+        let covered = finer.iter().any(|finer| {
+            let low = finer.origin_m - 0.5 * finer.cell_size_m;
+            let size = DVec3::from_array(finer.cells.map(|n| n as f64)) * finer.cell_size_m;
+            place.cmpgt(low).all() && place.cmplt(low + size).all()
+        });
+        if covered { HIDDEN_POINT } else { 0 }
+    })
 }
 
 fn check_fluid(fluid: &FluidFrame) -> io::Result<()> {
@@ -399,6 +481,7 @@ mod tests {
         // More than one conversion chunk.
         let cells = [40, 30, 20];
         let fluid = FluidFrame {
+            finer: Vec::new(),
             origin_m: DVec3::new(-1.0, 0.5, 1e-7),
             cell_size_m: 0.25,
             cells,
@@ -428,6 +511,7 @@ mod tests {
         let error = write_canopy_vtp(&path, &broken, 0.0).unwrap_err();
         assert!(error.to_string().contains("0 stresses instead of 1"));
         let fluid = FluidFrame {
+            finer: Vec::new(),
             origin_m: DVec3::ZERO,
             cell_size_m: 1.0,
             cells: [2, 0, 2],

@@ -29,7 +29,7 @@ macro_rules! scalar {
         }
     )*};
 }
-scalar!(f32 => "Float32", f64 => "Float64", i8 => "Int8", i64 => "Int64");
+scalar!(f32 => "Float32", f64 => "Float64", i8 => "Int8", u8 => "UInt8", i64 => "Int64");
 
 type WriteBlock<'a> = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()> + 'a>;
 

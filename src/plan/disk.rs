@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::{Plan, Sizes};
 use crate::case::Scene;
 use crate::lattice::DIRECTION_COUNT;
+use crate::lattice::nest::Level;
 
 /// Checkpoints on the disk at once: the last two, and the one that is being written.
 const CHECKPOINTS_AT_ONCE: u64 = 3;
@@ -45,8 +46,11 @@ impl Disk {
     #[must_use]
     pub fn new(scene: &Scene, sizes: &Sizes) -> Self {
         let air = scene.air.as_ref().map_or(0, |air| {
-            let ghosts = air.cells.iter().map(|&n| n as u64 + 2);
-            let cells = ghosts.fold(1, u64::saturating_mul);
+            let ghosts = |level: Level| {
+                let counts = level.cells.into_iter().map(|n| n as u64 + 2);
+                counts.fold(1, u64::saturating_mul)
+            };
+            let cells = (air.levels().into_iter().map(ghosts)).fold(0, u64::saturating_add);
             let eddy = u64::from(air.eddy_viscosity.is_some());
             let bytes = sizes.population_bytes / sizes.padded_cells.max(1);
             cells.saturating_mul((DIRECTION_COUNT as u64 + eddy) * bytes)

@@ -4,7 +4,7 @@ use super::Plan;
 
 /// Cell updates per second and thread assumed for estimates: a cautious figure for two threads of a server CPU with AVX2
 /// (see `benches/results/`).
-const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
+pub(super) const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
 
 /// Seconds per marker and step assumed for interpolation and spreading on one thread.
 const SECONDS_PER_MARKER: f64 = 0.5e-6;
@@ -33,7 +33,8 @@ impl Plan {
         let elements = (sizes.nodes + sizes.triangles + sizes.cables) as f64;
         let per_evaluation = elements * SECONDS_PER_ELEMENT_EVALUATION
             + sizes.markers as f64 * SECONDS_PER_MARKER_EVALUATION;
-        let per_step = sizes.cells as f64 / (UPDATES_PER_SECOND_AND_THREAD * threads as f64)
+        let per_step = (sizes.updates + sizes.exchange_updates) as f64
+            / (UPDATES_PER_SECOND_AND_THREAD * threads as f64)
             + sizes.markers as f64 * SECONDS_PER_MARKER;
         // Held while the wind rises.
         Some(steps * per_step + self.steps as f64 * evaluations * per_evaluation)

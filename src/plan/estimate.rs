@@ -2,19 +2,27 @@
 
 use super::Placement;
 use crate::case::Scene;
-use crate::case::scene::BodyKind;
+use crate::case::scene::{Air, BodyKind};
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::LINE_BYTES;
+use crate::lattice::nest::Level;
 
 /// Share of the free memory that a run may take.
 const MEMORY_SHARE: f64 = 0.8;
 
+/// Cell updates that take as long as the exchange of one cell of a box's shell (`ripstop bench levels`).
+pub(super) const UPDATES_PER_EXCHANGED_CELL: f64 = 4.0;
+
 /// Sizes and bytes of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sizes {
-    /// Cells of the air.
+    /// Cells of the air, those under boxes of finer ones included.
     pub cells: u64,
+    /// Cell updates in a step, on the mean: coarser cells make fewer steps.
+    pub updates: u64,
+    /// Cell updates that take as long as the exchange between lattices, in a step, on the mean.
+    pub exchange_updates: u64,
     /// Markers.
     pub markers: u64,
     /// Nodes of the structure.
@@ -31,7 +39,7 @@ pub struct Sizes {
     pub shared_memory: bool,
     /// Bytes of one array of populations on the device, the largest buffer.
     pub population_bytes: u64,
-    /// Cells with the ghost layer, and the padding of rows on the CPU.
+    /// Cells of the largest lattice with the ghost layer, and the padding of rows on the CPU.
     pub padded_cells: u64,
     /// Bytes of a snapshot of the air, taken for pictures and files.
     pub snapshot_bytes: u64,
@@ -52,37 +60,64 @@ pub struct MemoryRefusal {
     pub free: Option<u64>,
 }
 
+/// Cells and bytes of a lattice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct LevelSizes {
+    /// Cells.
+    pub cells: u64,
+    /// With the ghost layer, and the padding of rows on the CPU.
+    pub padded_cells: u64,
+    /// Populations, and what belongs to cells beside them.
+    pub bytes: u64,
+}
+
+impl LevelSizes {
+    /// Of every lattice of the air, in the order of [`Air::levels`].
+    pub fn of(air: &Air, placement: &Placement) -> Vec<Self> {
+        let each = placement.population_bytes();
+        let held = air
+            .eddy_viscosity
+            .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some());
+        let of_level = |level: Level| {
+            let counts = level.cells.map(|n| n as u64);
+            let cells = counts.into_iter().fold(1, u64::saturating_mul);
+            let [row, rest @ ..] = counts.map(|n| n + 2);
+            let row = if placement.air_on_device() {
+                row
+            } else {
+                // CPU threads begin every row on a cache line.
+                row.next_multiple_of(LINE_BYTES as u64 / each)
+            };
+            let padded_cells = rest.into_iter().fold(row, u64::saturating_mul);
+            let populations = padded_cells.saturating_mul(DIRECTION_COUNT as u64 * each);
+            // The eddy part of every cell's relaxation time, stored as populations are.
+            let eddy = if held { cells.saturating_mul(each) } else { 0 };
+            Self {
+                cells,
+                padded_cells,
+                bytes: populations.saturating_add(eddy),
+            }
+        };
+        air.levels().into_iter().map(of_level).collect()
+    }
+}
+
 impl Sizes {
     /// Sizes of a scene.
     #[must_use]
     pub fn new(scene: &Scene, placement: &Placement) -> Self {
         let mut sizes = Self::default();
         if let Some(air) = &scene.air {
-            sizes.cells = air
-                .cells
-                .iter()
-                .map(|&n| n as u64)
-                .fold(1, u64::saturating_mul);
-            let [row, rest @ ..] = air.cells.map(|n| n as u64 + 2);
-            let row = if placement.air_on_device() {
-                row
-            } else {
-                // CPU threads begin every row on a cache line.
-                row.next_multiple_of(LINE_BYTES as u64 / placement.population_bytes())
-            };
-            let padded = rest.into_iter().fold(row, u64::saturating_mul);
-            sizes.padded_cells = padded;
-            sizes.population_bytes = padded.saturating_mul(placement.population_bytes());
-            sizes.air_bytes =
-                padded.saturating_mul(DIRECTION_COUNT as u64 * placement.population_bytes());
-            if air
-                .eddy_viscosity
-                .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some())
-            {
-                // The eddy part of every cell's relaxation time, stored as populations are.
-                let held = sizes.cells.saturating_mul(placement.population_bytes());
-                sizes.air_bytes = sizes.air_bytes.saturating_add(held);
+            for level in LevelSizes::of(air, placement) {
+                sizes.cells = sizes.cells.saturating_add(level.cells);
+                sizes.air_bytes = sizes.air_bytes.saturating_add(level.bytes);
+                sizes.padded_cells = sizes.padded_cells.max(level.padded_cells);
             }
+            sizes.updates = air.updates_per_step().round() as u64;
+            let exchange = UPDATES_PER_EXCHANGED_CELL * air.exchanged_per_step();
+            sizes.exchange_updates = exchange.round() as u64;
+            sizes.population_bytes =
+                (sizes.padded_cells).saturating_mul(placement.population_bytes());
             sizes.air_on_device = placement.air_on_device();
             sizes.shared_memory = placement.shared_memory;
             // Pictures and flow files take a snapshot of density and velocity, and its conversion to SI.

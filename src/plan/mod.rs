@@ -8,6 +8,7 @@ mod duration;
 mod estimate;
 mod forecast;
 mod initial_hessian;
+mod levels;
 mod meshes;
 mod openings;
 mod permeability;
@@ -32,7 +33,7 @@ pub use skips::Skip;
 pub use stages::{PlannedStage, Stage};
 
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Flow};
+use crate::case::scene::{Air, BodyKind, Flow};
 use crate::immersed::markers;
 use crate::solve::InitialHessian;
 
@@ -91,15 +92,33 @@ impl Plan {
 
     /// Steps while the wind rises, and from release to the end.
     fn step_counts(scene: &Scene) -> (u64, u64) {
-        match (scene.time, scene.air.as_ref().map(|air| &air.flow)) {
-            (Some(time), Some(Flow::WindTunnel { start_time_s, .. })) => (
-                (start_time_s / time.step_s).ceil() as u64,
-                (time.end_s / time.step_s).ceil() as u64,
-            ),
-            (Some(time), _) => (0, (time.end_s / time.step_s).ceil() as u64),
-            (None, _) => (0, 0),
-        }
+        let start_s = match scene.air.as_ref().map(|air| &air.flow) {
+            Some(Flow::WindTunnel { start_time_s, .. }) => *start_time_s,
+            _ => 0.0,
+        };
+        let step_s = scene.time.map_or(f64::INFINITY, |time| time.step_s);
+        let steps = |time_s: f64| whole_steps(scene, (time_s / step_s).ceil() as u64);
+        (
+            steps(start_s),
+            steps(scene.time.map_or(0.0, |time| time.end_s)),
+        )
     }
+}
+
+/// At least so many steps that all lattices of the air make whole ones.
+#[must_use]
+pub fn whole_steps(scene: &Scene, steps: u64) -> u64 {
+    let outer = scene.air.as_ref().map_or(1, Air::steps_per_outer);
+    steps.div_ceil(outer).saturating_mul(outer)
+}
+
+/// Steps in an interval of time, at least one, and whole ones of all lattices of the air.
+#[must_use]
+pub fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
+    let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
+    let outer = scene.air.as_ref().map_or(1, Air::steps_per_outer);
+    let count = (interval_s / (outer as f64 * step_s)).round() as u64;
+    count.max(1) * outer
 }
 
 /// Markers of the fabric; empty unless it is coupled with air.

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, meshes, openings,
-    permeability, phases, wing,
+    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, levels, meshes,
+    openings, permeability, phases, wing,
 };
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
@@ -53,11 +53,23 @@ impl Plan {
             let [nx, ny, nz] = air.cells;
             let tau = units.relaxation_time(air.kinematic_viscosity_m2_s);
             writeln!(out, "\nair")?;
-            writeln!(
-                out,
-                "  cells               {nx} x {ny} x {nz} = {} of {:.4} m",
-                sizes.cells, units.cell_size_m
-            )?;
+            if air.boxes.is_empty() {
+                writeln!(
+                    out,
+                    "  cells               {nx} x {ny} x {nz} = {} of {:.4} m",
+                    sizes.cells, units.cell_size_m
+                )?;
+            } else {
+                writeln!(
+                    out,
+                    "  cells               {} in {} lattices, of {:.4} m around the structure, {:.4} m outermost",
+                    sizes.cells,
+                    air.levels().len(),
+                    units.cell_size_m,
+                    air.outer_cell_size_m()
+                )?;
+                levels::write(out, self, air, threads)?;
+            }
             writeln!(
                 out,
                 "  memory              {} ({}{})",
@@ -77,7 +89,16 @@ impl Plan {
                 air.lattice_speed,
                 air.reference_speed_m_s
             )?;
-            writeln!(out, "  relaxation time     tau = 0.5 + {:.2e}", tau - 0.5)?;
+            writeln!(
+                out,
+                "  relaxation time     tau = 0.5 + {:.2e}{}",
+                tau - 0.5,
+                if air.boxes.is_empty() {
+                    ""
+                } else {
+                    " around the structure"
+                }
+            )?;
             writeln!(out, "  operator            {}", air.operator.name())?;
             if let Some(eddy_viscosity) = air.eddy_viscosity {
                 let model = eddy_viscosity.model;

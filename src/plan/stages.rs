@@ -10,6 +10,8 @@ pub enum Stage {
     EddyViscosity,
     /// Collide and stream all populations, under the body force of the last coupling.
     CollideStream,
+    /// Steps of the lattices around that of the structure, where they are due, and what passes between them and their boxes.
+    CoarserLevels,
     /// Transfer: marker positions from host to device.
     SendMarkers,
     /// Air velocity u* at the markers.
@@ -38,9 +40,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of a step.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::EddyViscosity,
         Self::CollideStream,
+        Self::CoarserLevels,
         Self::SendMarkers,
         Self::Interpolate,
         Self::FetchAirVelocities,
@@ -61,6 +64,7 @@ impl Stage {
         match self {
             Self::EddyViscosity => "eddy_viscosity",
             Self::CollideStream => "collide_stream",
+            Self::CoarserLevels => "coarser_levels",
             Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
             Self::FetchAirVelocities => "fetch_air_velocities",
@@ -82,6 +86,9 @@ impl Stage {
         match self {
             Self::EddyViscosity => "populations -> eddy part of the relaxation times",
             Self::CollideStream => "populations, body force -> populations",
+            Self::CoarserLevels => {
+                "populations of coarser cells; those of both where boxes end -> the same"
+            }
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
             Self::SendNodes => "nodes, loads, marker reactions, host -> device",
@@ -127,6 +134,9 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
                 add(Stage::EddyViscosity, eddy_viscosity.update_every);
             }
             add(Stage::CollideStream, 1);
+            if air.depth() > 0 {
+                add(Stage::CoarserLevels, 2);
+            }
         }
         if air_on_device {
             add(Stage::SendMarkers, 1);

@@ -34,8 +34,9 @@ pub(super) const fn scale(quantity: FlowQuantity) -> ColourScale {
 }
 
 /// From 0, or evenly about 0, to what 98 % of the values do not exceed.
-pub(super) fn range(quantity: FlowQuantity, values: &[f32]) -> [f64; 2] {
-    let values = values.iter().map(|v| f64::from(*v));
+pub(super) fn range(quantity: FlowQuantity, slices: &[Slice]) -> [f64; 2] {
+    let values = slices.iter().flat_map(|slice| &slice.values);
+    let values = values.map(|v| f64::from(*v));
     match quantity {
         FlowQuantity::Speed => range_from_zero(values),
         FlowQuantity::Vorticity | FlowQuantity::Pressure => {
@@ -45,7 +46,76 @@ pub(super) fn range(quantity: FlowQuantity, values: &[f32]) -> [f64; 2] {
     }
 }
 
-/// A plane through the grid, between two layers of cells.
+/// A plane through the air, with its parts in boxes of finer cells.
+pub(super) struct Section<'a> {
+    /// In the outermost grid, then in boxes, each before those in it.
+    planes: Vec<Plane<'a>>,
+}
+
+impl<'a> Section<'a> {
+    /// The plane normal to `normal` at the coordinate `place_m` [m], which is moved into the air. `None` without cells.
+    pub fn new(fluid: &'a FluidFrame, normal: Axis, place_m: f64) -> Option<Self> {
+        let outermost = Plane::new(fluid, normal, place_m)?;
+        let place_m = outermost.origin_m[normal as usize];
+        let boxes = fluid.finer.iter().filter(|finer| {
+            let [low, high] = air_box(finer);
+            (low[normal as usize]..high[normal as usize]).contains(&place_m)
+        });
+        let boxes = boxes.filter_map(|finer| Plane::new(finer, normal, place_m));
+        Some(Self {
+            planes: std::iter::once(outermost).chain(boxes).collect(),
+        })
+    }
+
+    /// A quantity on the plane, the outermost grid first; the range is left at [0, 1]. Coarser cells under finer ones are left out.
+    pub fn slices(&self, quantity: FlowQuantity, depth: SliceDepth) -> Vec<Slice> {
+        let slice = |(number, plane): (usize, &Plane)| {
+            let mut slice = plane.slice(quantity, depth);
+            for finer in &self.planes[number + 1..] {
+                plane.leave_out(finer, &mut slice.values);
+            }
+            slice
+        };
+        self.planes.iter().enumerate().map(slice).collect()
+    }
+
+    /// Where boxes of finer cells end, thinly.
+    pub fn outlines(&self, zoom: f64) -> Vec<Polyline> {
+        let outline = |plane: &Plane| {
+            let [across, up] = plane.edges_m();
+            let corner = plane.origin_m;
+            Polyline {
+                points_m: vec![
+                    corner,
+                    corner + across,
+                    corner + across + up,
+                    corner + up,
+                    corner,
+                ],
+                style: LineStyle {
+                    width_px: 0.8 * zoom,
+                    colour: INK,
+                    opacity: 0.3,
+                },
+            }
+        };
+        self.planes[1..].iter().map(outline).collect()
+    }
+
+    /// Arrows of the velocity in the plane, as long as their distance at `reference_m_s`; none where air is slower than a twentieth of it.
+    pub fn arrows(&self, reference_m_s: f64, zoom: f64) -> Vec<Polyline> {
+        let outermost = &self.planes[0];
+        outermost.arrows(reference_m_s, zoom, |place_m| {
+            let holder = self.planes.iter().rev();
+            holder
+                .filter_map(|plane| plane.velocity_at(place_m))
+                .next()
+                .unwrap_or([f32::NAN; 3])
+        })
+    }
+}
+
+/// A plane through one grid, between two layers of cells.
 pub(super) struct Plane<'a> {
     fluid: &'a FluidFrame,
     normal: Axis,
@@ -81,6 +151,14 @@ impl<'a> Plane<'a> {
             share: (place - layer as f64) as f32,
             origin_m,
         })
+    }
+
+    /// Edges of the grid in the plane [m].
+    fn edges_m(&self) -> [DVec3; 2] {
+        let [i_axis, j_axis] = self.normal.in_plane();
+        let edge =
+            |axis: usize, count: usize| DVec3::AXES[axis] * (self.fluid.cell_size_m * count as f64);
+        [edge(i_axis, self.counts[0]), edge(j_axis, self.counts[1])]
     }
 
     fn cell(&self, i: usize, j: usize, layer: usize) -> usize {
@@ -132,8 +210,7 @@ impl<'a> Plane<'a> {
     }
 
     /// A quantity on the plane; the range is left at [0, 1].
-    pub fn slice(&self, quantity: FlowQuantity, depth: SliceDepth) -> Slice {
-        let [i_axis, j_axis] = self.normal.in_plane();
+    fn slice(&self, quantity: FlowQuantity, depth: SliceDepth) -> Slice {
         let places = (0..self.counts[1]).flat_map(|j| (0..self.counts[0]).map(move |i| (i, j)));
         let value = |(i, j): (usize, usize)| match quantity {
             FlowQuantity::Speed => {
@@ -143,11 +220,9 @@ impl<'a> Plane<'a> {
             FlowQuantity::Vorticity => self.vorticity(i, j),
             FlowQuantity::Pressure => self.pressure(i, j),
         };
-        let edge =
-            |axis: usize, count: usize| DVec3::AXES[axis] * (self.fluid.cell_size_m * count as f64);
         Slice {
             origin_m: self.origin_m,
-            edges_m: [edge(i_axis, self.counts[0]), edge(j_axis, self.counts[1])],
+            edges_m: self.edges_m(),
             counts: self.counts,
             values: places.map(value).collect(),
             range: [0.0, 1.0],
@@ -157,15 +232,50 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// Arrows of the velocity in the plane, as long as their distance at `reference_m_s`; none where air is slower than a twentieth of it.
-    pub fn arrows(&self, reference_m_s: f64, zoom: f64) -> Vec<Polyline> {
+    /// Velocity of the cell at a place in the plane [m/s]; `None` beyond the grid.
+    fn velocity_at(&self, place_m: DVec3) -> Option<[f32; 3]> {
+        let [low, _] = air_box(self.fluid);
+        let cell = (place_m - low) / self.fluid.cell_size_m;
+        let [i, j] = self.normal.in_plane().map(|axis| cell[axis].floor());
+        let [across, up] = self.counts.map(|n| n as f64);
+        let inside = (0.0..across).contains(&i) && (0.0..up).contains(&j);
+        inside.then(|| self.velocity(i as usize, j as usize))
+    }
+
+    /// Makes holes of values under a finer grid, but for a rim of one cell, so that nothing shows between them.
+    fn leave_out(&self, finer: &Plane, values: &mut [f32]) {
+        let size = self.fluid.cell_size_m;
+        let [own, _] = air_box(self.fluid);
+        let [low, high] = air_box(finer.fluid);
+        let axes = self.normal.in_plane();
+        let inside = |axis: usize, cell: usize| {
+            let place = own[axis] + (cell as f64 + 0.5) * size;
+            place > low[axis] + size && place < high[axis] - size
+        };
+        for j in (0..self.counts[1]).filter(|j| inside(axes[1], *j)) {
+            for i in (0..self.counts[0]).filter(|i| inside(axes[0], *i)) {
+                values[j * self.counts[0] + i] = f32::NAN;
+            }
+        }
+    }
+
+    /// Arrows of the velocity `of` places [m], one for every few cells.
+    fn arrows(
+        &self,
+        reference_m_s: f64,
+        zoom: f64,
+        of: impl Fn(DVec3) -> [f32; 3],
+    ) -> Vec<Polyline> {
         let stride = self.counts[0].max(self.counts[1]).div_ceil(ARROWS).max(1);
         let [i_axis, j_axis] = self.normal.in_plane();
         let size = self.fluid.cell_size_m;
         let mut lines = Vec::new();
         for j in (stride / 2..self.counts[1]).step_by(stride) {
             for i in (stride / 2..self.counts[0]).step_by(stride) {
-                let velocity = self.velocity(i, j);
+                let middle = self.origin_m
+                    + DVec3::AXES[i_axis] * ((i as f64 + 0.5) * size)
+                    + DVec3::AXES[j_axis] * ((j as f64 + 0.5) * size);
+                let velocity = of(middle);
                 let [along, up] = [i_axis, j_axis].map(|a| f64::from(velocity[a]));
                 let speed = along.hypot(up);
                 if !(reference_m_s > 0.0 && speed > 0.05 * reference_m_s && speed.is_finite()) {
@@ -176,9 +286,6 @@ impl<'a> Plane<'a> {
                     DVec3::AXES[i_axis] * (along * length) + DVec3::AXES[j_axis] * (up * length);
                 let side =
                     DVec3::AXES[i_axis] * (-up * length) + DVec3::AXES[j_axis] * (along * length);
-                let middle = self.origin_m
-                    + DVec3::AXES[i_axis] * ((i as f64 + 0.5) * size)
-                    + DVec3::AXES[j_axis] * ((j as f64 + 0.5) * size);
                 let [tail, tip] = [middle - arrow * 0.5, middle + arrow * 0.5];
                 let back = tip - arrow * ARROW_HEAD;
                 let wing = side * (0.5 * ARROW_HEAD);

@@ -10,7 +10,7 @@ use super::camera::{bounds, box_corners, fit_orthographic, sight_direction};
 use super::colour::{ColourScale, Rgb};
 use super::content::{Axis, INK, air_box, bodies, cables, thinnest_axis};
 use super::fabric;
-use super::flow::{self, Plane};
+use super::flow;
 use super::picture::{
     Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth,
     TextAlign, TextSize, Tick, nice_ticks,
@@ -128,14 +128,18 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         let place = place.or_else(|| centre_y(&solid).filter(|_| normal == Axis::Y));
         let [low, high] = air_box(fluid);
         let middle = 0.5 * (low + high)[normal as usize];
-        Plane::new(fluid, normal, place.unwrap_or(middle))
+        flow::Section::new(fluid, normal, place.unwrap_or(middle))
     });
-    let slice = plane.as_ref().map(|plane| {
-        let mut slice = plane.slice(options.flow, options.slice_depth);
-        let automatic = || flow::range(options.flow, &slice.values);
-        slice.range = options.flow_range.unwrap_or_else(automatic);
-        slice
+    let slices = plane.as_ref().map_or_else(Vec::new, |plane| {
+        let mut slices = plane.slices(options.flow, options.slice_depth);
+        let automatic = || flow::range(options.flow, &slices);
+        let range = options.flow_range.unwrap_or_else(automatic);
+        for slice in &mut slices {
+            slice.range = range;
+        }
+        slices
     });
+    let slice = slices.first();
     let surface = structure.and_then(|structure| {
         let values = fabric::values(options.fabric, structure);
         let automatic = || fabric::range(options.fabric, &values);
@@ -153,7 +157,7 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
             ticks: fabric::ticks(options.fabric, surface.range),
         });
     }
-    if let Some(slice) = &slice {
+    if let Some(slice) = slice {
         bars.push(Legend {
             title: flow::title(options.flow),
             range: slice.range,
@@ -162,7 +166,7 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         });
     }
     let mut layout = Layout::new(options, zoom, &bars);
-    let camera = match (&slice, section.zip(options.framing_box_m)) {
+    let camera = match (slice, section.zip(options.framing_box_m)) {
         (_, Some((section, framing))) => {
             section_camera(section.y_m, framing, layout.viewport.aspect())
         }
@@ -170,7 +174,7 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
         _ => camera(
             &solid,
             frame.fluid.as_ref(),
-            &slice,
+            slice,
             options,
             layout.viewport.aspect(),
         ),
@@ -194,7 +198,7 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
                     .flat_map(|section| outlines(section, zoom)),
             )
             .collect(),
-        slices: slice.into_iter().collect(),
+        slices,
         labels: layout.labels(frame.time_s, options),
         colour_bars: layout.colour_bars(bars),
     }
@@ -203,11 +207,11 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
 /// Cables, wrinkles and arrows.
 fn lines(
     structure: Option<&StructureFrame>,
-    plane: Option<&Plane>,
+    plane: Option<&flow::Section>,
     options: &PictureOptions,
     zoom: f64,
 ) -> Vec<Polyline> {
-    let mut lines = Vec::new();
+    let mut lines = plane.map_or_else(Vec::new, |plane| plane.outlines(zoom));
     if let (Some(plane), Some(speed)) = (plane, options.arrow_speed_m_s) {
         lines.extend(plane.arrows(speed, zoom));
     }
@@ -287,7 +291,7 @@ fn square_camera(slice: &Slice, normal: Axis, viewport: &mut PixelRect) -> Camer
 fn camera(
     solid: &[DVec3],
     fluid: Option<&FluidFrame>,
-    slice: &Option<Slice>,
+    slice: Option<&Slice>,
     options: &PictureOptions,
     aspect: f64,
 ) -> Camera {
@@ -301,7 +305,7 @@ fn camera(
         (Some(body), None) => (box_corners(body).to_vec(), 0.09),
         (Some(body), Some(air)) if !options.whole_domain => (with_wake(body, air), 0.0),
         (body, Some(_)) => {
-            let sheet = slice.iter().flat_map(Slice::corners_m);
+            let sheet = slice.into_iter().flat_map(Slice::corners_m);
             (
                 sheet
                     .chain(body.into_iter().flat_map(box_corners))

@@ -1,6 +1,6 @@
 //! When what is written in a run, and how far it has come.
 
-use crate::case::Scene;
+use crate::plan::steps_per;
 use crate::simulation::Simulation;
 
 /// Parts of the simulated time that progress is told in: steps may change their length, and with it their number.
@@ -11,12 +11,6 @@ pub(super) fn parts_done(time_s: f64, [start_s, end_s]: [f64; 2]) -> u64 {
     let share = (time_s - start_s) / (end_s - start_s);
     // Not a number, of a run without length, becomes nothing.
     (share.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64
-}
-
-/// Steps in an interval of time, at least one.
-pub(super) fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
-    let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
-    ((interval_s / step_s).round() as u64).max(1)
 }
 
 /// When what is written, in steps of the present lattice.

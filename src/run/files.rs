@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::verify::Lost;
-use super::written::{Written, bodies_name, canopy_name, flow_name};
+use super::written::{Written, bodies_name, canopy_name, flow_levels_name, flow_name};
 use super::{RunError, animation};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Flow};
@@ -15,7 +15,7 @@ use crate::measure::Record;
 use crate::measure::shared::{DRAG_COEFFICIENT, LIFT_COEFFICIENT, PROJECTED_DIAMETER_RATIO};
 use crate::measure::wing_wind::VOLUME_RATIO;
 use crate::output::{
-    OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow_vti,
+    OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow,
 };
 use crate::render::{self, PictureOptions, Section};
 use crate::simulation::Simulation;
@@ -106,8 +106,15 @@ impl<'a> Files<'a> {
                 Some(_) => Some(frames("canopy.pvd", &written.canopy_times_s, canopy_name)?),
                 None => None,
             },
-            flows: match scene.air {
-                Some(_) => Some(frames("flow.pvd", &written.flow_times_s, flow_name)?),
+            flows: match &scene.air {
+                Some(air) => {
+                    let name = if air.boxes.is_empty() {
+                        flow_name
+                    } else {
+                        flow_levels_name
+                    };
+                    Some(frames("flow.pvd", &written.flow_times_s, name)?)
+                }
                 None => None,
             },
             bodies: if scene.rigid_bodies.is_empty() {
@@ -169,7 +176,7 @@ impl<'a> Files<'a> {
         }
         let frame = simulation.frame(true)?;
         if let Some(fluid) = &frame.fluid {
-            write_flow_vti(&self.folder.join(frames.next()), fluid, frame.time_s)?;
+            write_flow(&self.folder.join(frames.next()), fluid, frame.time_s)?;
             frames.add(frame.time_s)?;
         }
         Ok(())

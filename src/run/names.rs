@@ -8,6 +8,9 @@ use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};
 use crate::measure::{CHARTS, SAMPLES_FILE};
 
+/// Most boxes of finer cells whose files are known by their names.
+const LARGEST_BOX_NUMBER: usize = 64;
+
 /// True for names of results; ledger and checkpoints are not among them.
 pub(super) fn is_result(name: &str) -> bool {
     let numbered = |prefix: &str, suffix: &str| {
@@ -18,6 +21,8 @@ pub(super) fn is_result(name: &str) -> bool {
     numbered("canopy_", ".vtp")
         || numbered("bodies_", ".vtp")
         || numbered("flow_", ".vti")
+        || numbered("flow_", ".vtm")
+        || (1..=LARGEST_BOX_NUMBER).any(|k| numbered("flow_", &format!("_box_{k}.vti")))
         || numbered("snapshot_", ".png")
         || numbered("animation_", ".png")
         || FlowQuantity::ALL.iter().any(|quantity| {

@@ -67,6 +67,12 @@ pub(super) fn bodies_name(index: usize) -> String {
     format!("bodies_{index:05}.vtp")
 }
 
+/// All the air, or its outermost lattice.
 pub(super) fn flow_name(index: usize) -> String {
     format!("flow_{index:05}.vti")
+}
+
+/// What lists a lattice with its boxes of finer cells.
+pub(super) fn flow_levels_name(index: usize) -> String {
+    format!("flow_{index:05}.vtm")
 }

@@ -8,7 +8,10 @@ use crate::cpu::fluid::Fluid;
 use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::eddy_viscosity::EddyViscosity;
-use crate::lattice::grid::{CellState, Extremes, Grid, Initial, Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::{
+    CellState, Extremes, Faces, Grid, Initial, Setup, Sides, StreamwiseEnds, Wall,
+};
+use crate::lattice::nest::Level;
 use crate::lattice::start::{Start, Stress};
 use crate::plan::{AirPlacement, Plan, Precision, Stage};
 
@@ -35,27 +38,29 @@ macro_rules! each_engine {
 pub(super) use each_engine;
 
 impl AirEngine {
-    /// Air of a scene at its initial state.
-    pub fn new(air: &Air, plan: &Plan, device: Option<&Arc<Device>>) -> Result<Self, DeviceError> {
-        let initial = initial_state(air);
-        // The wind rises from rest, and populations of air at rest are zero.
-        let at_rest = matches!(air.flow, Flow::WindTunnel { .. });
-        let initial: Option<&Initial> = if at_rest { None } else { Some(&initial) };
-        Self::build(setup(air, plan), initial, plan.placement.air, device)
-    }
-
-    /// Air of a scene that goes on from a state of every cell, in its own lattice units.
-    pub(super) fn continued(
+    /// One lattice of a scene's air: at rest, at the vortices of the case, or in a `state` of every cell in its own lattice units.
+    pub(super) fn of_level(
         air: &Air,
+        (level, setup): (&Level, Setup),
         plan: &Plan,
         device: Option<&Arc<Device>>,
-        state: impl Fn([usize; 3]) -> (f64, [f64; 3], Stress) + Sync,
+        state: Option<&State<'_>>,
     ) -> Result<Self, DeviceError> {
-        let setup = setup(air, plan);
-        let start = Start::with_stresses(&setup, state);
-        let mut engine = Self::build(setup, None, plan.placement.air, device)?;
-        each_engine!(&mut engine, fluid => fluid.fill(&start), fluid => fluid.fill(&start));
-        Ok(engine)
+        let placement = plan.placement.air;
+        if let Some(state) = state {
+            let start = Start::with_stresses(&setup, |cell| state(level, cell));
+            let mut engine = Self::build(setup, None, placement, device)?;
+            each_engine!(&mut engine, fluid => fluid.fill(&start), fluid => fluid.fill(&start));
+            return Ok(engine);
+        }
+        match air.flow {
+            // The wind rises from rest, and populations of air at rest are zero.
+            Flow::WindTunnel { .. } => Self::build(setup, None, placement, device),
+            Flow::TaylorGreen { speed_m_s, .. } => {
+                let initial = vortices(air, *level, speed_m_s);
+                Self::build(setup, Some(&initial), placement, device)
+            }
+        }
     }
 
     /// Air of a set-up on the engine of a placement; at rest where `initial` is `None`.
@@ -170,8 +175,11 @@ impl AirEngine {
     }
 }
 
-/// The lattice of a scene's air; how often a stage runs is the plan's.
-fn setup(air: &Air, plan: &Plan) -> Setup {
+/// State of a cell of a level: density excess, velocity and stress, in the level's lattice units.
+pub(super) type State<'a> = dyn Fn(&Level, [usize; 3]) -> (f64, [f64; 3], Stress) + Sync + 'a;
+
+/// The outermost lattice of a scene's air; how often a stage runs is the plan's.
+pub(super) fn setup(air: &Air, plan: &Plan) -> Setup {
     let (ends, inlet_profile, sides, sponge_cells) = match &air.flow {
         Flow::WindTunnel {
             sponge_length_m,
@@ -182,16 +190,16 @@ fn setup(air: &Air, plan: &Plan) -> Setup {
             StreamwiseEnds::InletOutlet,
             inlet_profile.clone(),
             *sides,
-            sponge_length_m.map(|length| length / air.units.cell_size_m),
+            sponge_length_m.map(|length| length / air.outer_cell_size_m()),
         ),
         Flow::TaylorGreen { .. } => (StreamwiseEnds::Periodic, None, Sides::Periodic, None),
     };
     Setup {
-        cells: air.cells,
+        cells: air.outer_cells(),
         ends,
         inlet_profile,
         sides,
-        relaxation_time: air.units.relaxation_time(air.kinematic_viscosity_m2_s),
+        relaxation_time: air.relaxation_time(0),
         sponge_cells,
         operator: air.operator,
         eddy_viscosity: air.eddy_viscosity.map(|eddy_viscosity| EddyViscosity {
@@ -200,6 +208,27 @@ fn setup(air: &Air, plan: &Plan) -> Setup {
                 .unwrap_or(eddy_viscosity.update_every),
             ..eddy_viscosity
         }),
+    }
+}
+
+/// A box of finer cells in it. What lies beyond its faces reaches no cell that counts ([`crate::lattice::nest`]).
+pub(super) fn inner_setup(outermost: &Setup, air: &Air, level: &Level) -> Setup {
+    let [x, sides @ ..] = level.spans;
+    Setup {
+        cells: level.cells,
+        ends: if x {
+            StreamwiseEnds::Periodic
+        } else {
+            StreamwiseEnds::Walls([Wall::FreeSlip; 2])
+        },
+        inlet_profile: None,
+        sides: Sides::Each(sides.map(|spans| match spans {
+            true => Faces::Periodic,
+            false => Faces::Walls([Wall::FreeSlip; 2]),
+        })),
+        relaxation_time: air.relaxation_time(level.depth),
+        sponge_cells: None,
+        ..outermost.clone()
     }
 }
 
@@ -276,24 +305,19 @@ impl Balance {
     }
 }
 
-/// Density excess and velocity of every cell at the start [lattice units].
-fn initial_state(air: &Air) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
-    let flow = air.flow.clone();
-    let units = air.units;
-    let side_cells = air.cells[0] as f64;
-    move |cell| match &flow {
-        // The wind rises from rest.
-        Flow::WindTunnel { .. } => (0.0, [0.0; 3]),
-        Flow::TaylorGreen { speed_m_s, .. } => {
-            let speed = *speed_m_s / units.speed_m_s();
-            let k = std::f64::consts::TAU / side_cells;
-            let [x, y] = [k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5)];
-            // p = (ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.
-            let excess = 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
-            (
-                excess,
-                [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
-            )
-        }
+/// Density excess and velocity of every cell of a level in Taylor–Green vortices [lattice units].
+fn vortices(air: &Air, level: Level, speed_m_s: f64) -> impl Fn([usize; 3]) -> (f64, [f64; 3]) {
+    let speed = speed_m_s / air.units.speed_m_s();
+    let k = std::f64::consts::TAU / air.cells[0] as f64;
+    let size = air.finest_cells_across(&level);
+    move |cell| {
+        let place = |a: usize| level.corner[a] as f64 + size * (cell[a] as f64 + 0.5);
+        let [x, y] = [k * place(0), k * place(1)];
+        // p = (ρ u²/4)(cos 2kx + cos 2ky); δρ = 3 p.
+        let excess = 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos());
+        (
+            excess,
+            [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0],
+        )
     }
 }

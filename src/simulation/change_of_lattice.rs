@@ -15,35 +15,64 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
+use glam::DVec3;
 
 use super::coupled::at_marker;
-use super::{AirEngine, ClothEngine, Coupled, Failure, Origin, Simulation};
+use super::{AirEngine, ClothEngine, Coupled, Failure, Levels, Origin, Simulation};
 use crate::case::Scene;
+use crate::case::scene::Air;
 use crate::cpu::cloth::Cloth;
 use crate::immersed::kernel;
+use crate::lattice::nest::Level;
 use crate::lattice::start::Stress;
 use crate::plan::{Plan, place_markers};
 use crate::units::Units;
 
 /// Density excess and bare velocity of every cell of a lattice, x fastest [lattice units].
 struct Field {
+    /// Corner of the lattice [m].
+    corner_m: DVec3,
     cells: [usize; 3],
+    /// Its own scales.
     units: Units,
     states: Vec<(f32, [f32; 3])>,
     stresses: Vec<Stress>,
 }
 
-impl Field {
-    fn read(air: &AirEngine, units: Units) -> Result<Self, Failure> {
-        Ok(Self {
-            cells: air.grid().cells,
-            units,
-            states: air.macroscopic()?,
-            stresses: air.stresses()?,
-        })
-    }
+/// Corner [m] and scales of a level of the air.
+fn scales(air: &Air, level: &Level) -> (DVec3, Units) {
+    let across = air.finest_cells_across(level);
+    let corner_m = DVec3::from_array(level.corner.map(|n| n as f64)) * air.units.cell_size_m;
+    let units = Units {
+        cell_size_m: across * air.units.cell_size_m,
+        time_step_s: across * air.units.time_step_s,
+        ..air.units
+    };
+    (corner_m, units)
+}
 
+/// Of every lattice, each before those in it.
+fn read(engines: &Levels, air: &Air) -> Result<Vec<Field>, Failure> {
+    let levels = air.levels();
+    let read = |(engine, level): (&AirEngine, &Level)| {
+        let (corner_m, units) = scales(air, level);
+        Ok(Field {
+            corner_m,
+            cells: level.cells,
+            units,
+            states: engine.macroscopic()?,
+            stresses: engine.stresses()?,
+        })
+    };
+    engines
+        .engines()
+        .into_iter()
+        .zip(&levels)
+        .map(read)
+        .collect()
+}
+
+impl Field {
     fn index(&self, cell: [usize; 3]) -> usize {
         cell[0] + self.cells[0] * (cell[1] + self.cells[1] * cell[2])
     }
@@ -59,12 +88,22 @@ impl Field {
         }
     }
 
-    /// Density excess, velocity and stress of a cell of another lattice, in its units.
-    fn at(&self, cell: [usize; 3], units: &Units) -> (f64, [f64; 3], Stress) {
-        let ratio = units.cell_size_m / self.units.cell_size_m;
+    /// A place in cells, cell centres at whole numbers.
+    fn place(&self, place_m: DVec3) -> DVec3 {
+        (place_m - self.corner_m) / self.units.cell_size_m - 0.5
+    }
+
+    /// True if a place lies between cell centres of the lattice.
+    fn holds(&self, place_m: DVec3) -> bool {
+        let place = self.place(place_m);
+        (0..3).all(|a| (0.0..=(self.cells[a] - 1) as f64).contains(&place[a]))
+    }
+
+    /// Density excess, velocity and stress at a place, in the units of another lattice.
+    fn at(&self, place_m: DVec3, units: &Units) -> (f64, [f64; 3], Stress) {
+        let place = self.place(place_m);
         let below: [(usize, usize, f64); 3] = std::array::from_fn(|a| {
-            let place = (cell[a] as f64 + 0.5) * ratio - 0.5;
-            let place = place.clamp(0.0, (self.cells[a] - 1) as f64);
+            let place = place[a].clamp(0.0, (self.cells[a] - 1) as f64);
             let first = place.floor() as usize;
             let second = (first + 1).min(self.cells[a] - 1);
             (first, second, place - first as f64)
@@ -186,29 +225,37 @@ impl Simulation {
         let (Some(new), Some(time)) = (&scene.air, scene.time) else {
             return Err(Failure::Start("the other lattice has no air".to_owned()));
         };
-        let mut field = Field::read(&air, old.units)?;
+        let mut fields = read(&air, old)?;
         let carried = match self.impulses.take() {
-            Some(impulses) => Some(impulses.into_carried(&air)?),
+            Some(impulses) => Some(impulses.into_carried(air.finest())?),
             None => None,
         };
         let mut owed = Vec::new();
         if let Some(coupled) = self.coupled.take() {
-            field.add_half(&coupled.pending_forces().collect::<Vec<_>>());
+            fields[old.depth()].add_half(&coupled.pending_forces().collect::<Vec<_>>());
             owed = on_lattice(&coupled, &scene, &new.units, self.cloth.as_ref());
         }
-        let shifts = half_steps(&owed, new.cells);
+        let finest = new.finest();
+        let shifts = half_steps(&owed, finest.cells);
         plan.start_steps = self.plan.start_steps;
         // Before the new lattice is made: both need not fit.
         drop(air);
         self.cloth_engine = ClothEngine::Host;
-        let initial = |cell: [usize; 3]| {
-            let (excess, velocity, stress) = field.at(cell, &new.units);
-            let index = cell[0] + new.cells[0] * (cell[1] + new.cells[1] * cell[2]);
+        let initial = |level: &Level, cell: [usize; 3]| {
+            let (corner_m, units) = scales(new, level);
+            let place_m =
+                corner_m + (DVec3::from_array(cell.map(|n| n as f64)) + 0.5) * units.cell_size_m;
+            let holder = fields.iter().rposition(|field| field.holds(place_m));
+            let (excess, velocity, stress) = fields[holder.unwrap_or(0)].at(place_m, &units);
+            if *level != finest {
+                return (excess, velocity, stress);
+            }
+            let index = cell[0] + finest.cells[0] * (cell[1] + finest.cells[1] * cell[2]);
             let shift = shifts.get(&index).copied().unwrap_or_default();
             let bare = std::array::from_fn(|a| velocity[a] - shift[a] / (1.0 + excess));
             (excess, bare, stress)
         };
-        let air = AirEngine::continued(new, &plan, self.device.as_ref(), initial)?;
+        let air = Levels::of_air(new, &plan, self.device.as_ref(), Some(&initial))?;
         let device = self.device.clone();
         let next = Self::assemble(scene, plan, device, Some(air), self.cloth.take())?;
         *self = Self {
@@ -229,7 +276,7 @@ impl Simulation {
         };
         self.count_steps();
         if let (Some(coupled), Some(air)) = (&mut self.coupled, &self.air) {
-            let left = coupled.go_on(air, self.cloth.as_ref(), time_s, &owed)?;
+            let left = coupled.go_on(air.finest(), self.cloth.as_ref(), time_s, &owed)?;
             self.still_inside(left)?;
         }
         self.start_impulses()?;
@@ -259,12 +306,11 @@ impl Simulation {
         let Some(air) = &self.air else {
             return Ok(0.0);
         };
-        let square = air
-            .macroscopic()?
-            .par_iter()
-            .map(|(_, u)| u.iter().map(|v| v * v).sum::<f32>())
-            .reduce(|| 0.0, f32::max);
+        let levels = (self.scene.air.as_ref()).map_or_else(Vec::new, Air::levels);
+        let found = air.extremes(&levels)?.and_then(|found| found.fastest);
         let markers = self.coupled.as_ref().map_or(0.0, Coupled::fastest_marker);
-        Ok(f64::from(square).sqrt().max(markers))
+        Ok(found
+            .map_or(f64::INFINITY, |state| state.speed)
+            .max(markers))
     }
 }

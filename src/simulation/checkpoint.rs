@@ -56,7 +56,7 @@ impl Simulation {
             self.save_drags(out)?;
         }
         if let (Some(impulses), Some(air)) = (&mut self.impulses, &self.air) {
-            impulses.save(out, air)?;
+            impulses.save(out, air.finest())?;
         }
         Ok(())
     }
@@ -114,11 +114,11 @@ impl Simulation {
         }
         if let Some(air) = &self.air {
             if let Some(coupled) = &mut self.coupled {
-                coupled.restore(from, air)?;
+                coupled.restore(from, air.finest())?;
                 self.largest_marker_motion = from.take_exactly("largest_marker_motion", 1)?[0];
             }
             if let Some(impulses) = &mut self.impulses {
-                impulses.restore(from, air)?;
+                impulses.restore(from, air.finest())?;
             }
         }
         Ok(())

@@ -28,7 +28,7 @@ pub struct Cost {
     pub solves: u64,
     /// The static equilibrium at the end, apart from the steps.
     pub equilibrium: Duration,
-    /// Cells collided in the steps whose stages were timed.
+    /// Cell updates in the steps whose stages were timed, as many in each as on the mean.
     pub timed_cells: u64,
     /// Steps whose stages were timed: all, or some where a device works while the host goes on.
     pub timed_steps: u64,

@@ -31,6 +31,7 @@ use crate::gpu::DeviceError;
 use crate::immersed::markers::Marker;
 use crate::immersed::permeable::Permeable;
 use crate::immersed::touched::OutOfDomain;
+use crate::lattice::nest::EXCHANGED_CELLS;
 use crate::plan::place_markers;
 use crate::units::Units;
 
@@ -78,6 +79,7 @@ impl Coupled {
             .map(|area_m2| area_m2 / cell_area)
             .collect();
         let count = areas.len();
+        let kept = if air.depth() > 0 { EXCHANGED_CELLS } else { 0 };
         let permeable = PermeableMarkers::new(
             scene,
             &air.units,
@@ -94,9 +96,9 @@ impl Coupled {
             bodies,
             passes: coupling.passes,
             averaging_steps: coupling.averaging_steps,
-            immersed: MarkerEngine::through_faces(
+            immersed: MarkerEngine::at_faces(
                 engine,
-                folds(scene),
+                (folds(scene), kept),
                 areas,
                 coupling.over_relaxation,
             )?,

@@ -52,13 +52,13 @@ impl Simulation {
         Some(frame)
     }
 
-    /// Pressure above the outlet's [Pa] and velocity [m/s] of single cells; empty without air.
+    /// Pressure above the outlet's [Pa] and velocity [m/s] of single cells, of the size around the structure; empty without air.
     pub fn air_in_cells(&self, cells: &[[usize; 3]]) -> Result<Vec<(f64, DVec3)>, DeviceError> {
         let (Some(air), Some(settings)) = (&self.air, &self.scene.air) else {
             return Ok(Vec::new());
         };
         let units = settings.units;
-        let states = air.states_of(cells)?;
+        let states = air.states_of(&settings.levels(), cells)?;
         Ok(states
             .into_iter()
             .map(|(excess, u)| (excess * units.pressure_pa(), units.velocity_m_s(u)))
@@ -70,15 +70,25 @@ impl Simulation {
             return Ok(None);
         };
         let units = settings.units;
-        let states = air.macroscopic()?;
         let (speed, pressure) = (units.speed_m_s() as f32, units.pressure_pa() as f32);
-        Ok(Some(FluidFrame {
-            origin_m: DVec3::splat(0.5 * units.cell_size_m),
-            cell_size_m: units.cell_size_m,
-            cells: settings.cells,
-            velocity_m_s: states.iter().map(|(_, u)| u.map(|c| c * speed)).collect(),
-            pressure_pa: states.iter().map(|(excess, _)| excess * pressure).collect(),
-        }))
+        let mut frames = Vec::new();
+        for (engine, level) in air.engines().into_iter().zip(settings.levels()) {
+            let states = engine.macroscopic()?;
+            let across = settings.finest_cells_across(&level);
+            let corner = DVec3::from_array(level.corner.map(|n| n as f64));
+            frames.push(FluidFrame {
+                origin_m: (corner + DVec3::splat(0.5 * across)) * units.cell_size_m,
+                cell_size_m: across * units.cell_size_m,
+                cells: level.cells,
+                velocity_m_s: states.iter().map(|(_, u)| u.map(|c| c * speed)).collect(),
+                pressure_pa: states.iter().map(|(excess, _)| excess * pressure).collect(),
+                finer: Vec::new(),
+            });
+        }
+        let finer = frames.split_off(1);
+        Ok(frames
+            .pop()
+            .map(|outermost| FluidFrame { finer, ..outermost }))
     }
 }
 

@@ -17,6 +17,7 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, NodalDrag, StepInput};
 use crate::gpu::DeviceError;
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
+use crate::lattice::nest::EXCHANGED_CELLS;
 use crate::units::Units;
 
 /// Margin of the momentum box around the fabric's reach, in nominal diameters (or sizes).
@@ -27,6 +28,9 @@ const PLATE_REACH: f64 = 1.15;
 
 /// Least margin of the momentum box around rigid bodies [cells]: the kernel reaches two.
 const BODY_MARGIN_CELLS: f64 = 4.0;
+
+/// Cells between the momentum box and the faces of a box of finer cells, at least: shell and band, and one more.
+const LEAST_GAP_IN_BOX: i64 = EXCHANGED_CELLS as i64 + 1;
 
 /// Instants at which the way of a rigid body is looked at.
 const LOOKS: u32 = 200;
@@ -151,13 +155,16 @@ impl Impulses {
             (DVec3::INFINITY, DVec3::NEG_INFINITY),
             |(low, high), reach| (low.min(reach.0), high.max(reach.1)),
         );
-        let cell = air.units.cell_size_m;
+        let [low, high] =
+            [low, high].map(|corner| (corner - air.units.origin_m) / air.units.cell_size_m);
+        let cells = engine.grid().cells.map(|n| n as i64);
+        // In a box of finer cells, beside what is exchanged with those around it.
+        let least = if air.depth() > 0 { LEAST_GAP_IN_BOX } else { 3 };
         let first = std::array::from_fn(|a| {
-            ((low[a] / cell).floor() as i64).clamp(3, air.cells[a] as i64 / 2 - 1) as usize
+            (low[a].floor() as i64).clamp(least, cells[a] / 2 - 1) as usize
         });
         let end = std::array::from_fn(|a| {
-            ((high[a] / cell).ceil() as i64)
-                .clamp(air.cells[a] as i64 / 2 + 1, air.cells[a] as i64 - 3) as usize
+            (high[a].ceil() as i64).clamp(cells[a] / 2 + 1, cells[a] - least) as usize
         });
         let structure = cloth.map(|cloth| &cloth.structure);
         let support_cables = structure.map_or_else(Vec::new, |structure| {

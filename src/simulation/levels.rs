@@ -4,12 +4,16 @@
 //! what they know of each other ([`crate::lattice::nest`]); and so on outwards. After the exchange both stand at one time, and every cell is whole;
 //! in between, shells are spoilt.
 
-use super::air::{AirEngine, apart};
+use std::sync::Arc;
+
+use super::air::{AirEngine, State, apart, inner_setup, setup};
 use super::markers::MarkerEngine;
+use crate::case::scene::Air;
 use crate::cpu::fluid::transfer;
-use crate::gpu::DeviceError;
 use crate::gpu::fluid::transfer as on_device;
-use crate::lattice::nest::Nest;
+use crate::gpu::{Device, DeviceError};
+use crate::lattice::nest::{Level, Nest, Refinement};
+use crate::plan::Plan;
 
 /// A lattice and the boxes in it.
 #[derive(Debug)]
@@ -19,6 +23,8 @@ pub struct Levels {
     boxes: Vec<(Tie, Self)>,
     /// Uniform acceleration of the steps of the first box since this lattice's last.
     gained: Option<[f64; 3]>,
+    /// Boxes have made steps that this lattice has not.
+    in_between: bool,
 }
 
 /// What ties a box to the lattice around it, on the engine of both.
@@ -77,6 +83,39 @@ impl Tie {
 }
 
 impl Levels {
+    /// The air of a scene at its initial state, or in a `state` of every cell.
+    pub(super) fn of_air(
+        air: &Air,
+        plan: &Plan,
+        device: Option<&Arc<Device>>,
+        state: Option<&State<'_>>,
+    ) -> Result<Self, DeviceError> {
+        let mut levels = air.levels().into_iter();
+        let outermost = setup(air, plan);
+        let mut build = |level: &Level| {
+            let own = match level.depth {
+                0 => outermost.clone(),
+                _ => inner_setup(&outermost, air, level),
+            };
+            AirEngine::of_level(air, (level, own), plan, device, state)
+        };
+        Self::from_tree(&mut levels, &air.boxes, &mut build)
+    }
+
+    /// A lattice with `boxes`, each with its own level of the list.
+    fn from_tree(
+        levels: &mut impl Iterator<Item = Level>,
+        boxes: &[Refinement],
+        build: &mut impl FnMut(&Level) -> Result<AirEngine, DeviceError>,
+    ) -> Result<Self, DeviceError> {
+        let missing = || DeviceError::Command("a box of finer cells has no lattice".to_owned());
+        let mut found = Self::new(build(&levels.next().ok_or_else(missing)?)?);
+        for Refinement { nest, inner } in boxes {
+            found = found.with(*nest, Self::from_tree(levels, inner, build)?)?;
+        }
+        Ok(found)
+    }
+
     /// A lattice without boxes.
     #[must_use]
     pub const fn new(engine: AirEngine) -> Self {
@@ -84,6 +123,7 @@ impl Levels {
             engine,
             boxes: Vec::new(),
             gained: None,
+            in_between: false,
         }
     }
 
@@ -115,6 +155,20 @@ impl Levels {
         &self.engine
     }
 
+    /// Does something with every lattice, in the order of [`Levels::engines`].
+    pub(super) fn each_engine<E>(
+        &mut self,
+        number: &mut usize,
+        act: &mut impl FnMut(usize, &mut AirEngine) -> Result<(), E>,
+    ) -> Result<(), E> {
+        act(*number, &mut self.engine)?;
+        *number += 1;
+        for (_, inner) in &mut self.boxes {
+            inner.each_engine(number, act)?;
+        }
+        Ok(())
+    }
+
     /// Boxes, and what is in them.
     pub fn boxes(&self) -> impl Iterator<Item = (&Nest, &Self)> {
         self.boxes.iter().map(|(tie, inner)| (tie.nest(), inner))
@@ -128,6 +182,19 @@ impl Levels {
             .map_or(&self.engine, |(_, inner)| inner.finest())
     }
 
+    /// The same, to be stepped or read anew.
+    pub fn finest_mut(&mut self) -> &mut AirEngine {
+        match self.boxes.first_mut() {
+            Some((_, inner)) => inner.finest_mut(),
+            None => &mut self.engine,
+        }
+    }
+
+    /// The lattice itself, whose faces are those of the air.
+    pub const fn engine_mut(&mut self) -> &mut AirEngine {
+        &mut self.engine
+    }
+
     /// Cell updates of a step of this lattice and all in its boxes.
     #[must_use]
     pub fn updates(&self) -> usize {
@@ -139,19 +206,25 @@ impl Levels {
         self.engine.grid().cell_count() + inner
     }
 
-    /// One step of the finest lattice, under a uniform acceleration [cells per step²] and the forces of the markers, and of those around it what is
-    /// due. True if this one has made a step, too: then all of its boxes stand at its time.
+    /// Stage `collide_stream`: one step of the finest lattice of the first boxes, under a uniform acceleration [cells per step²] and the forces of
+    /// the markers. [`Levels::coarser_levels`] is to follow.
     pub fn collide_stream(
         &mut self,
         acceleration: Option<[f64; 3]>,
         markers: Option<&MarkerEngine>,
-    ) -> Result<bool, DeviceError> {
+    ) -> Result<(), DeviceError> {
+        self.finest_mut().collide_stream(acceleration, markers)
+    }
+
+    /// Stage `coarser_levels`: of the lattices around the finest one those steps that are due after its last, under the same acceleration. True if
+    /// this one stands at the time of all of its boxes now.
+    pub fn coarser_levels(&mut self, acceleration: Option<[f64; 3]>) -> Result<bool, DeviceError> {
         let mut boxes = self.boxes.iter_mut();
         let Some((_, first)) = boxes.next() else {
-            self.engine.collide_stream(acceleration, markers)?;
             return Ok(true);
         };
-        let stepped = first.collide_stream(acceleration, markers)?;
+        self.in_between = true;
+        let stepped = first.coarser_levels(acceleration)?;
         if let Some(acceleration) = acceleration {
             let gained = self.gained.get_or_insert_default();
             for (sum, a) in gained.iter_mut().zip(acceleration) {
@@ -171,15 +244,26 @@ impl Levels {
         for (tie, inner) in &mut self.boxes {
             tie.exchange(&mut self.engine, &mut inner.engine)?;
         }
+        self.in_between = false;
         Ok(true)
+    }
+
+    /// True if all lattices stand at one time.
+    #[must_use]
+    pub const fn stand_together(&self) -> bool {
+        !self.in_between
     }
 
     /// A step of this lattice, and all steps in its boxes, under an acceleration per own step.
     pub fn whole_step(&mut self, acceleration: Option<[f64; 3]>) -> Result<(), DeviceError> {
         let times = 2f64.powi(self.depth());
         let finest = acceleration.map(|a| a.map(|a| a / times));
-        while !self.collide_stream(finest, None)? {}
-        Ok(())
+        loop {
+            self.collide_stream(finest, None)?;
+            if self.coarser_levels(finest)? {
+                return Ok(());
+            }
+        }
     }
 
     /// Levels of the first boxes below this one.

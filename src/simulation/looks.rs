@@ -2,6 +2,8 @@
 
 use super::watch::{Alarm, Found, REFERENCE_SPEEDS, Sign, Watch, steps_between};
 use super::{Coupled, Failure, Simulation};
+use glam::DVec3;
+
 use crate::case::scene::{Air, Flow};
 use crate::gpu::DeviceError;
 use crate::lattice::grid::{CellState, Extremes};
@@ -109,7 +111,8 @@ impl Simulation {
             settled: false,
         };
         let mut alarm = None;
-        let around = coupled.and_then(|coupled| Around::of(coupled.positions(), air.cells));
+        let finest = air.finest();
+        let around = coupled.and_then(|coupled| Around::of(coupled.positions(), finest.cells));
         if let (Some(around), Some(coupled)) = (&around, coupled) {
             let settling = (SETTLING * around.size / air.lattice_speed).ceil() as u64;
             let settled = self.released() && self.step >= self.origin.step + settling;
@@ -118,7 +121,8 @@ impl Simulation {
             } else {
                 None
             };
-            if let Some(extremes) = engine.extremes(around.first, around.end)? {
+            let near = engine.finest().extremes(around.first, around.end)?;
+            if let Some(extremes) = near.map(|near| near.moved_by(finest.corner)) {
                 let found = Found {
                     slip_ratio,
                     settled,
@@ -134,7 +138,7 @@ impl Simulation {
         }
         if whole
             && alarm.is_none()
-            && let Some(extremes) = engine.extremes([0; 3], air.cells)?
+            && let Some(extremes) = engine.extremes(&air.levels())?
         {
             alarm = watch.add_whole(&found(extremes));
         }
@@ -151,7 +155,7 @@ impl Simulation {
     /// What is said of a flow that breaks down: where, how it shows, the likely cause, and what to do.
     fn tell(&self, alarm: &Alarm, watch: &Watch, air: &Air) -> String {
         let Alarm { sign, state, .. } = *alarm;
-        let place = air.units.position_m(state.cell.map(|c| c as f64));
+        let place = (DVec3::from_array(state.cell.map(|c| c as f64)) + 0.5) * air.units.cell_size_m;
         let ago = self.step - alarm.step;
         let mut text = format!(
             "the air at cell {:?}, ({:.3}, {:.3}, {:.3}) m, moved at {:.3e} m/s ({:.2} times the reference speed) with a density of {:.3} \
@@ -204,8 +208,13 @@ impl Simulation {
         let cell = state.cell.map(|c| c as f64);
         let square =
             |position: &[f64; 3]| -> f64 { (0..3).map(|a| (position[a] - cell[a]).powi(2)).sum() };
+        let corner = air.finest().corner;
         let positions = self.coupled.iter().flat_map(Coupled::positions);
-        let nearest = positions.map(square).fold(f64::INFINITY, f64::min).sqrt();
+        let positions = positions.map(|place| std::array::from_fn(|a| place[a] + corner[a] as f64));
+        let nearest = positions
+            .map(|place| square(&place))
+            .fold(f64::INFINITY, f64::min)
+            .sqrt();
         let sponge_cells = match air.flow {
             Flow::WindTunnel {
                 sponge_length_m, ..

@@ -20,12 +20,13 @@ pub enum MarkerEngine {
 
 /// The cells of the air for markers; kernels go on through sides that repeat, but not through the ends, and are folded at faces that a body
 /// passes through.
-pub fn domain(setup: &Setup, folds: Option<Folds>) -> Domain {
+pub fn domain(setup: &Setup, folds: Option<Folds>, kept: usize) -> Domain {
     let [_, y, z] = setup.repeats();
     Domain {
         cells: setup.cells,
         repeats: [false, y, z],
         folds,
+        kept,
     }
 }
 
@@ -45,13 +46,13 @@ impl MarkerEngine {
         areas: Vec<f64>,
         over_relaxation: f64,
     ) -> Result<Self, DeviceError> {
-        Self::through_faces(engine, None, areas, over_relaxation)
+        Self::at_faces(engine, (None, 0), areas, over_relaxation)
     }
 
-    /// The same with kernels folded at the given faces.
-    pub fn through_faces(
+    /// The same with kernels folded at the given faces, or which keep off so many cells at all faces.
+    pub fn at_faces(
         engine: &AirEngine,
-        folds: Option<Folds>,
+        (folds, kept): (Option<Folds>, usize),
         areas: Vec<f64>,
         over_relaxation: f64,
     ) -> Result<Self, DeviceError> {
@@ -59,16 +60,16 @@ impl MarkerEngine {
             AirEngine::CpuF32(fluid) => Self::Cpu(Box::new(Immersed::new(
                 areas,
                 over_relaxation,
-                domain(fluid.setup(), folds),
+                domain(fluid.setup(), folds, kept),
             ))),
             AirEngine::CpuF64(fluid) => Self::Cpu(Box::new(Immersed::new(
                 areas,
                 over_relaxation,
-                domain(fluid.setup(), folds),
+                domain(fluid.setup(), folds, kept),
             ))),
             AirEngine::Gpu(fluid) => Self::Gpu(Box::new(gpu::immersed::Immersed::new(
                 fluid,
-                domain(fluid.setup(), folds),
+                domain(fluid.setup(), folds, kept),
                 areas,
                 over_relaxation,
             )?)),

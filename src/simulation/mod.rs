@@ -29,6 +29,7 @@ mod statics;
 mod structure_state;
 mod supports;
 mod watch;
+mod whole_air;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -55,7 +56,7 @@ pub use structure_state::{StaticLoads, StructureState};
 use watch::Watch;
 
 use crate::case::Scene;
-use crate::case::scene::{BodyKind, Flow};
+use crate::case::scene::{Air, BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{Device, DeviceError};
 use crate::immersed::touched::OutOfDomain;
@@ -78,7 +79,7 @@ pub struct Origin {
 pub struct Simulation {
     scene: Scene,
     plan: Plan,
-    air: Option<AirEngine>,
+    air: Option<Levels>,
     cloth: Option<Cloth>,
     cloth_engine: ClothEngine,
     device: Option<Arc<Device>>,
@@ -127,7 +128,7 @@ impl Simulation {
         let air = scene
             .air
             .as_ref()
-            .map(|air| AirEngine::new(air, &plan, device.as_ref()))
+            .map(|air| Levels::of_air(air, &plan, device.as_ref(), None))
             .transpose()?;
         let cloth = scene
             .body
@@ -166,12 +167,12 @@ impl Simulation {
         scene: Scene,
         plan: Plan,
         device: Option<Arc<Device>>,
-        air: Option<AirEngine>,
+        air: Option<Levels>,
         cloth: Option<Cloth>,
     ) -> Result<Self, Failure> {
         let coupled = match (&scene.air, &air, &scene.coupling) {
             (Some(air), Some(engine), Some(coupling)) => {
-                Some(Coupled::new(&scene, air, engine, coupling)?)
+                Some(Coupled::new(&scene, air, engine.finest(), coupling)?)
             }
             _ => None,
         };
@@ -188,7 +189,8 @@ impl Simulation {
         )?;
         let impulses = match (&scene.air, &air, &coupled) {
             (Some(settings), Some(engine), Some(_)) => {
-                Some(Impulses::new(settings, &scene, engine, cloth.as_ref())?)
+                let finest = engine.finest();
+                Some(Impulses::new(settings, &scene, finest, cloth.as_ref())?)
             }
             _ => None,
         };
@@ -237,7 +239,7 @@ impl Simulation {
     /// Impulses and balances count from release.
     fn start_impulses(&mut self) -> Result<(), DeviceError> {
         if let (Some(air), Some(impulses)) = (&self.air, &mut self.impulses) {
-            impulses.start(air, self.cloth.as_ref())?;
+            impulses.start(air.finest(), self.cloth.as_ref())?;
         }
         Ok(())
     }
@@ -247,7 +249,7 @@ impl Simulation {
         let (released, time_s) = (self.released(), self.time_s());
         match (&mut self.impulses, &self.air) {
             (Some(impulses), Some(air)) if released => Ok(Some(impulses.sample(
-                air,
+                air.finest(),
                 self.cloth.as_ref(),
                 &self.scene.rigid_bodies,
                 time_s,
@@ -273,6 +275,7 @@ impl Simulation {
             match planned.stage {
                 Stage::EddyViscosity => self.eddy_viscosity()?,
                 Stage::CollideStream => self.collide_stream()?,
+                Stage::CoarserLevels => self.coarser_levels()?,
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
@@ -304,7 +307,9 @@ impl Simulation {
             cost.time += elapsed;
             cost.calls += u64::from(due);
             match planned.stage {
-                Stage::EddyViscosity | Stage::CollideStream => self.cost.fluid += elapsed,
+                Stage::EddyViscosity | Stage::CollideStream | Stage::CoarserLevels => {
+                    self.cost.fluid += elapsed;
+                }
                 Stage::SendMarkers
                 | Stage::Interpolate
                 | Stage::FetchAirVelocities
@@ -320,7 +325,7 @@ impl Simulation {
         }
         if timed {
             self.cost.timed_steps += 1;
-            self.cost.timed_cells += self.plan.sizes.cells;
+            self.cost.timed_cells += self.plan.sizes.updates;
         }
         if let Some(descent) = self
             .descent
@@ -353,7 +358,8 @@ impl Simulation {
 
     /// The air counts its steps itself, and knows when the stage is due.
     fn eddy_viscosity(&mut self) -> Result<(), DeviceError> {
-        self.air.as_mut().map_or(Ok(()), AirEngine::eddy_viscosity)
+        let air = self.air.as_mut();
+        air.map_or(Ok(()), |air| air.finest_mut().eddy_viscosity())
     }
 
     fn collide_stream(&mut self) -> Result<(), DeviceError> {
@@ -364,27 +370,21 @@ impl Simulation {
             descent.begin_step(self.cloth.as_ref(), self.coupled.as_ref(), density);
         }
         self.gather_drags();
-        // The ghosts of the inlet stand for cells after this collision, which ends with the wind of the next step.
-        let wind = DVec3::X * self.wind_speed_at(self.step + 1);
+        // The ghosts of the inlet stand for cells after the collision of the outermost lattice, which ends with the wind of its next step.
+        let outer = self.scene.air.as_ref().map_or(1, Air::steps_per_outer);
+        let next = (self.step / outer + 1) * outer;
+        let wind = DVec3::X * self.wind_speed_at(next);
+        let acceleration = self.acceleration();
         let start_steps = self.plan.start_steps;
         let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else {
             return Ok(());
         };
-        let mut acceleration = None;
-        if let Flow::WindTunnel { speed_m_s, .. } = settings.flow {
-            air.set_inlet_velocity(settings.units.velocity_to_lattice(wind));
-            if self.step < start_steps && speed_m_s > 0.0 {
-                // All air is accelerated alike (or as an inlet profile has it), so that the wind rises everywhere at once.
-                let rate = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0]
-                    / start_steps as f64;
-                acceleration = Some([rate, 0.0, 0.0]);
-            }
-            if let Some(descent) = self.descent.as_ref().filter(|_| self.step >= start_steps) {
-                let gain = descent.apparent_m_s2() * settings.units.time_step_s;
-                acceleration = Some(settings.units.velocity_to_lattice(gain));
-            }
+        if let Flow::WindTunnel { .. } = settings.flow {
+            let velocity = settings.units.velocity_to_lattice(wind);
+            air.engine_mut().set_inlet_velocity(velocity);
         }
-        air.collide_stream(acceleration, self.coupled.as_ref().map(Coupled::immersed))?;
+        let markers = self.coupled.as_ref().map(Coupled::immersed);
+        air.collide_stream(acceleration, markers)?;
         let time_s = self.time_s();
         if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
             && self.step >= start_steps
@@ -394,12 +394,39 @@ impl Simulation {
         Ok(())
     }
 
+    /// All air is accelerated alike (or as an inlet profile has it), so that the wind rises everywhere at once; and as a box that falls is
+    /// [cells per step²].
+    fn acceleration(&self) -> Option<[f64; 3]> {
+        let settings = self.scene.air.as_ref()?;
+        let Flow::WindTunnel { speed_m_s, .. } = settings.flow else {
+            return None;
+        };
+        let start_steps = self.plan.start_steps;
+        if let Some(descent) = self.descent.as_ref().filter(|_| self.step >= start_steps) {
+            let gain = descent.apparent_m_s2() * settings.units.time_step_s;
+            return Some(settings.units.velocity_to_lattice(gain));
+        }
+        let rises = self.step < start_steps && speed_m_s > 0.0;
+        rises.then(|| {
+            let wind = settings.units.velocity_to_lattice(DVec3::X * speed_m_s)[0];
+            [wind / start_steps as f64, 0.0, 0.0]
+        })
+    }
+
+    fn coarser_levels(&mut self) -> Result<(), DeviceError> {
+        let acceleration = self.acceleration();
+        if let Some(air) = &mut self.air {
+            air.coarser_levels(acceleration)?;
+        }
+        Ok(())
+    }
+
     fn send_markers(&mut self) -> Result<(), Failure> {
         let time_s = self.time_at(self.step + 1);
         let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
             return Ok(());
         };
-        let sent = coupled.send_markers(air, self.cloth.as_ref(), time_s)?;
+        let sent = coupled.send_markers(air.finest(), self.cloth.as_ref(), time_s)?;
         self.still_inside(sent)
     }
 
@@ -408,7 +435,7 @@ impl Simulation {
         let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
             return Ok(());
         };
-        let done = coupled.interpolate(air, self.cloth.as_ref(), time_s)?;
+        let done = coupled.interpolate(air.finest(), self.cloth.as_ref(), time_s)?;
         self.still_inside(done)
     }
 
@@ -430,8 +457,17 @@ impl Simulation {
             return Ok(());
         };
         let place = coupled.units().position_m(left.position);
+        let refined = self.scene.air.as_ref().is_some_and(|air| air.depth() > 0);
+        let (left, remedy) = if refined {
+            (
+                "the innermost box of cells",
+                "raise air.refinement.margin, or enlarge that box",
+            )
+        } else {
+            ("the air", "enlarge the tunnel")
+        };
         let what = format!(
-            "a marker left the air at ({:.3}, {:.3}, {:.3}) m; enlarge the tunnel, guide the apex, or check the loads",
+            "a marker left {left} at ({:.3}, {:.3}, {:.3}) m; {remedy}, guide the apex, or check the loads",
             place.x, place.y, place.z
         );
         Err(self.diverged(what).into())
@@ -483,7 +519,7 @@ impl Simulation {
         else {
             return Ok(());
         };
-        impulses.add_step(air, self.cloth.as_ref(), &acting, coupled)
+        impulses.add_step(air.finest(), self.cloth.as_ref(), &acting, coupled)
     }
 
     fn diverged(&self, what: String) -> Diverged {

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    AirEngine, Cadence, Cost, Coupled, Impulses, Interval, Opening, Origin, Simulation,
-    SolverAccount,
+    Cadence, Cost, Coupled, Impulses, Interval, Levels, Opening, Origin, Simulation, SolverAccount,
 };
 use crate::case::Scene;
 use crate::case::scene::Flow;
@@ -73,8 +72,14 @@ impl Simulation {
 
     /// The air.
     #[must_use]
-    pub const fn air(&self) -> Option<&AirEngine> {
+    pub const fn air(&self) -> Option<&Levels> {
         self.air.as_ref()
+    }
+
+    /// True if all lattices of the air stand at one time: what is read of all of it, and checkpoints, are whole.
+    #[must_use]
+    pub fn stands_together(&self) -> bool {
+        self.air.as_ref().is_none_or(Levels::stand_together)
     }
 
     /// The markers.

@@ -13,6 +13,7 @@ const QUICK: BluffBody = BluffBody {
     resolution: 12,
     lattice_speed: 0.1,
     operator: Operator::RecursiveRegularised,
+    levels: 0,
     tunnel: [7.0, 6.0, 6.0],
     upstream: 3.0,
     sponge: 1.0,

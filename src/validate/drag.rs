@@ -24,7 +24,7 @@ impl From<bluff_body::Stop> for Stop {
 pub(super) fn rows(session: &mut Session, body: &BluffBody, band: Option<f64>) -> Result<(), Stop> {
     let order = session.order;
     let cells = body.cells();
-    let updates = 1e-6 * cells.iter().product::<usize>() as f64;
+    let updates = 1e-6 * body.updates()?;
     let start = session.done;
     let mut go_on = |steps: u64| {
         session.progress_to(start + updates * steps as f64);
@@ -34,9 +34,13 @@ pub(super) fn rows(session: &mut Session, body: &BluffBody, band: Option<f64>) -
         go_on(simulation.step_count())
     })?;
     let flow = format!(
-        "Re {}, {} cells/D, blockage {:.1} %",
+        "Re {}, {} cells/D{}, blockage {:.1} %",
         body.reynolds,
         body.resolution,
+        match body.levels {
+            0 => String::new(),
+            levels => format!(" in {levels} boxes"),
+        },
         100.0 * body.blockage()
     );
     let when = match body.until {

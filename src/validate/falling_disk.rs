@@ -25,6 +25,7 @@ const DISK: BluffBody = BluffBody {
     resolution: 8,
     lattice_speed: 0.08,
     operator: Operator::RecursiveRegularised,
+    levels: 0,
     tunnel: [6.0, 5.0, 5.0],
     upstream: 2.5,
     sponge: 1.0,

@@ -37,7 +37,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 37] = [
+pub const PROBLEMS: [Problem; 38] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -132,6 +132,11 @@ pub const PROBLEMS: [Problem; 37] = [
         name: "force-routes",
         updates: [200.0, 25_000.0],
         compute: coupling::force_routes::compute,
+    },
+    Problem {
+        name: "levels-around-bodies",
+        updates: [900.0, 60_000.0],
+        compute: coupling::levels_around_bodies::compute,
     },
     Problem {
         name: "flexible-plate",

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::refinement::Refinement;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosityModel;
 
@@ -22,6 +23,8 @@ pub struct Air {
     pub taylor_green: Option<TaylorGreen>,
     /// What lies beside, below and above a wind tunnel or a descent; absorbing sides if absent.
     pub faces: Option<Faces>,
+    /// Boxes of finer cells.
+    pub refinement: Option<Refinement>,
 }
 
 /// Sides of the box, and the wind at its inlet. The inlet and the outlet always let sound out.

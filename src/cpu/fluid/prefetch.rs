@@ -16,13 +16,19 @@ const AHEAD: usize = 256;
 /// Asks for the cache line [`AHEAD`] bytes behind `value`. A hint only: it changes no result, and the line need not exist.
 #[inline(always)]
 pub fn prefetch<V>(value: &V) {
+    prefetch_behind(value, AHEAD);
+}
+
+/// The same so many bytes behind `value`: for columns, of which the hardware follows none.
+#[inline(always)]
+pub fn prefetch_behind<V>(value: &V, bytes: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let line = (&raw const *value).wrapping_byte_add(AHEAD).cast();
+        let line = (&raw const *value).wrapping_byte_add(bytes).cast();
         // SAFETY: the instruction reads nothing that the program sees and does not fault, whatever the address; SSE is in all x86-64.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(line) };
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = value;
+    let _ = (value, bytes);
 }

@@ -115,7 +115,7 @@ impl Run<'_> {
         }
     }
 
-    /// One step, told now and then and at the last of those `planned`.
+    /// One step of all the air, told now and then and at the last of those `planned`.
     fn step(
         &mut self,
         clock: &Clock,
@@ -125,10 +125,15 @@ impl Run<'_> {
         self.fail_on_purpose();
         self.whole = false;
         self.fail_on_purpose();
+        let before = self.simulation.step_count();
         self.simulation.advance()?;
+        // Boxes of finer cells are ahead until the air around them has made its step.
+        while !self.simulation.stands_together() {
+            self.simulation.advance()?;
+        }
         self.whole = true;
         let done = self.simulation.step_count();
-        if done.is_multiple_of(PROGRESS_INTERVAL) || done == planned {
+        if done / PROGRESS_INTERVAL > before / PROGRESS_INTERVAL || done == planned {
             let rate = (done - clock.first_step) as f64 / clock.began.elapsed().as_secs_f64();
             let parts = parts_done(self.simulation.time_s(), clock.span_s);
             observer.progress(parts, PROGRESS_PARTS, &self.status(rate));

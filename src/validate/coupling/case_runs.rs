@@ -6,7 +6,7 @@ use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure::{self, shared::TIME};
 use crate::output::{ReadOut, Results};
-use crate::plan::{Placement, Plan, Precision};
+use crate::plan::{Placement, Plan, Precision, steps_per};
 use crate::simulation::{Failure, Simulation};
 use crate::statics::Statics;
 
@@ -70,10 +70,10 @@ pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
     };
     let plan = Plan::new(&case.scene, placement);
     let (start, planned) = (plan.start_steps, plan.start_steps + plan.steps);
-    let (Some(air), Some(time)) = (case.scene.air.clone(), case.scene.time) else {
+    let (Some(air), Some(_)) = (case.scene.air.clone(), case.scene.time) else {
         return Err(Stop::Refused("the case has no air".to_owned()));
     };
-    let every = ((case.scene.output.sample_interval_s / time.step_s).round() as u64).max(1);
+    let every = steps_per(&case.scene, case.scene.output.sample_interval_s);
     let failed = |failure| match failure {
         Failure::Device(error) => Stop::Device(error),
         other => Stop::Refused(other.to_string()),
@@ -81,7 +81,7 @@ pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
     let mut simulation =
         Simulation::new(case.scene, plan, session.order.device.clone()).map_err(failed)?;
     let mut record = measure::Record::new(&simulation);
-    let updates = 1e-6 * air.cells.iter().product::<usize>() as f64;
+    let updates = 1e-6 * air.updates_per_step();
     let done = session.done;
     let mut broke_down = false;
     while simulation.step_count() < planned {

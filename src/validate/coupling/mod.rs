@@ -5,6 +5,7 @@ pub(super) mod flag;
 pub(super) mod flexible_plate;
 pub(super) mod force_routes;
 pub(super) mod immersed_boundary;
+pub(super) mod levels_around_bodies;
 pub(super) mod light_canopies;
 pub(super) mod marker_spacing;
 pub(super) mod spherical_couette;

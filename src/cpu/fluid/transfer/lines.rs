@@ -1,0 +1,245 @@
+//! Lines of cells: their populations, and states of these ([`crate::lattice::level_state`]).
+
+use pulp::Simd;
+
+use crate::cpu::fluid::Fluid;
+use crate::cpu::fluid::prefetch::prefetch_behind;
+use crate::cpu::fluid::slabs::{self, Arrays};
+use crate::lattice::collision::Collision;
+use crate::lattice::grid::Grid;
+use crate::lattice::level_state::STATE_NUMBERS;
+use crate::lattice::operators::{self, Local};
+use crate::lattice::{DIRECTION_COUNT, Lanes, Real};
+
+/// Reads populations of lines of cells.
+pub(super) struct Reader<'a, T> {
+    grid: Grid,
+    arrays: [(&'a [T], isize); DIRECTION_COUNT],
+}
+
+impl<'a, T: Real> Reader<'a, T> {
+    /// Of a lattice as it stands.
+    pub fn new(fluid: &'a Fluid<T>) -> Self {
+        let grid = fluid.grid;
+        let arrays = std::array::from_fn(|direction| {
+            let index = grid.index([0; 3]);
+            let (array, element) = grid.slot(index, direction, fluid.odd);
+            (
+                &fluid.populations[array],
+                element.wrapping_sub(index) as isize,
+            )
+        });
+        Self { grid, arrays }
+    }
+
+    /// Populations of `length` cells from `first` on along x or y, direction after direction, each `stride` long. Along an axis that
+    /// repeats cells come from the other end.
+    #[inline(always)]
+    pub fn line(
+        &self,
+        first: [i64; 3],
+        axis: usize,
+        length: usize,
+        wraps: [bool; 3],
+        into: &mut [T],
+        stride: usize,
+    ) {
+        let n = self.grid.cells.map(|n| n as i64);
+        let mut cell: [i64; 3] = std::array::from_fn(|a| {
+            if wraps[a] {
+                first[a].rem_euclid(n[a])
+            } else {
+                first[a]
+            }
+        });
+        let mut done = 0;
+        while done < length {
+            let run = if wraps[axis] {
+                (length - done).min((n[axis] - cell[axis]) as usize)
+            } else {
+                length - done
+            };
+            let start = self.grid.index(cell);
+            for (direction, (array, shift)) in self.arrays.iter().enumerate() {
+                let into = &mut into[direction * stride + done..][..run];
+                let start = start.wrapping_add_signed(*shift);
+                if axis == 0 {
+                    into.copy_from_slice(&array[start..start + run]);
+                } else {
+                    let column = array[start..].iter().step_by(self.grid.stride_y);
+                    for (into, value) in into.iter_mut().zip(column) {
+                        prefetch_behind(value, self.ahead());
+                        *into = *value;
+                    }
+                }
+            }
+            done += run;
+            cell[axis] = 0;
+        }
+    }
+}
+
+/// Rows ahead of a column that are asked for.
+const ROWS_AHEAD: usize = 12;
+
+/// The same in bytes.
+const fn ahead<T>(grid: &Grid) -> usize {
+    ROWS_AHEAD * grid.stride_y * size_of::<T>()
+}
+
+impl<T: Real> Reader<'_, T> {
+    #[inline(always)]
+    const fn ahead(&self) -> usize {
+        ahead::<T>(&self.grid)
+    }
+
+    /// Populations of two columns of `length` cells along y, side by side along x, whose first is `first`: each cache line is touched once for both.
+    #[inline(always)]
+    pub fn columns(&self, first: [i64; 3], length: usize, into: &mut [Vec<T>; 2], stride: usize) {
+        let start = self.grid.index(first);
+        let [left, right] = into;
+        for (direction, (array, shift)) in self.arrays.iter().enumerate() {
+            let rows = array[start.wrapping_add_signed(*shift)..].chunks(self.grid.stride_y);
+            let left = &mut left[direction * stride..][..length];
+            let right = &mut right[direction * stride..][..length];
+            for ((left, right), row) in left.iter_mut().zip(right).zip(rows) {
+                prefetch_behind(&row[0], self.ahead());
+                (*left, *right) = (row[0], row[1]);
+            }
+        }
+    }
+}
+
+/// What the cells of one lattice are collided with next to a box.
+#[derive(Clone, Copy)]
+pub(super) struct Collided<T> {
+    relaxation_time: T,
+    force: [T; 3],
+    eddy_factor: T,
+}
+
+impl<T: Real> Collided<T> {
+    /// Of a lattice as it stands.
+    pub fn new(fluid: &Fluid<T>) -> Self {
+        let smagorinsky = fluid.smagorinsky_constant().unwrap_or(0.0);
+        Self {
+            relaxation_time: T::of(fluid.setup.relaxation_time),
+            force: fluid.last_acceleration.map(T::of),
+            eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
+        }
+    }
+
+    #[inline(always)]
+    fn local<S: Simd>(&self, simd: S) -> Local<Lanes<S, T>> {
+        Local {
+            relaxation_time: Lanes::splat(simd, self.relaxation_time),
+            force: [
+                Lanes::splat(simd, self.force[0]),
+                Lanes::splat(simd, self.force[1]),
+                Lanes::splat(simd, self.force[2]),
+            ],
+            eddy_factor: Lanes::splat(simd, self.eddy_factor),
+        }
+    }
+}
+
+/// Whole vectors that hold so many values.
+#[inline(always)]
+pub(super) fn padded<S: Simd, T: Real>(length: usize) -> usize {
+    length.next_multiple_of(T::lanes::<S>())
+}
+
+/// States of a line of populations, number after number, each `stride` long, a multiple of a vector's lanes. (No closures here: they would not be
+/// compiled for the CPU's vectors.)
+#[inline(always)]
+pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
+    simd: S,
+    collided: &Collided<T>,
+    populations: &[T],
+    states: &mut [T],
+    stride: usize,
+) {
+    let local = collided.local(simd);
+    let (from, stride) = (T::vectors::<S>(populations).0, stride / T::lanes::<S>());
+    let into = T::vectors_mut::<S>(states).0;
+    for i in 0..stride {
+        let mut f = [Lanes::new(simd, from[i]); DIRECTION_COUNT];
+        for direction in 1..DIRECTION_COUNT {
+            f[direction] = Lanes::new(simd, from[direction * stride + i]);
+        }
+        let state = C::level_state(&f, &local);
+        for number in 0..STATE_NUMBERS {
+            into[number * stride + i] = state[number].vector;
+        }
+    }
+}
+
+/// Populations of a line of states, laid out likewise.
+#[inline(always)]
+pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
+    simd: S,
+    collided: &Collided<T>,
+    states: &[T],
+    populations: &mut [T],
+    stride: usize,
+) {
+    let local = collided.local(simd);
+    let (from, stride) = (T::vectors::<S>(states).0, stride / T::lanes::<S>());
+    let into = T::vectors_mut::<S>(populations).0;
+    for i in 0..stride {
+        let mut state = [Lanes::new(simd, from[i]); STATE_NUMBERS];
+        for number in 1..STATE_NUMBERS {
+            state[number] = Lanes::new(simd, from[number * stride + i]);
+        }
+        let f = C::populations_of(&state, &local);
+        for direction in 0..DIRECTION_COUNT {
+            into[direction * stride + i] = f[direction].vector;
+        }
+    }
+}
+
+/// Writes populations of `length` cells of a slab from `first` on (x, y, plane of the slab), along x or y.
+#[inline(always)]
+pub(super) fn write_line<T: Real>(
+    arrays: &mut Arrays<'_, T>,
+    grid: &Grid,
+    [x, y, plane]: [usize; 3],
+    axis: usize,
+    length: usize,
+    populations: &[T],
+    stride: usize,
+) {
+    let start = slabs::lead::<T>() + x + y * grid.stride_y + plane * grid.stride_z;
+    for (direction, array) in arrays.iter_mut().enumerate() {
+        let from = &populations[direction * stride..][..length];
+        if axis == 0 {
+            array[start..start + length].copy_from_slice(from);
+        } else {
+            let column = array[start..].iter_mut().step_by(grid.stride_y);
+            for (into, value) in column.zip(from) {
+                *into = *value;
+            }
+        }
+    }
+}
+
+/// The same for two columns along y, side by side along x.
+#[inline(always)]
+pub(super) fn write_columns<T: Real>(
+    arrays: &mut Arrays<'_, T>,
+    grid: &Grid,
+    [x, y, plane]: [usize; 3],
+    length: usize,
+    populations: [&[T]; 2],
+    stride: usize,
+) {
+    let start = slabs::lead::<T>() + x + y * grid.stride_y + plane * grid.stride_z;
+    for (direction, array) in arrays.iter_mut().enumerate() {
+        let [left, right] = populations.map(|side| &side[direction * stride..][..length]);
+        let rows = array[start..].chunks_mut(grid.stride_y);
+        for ((left, right), row) in left.iter().zip(right).zip(rows) {
+            prefetch_behind(&row[0], ahead::<T>(grid));
+            (row[0], row[1]) = (*left, *right);
+        }
+    }
+}

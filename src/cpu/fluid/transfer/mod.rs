@@ -1,0 +1,76 @@
+//! What passes between a lattice and a box of finer cells in it: *restrict* from the fine cells to the coarse band, *fill* the fine shell from the
+//! coarse source ([`crate::lattice::nest`], [`crate::lattice::level_state`]).
+//!
+//! Work goes by planes of coarse cells, within a plane by lines of cells, along x where there are long ones, else along y; a line is a
+//! run of vectors.
+
+mod fill;
+mod lines;
+mod restrict;
+
+use super::Fluid;
+use crate::lattice::Real;
+use crate::lattice::collision::{Collision, PerOperator};
+use crate::lattice::level_state::STATE_NUMBERS;
+use crate::lattice::nest::{BAND, Nest, Planes, SHELL, SOURCE};
+
+/// A box of finer cells, and the cells that tie it to the lattice around it.
+#[derive(Debug, Clone)]
+pub struct Tie<T> {
+    nest: Nest,
+    source: Planes,
+    shell: Planes,
+    band: Planes,
+    /// States of the coarse cells in and around the box, in fine units where they are of the source: by planes, then numbers of the state, rows, cells.
+    states: Vec<T>,
+}
+
+impl<T: Real> Tie<T> {
+    /// Of a box.
+    #[must_use]
+    pub fn new(nest: Nest) -> Self {
+        let [x, y, z] = nest.cells.map(|n| n + 2);
+        Self {
+            source: nest.cells_of(&SOURCE),
+            shell: nest.cells_of(&SHELL),
+            band: nest.cells_of(&BAND),
+            states: vec![T::default(); STATE_NUMBERS * x * y * z],
+            nest,
+        }
+    }
+
+    /// Where the box lies.
+    #[must_use]
+    pub const fn nest(&self) -> &Nest {
+        &self.nest
+    }
+
+    /// Restricts, then fills: both lattices stand at one time.
+    pub fn exchange(&mut self, coarse: &mut Fluid<T>, fine: &mut Fluid<T>) {
+        let operator = coarse.setup.operator;
+        let eddy = coarse.smagorinsky_constant().is_some();
+        operator.with(
+            eddy,
+            Exchange {
+                tie: self,
+                coarse,
+                fine,
+            },
+        );
+    }
+}
+
+struct Exchange<'a, T: Real> {
+    tie: &'a mut Tie<T>,
+    coarse: &'a mut Fluid<T>,
+    fine: &'a mut Fluid<T>,
+}
+
+impl<T: Real> PerOperator for Exchange<'_, T> {
+    fn run<C: Collision>(self) {
+        let Self { tie, coarse, fine } = self;
+        restrict::restrict::<T, C>(&tie.nest, &tie.band, coarse, fine);
+        fill::read_source::<T, C>(&tie.nest, &tie.source, coarse, &mut tie.states);
+        fill::fill::<T, C>(&tie.nest, &tie.shell, &tie.states, fine);
+    }
+}

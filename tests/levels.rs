@@ -1,0 +1,177 @@
+//! Scenes in boxes of finer cells.
+
+use std::path::Path;
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::measure::Record;
+use ripstop::plan::{Plan, Stage};
+use ripstop::run::without_files;
+use ripstop::simulation::Simulation;
+
+use crate::command_line::ripstop;
+use crate::engines::{Body, Engine, on_every_engine, plain};
+use crate::read_outs::latest;
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        on_every_engine("levels::a_canopy_opens_alike", Opens),
+        on_every_engine("levels::a_box_elsewhere_changes_little", Elsewhere),
+        plain("levels::what_is_not_there_costs_nothing", absent),
+        plain("levels::files_hold_every_lattice", files),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn parsed(name: &str, source: &str, changes: &[&str]) -> Case {
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+    };
+    case::parse(name, source, Path::new("."), &choices).unwrap()
+}
+
+/// A tunnel of 6 × 4 × 4 D_0, in which there is room for a box at 12 cells per D_0.
+pub const ROOM: [&str; 2] = [
+    "air.wind_tunnel.size_m=[5.98, 3.99, 3.99]",
+    "structure.flat_circular.confluence_m=[1.67, 1.995, 1.995]",
+];
+
+fn canopy(changes: &[&str]) -> Case {
+    let source = include_str!("../cases/flat-circular-tunnel.toml");
+    let all = [
+        &["time.end_s=0.01", "output.sample_interval_s=0.002"],
+        &ROOM[..],
+        changes,
+    ]
+    .concat();
+    parsed("canopy", source, &all)
+}
+
+/// One box around the structure.
+pub const BOXES: &str = "air.refinement={around=\"structure\", levels=1}";
+
+fn opened(case: &Case, engine: Engine) -> (Simulation, Record) {
+    let plan = Plan::new(&case.scene, engine.plan_placement());
+    without_files(case, plan, engine.device()).unwrap()
+}
+
+#[derive(Clone, Copy)]
+struct Opens;
+
+impl Body for Opens {
+    /// In a box of finer cells as on finest cells throughout, on every engine; what leaves the momentum box is what the markers gave.
+    fn run(self, engine: Engine) {
+        let (simulation, record) = opened(&canopy(&[BOXES]), engine);
+        assert!(simulation.stands_together());
+        let throughout = opened(&canopy(&["air.refinement={around=\"nothing\"}"]), engine);
+        for name in ["projected_diameter_ratio", "impulse_markers_n_s"] {
+            let [nested, uniform] =
+                [&record, &throughout.1].map(|record| latest(record, name).unwrap());
+            assert!(
+                (nested / uniform - 1.0).abs() < tolerances::OPENING_IN_BOXES,
+                "{name}: {nested} against {uniform}"
+            );
+        }
+        let routes = ["impulse_markers_n_s", "impulse_momentum_box_n_s"];
+        let [markers, momentum_box] = routes.map(|name| latest(&record, name).unwrap());
+        assert!(
+            (momentum_box / markers - 1.0).abs() < tolerances::MOMENTUM_BOX_IN_BOXES,
+            "{momentum_box} against {markers}"
+        );
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Elsewhere;
+
+impl Body for Elsewhere {
+    /// A second box in the undisturbed stream beside that of a sphere moves its drag by little more than round-off.
+    fn run(self, engine: Engine) {
+        let around = "{lower_m=[0.14, 0.14, 0.14], upper_m=[0.36, 0.36, 0.36]}";
+        let beside = "{lower_m=[0.3, 0.45, 0.15], upper_m=[0.6, 0.6, 0.35]}";
+        let drag = |boxes: &str| {
+            let boxes = format!("air.refinement.boxes=[{boxes}]");
+            let case = parsed(
+                "sphere",
+                include_str!("../cases/sphere.toml"),
+                &[
+                    &boxes,
+                    "air.wind_tunnel.size_m=[0.9, 0.7, 0.5]",
+                    "air.wind_tunnel.sponge_length_m=absent",
+                    "resolution.cell_size_m=0.0125",
+                    "resolution.cells_per_diameter=absent",
+                    "bodies.sphere.position_m=[0.25, 0.25, 0.25]",
+                    "time.end_s=5.0",
+                    "output.sample_interval_s=1.0",
+                ],
+            );
+            let lattices = case.scene.air.as_ref().unwrap().levels().len();
+            let (_, record) = opened(&case, engine);
+            (lattices, latest(&record, "drag_coefficient").unwrap())
+        };
+        let (one, alone) = drag(around);
+        let (two, with_it) = drag(&format!("{beside}, {around}"));
+        assert_eq!([one, two], [2, 3]);
+        assert!(
+            (with_it / alone - 1.0).abs() < tolerances::BOX_ELSEWHERE,
+            "{with_it} against {alone}"
+        );
+    }
+}
+
+/// Without boxes no stage is planned and no cell is added; with them the plan says what they cost.
+fn absent() {
+    let planned = |changes: &[&str]| {
+        let case = canopy(changes);
+        let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+        let has = plan.stages.iter().any(|s| s.stage == Stage::CoarserLevels);
+        (has, plan.sizes.cells, plan.sizes.updates)
+    };
+    let (has, cells, updates) = planned(&[]);
+    assert!(!has);
+    assert_eq!(cells, updates);
+    let (has, fewer, updated) = planned(&[BOXES]);
+    assert!(has);
+    assert!(fewer < cells && updated < fewer, "{fewer} {updated}");
+}
+
+/// Flow files hold every lattice, and hide cells that finer ones cover.
+fn files() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let changes = [
+        BOXES,
+        "time.end_s=0.002",
+        "output.flow_interval_s=0.001",
+        "output.picture_times_s=absent",
+    ];
+    let mut arguments = vec![
+        "run",
+        "cases/flat-circular-tunnel.toml",
+        "--variant",
+        "quick",
+        "--engine=cpu",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    for change in ROOM.iter().chain(&changes) {
+        arguments.extend(["--set", change]);
+    }
+    let finished = ripstop(&arguments);
+    assert!(out.join("flow.pvd").exists(), "{}", finished.errors);
+    let text = |name: &str| {
+        let bytes = std::fs::read(out.join(name)).unwrap();
+        String::from_utf8_lossy(&bytes).into_owned()
+    };
+    assert!(text("flow.pvd").contains("flow_00001.vtm"));
+    let listed = text("flow_00001.vtm");
+    for name in ["flow_00001.vti", "flow_00001_box_1.vti"] {
+        assert!(listed.contains(&format!("file=\"{name}\"")), "{listed}");
+    }
+    assert!(text("flow_00001.vti").contains("vtkGhostType"));
+    assert!(!text("flow_00001_box_1.vti").contains("vtkGhostType"));
+}
