@@ -52,12 +52,24 @@ const BODY_CELLS: usize = 8;
 /// Time that bodies are followed [D/U].
 const BODY_TIME: f64 = 60.0;
 
-/// Computes the map of free turbulence on all `engines`; writes `stability.csv` and `stability.png` into `folder`.
-pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<Point>, Stop> {
+/// All operators, or one.
+fn operators(only: Option<Operator>) -> impl Iterator<Item = Operator> {
+    let all = Operator::ALL.into_iter();
+    all.filter(move |operator| only.is_none_or(|only| only == *operator))
+}
+
+/// Computes the map of free turbulence on all `engines`, of all operators or one; writes `stability.csv` and `stability.png` into `folder`.
+pub fn map(
+    engines: &[Engine],
+    only: Option<Operator>,
+    folder: &Path,
+    watch: &mut Watch,
+) -> Result<Vec<Point>, Stop> {
     let mut points = Vec::new();
-    let planned = (engines.len() * Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
+    let operators = || operators(only);
+    let planned = (engines.len() * operators().count() * MODELS.len() * VISCOUS_PARTS.len()) as u64;
     for engine in engines {
-        for operator in Operator::ALL {
+        for operator in operators() {
             for eddy_viscosity in MODELS {
                 for viscous_part in VISCOUS_PARTS {
                     let interrupt = watch.interrupt;
@@ -103,13 +115,14 @@ pub fn map(engines: &[Engine], folder: &Path, watch: &mut Watch) -> Result<Vec<P
 /// The fastest wind is tried first, since most settings stand it or break down soon.
 pub fn map_at_bodies(
     engine: &Engine,
+    only: Option<Operator>,
     folder: &Path,
     watch: &mut Watch,
 ) -> Result<Vec<PointAtBody>, Stop> {
     let mut points = Vec::new();
-    let planned =
-        (Operator::ALL.len() * MODELS.len() * VISCOUS_PARTS.len() * Body::OF_MAP.len()) as u64;
-    for operator in Operator::ALL {
+    let each = MODELS.len() * VISCOUS_PARTS.len() * Body::OF_MAP.len();
+    let planned = (operators(only).count() * each) as u64;
+    for operator in operators(only) {
         for eddy_viscosity in MODELS {
             for viscous_part in VISCOUS_PARTS {
                 for body in Body::OF_MAP {

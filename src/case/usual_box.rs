@@ -225,9 +225,9 @@ mod tests {
                 assert!((side[0] - side[1]).abs() < 0.05, "{side:?}");
             }
             // Where a place is written, the section is around it.
-            let half = if changes.len() == 2 { 1.4955 } else { 1.993 };
+            let half = if changes.len() == 2 { 2.991 } else { 1.993 };
             assert!((y[0] - half).abs() < 0.05, "{y:?}");
-            let shape = if changes.len() == 2 { 3.0 } else { 4.0 };
+            let shape = if changes.len() == 2 { 6.0 } else { 4.0 };
             let air = case.scene.air.as_ref().unwrap();
             assert_eq!(air.cells[1], (24.0 * shape) as usize);
         }
@@ -237,7 +237,7 @@ mod tests {
     fn a_place_is_found_in_a_tunnel_that_is_written() {
         let case = load("flat-circular-tunnel", &[NO_CONFLUENCE]).unwrap();
         let [_, y, z] = distances_m(&case);
-        assert!((y[0] - 1.4955).abs() < 0.05 && (z[0] - 1.4955).abs() < 0.05);
+        assert!((y[0] - 2.991).abs() < 0.05 && (z[0] - 2.991).abs() < 0.05);
         let sphere = load("sphere", &["bodies.sphere.position_m=absent", NO_SIZE]).unwrap();
         let air = sphere.scene.air.as_ref().unwrap();
         let body = &sphere.scene.rigid_bodies[0];

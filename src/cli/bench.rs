@@ -18,6 +18,7 @@ use crate::bench::{
     work_precision,
 };
 use crate::gpu::{AdapterChoice, Device};
+use crate::lattice::Operator;
 use crate::output::prepare_directory;
 use crate::plan::{AirPlacement, Precision, Storage};
 
@@ -39,9 +40,19 @@ pub(super) struct BenchArguments {
     /// Of `device`: no row begins that would not end within this time [default: 60, with --full 480].
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=86_400))]
     seconds: Option<u64>,
+    /// Of `stability` and `stability-at-bodies`: one operator, by its name in case files [default: all].
+    #[arg(long, value_name = "NAME", value_parser = operator)]
+    operator: Option<Operator>,
     /// Folder for tables and plots.
     #[arg(long, default_value = "bench")]
     out: PathBuf,
+}
+
+/// An operator by its name.
+fn operator(name: &str) -> Result<Operator, String> {
+    let names = || Operator::ALL.map(Operator::name).join(", ");
+    let found = Operator::ALL.into_iter().find(|one| one.name() == name);
+    found.ok_or_else(|| format!("there are {}", names()))
 }
 
 const STABILITY: &str = "stability";
@@ -140,11 +151,12 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
         text.push_str(&format!("{} settings measured\n", points.len()));
     }
     if maps_stability {
-        let points = stability::map(&engines, &arguments.out, &mut watch)?;
+        let points = stability::map(&engines, arguments.operator, &arguments.out, &mut watch)?;
         text.push_str(&stability::table(&points));
     }
     if maps_bodies && let Some(engine) = single {
-        let points = stability::map_at_bodies(engine, &arguments.out, &mut watch)?;
+        let points =
+            stability::map_at_bodies(engine, arguments.operator, &arguments.out, &mut watch)?;
         text.push_str(&stability::table_at_bodies(&points));
     }
     if follows_bodies && let Some(engine) = single {

@@ -38,8 +38,8 @@ pub use pvd::{Pvd, PvdEntry};
 pub use quantity::{Quantity, Results};
 pub use read_out::ReadOut;
 pub use summary::{
-    CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
-    Summary, write_summary,
+    CaseInfo, LatticeSize, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo,
+    StructureEvery, Summary, write_summary,
 };
 pub use table::{write_table, write_text_table};
 pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};

@@ -39,8 +39,11 @@ pub struct Summary {
     pub fabric: Option<Processor>,
     /// Threads used.
     pub threads: usize,
-    /// Cells of air along x, y, z; `None` without air.
+    /// The box of air along x, y, z, in cells of the size around the structure; `None` without air.
     pub cells: Option<[usize; 3]>,
+    /// Lattices of the air, each box of finer cells after those around it; empty without air.
+    #[serde(default)]
+    pub lattices: Vec<LatticeSize>,
     /// Coupling markers between air and fabric.
     pub markers: usize,
     /// Nodes of fabric and cables.
@@ -168,6 +171,17 @@ pub struct StopInfo {
     /// Simulated time of the end, in seconds.
     #[serde(deserialize_with = "null_is_nan")]
     pub when_s: f64,
+}
+
+/// A lattice of the air.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LatticeSize {
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// Edge length of a cell [m].
+    pub cell_size_m: f64,
+    /// Its lowest corner [m].
+    pub corner_m: [f64; 3],
 }
 
 impl Summary {

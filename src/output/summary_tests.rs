@@ -38,6 +38,7 @@ fn summary() -> Summary {
         }),
         threads: 2,
         cells: Some([8, 6, 4]),
+        lattices: Vec::new(),
         markers: 10,
         nodes: 4,
         triangles: 1,

@@ -93,6 +93,13 @@ pub(super) fn skips(scene: &Scene) -> Vec<Skip> {
 }
 
 pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static str, String)) {
+    if air.boxes.is_empty() {
+        let why = match air.most_levels {
+            0 => "the case asks for none (air.refinement.around)",
+            _ => "there is no room for them, or they save no work",
+        };
+        skip("boxes of finer cells", why.into());
+    }
     if scene.coupling.is_none() {
         skip(
             "markers, interpolation, spreading, body force",

@@ -1,12 +1,14 @@
 //! `summary.json` of a finished run.
 
 use crate::case::Case;
+use crate::case::scene::Air;
+use crate::lattice::nest::Level;
 use crate::ledger::State;
 use crate::measure::shared::FORCE_IMBALANCE;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
 use crate::output::{
-    CaseInfo, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo, StructureEvery,
-    Summary, Supports, mark,
+    CaseInfo, LatticeSize, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo,
+    StructureEvery, Summary, Supports, mark,
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
 use crate::simulation::Simulation;
@@ -48,6 +50,7 @@ pub(super) fn summarise(
             .then(|| 1e3 * duration.as_secs_f64() / cost.timed_steps as f64)
     };
     let cells = scene.air.as_ref().map(|air| air.cells);
+    let lattices = scene.air.as_ref().map_or_else(Vec::new, lattices);
     notes.extend(
         plan.warnings(scene)
             .into_iter()
@@ -168,6 +171,7 @@ pub(super) fn summarise(
         fabric,
         threads: rayon::current_num_threads(),
         cells,
+        lattices,
         markers: simulation
             .coupled()
             .map_or(0, |c| c.immersed().marker_count()),
@@ -220,4 +224,15 @@ pub(super) fn summarise(
         comparison: comparison(scene, &results),
         results,
     }
+}
+
+/// Lattices of the air, in metres.
+fn lattices(air: &Air) -> Vec<LatticeSize> {
+    let cell_m = air.units.cell_size_m;
+    let size = |level: Level| LatticeSize {
+        cells: level.cells,
+        cell_size_m: cell_m * air.finest_cells_across(&level),
+        corner_m: level.corner.map(|n| n as f64 * cell_m),
+    };
+    air.levels().into_iter().map(size).collect()
 }
