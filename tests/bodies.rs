@@ -48,6 +48,7 @@ fn sphere_case(folder: &Path, changes: &[&str]) -> Case {
     let source = include_str!("../cases/sphere.toml");
     let mut overrides: Vec<String> = [
         "resolution.cells_per_diameter=12.0",
+        "air.refinement={around=\"nothing\"}",
         "air.wind_tunnel.size_m=[0.5, 0.4, 0.4]",
         "air.wind_tunnel.start_time_s=2.0",
         "air.wind_tunnel.sponge_length_m=0.1",

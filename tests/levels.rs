@@ -94,7 +94,7 @@ impl Body for Elsewhere {
         let around = "{lower_m=[0.14, 0.14, 0.14], upper_m=[0.36, 0.36, 0.36]}";
         let beside = "{lower_m=[0.3, 0.45, 0.15], upper_m=[0.6, 0.6, 0.35]}";
         let drag = |boxes: &str| {
-            let boxes = format!("air.refinement.boxes=[{boxes}]");
+            let boxes = format!("air.refinement={{boxes=[{boxes}]}}");
             let case = parsed(
                 "sphere",
                 include_str!("../cases/sphere.toml"),

@@ -2,7 +2,6 @@
 
 use crate::case::Case;
 use crate::case::scene::Air;
-use crate::lattice::nest::Level;
 use crate::ledger::State;
 use crate::measure::shared::FORCE_IMBALANCE;
 use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
@@ -229,10 +228,12 @@ pub(super) fn summarise(
 /// Lattices of the air, in metres.
 fn lattices(air: &Air) -> Vec<LatticeSize> {
     let cell_m = air.units.cell_size_m;
-    let size = |level: Level| LatticeSize {
-        cells: level.cells,
-        cell_size_m: cell_m * air.finest_cells_across(&level),
-        corner_m: level.corner.map(|n| n as f64 * cell_m),
-    };
-    air.levels().into_iter().map(size).collect()
+    let levels = air.levels().into_iter();
+    levels
+        .map(|level| LatticeSize {
+            cells: level.cells,
+            cell_size_m: cell_m * air.finest_cells_across(&level),
+            corner_m: level.corner.map(|n| n as f64 * cell_m),
+        })
+        .collect()
 }
