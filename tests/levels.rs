@@ -18,6 +18,7 @@ pub fn trials() -> Vec<Trial> {
     [
         on_every_engine("levels::a_canopy_opens_alike", Opens),
         on_every_engine("levels::a_box_elsewhere_changes_little", Elsewhere),
+        plain("levels::a_box_spans_sides_that_repeat", spans),
         plain("levels::what_is_not_there_costs_nothing", absent),
         plain("levels::files_hold_every_lattice", files),
     ]
@@ -121,6 +122,29 @@ impl Body for Elsewhere {
             "{with_it} against {alone}"
         );
     }
+}
+
+/// Where sides repeat and the box would come near them it spans them, however few cells they are apart.
+fn spans() {
+    let case = canopy(&[
+        "air.refinement={around=\"structure\", levels=1}",
+        "air.faces.sides=\"periodic\"",
+        "air.wind_tunnel.size_m=[5.98, 1.5, 1.5]",
+        "structure.flat_circular.confluence_m=[1.67, 0.75, 0.75]",
+        "resolution.cells_per_diameter=8.0",
+        "time.end_s=0.004",
+    ]);
+    let air = case.scene.air.as_ref().unwrap();
+    let finest = air.finest();
+    assert_eq!(finest.spans, [false, true, true]);
+    // The fewest that a structure may have around it.
+    assert_eq!(finest.cells[1], 12, "{finest:?}");
+    let (_, record) = opened(&case, Engine::CpuF32);
+    assert!(
+        latest(&record, "impulse_momentum_box_n_s")
+            .unwrap()
+            .is_finite()
+    );
 }
 
 /// Without boxes no stage is planned and no cell is added; with them the plan says what they cost.

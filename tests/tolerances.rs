@@ -154,15 +154,15 @@ pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;
 
 /// Diameter and impulse of a canopy after its opening (550 steps): differences of 1e-6 grow in the wake. The gate.
 pub const DEVICE_OPENING: f64 = 0.03;
-/// Diameter and impulse of a canopy after 0.01 s in a box of finer cells against finest cells throughout, in the same tunnel: what 6 cells
-/// to a diameter change of the flow that closes around it (1.5 % at 12 finest cells, less with finer ones: `ripstop validate levels-around-bodies`).
-pub const OPENING_IN_BOXES: f64 = 0.03;
+/// Diameter and impulse of a canopy after 0.01 s in a box of finer cells against finest cells throughout, in the same tunnel (2e-3): what 6 cells
+/// to a diameter change of the flow that closes around it.
+pub const OPENING_IN_BOXES: f64 = 5e-3;
 
-/// Momentum box against markers in a box of finer cells, over the impulse: as on one lattice, since all of the momentum box lies inside.
-pub const MOMENTUM_BOX_IN_BOXES: f64 = 2e-3;
+/// Momentum box against markers in a box of finer cells, over the impulse (3e-5): as on one lattice, since all of the momentum box lies inside.
+pub const MOMENTUM_BOX_IN_BOXES: f64 = 3e-4;
 
-/// Drag of a sphere with a box of finer cells in the stream beside it: sound and the wake's edge pass through that box.
-pub const BOX_ELSEWHERE: f64 = 2e-3;
+/// Drag of a sphere with a box of finer cells in the stream beside it (3e-5): sound and the wake's edge pass through that box.
+pub const BOX_ELSEWHERE: f64 = 3e-4;
 
 /// Cloth on a device (`f32` with split positions) against the CPU in `f64`; what was measured on a software device in brackets.
 pub mod device_cloth {

@@ -238,8 +238,8 @@ fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
 /// Writes the air at the time `time_s` (seconds): one `.vti`, or with boxes of finer cells one for every lattice and at `path` a `.vtm` that
 /// lists them.
 ///
-/// For `flow_0.vtm` these are `flow_0.vti`, `flow_0_box_1.vti`, `flow_0_box_2.vti` and so on, each box after those around it. In every one
-/// `vtkGhostType` hides points that a finer lattice covers.
+/// For `flow_0.vtm` these are `flow_0.vti`, `flow_0_box_1.vti`, `flow_0_box_2.vti` and so on, each box after those around it. Where others
+/// follow, `vtkGhostType` hides points that one of them covers.
 ///
 /// # Errors
 ///

@@ -159,12 +159,16 @@ impl Impulses {
             [low, high].map(|corner| (corner - air.units.origin_m) / air.units.cell_size_m);
         let cells = engine.grid().cells.map(|n| n as i64);
         // In a box of finer cells, beside what is exchanged with those around it.
-        let least = if air.depth() > 0 { LEAST_GAP_IN_BOX } else { 3 };
+        let spans = air.finest().spans;
+        let least = |a: usize| match air.depth() > 0 && !spans[a] {
+            true => LEAST_GAP_IN_BOX,
+            false => 3,
+        };
         let first = std::array::from_fn(|a| {
-            (low[a].floor() as i64).clamp(least, cells[a] / 2 - 1) as usize
+            (low[a].floor() as i64).clamp(least(a), cells[a] / 2 - 1) as usize
         });
         let end = std::array::from_fn(|a| {
-            (high[a].ceil() as i64).clamp(cells[a] / 2 + 1, cells[a] - least) as usize
+            (high[a].ceil() as i64).clamp(cells[a] / 2 + 1, cells[a] - least(a)) as usize
         });
         let structure = cloth.map(|cloth| &cloth.structure);
         let support_cables = structure.map_or_else(Vec::new, |structure| {

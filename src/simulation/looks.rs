@@ -1,9 +1,9 @@
 //! Looks at the air: around the markers and at all cells, as [`super::watch`] asks for, and what is said of a flow that breaks down.
 
-use super::watch::{Alarm, Found, REFERENCE_SPEEDS, Sign, Watch, steps_between};
-use super::{Coupled, Failure, Simulation};
 use glam::DVec3;
 
+use super::watch::{Alarm, Found, REFERENCE_SPEEDS, Sign, Watch, steps_between};
+use super::{Coupled, Failure, Simulation};
 use crate::case::scene::{Air, Flow};
 use crate::gpu::DeviceError;
 use crate::lattice::grid::{CellState, Extremes};

@@ -108,8 +108,11 @@ impl Levels {
         let finest = levels.iter().map(|level| level.depth).max().unwrap_or(0);
         let mut found: Option<Extremes> = None;
         for (lattice, level) in self.lattices().into_iter().zip(levels) {
-            let margin = if level.depth > 0 { SHELL_CELLS } else { 0 };
-            let whole = ([margin; 3], level.cells.map(|n| n - margin));
+            let margin: [usize; 3] = level.spans.map(|spans| match level.depth > 0 && !spans {
+                true => SHELL_CELLS,
+                false => 0,
+            });
+            let whole = (margin, std::array::from_fn(|a| level.cells[a] - margin[a]));
             let blocks = lattice
                 .boxes()
                 .fold(vec![whole], |blocks, (nest, _)| outside(blocks, nest));
