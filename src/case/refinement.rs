@@ -19,7 +19,7 @@ use super::values::within;
 use crate::lattice::nest::{self, Refinement};
 use lattice::{Lattice, repeats, sponge_begins_m};
 use reach::Standing;
-use written::{Branch, KEPT_CELLS, KEY, MOST_LEVELS, by_hand, key, order, tree};
+use written::{Branch, KEPT_CELLS, KEY, by_hand, key, order, tree};
 
 /// Lays the boxes, and tells the scales where positions on the lattice are counted from.
 pub(super) fn check(
@@ -127,13 +127,6 @@ fn laid_by_hand(
 ) -> Result<Vec<Refinement>, Problem> {
     let mut branches = tree(&by_hand(boxes)?);
     let deepest = branches.iter().map(Branch::depth).max().unwrap_or(0);
-    if deepest > MOST_LEVELS {
-        return Err(Problem::new(
-            key("boxes"),
-            format!("{deepest} boxes lie one in the other"),
-            format!("allowed are {MOST_LEVELS}"),
-        ));
-    }
     order(&mut branches, standing.map(Standing::middle_m));
     let size_m = air.units.cell_size_m * f64::from(1_u32 << deepest);
     let outermost = Lattice {

@@ -56,18 +56,19 @@ pub(in crate::case) fn most_levels(
                 ));
             }
         }
-        return Ok(tree(&by_hand(boxes)?)
-            .iter()
-            .map(Branch::depth)
-            .max()
-            .unwrap_or(0));
+        let deepest = (tree(&by_hand(boxes)?).iter().map(Branch::depth).max()).unwrap_or(0);
+        return match deepest {
+            0 => Err(nothing_laid("boxes")),
+            1..=MOST_LEVELS => Ok(deepest),
+            _ => Err(Problem::new(
+                key("boxes"),
+                format!("{deepest} boxes lie one in the other"),
+                format!("allowed are {MOST_LEVELS}"),
+            )),
+        };
     }
     match written.around {
-        None => Err(Problem::new(
-            key("around"),
-            format!("[{KEY}] lays no boxes"),
-            "give around = \"structure\" or boxes, or remove the table",
-        )),
+        None => Err(nothing_laid("around")),
         Some(Around::Nothing) => {
             if written.levels.is_some() || written.margin.is_some() {
                 return Err(Problem::new(
@@ -91,6 +92,14 @@ pub(in crate::case) fn most_levels(
             })),
         },
     }
+}
+
+fn nothing_laid(name: &str) -> Problem {
+    Problem::new(
+        key(name),
+        format!("[{KEY}] lays no boxes"),
+        "give around = \"structure\" or boxes, or remove the table",
+    )
 }
 
 /// Refuses what boxes of finer cells cannot have.
