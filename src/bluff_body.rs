@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::case::coupling::Scheme;
 use crate::case::{self, Case, CaseError, Choices};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::Operator;
@@ -70,6 +71,8 @@ pub struct BluffBody {
     pub lattice_speed: f64,
     /// Collision operator.
     pub operator: Operator,
+    /// How air and body meet.
+    pub scheme: Scheme,
     /// Boxes of finer cells around the body, one in the other; cells are halved so often towards it.
     pub levels: u32,
     /// Length, width and height of the tunnel [D].
@@ -186,6 +189,10 @@ impl BluffBody {
             Shape::Sphere => "sphere",
             Shape::Disk => "disk",
         };
+        let scheme = match self.scheme {
+            Scheme::Kernel => "kernel",
+            Scheme::Links => "links",
+        };
         let mut source = format!(
             r#"version = 1
 title = "A {shape} in a stream"
@@ -206,7 +213,7 @@ position_m = [{upstream:?}, {y:?}, {z:?}]
 [bodies.{shape}.{shape}]
 diameter_m = 1.0
 [coupling]
-over_relaxation = 1.6
+scheme = "{scheme}"
 [time]
 end_s = {end:?}
 [output]
@@ -349,6 +356,7 @@ mod tests {
         resolution: 5,
         lattice_speed: 0.15,
         operator: Operator::TwoRelaxationTimes,
+        scheme: Scheme::Kernel,
         levels: 0,
         tunnel: [5.0, 4.0, 4.0],
         upstream: 2.0,

@@ -31,10 +31,13 @@
 //! | `eddy_viscosity` | populations (WALE, Vreman) | eddy part of the relaxation times | `fluid/eddy_viscosity.rs` |
 //! | `collide_stream` | populations, body force | populations | `fluid/collide_stream.rs` |
 //! | `coarser_levels` | populations around boxes of finer cells, and of both where boxes end | populations | `fluid/transfer/`, `simulation/levels.rs` |
+//! | `find_links` | node positions | links of the lattice that surfaces cut | `cut_links/search.rs` |
+//! | `read_links` | populations, cut links | what left along them | `fluid/cut_links.rs` |
 //! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
 //! | *`fetch_air_velocities`* | u*, a_k | host | `immersed/interpolate.rs` |
 //! | `solve_cloth` | u*, loads | node positions and velocities | `cloth/solve_cloth.rs` |
+//! | `bounce` | node velocities, what left | populations that come back | `fluid/cut_links.rs` |
 //! | *`send_marker_forces`* | marker forces | device | `immersed/spread.rs` |
 //! | `spread` | marker velocities, u* | body force near the sheet | `immersed/spread.rs` |
 //! | `repeat_forcing`, *`fetch_marker_forces`* | slip left at rigid bodies | more body force | `immersed/repeat_forcing.rs` |
@@ -53,6 +56,7 @@
 //! |---|---|---|
 //! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
+//! | [`cut_links`] | which links a surface cuts, and what comes back | lattice, immersed (law of permeable markers) |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
@@ -96,6 +100,9 @@
 //! act across themselves alone: both the fabric and the air get K_k n n·(v_k − u*_k), n the surface's normal (`docs/ram-air.md`). In a box that
 //! falls (`[air.descent]`) every mass, the air's too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
+//! With `coupling.scheme = "links"` there are no markers: what leaves a cell along a link that the surface cuts comes back to it, and the fabric feels at every cut a force that is
+//! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`).
+//!
 //! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down): the state is carried
 //! over in SI units and the stages stay the same ([`simulation::Simulation::change_lattice`], `docs/steady-runs.md`).
 //!
@@ -115,6 +122,7 @@ pub mod checkpoint;
 pub mod cli;
 pub mod cloth;
 pub mod cpu;
+pub mod cut_links;
 pub mod fabric;
 pub mod frame;
 pub mod geometry;

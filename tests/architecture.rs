@@ -34,11 +34,12 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 31] = [
+const ALLOWED: [(&str, &[&str]); 32] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
     ("immersed", &[]),
+    ("cut_links", &["immersed", "lattice"]),
     ("frame.rs", &[]),
     ("aero", &["geometry"]),
     ("trim", &["aero", "cloth", "geometry"]),
@@ -59,6 +60,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
         &[
             "checkpoint",
             "cloth",
+            "cut_links",
             "fabric",
             "frame",
             "immersed",
@@ -72,6 +74,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "checkpoint",
             "cloth",
             "cpu",
+            "cut_links",
             "immersed",
             "lattice",
             "lines",
@@ -98,6 +101,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "checkpoint",
             "cloth",
             "cpu",
+            "cut_links",
             "fabric",
             "frame",
             "geometry",

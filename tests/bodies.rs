@@ -528,8 +528,7 @@ fn beside_a_canopy() {
         "{markers} {momentum_box}"
     );
     assert!(
-        simulation.coupled().unwrap().markers().len()
-            < simulation.coupled().unwrap().immersed().marker_count()
+        simulation.coupled().unwrap().markers().len() < simulation.coupled().unwrap().point_count()
     );
 }
 

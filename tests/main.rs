@@ -28,6 +28,7 @@ mod cloth;
 mod command_line;
 mod contact;
 mod coupling;
+mod cut_links;
 mod descent;
 mod device;
 mod device_cloth;
@@ -108,6 +109,7 @@ fn main() -> std::process::ExitCode {
         sail_support::trials(),
         trim::trials(),
         coupling::trials(),
+        cut_links::trials(),
         device::trials(),
         device_cloth::trials(),
         device_cloth_steps::trials(),

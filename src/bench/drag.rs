@@ -5,6 +5,7 @@
 
 use super::measurement::Setting;
 use crate::bluff_body::{BluffBody, Shape, Until};
+use crate::case::coupling::Scheme;
 
 /// Drag of the sphere in a tunnel of 7 × 6 × 6 D over that in one of 18 × 16 × 16 D: 1.210 and 1.160, measured at 8 cells per diameter, with
 /// the regularised operator and a lattice speed of 0.1. What walls that far add, some 0.3 %, is left in the error.
@@ -20,6 +21,7 @@ pub(super) const fn sphere(setting: &Setting) -> BluffBody {
         resolution: setting.resolution,
         lattice_speed: setting.lattice_speed,
         operator: setting.operator,
+        scheme: Scheme::Kernel,
         levels: 0,
         tunnel: [7.0, 6.0, 6.0],
         upstream: 3.0,

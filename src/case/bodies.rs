@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::air::{Air, Flow};
+use super::file::Scheme;
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
@@ -173,7 +174,12 @@ fn check_body(
         *place = position_m + rotation * *place;
     }
     let coupling = file.coupling.as_ref();
+    let links = coupling.is_some_and(|c| c.scheme == Some(Scheme::Links));
     let inset = |key: &str, value: Option<f64>, usual_cells: f64| {
+        if links {
+            // The surface itself cuts links.
+            return Ok(0.0);
+        }
         within(key, usual::or(key, value, usual_cells), -1.0, 1.0)
     };
     let whole_markers = rigid::inset(

@@ -7,6 +7,7 @@ use super::body::{Body, BodyKind};
 use super::file::{self, File};
 use super::problem::Problem;
 use super::values::{positive, readable, within};
+use super::wing::{FrictionName, Tunnel, Wing};
 use super::{plate, rims, usual};
 use crate::cloth::Structure;
 use crate::cloth::rims::RimInsets;
@@ -15,12 +16,19 @@ use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CEL
 /// Smallest number of cells along any axis around a structure: room for the kernel and the momentum box.
 const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 
+/// Usual over-relaxation of the force.
+const OVER_RELAXATION: f64 = 1.6;
+
 /// Most passes of forcing.
 const PASSES_LIMIT: u32 = 20;
+
+pub use super::file::Scheme;
 
 /// Coupling of air with fabric and rigid bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
+    /// How.
+    pub scheme: Scheme,
     /// Over-relaxation a on a flat sheet.
     pub over_relaxation: f64,
     /// Steps of the air per step of the fabric, where the case gives them; otherwise the plan chooses.
@@ -72,30 +80,39 @@ pub(super) fn check(
             return Problem::new(
                 "structure",
                 "[coupling] is missing: the case has air and a structure, but does not say how they are coupled",
-                "add [coupling] with over_relaxation = 1.6",
+                "add [coupling], which may be empty",
             );
         }
         Problem::new(
             "bodies",
             "[coupling] is missing: the case has air and rigid bodies, but does not say how they are coupled",
-            "add [coupling] with over_relaxation = 1.6",
+            "add [coupling], which may be empty",
         )
     })?;
-    let rim_inset_cells = within(
-        "coupling.rim_inset_cells",
-        usual::or(
+    let scheme = usual::or("coupling.scheme", written.scheme, Scheme::Kernel);
+    if scheme == Scheme::Links {
+        refuse_keys_of_markers(written)?;
+    }
+    let rim_inset_cells = match scheme {
+        Scheme::Kernel => within(
             "coupling.rim_inset_cells",
-            written.rim_inset_cells,
-            RIM_INSET_CELLS,
-        ),
-        if has_fabric { 0.0 } else { -1.0 },
-        1.0,
-    )?;
+            usual::or(
+                "coupling.rim_inset_cells",
+                written.rim_inset_cells,
+                RIM_INSET_CELLS,
+            ),
+            if has_fabric { 0.0 } else { -1.0 },
+            1.0,
+        )?,
+        Scheme::Links => 0.0,
+    };
     let structure_every = match body {
         Some(body) => {
             let structure_every = check_fabric_coupling(written, air, body)?;
-            match &body.kind {
-                BodyKind::Plate(shape) => plate::check_cells(shape, air, rim_inset_cells)?,
+            match (&body.kind, scheme) {
+                (BodyKind::Wing(wing), Scheme::Links) => refuse_sliding(wing)?,
+                (_, Scheme::Links) => {}
+                (BodyKind::Plate(shape), _) => plate::check_cells(shape, air, rim_inset_cells)?,
                 _ => rims::check(body, air, rim_inset_cells)?,
             }
             structure_every
@@ -161,9 +178,14 @@ pub(super) fn check(
         ));
     }
     Ok(Some(Coupling {
+        scheme,
         over_relaxation: within(
             "coupling.over_relaxation",
-            written.over_relaxation,
+            usual::or(
+                "coupling.over_relaxation",
+                written.over_relaxation,
+                OVER_RELAXATION,
+            ),
             0.1,
             8.0 / 3.0 + 1e-9,
         )?,
@@ -173,6 +195,53 @@ pub(super) fn check(
         rim_inset_cells,
         averaging_steps: 1,
     }))
+}
+
+/// Refuses what only markers have.
+fn refuse_keys_of_markers(written: &file::Coupling) -> Result<(), Problem> {
+    let keys = [
+        ("over_relaxation", written.over_relaxation.is_some()),
+        ("passes", written.passes.is_some()),
+        ("surface_inset_cells", written.surface_inset_cells.is_some()),
+        ("rim_inset_cells", written.rim_inset_cells.is_some()),
+        (
+            "marker_spacing_cells",
+            written.marker_spacing_cells.is_some(),
+        ),
+    ];
+    for (name, given) in keys {
+        if given {
+            let key = format!("coupling.{name}");
+            return Err(Problem::new(
+                key.as_str(),
+                format!("{key} has no effect with scheme = \"links\": it belongs to markers"),
+                format!("remove {key} (--set {key}=absent), or take scheme = \"kernel\""),
+            ));
+        }
+    }
+    if let Some(every @ 2..) = written.structure_every {
+        return Err(Problem::new(
+            "coupling.structure_every",
+            format!(
+                "coupling.structure_every = {every}, but with scheme = \"links\" other links are cut in every step, each of which the fabric answers"
+            ),
+            "remove coupling.structure_every, or take scheme = \"kernel\"",
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses wings along which the air slides.
+fn refuse_sliding(wing: &Wing) -> Result<(), Problem> {
+    let slides = |tunnel: &Tunnel| tunnel.friction != FrictionName::Everywhere;
+    if !wing.tunnel.as_ref().is_some_and(slides) {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "coupling.scheme",
+        "coupling.scheme = \"links\" holds the air along the surface, too, but it is to slide along that of the wing (structure.wing.tunnel.friction)",
+        "take scheme = \"kernel\", or give structure.wing.tunnel.friction = \"everywhere\"",
+    ))
 }
 
 fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {

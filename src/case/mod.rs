@@ -9,7 +9,7 @@ mod body;
 mod cable_material;
 mod comparison;
 mod contact;
-mod coupling;
+pub mod coupling;
 mod density;
 mod descent;
 mod equilibrium;

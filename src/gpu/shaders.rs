@@ -72,6 +72,7 @@ stored_shaders! {
     TRANSFER = "transfer": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "place.wgsl", "operators.wgsl", "level_state.wgsl",
         "transfer.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
+    CUT_LINKS = "cut_links": "threads.wgsl", "arrays.wgsl", "cut_links.wgsl";
     REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";
     MACROSCOPIC = "macroscopic": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "macroscopic.wgsl";
     INTERPOLATE = "interpolate": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "markers.wgsl", "plain_kernels.wgsl",

@@ -20,7 +20,7 @@ use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
 use super::reduce::{mean_forces_n, quantity};
 use super::shared::{
-    BLOCKAGE_RATIO, DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, IMPULSE_MARKERS,
+    BLOCKAGE_RATIO, BY_MARKERS, DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, IMPULSE_MARKERS,
     IMPULSE_MOMENTUM_BOX, MASS_DEFECT, MASS_DRIFT, SLIP_MEAN, SLIP_RATIO, STROUHAL_NUMBER, TIME,
     WIND_SPEED,
 };
@@ -58,7 +58,7 @@ columns! {
     DRAG_MOMENTUM_BOX => |now| now.forces.momentum_box_n.dot(now.along);
     IMPULSE_MARKERS => |now| now.forces.impulse.markers.dot(now.along);
     IMPULSE_MOMENTUM_BOX => |now| now.forces.impulse.momentum_box.dot(now.along);
-    SLIP_RATIO => |now| now.slip_ratio;
+    SLIP_RATIO => |now| now.slip_ratio, when BY_MARKERS;
     MASS_DEFECT => |now| now.forces.mass_defect;
 }
 
@@ -103,7 +103,7 @@ impl Bodies {
             wind_m_s: simulation.wind_speed_m_s(),
             along: drag_direction(air, body),
             forces,
-            slip_ratio: coupled.slip_m_s()? / reference_speed_m_s(air, body),
+            slip_ratio: coupled.slip_m_s()?.unwrap_or(f64::NAN) / reference_speed_m_s(air, body),
         }))
     }
 }
@@ -379,8 +379,10 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
             Quantity::missing("markers left the momentum box, or there is no drag")
         },
     );
-    let slip = &record.column(&SLIP_RATIO)[window];
-    results.insert(&SLIP_MEAN, Quantity::new(average(slip)));
+    if record.latest(&SLIP_RATIO).is_some() {
+        let slip = &record.column(&SLIP_RATIO)[window];
+        results.insert(&SLIP_MEAN, Quantity::new(average(slip)));
+    }
     let defects = record.column(&MASS_DEFECT);
     let defect = largest(defects.into_iter().filter(|d| !d.is_nan()).map(f64::abs));
     results.tell(&MASS_DRIFT, defect);

@@ -8,7 +8,7 @@ use super::read_out::{columns, results};
 use super::record::Record;
 use super::reduce::{column_max, mean_forces_n, quantity, reduce, released};
 use super::shared::{
-    BLOCKAGE_RATIO, CORRECTED_DRAG, DRAG_COEFFICIENT, DRAG_MARKERS, DRAG_MOMENTUM_BOX,
+    BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT, DRAG_MARKERS, DRAG_MOMENTUM_BOX,
     FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
     KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, PRESSURE_RATIO,
     PROJECTED_DIAMETER_RATIO, SLIP_MEAN, SLIP_RATIO, STRESS_MAX, TIME, WIND_SPEED,
@@ -45,7 +45,7 @@ columns! {
         => |now| average(&now.line_tensions_n()), reduced MeanOf;
     LINE_TENSION_MAX => |now| now.line_tensions_n().into_iter().fold(0.0, f64::max), reduced Largest;
     STRESS_MAX => |now| now.shape.frame.stress_pa.iter().copied().fold(0.0, f64::max), reduced LargestAndMean("stress_max_steady_pa");
-    SLIP_RATIO => |now| now.slip_ratio;
+    SLIP_RATIO => |now| now.slip_ratio, when BY_MARKERS;
     APEX_OFFSET: "apex_offset_m", "m", "distance of the apex from the line through the confluence along the wind"
         => |now| now.apex_offset_m;
     KINETIC_ENERGY => |now| now.kinetic_energy_j;
@@ -102,7 +102,7 @@ impl Moment {
                 * reference
                 * canopy.nominal_area_m2,
             nominal_area_m2: canopy.nominal_area_m2,
-            slip_ratio: coupled.slip_m_s()? / reference,
+            slip_ratio: coupled.slip_m_s()?.unwrap_or(f64::NAN) / reference,
             apex_offset_m: apex.y.hypot(apex.z),
             kinetic_energy_j: simulation
                 .cloth()
@@ -306,8 +306,10 @@ fn insert_balances(
             .with_note("largest difference of the three routes over the drag")
     };
     results.insert(&FORCE_IMBALANCE, imbalance);
-    let slip = steady::mean(record, &SLIP_RATIO, window);
-    results.insert(&SLIP_MEAN, quantity(slip));
+    if record.latest(&SLIP_RATIO).is_some() {
+        let slip = steady::mean(record, &SLIP_RATIO, window);
+        results.insert(&SLIP_MEAN, quantity(slip));
+    }
     let defects = record.column(&MASS_DEFECT);
     let defect = largest(defects[released..].iter().map(|d| d.abs()));
     results.tell(&MASS_DRIFT, defect);

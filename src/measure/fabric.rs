@@ -10,9 +10,9 @@ use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
 use super::reduce::second_half;
 use super::shared::{
-    FASTEST_NODE, FORCE_X, FORCE_Y, FORCE_Z, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY,
-    LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, SHEAR_STRESS_MAX, SLIP_RATIO, STRESS_MAX,
-    TENSION_MAX, TIME, VON_MISES_MAX, WIND_SPEED,
+    BY_MARKERS, FASTEST_NODE, FORCE_X, FORCE_Y, FORCE_Z, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
+    KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, SHEAR_STRESS_MAX, SLIP_RATIO,
+    STRESS_MAX, TENSION_MAX, TIME, VON_MISES_MAX, WIND_SPEED,
 };
 use super::statistics::{average, largest};
 use crate::case::Scene;
@@ -35,7 +35,7 @@ columns! {
     IMPULSE_MARKERS => |now| now.forces.impulse.markers.x;
     IMPULSE_MOMENTUM_BOX => |now| now.forces.impulse.momentum_box.x;
     TENSION_MAX => |now| now.fabric.tension_max_n_m(), reduced Mean;
-    SLIP_RATIO => |now| now.slip_ratio, reduced Mean;
+    SLIP_RATIO => |now| now.slip_ratio, reduced Mean, when BY_MARKERS;
     KINETIC_ENERGY => |now| now.fabric.kinetic_energy_j;
     FASTEST_NODE => |now| largest(now.fabric.speeds_m_s());
     MASS_DEFECT => |now| now.forces.mass_defect;
@@ -121,7 +121,7 @@ impl InWind {
             fabric,
             wind_m_s: simulation.wind_speed_m_s(),
             forces,
-            slip_ratio: coupled.slip_m_s()? / air.wind_or_reference_m_s(),
+            slip_ratio: coupled.slip_m_s()?.unwrap_or(f64::NAN) / air.wind_or_reference_m_s(),
         }))
     }
 }

@@ -1,6 +1,18 @@
 //! Read-outs that several kinds of scenes have.
 
-use super::read_out::{ReadOut, results};
+use super::read_out::{ReadOut, When, results};
+use crate::case::Scene;
+use crate::case::coupling::Scheme;
+
+/// Markers leave slip; at cut links the wall's velocity is met at the cut.
+pub(super) static BY_MARKERS: When<Scene> = When {
+    words: "where markers act on the air",
+    holds: |scene| {
+        scene
+            .coupling
+            .is_some_and(|coupling| coupling.scheme == Scheme::Kernel)
+    },
+};
 
 macro_rules! rows {
     ( $( $handle:ident: $name:literal, $unit:literal, $meaning:literal; )+ ) => {

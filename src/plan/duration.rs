@@ -9,6 +9,9 @@ pub(super) const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
 /// Seconds per marker and step assumed for interpolation and spreading on one thread.
 const SECONDS_PER_MARKER: f64 = 0.5e-6;
 
+/// Seconds per cut link and step assumed for finding, reading and returning.
+const SECONDS_PER_LINK: f64 = 0.4e-6;
+
 /// Seconds per node, element and objective evaluation assumed for the fabric on one thread.
 const SECONDS_PER_ELEMENT_EVALUATION: f64 = 0.05e-6;
 
@@ -35,7 +38,8 @@ impl Plan {
             + sizes.markers as f64 * SECONDS_PER_MARKER_EVALUATION;
         let per_step = (sizes.updates + sizes.exchange_updates) as f64
             / (UPDATES_PER_SECOND_AND_THREAD * threads as f64)
-            + sizes.markers as f64 * SECONDS_PER_MARKER;
+            + sizes.markers as f64 * SECONDS_PER_MARKER
+            + sizes.links as f64 * SECONDS_PER_LINK / threads as f64;
         // Held while the wind rises.
         Some(steps * per_step + self.steps as f64 * evaluations * per_evaluation)
     }

@@ -1,7 +1,10 @@
 //! Sizes, bytes and a rough duration.
 
+use glam::DVec3;
+
 use super::Placement;
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::scene::{Air, BodyKind};
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
@@ -14,6 +17,12 @@ const MEMORY_SHARE: f64 = 0.8;
 /// Cell updates that take as long as the exchange of one cell of a box's shell (`ripstop bench levels`).
 pub(super) const UPDATES_PER_EXCHANGED_CELL: f64 = 4.0;
 
+/// Links that a surface of a cell's area cuts, in the mean over its directions: half of the sum of the lengths of the nine.
+const LINKS_PER_CELL_AREA: f64 = 0.5 * (3.0 + 6.0 * std::f64::consts::SQRT_2);
+
+/// Bytes of a cut link, with what is read, returned and sorted of it.
+const LINK_BYTES: u64 = 500;
+
 /// Sizes and bytes of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sizes {
@@ -25,6 +34,8 @@ pub struct Sizes {
     pub exchange_updates: u64,
     /// Markers.
     pub markers: u64,
+    /// Links that surfaces cut, in the mean over all directions of a surface.
+    pub links: u64,
     /// Nodes of the structure.
     pub nodes: u64,
     /// Triangles of the structure.
@@ -43,7 +54,7 @@ pub struct Sizes {
     pub padded_cells: u64,
     /// Bytes of a snapshot of the air, taken for pictures and files.
     pub snapshot_bytes: u64,
-    /// Bytes of markers and their lists.
+    /// Bytes of markers, or of cut links, and their lists.
     pub marker_bytes: u64,
     /// Bytes of the structure and its solver.
     pub structure_bytes: u64,
@@ -135,6 +146,17 @@ impl Sizes {
         }
         if let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) {
             let cell_size_m = air.units.cell_size_m;
+            if coupling.scheme == Scheme::Links {
+                let fabric = scene.body.iter().map(|body| body.structure.rest_area_m2());
+                let bodies = scene.rigid_bodies.iter().map(|body| {
+                    let areas = body.surface.area_vectors_m2();
+                    areas.map(DVec3::length).sum::<f64>()
+                });
+                let area_m2: f64 = fabric.chain(bodies).sum();
+                sizes.links = (LINKS_PER_CELL_AREA * area_m2 / (cell_size_m * cell_size_m)) as u64;
+                sizes.marker_bytes = sizes.links.saturating_mul(LINK_BYTES);
+                return sizes;
+            }
             let spacing_m = coupling.marker_spacing_m(air);
             if let Some(body) = &scene.body {
                 sizes.markers = match &body.kind {

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::scene::{Opening, OpeningKind};
 use crate::immersed::markers;
 
@@ -12,6 +13,9 @@ const RESOLVED_CELLS: f64 = 6.0;
 /// Cells from which on holes pass what sharp-edged ones do within 20 %, and gaps and slots do; narrower ones pass too little.
 const SMALLEST_HOLE_CELLS: f64 = 1.0;
 const SMALLEST_SLOT_CELLS: f64 = 2.0;
+
+/// Cells from which on openings in a surface that cuts links pass what they should within 15 % (`ripstop validate openings`).
+const SMALLEST_CUT_CELLS: f64 = 2.0;
 
 /// Relative difference of widths that are meant to be the same.
 const ROUND_OFF: f64 = 1e-9;
@@ -62,6 +66,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     let Some(body) = &scene.body else {
         return Ok(());
     };
+    let by_links = scene
+        .coupling
+        .is_some_and(|coupling| coupling.scheme == Scheme::Links);
     let inset = |width_m: f64| {
         let (air, coupling) = (scene.air.as_ref()?, scene.coupling.as_ref()?);
         let cell = air.units.cell_size_m;
@@ -80,6 +87,17 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let narrowest = if is_range { " the narrowest" } else { "" };
         let cells = match inset(opening.width_m) {
             None => String::new(),
+            Some(_) if by_links && opening.width_m == 0.0 => {
+                ": cuts along seams, which open under load".to_owned()
+            }
+            Some((cells, _)) if by_links => {
+                let judged = if cells >= SMALLEST_CUT_CELLS {
+                    "passes what it should within 15 %"
+                } else {
+                    "too narrow: it passes less than it should"
+                };
+                format!(",{narrowest} {cells:.1} cells: {judged}")
+            }
             Some((_, inset)) if opening.width_m == 0.0 => format!(
                 ": cuts along seams, which open under load; markers stand {inset:.2} cells inside their rims"
             ),

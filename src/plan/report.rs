@@ -7,6 +7,7 @@ use super::{
     openings, permeability, phases, wing,
 };
 use crate::case::Scene;
+use crate::case::coupling::{Coupling, Scheme};
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
 use crate::immersed::markers;
 
@@ -289,17 +290,7 @@ impl Plan {
         let mass = structure.masses_kg.iter().sum::<f64>() - payload;
         let ratio = mass / structure.rest_area_m2() / (air.units.density_kg_m3 * cell);
         writeln!(out, "\ncoupling")?;
-        writeln!(
-            out,
-            "  markers             {} ({})",
-            self.sizes.markers,
-            megabytes(self.sizes.marker_bytes)
-        )?;
-        writeln!(
-            out,
-            "  over-relaxation     a = {}",
-            coupling.over_relaxation
-        )?;
+        self.write_scheme(out, coupling)?;
         cadence::write(out, scene)?;
         writeln!(
             out,
@@ -307,12 +298,19 @@ impl Plan {
         )?;
         if let BodyKind::Plate(plate) = &body.kind {
             let [length, width] = plate.size_m.map(|size| size / cell);
-            writeln!(
+            write!(
                 out,
-                "  cells over plate    {length:.1} along, {width:.1} across; markers stand {} cells inside its rim",
-                coupling.rim_inset_cells
+                "  cells over plate    {length:.1} along, {width:.1} across"
             )?;
-        } else {
+            match coupling.scheme {
+                Scheme::Kernel => writeln!(
+                    out,
+                    "; markers stand {} cells inside its rim",
+                    coupling.rim_inset_cells
+                )?,
+                Scheme::Links => writeln!(out)?,
+            }
+        } else if coupling.scheme == Scheme::Kernel {
             writeln!(
                 out,
                 "  rims                markers stand {} cells inside them, on {:.0} % of the fabric",
@@ -351,6 +349,30 @@ impl Plan {
         Ok(())
     }
 
+    /// How surfaces meet the air.
+    fn write_scheme(&self, out: &mut String, coupling: &Coupling) -> std::fmt::Result {
+        let bytes = megabytes(self.sizes.marker_bytes);
+        match coupling.scheme {
+            Scheme::Kernel => {
+                writeln!(
+                    out,
+                    "  markers             {} ({bytes})",
+                    self.sizes.markers
+                )?;
+                writeln!(
+                    out,
+                    "  forcing             over-relaxation a = {}, {} pass(es)",
+                    coupling.over_relaxation, coupling.passes
+                )
+            }
+            Scheme::Links => writeln!(
+                out,
+                "  cut links           about {} ({bytes}), found anew in every step that the surface moves",
+                self.sizes.links
+            ),
+        }
+    }
+
     fn write_bodies(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
         let (Some(air), Some(coupling), false) =
             (&scene.air, &scene.coupling, scene.rigid_bodies.is_empty())
@@ -362,23 +384,19 @@ impl Plan {
         let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
         writeln!(out, "\nrigid bodies")?;
         if scene.body.is_none() {
-            writeln!(
-                out,
-                "  markers             {} ({})",
-                self.sizes.markers,
-                megabytes(self.sizes.marker_bytes)
-            )?;
-            writeln!(
-                out,
-                "  forcing             over-relaxation a = {}, {} pass(es)",
-                coupling.over_relaxation, coupling.passes
-            )?;
+            self.write_scheme(out, coupling)?;
         }
         for body in &scene.rigid_bodies {
-            let own = markers::count(body.marker_surface.extents(), spacing_m);
+            let markers = match coupling.scheme {
+                Scheme::Kernel => {
+                    let own = markers::count(body.marker_surface.extents(), spacing_m);
+                    format!("{own} markers on ")
+                }
+                Scheme::Links => String::new(),
+            };
             writeln!(
                 out,
-                "  {}: {own} markers on {} triangles, {}",
+                "  {}: {markers}{} triangles, {}",
                 body.name,
                 body.surface.triangles.len(),
                 if body.volume_m3.is_some() {

@@ -1,6 +1,7 @@
 //! What a run leaves out, and why.
 
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::scene::{Air, Body, BodyKind, Flow};
 
 /// Something that the scene does not need.
@@ -100,10 +101,16 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
         };
         skip("boxes of finer cells", why.into());
     }
+    let by_links = scene.coupling.is_some_and(|c| c.scheme == Scheme::Links);
     if scene.coupling.is_none() {
         skip(
             "markers, interpolation, spreading, body force",
             "the case has neither [structure] nor [bodies]".into(),
+        );
+    } else if by_links {
+        skip(
+            "markers, interpolation, spreading, body force",
+            "coupling.scheme = \"links\": what leaves along cut links comes back".into(),
         );
     } else if scene.rigid_bodies.is_empty() {
         skip("rigid bodies", "the case has no [bodies]".into());
@@ -151,7 +158,7 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
         ),
         Some(_) => {}
     }
-    if scene.coupling.is_some() {
+    if scene.coupling.is_some() && !by_links {
         skip(
             "body force away from markers",
             "it is read only near the cells under a marker's kernel".into(),

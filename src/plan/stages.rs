@@ -2,6 +2,7 @@
 
 use super::{Placement, structure_every};
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 
 /// A stage of a step. Its name is the same in the plan, in the engine's file and in reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +13,10 @@ pub enum Stage {
     CollideStream,
     /// Steps of the lattices around that of the structure, where they are due, and what passes between them and their boxes.
     CoarserLevels,
+    /// Links of the lattice that surfaces cut.
+    FindLinks,
+    /// What left along cut links.
+    ReadLinks,
     /// Transfer: marker positions from host to device.
     SendMarkers,
     /// Air velocity u* at the markers.
@@ -24,6 +29,8 @@ pub enum Stage {
     SolveCloth,
     /// Transfer: node positions from device to host.
     FetchNodes,
+    /// What comes back along cut links, with the velocity that the surfaces now have.
+    Bounce,
     /// Transfer: marker forces from host to device.
     SendMarkerForces,
     /// Exact opposite of that reaction, as a body force near the sheet.
@@ -40,16 +47,19 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of a step.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::EddyViscosity,
         Self::CollideStream,
         Self::CoarserLevels,
+        Self::FindLinks,
+        Self::ReadLinks,
         Self::SendMarkers,
         Self::Interpolate,
         Self::FetchAirVelocities,
         Self::SendNodes,
         Self::SolveCloth,
         Self::FetchNodes,
+        Self::Bounce,
         Self::SendMarkerForces,
         Self::Spread,
         Self::RepeatForcing,
@@ -65,6 +75,9 @@ impl Stage {
             Self::EddyViscosity => "eddy_viscosity",
             Self::CollideStream => "collide_stream",
             Self::CoarserLevels => "coarser_levels",
+            Self::FindLinks => "find_links",
+            Self::ReadLinks => "read_links",
+            Self::Bounce => "bounce",
             Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
             Self::FetchAirVelocities => "fetch_air_velocities",
@@ -89,6 +102,9 @@ impl Stage {
             Self::CoarserLevels => {
                 "populations of coarser cells; those of both where boxes end -> the same"
             }
+            Self::FindLinks => "node positions -> cut links, distances of the cuts",
+            Self::ReadLinks => "populations, cut links -> what left along them",
+            Self::Bounce => "what left, node velocities -> populations that come back, forces",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
             Self::SendNodes => "nodes, loads, marker reactions, host -> device",
@@ -124,8 +140,12 @@ pub struct PlannedStage {
 pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
     let mut stages = Vec::new();
     let mut add = |stage, every| stages.push(PlannedStage { stage, every });
-    let coupled = scene.coupling.is_some();
-    let air_on_device = coupled && placement.air_on_device();
+    let scheme = scene.coupling.map(|coupling| coupling.scheme);
+    let (kernel, links) = (
+        scheme == Some(Scheme::Kernel),
+        scheme == Some(Scheme::Links),
+    );
+    let air_on_device = kernel && placement.air_on_device();
     if scene.time.is_some() {
         if let Some(air) = &scene.air {
             if let Some(eddy_viscosity) = air.eddy_viscosity
@@ -138,10 +158,14 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
                 add(Stage::CoarserLevels, 2);
             }
         }
+        if links {
+            add(Stage::FindLinks, 1);
+            add(Stage::ReadLinks, 1);
+        }
         if air_on_device {
             add(Stage::SendMarkers, 1);
         }
-        if coupled {
+        if kernel {
             add(Stage::Interpolate, 1);
         }
         if air_on_device {
@@ -160,7 +184,10 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if air_on_device {
             add(Stage::SendMarkerForces, 1);
         }
-        if coupled {
+        if links {
+            add(Stage::Bounce, 1);
+        }
+        if kernel {
             add(Stage::Spread, 1);
         }
         if scene.coupling.is_some_and(|c| c.passes > 1) {

@@ -10,6 +10,7 @@ use crate::output::{
     StructureEvery, Summary, Supports, mark,
 };
 use crate::plan::{ClothPlacement, MARKER_MOTION_LIMIT, Placement, Stage};
+use crate::simulation::Coupled;
 use crate::simulation::Simulation;
 use crate::statics::Statics;
 use crate::validity;
@@ -171,9 +172,7 @@ pub(super) fn summarise(
         threads: rayon::current_num_threads(),
         cells,
         lattices,
-        markers: simulation
-            .coupled()
-            .map_or(0, |c| c.immersed().marker_count()),
+        markers: simulation.coupled().map_or(0, Coupled::point_count),
         nodes: plan.sizes.nodes as usize,
         triangles: plan.sizes.triangles as usize,
         steps,

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::coupled::at_marker;
+use super::kernel_coupling::at_marker;
 use super::{AirEngine, ClothEngine, Coupled, Failure, Levels, Origin, Simulation};
 use crate::case::Scene;
 use crate::case::scene::Air;
@@ -181,6 +181,7 @@ fn on_lattice(old: &Coupled, scene: &Scene, units: &Units, cloth: Option<&Cloth>
     if old.units().cell_size_m == units.cell_size_m {
         return old
             .pending_forces()
+            .into_iter()
             .map(|(place, force)| (place, scaled(force, 1.0)))
             .collect();
     }
@@ -232,7 +233,7 @@ impl Simulation {
         };
         let mut owed = Vec::new();
         if let Some(coupled) = self.coupled.take() {
-            fields[old.depth()].add_half(&coupled.pending_forces().collect::<Vec<_>>());
+            fields[old.depth()].add_half(&coupled.pending_forces());
             owed = on_lattice(&coupled, &scene, &new.units, self.cloth.as_ref());
         }
         let finest = new.finest();

@@ -267,6 +267,7 @@ fn step_input<'a>(
         damping_1_s: scene.solver.damping_1_s,
         markers: coupled.map(Coupled::reactions).unwrap_or_default(),
         permeable: coupled.map(Coupled::permeable).unwrap_or_default(),
+        cut_triangles: coupled.map(Coupled::cut_triangles).unwrap_or_default(),
     }
 }
 

@@ -277,7 +277,7 @@ impl Impulses {
         Ok(())
     }
 
-    /// The air has just been collided under the forces of the last `spread`, which took place at `time_s`.
+    /// The air has just been given what the structure does to it: collided under the forces of the last `spread`, or bounced; formed at `time_s`.
     pub(super) fn add_delivered(&mut self, coupled: &Coupled, time_s: f64) {
         let force = coupled.fabric_force_on_air();
         for a in 0..3 {
@@ -307,7 +307,7 @@ impl Impulses {
                 self.apparent[a] += mass * gain[a];
             }
         }
-        self.contained &= coupled.immersed().touches_only(volume.first, volume.end);
+        self.contained &= coupled.touches_only(volume.first, volume.end);
         let Some(cloth) = cloth else {
             return Ok(());
         };
@@ -346,23 +346,7 @@ impl Impulses {
     fn held_edge_n(&self, cloth: &Cloth, coupled: &Coupled) -> DVec3 {
         let reactions = cloth.reactions_n(&StepInput::default());
         let elastic: DVec3 = reactions.iter().map(|(_, force)| *force).sum();
-        let structure = &cloth.structure;
-        let mut on_air = [0.0; 3];
-        for (k, marker) in coupled.markers().iter().enumerate() {
-            let nodes = structure.triangles[marker.triangle as usize].nodes;
-            let share: f64 = nodes
-                .iter()
-                .zip(marker.weights)
-                .filter(|(node, _)| structure.held[**node as usize])
-                .map(|(_, weight)| weight)
-                .sum();
-            if share != 0.0 {
-                let force = coupled.immersed().force(k);
-                for a in 0..3 {
-                    on_air[a] += share * force[a];
-                }
-            }
-        }
+        let on_air = coupled.held_force_on_air(cloth);
         let scale = self.units.impulse_n_s() / self.units.time_step_s;
         elastic + DVec3::from_array(on_air) * scale
     }

@@ -112,12 +112,13 @@ impl Simulation {
         };
         let mut alarm = None;
         let finest = air.finest();
-        let around = coupled.and_then(|coupled| Around::of(coupled.positions(), finest.cells));
+        let around = coupled.and_then(|coupled| Around::of(&coupled.positions(), finest.cells));
         if let (Some(around), Some(coupled)) = (&around, coupled) {
             let settling = (SETTLING * around.size / air.lattice_speed).ceil() as u64;
             let settled = self.released() && self.step >= self.origin.step + settling;
             let slip_ratio = if settled && reference_speed > 0.0 {
-                Some(coupled.slip_m_s()? / (reference_speed * air.units.speed_m_s()))
+                let slip_m_s = coupled.slip_m_s()?;
+                slip_m_s.map(|slip| slip / (reference_speed * air.units.speed_m_s()))
             } else {
                 None
             };

@@ -12,12 +12,15 @@ mod cloth;
 mod cloth_engine;
 mod cost;
 mod coupled;
+mod cut_surface;
 mod descent;
 mod drags;
 mod failure;
 mod frames;
 mod impulses;
+mod kernel_coupling;
 mod levels;
+mod link_coupling;
 mod looks;
 mod markers;
 mod opening;
@@ -44,12 +47,15 @@ pub use cadence::Cadence;
 pub use checkpoint::POSITIONS_SECTION;
 pub use cloth_engine::ClothEngine;
 pub use cost::{Cost, StageCost};
-pub use coupled::Coupled;
+pub use coupled::{Coupled, LeftTheAir};
+pub use cut_surface::{CutReaction, CutSurface};
 pub use descent::{Descent, Fall};
 pub use failure::{Diverged, Failure};
 use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
+pub use kernel_coupling::KernelCoupling;
 pub use levels::Levels;
+pub use link_coupling::LinkCoupling;
 pub use markers::MarkerEngine;
 pub use opening::Opening;
 pub use structure_state::{StaticLoads, StructureState};
@@ -59,7 +65,6 @@ use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow};
 use crate::cpu::cloth::{Cloth, NodalDrag};
 use crate::gpu::{Device, DeviceError};
-use crate::immersed::touched::OutOfDomain;
 use crate::plan::{Plan, PlannedStage, Stage, capabilities};
 
 /// One step in so many is timed where a device works while the host goes on; a prime, to meet all cadences alike.
@@ -276,6 +281,9 @@ impl Simulation {
                 Stage::EddyViscosity => self.eddy_viscosity()?,
                 Stage::CollideStream => self.collide_stream()?,
                 Stage::CoarserLevels => self.coarser_levels()?,
+                Stage::FindLinks => self.find_links()?,
+                Stage::ReadLinks => self.read_links()?,
+                Stage::Bounce => self.bounce()?,
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
                 Stage::FetchAirVelocities => self.fetch_air_velocities()?,
@@ -310,7 +318,10 @@ impl Simulation {
                 Stage::EddyViscosity | Stage::CollideStream | Stage::CoarserLevels => {
                     self.cost.fluid += elapsed;
                 }
-                Stage::SendMarkers
+                Stage::FindLinks
+                | Stage::ReadLinks
+                | Stage::Bounce
+                | Stage::SendMarkers
                 | Stage::Interpolate
                 | Stage::FetchAirVelocities
                 | Stage::SendMarkerForces
@@ -383,12 +394,43 @@ impl Simulation {
             let velocity = settings.units.velocity_to_lattice(wind);
             air.engine_mut().set_inlet_velocity(velocity);
         }
-        let markers = self.coupled.as_ref().map(Coupled::immersed);
+        let markers = self.coupled.as_ref().and_then(Coupled::immersed);
         air.collide_stream(acceleration, markers)?;
         let time_s = self.time_s();
-        if let (Some(impulses), Some(coupled)) = (&mut self.impulses, &self.coupled)
+        if let (Some(impulses), Some(coupled @ Coupled::Kernel(_))) =
+            (&mut self.impulses, &self.coupled)
             && self.step >= start_steps
         {
+            impulses.add_delivered(coupled, time_s);
+        }
+        Ok(())
+    }
+
+    fn find_links(&mut self) -> Result<(), Failure> {
+        let time_s = self.time_at(self.step + 1);
+        let Some(coupled) = &mut self.coupled else {
+            return Ok(());
+        };
+        let found = coupled.find_links(self.cloth.as_ref(), time_s);
+        self.still_inside(found)
+    }
+
+    fn read_links(&mut self) -> Result<(), DeviceError> {
+        match (&mut self.air, &mut self.coupled) {
+            (Some(air), Some(coupled)) => coupled.read_links(air.finest_mut()),
+            _ => Ok(()),
+        }
+    }
+
+    fn bounce(&mut self) -> Result<(), DeviceError> {
+        let time_s = self.time_at(self.step + 1);
+        let released = self.released();
+        let (Some(air), Some(coupled)) = (&mut self.air, &mut self.coupled) else {
+            return Ok(());
+        };
+        coupled.bounce(air.finest_mut(), self.cloth.as_ref(), time_s, released)?;
+        self.largest_marker_motion = self.largest_marker_motion.max(coupled.fastest_marker());
+        if let (Some(impulses), true) = (&mut self.impulses, released) {
             impulses.add_delivered(coupled, time_s);
         }
         Ok(())
@@ -446,9 +488,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// A marker that left the air ends the run.
-    fn still_inside(&mut self, markers: Result<(), OutOfDomain>) -> Result<(), Failure> {
-        let Err(left) = markers else {
+    /// A marker or a node of a surface that left the air ends the run.
+    fn still_inside(&mut self, surfaces: Result<(), LeftTheAir>) -> Result<(), Failure> {
+        let Err(left) = surfaces else {
             return Ok(());
         };
         // Perhaps the air drove it out.
@@ -467,7 +509,7 @@ impl Simulation {
             ("the air", "enlarge the tunnel")
         };
         let what = format!(
-            "a marker left {left} at ({:.3}, {:.3}, {:.3}) m; {remedy}, guide the apex, or check the loads",
+            "the surface left {left} at ({:.3}, {:.3}, {:.3}) m; {remedy}, guide the apex, or check the loads",
             place.x, place.y, place.z
         );
         Err(self.diverged(what).into())

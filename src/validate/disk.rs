@@ -5,6 +5,7 @@
 use super::drag;
 use super::session::{Session, Stop};
 use crate::bluff_body::{BluffBody, Shape, Until};
+use crate::case::coupling::Scheme;
 use crate::lattice::Operator;
 
 const QUICK: BluffBody = BluffBody {
@@ -13,6 +14,7 @@ const QUICK: BluffBody = BluffBody {
     resolution: 12,
     lattice_speed: 0.1,
     operator: Operator::RecursiveRegularised,
+    scheme: Scheme::Kernel,
     levels: 0,
     tunnel: [7.0, 6.0, 6.0],
     upstream: 3.0,

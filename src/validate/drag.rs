@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::bluff_body::{self, BluffBody, Until};
+use crate::case::coupling::Scheme;
 
 /// Largest difference of the two routes of the drag, over the drag: round-off of f32 in a box of some thousand cells.
 const ROUTES: f64 = 1e-3;
@@ -34,9 +35,13 @@ pub(super) fn rows(session: &mut Session, body: &BluffBody, band: Option<f64>) -
         go_on(simulation.step_count())
     })?;
     let flow = format!(
-        "Re {}, {} cells/D{}, blockage {:.1} %",
+        "Re {}, {} cells/D{}{}, blockage {:.1} %",
         body.reynolds,
         body.resolution,
+        match body.scheme {
+            Scheme::Kernel => "",
+            Scheme::Links => ", cut links",
+        },
         match body.levels {
             0 => String::new(),
             levels => format!(" in {levels} boxes"),

@@ -10,6 +10,7 @@ use std::path::Path;
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::bluff_body::{BluffBody, Shape, Until};
+use crate::case::coupling::Scheme;
 use crate::case::{self, Choices};
 use crate::lattice::Operator;
 use crate::measure::Record;
@@ -25,6 +26,7 @@ const DISK: BluffBody = BluffBody {
     resolution: 8,
     lattice_speed: 0.08,
     operator: Operator::RecursiveRegularised,
+    scheme: Scheme::Kernel,
     levels: 0,
     tunnel: [6.0, 5.0, 5.0],
     upstream: 2.5,

@@ -10,13 +10,15 @@
 //! ([`markers::opening_inset_cells`]), holes of one to six cells pass the right amount. Wider ones pass more, as rounded holes do: the kernel
 //! smooths the edge that the jet would leave, and narrows it less.
 
+use glam::DVec3;
+
 use super::flows::{periodic, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::immersed::markers;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
-use crate::simulation::MarkerEngine;
+use crate::simulation::{AirEngine, CutSurface, MarkerEngine};
 
 /// A square hole or a slot in a plate.
 #[derive(Clone, Copy)]
@@ -24,8 +26,8 @@ struct Opening {
     /// [cells]
     width: f64,
     is_slot: bool,
-    /// How far inside the rim markers stand [cells].
-    inset: f64,
+    /// How far inside the rim markers stand [cells]; `None` of a plate that cuts links.
+    inset: Option<f64>,
     /// Where it begins, in cells of the duct, between two of the lattice.
     offset: f64,
 }
@@ -41,6 +43,10 @@ const SLOTS_CELLS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Cells along a slot: the jet may sway in three dimensions.
 const ALONG_SLOT: usize = 12;
 
+/// Width from which on openings in a plate that cuts links pass what they should, and within which band: no inset, nothing fitted.
+const RESOLVED_BY_LINKS_CELLS: f64 = 2.0;
+const BAND_OF_LINKS: f64 = 0.15;
+
 /// Speed in the hole that the force is chosen for [cells per step].
 const SPEED: f64 = 0.06;
 
@@ -53,13 +59,22 @@ const OFFSETS: [f64; 2] = [0.13, 0.6];
 
 impl Opening {
     fn ours(width: f64, is_slot: bool, offset: f64) -> Self {
-        let inset = markers::opening_inset_cells(width);
         Self {
             width,
             is_slot,
-            inset,
+            inset: Some(markers::opening_inset_cells(width)),
             offset,
         }
+    }
+
+    /// From one opening to the next [cells].
+    fn pitch(self) -> f64 {
+        self.widths_of_duct() * self.width
+    }
+
+    /// Openings in the duct along an axis, which is never narrower than a kernel.
+    fn repeated(self) -> i32 {
+        if self.width < 2.0 { 2 } else { 1 }
     }
 
     fn widths_of_duct(self) -> f64 {
@@ -120,10 +135,31 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
             if let Some(band) = opening.band() {
                 row.gate(Gate::Within(band));
             }
+            let cut = Opening {
+                inset: None,
+                ..opening
+            };
+            let (cells, coefficient) = discharge(session, cut)?;
+            let row = session
+                .row(
+                    cells,
+                    format!("{name} at {offset}, cut links: discharge coefficient"),
+                    coefficient,
+                )
+                .reference(opening.reference(), "Idelchik, diagram 8-1");
+            if opening.width >= RESOLVED_BY_LINKS_CELLS {
+                row.gate(Gate::Within(BAND_OF_LINKS));
+            }
         }
     }
     let hole = Opening::ours(4.0, false, OFFSETS[0]);
-    let mut shown = vec![(Opening { inset: 0.0, ..hole }, "markers up to the rim")];
+    let mut shown = vec![(
+        Opening {
+            inset: Some(0.0),
+            ..hole
+        },
+        "markers up to the rim",
+    )];
     if session.size(false, true) {
         shown.push((
             Opening {
@@ -157,23 +193,98 @@ fn parts(from: f64, to: f64) -> (Vec<f64>, f64) {
 
 /// Cells, and v/√(2Δp/ρ) in the mean.
 fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64), Stop> {
-    let Opening {
-        width,
-        is_slot,
-        inset,
-        offset,
-    } = opening;
+    let is_slot = opening.is_slot;
     let (open, wanted) = (opening.open(), opening.reference());
-    // A duct is never narrower than a kernel.
-    let repeated = if width < 2.0 { 2 } else { 1 };
-    let pitch = opening.widths_of_duct() * width;
-    let side = (pitch * f64::from(repeated)).round() as usize;
+    let side = (opening.pitch() * f64::from(opening.repeated())).round() as usize;
     let depth = if is_slot { ALONG_SLOT } else { side };
     let cells = [4 * side, side, depth];
     let pressure = 0.5 * (SPEED / wanted).powi(2);
     let mut setup = periodic(cells, 0.5 + 3e-4, Operator::RecursiveRegularised);
     setup.eddy_viscosity = Some(EddyViscosity::smagorinsky(0.15));
     let mut air = session.air(setup, &|_| (0.0, [SPEED * open, 0.0, 0.0]))?;
+    let mut plate = match opening.inset {
+        Some(inset) => Plate::Markers(Box::new(marked_plate(&air, opening, inset, [side, depth])?)),
+        None => Plate::Cut(Box::new(cut_plate(&air, opening, [side, depth])?)),
+    };
+    let acceleration = Some([pressure / cells[0] as f64, 0.0, 0.0]);
+    // The jet goes around so many times; the mean is taken over the second half. That of a slot sways slowly from one side to the other.
+    let passes = session.size(12.0, 30.0) * if is_slot { 4.0 } else { 1.0 };
+    let steps = (passes * cells[0] as f64 / SPEED) as usize;
+    let (mut sum, mut samples) = (0.0, 0.0);
+    for step in 0..steps {
+        plate.advance(&mut air, acceleration)?;
+        if step.is_multiple_of(64) {
+            session.check_interrupt()?;
+            if 2 * step >= steps {
+                let states = states(&air)?;
+                let momentum: f64 = states.iter().map(|(excess, u)| (1.0 + excess) * u[0]).sum();
+                sum += momentum / states.len() as f64;
+                samples += 1.0;
+            }
+        }
+    }
+    session.progress_to(session.done + 1e-6 * (steps * cells.iter().product::<usize>()) as f64);
+    Ok((cells, sum / samples / open / (2.0 * pressure).sqrt()))
+}
+
+/// The plate, whichever way it meets the air.
+enum Plate {
+    Markers(Box<MarkedPlate>),
+    Cut(Box<CutPlate>),
+}
+
+struct MarkedPlate {
+    markers: MarkerEngine,
+    positions: Vec<[f64; 3]>,
+    at_rest: Vec<[f64; 3]>,
+}
+
+struct CutPlate {
+    surface: CutSurface,
+    positions: Vec<DVec3>,
+    at_rest: Vec<DVec3>,
+}
+
+impl Plate {
+    /// One step of the air.
+    fn advance(&mut self, air: &mut AirEngine, acceleration: Option<[f64; 3]>) -> Result<(), Stop> {
+        let left = || Stop::Refused("the plate left the duct".to_owned());
+        match self {
+            Self::Markers(plate) => {
+                let (markers, positions) = (&mut plate.markers, &plate.positions);
+                markers.send_markers(air, positions)?.map_err(|_| left())?;
+                markers.interpolate(air, positions)?.map_err(|_| left())?;
+                markers.fetch_air_velocities()?;
+                markers.send_marker_forces(&plate.at_rest);
+                markers.spread(&plate.at_rest);
+                air.collide_stream(acceleration, Some(markers))?;
+            }
+            Self::Cut(plate) => {
+                air.collide_stream(acceleration, None)?;
+                let surface = &mut plate.surface;
+                surface.find_links(&plate.positions).map_err(|_| left())?;
+                surface.read_links(air, &plate.at_rest)?;
+                surface.bounce(air, &plate.at_rest)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A plate of markers, which stand `inset` inside the rim, in a duct of so many cells across and along a slot.
+fn marked_plate(
+    air: &AirEngine,
+    opening: Opening,
+    inset: f64,
+    [side, depth]: [usize; 2],
+) -> Result<MarkedPlate, Stop> {
+    let Opening {
+        width,
+        is_slot,
+        offset,
+        ..
+    } = opening;
+    let (repeated, pitch) = (opening.repeated(), opening.pitch());
     let (mut positions, mut areas) = (Vec::new(), Vec::new());
     let gap = width + 2.0 * inset;
     let (solid, solid_length) = parts(gap, pitch);
@@ -203,31 +314,52 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
             }
         }
     }
-    let mut markers = MarkerEngine::new(&air, areas, 1.6)?;
-    let at_rest = vec![[0.0; 3]; positions.len()];
-    let acceleration = Some([pressure / cells[0] as f64, 0.0, 0.0]);
-    // The jet goes around so many times; the mean is taken over the second half. That of a slot sways slowly from one side to the other.
-    let passes = session.size(12.0, 30.0) * if is_slot { 4.0 } else { 1.0 };
-    let steps = (passes * cells[0] as f64 / SPEED) as usize;
-    let left = |_| Stop::Refused("the plate left the duct".to_owned());
-    let (mut sum, mut samples) = (0.0, 0.0);
-    for step in 0..steps {
-        markers.send_markers(&air, &positions)?.map_err(left)?;
-        markers.interpolate(&air, &positions)?.map_err(left)?;
-        markers.fetch_air_velocities()?;
-        markers.send_marker_forces(&at_rest);
-        markers.spread(&at_rest);
-        air.collide_stream(acceleration, Some(&markers))?;
-        if step.is_multiple_of(64) {
-            session.check_interrupt()?;
-            if 2 * step >= steps {
-                let states = states(&air)?;
-                let momentum: f64 = states.iter().map(|(excess, u)| (1.0 + excess) * u[0]).sum();
-                sum += momentum / states.len() as f64;
-                samples += 1.0;
+    Ok(MarkedPlate {
+        markers: MarkerEngine::new(air, areas, 1.6)?,
+        at_rest: vec![[0.0; 3]; positions.len()],
+        positions,
+    })
+}
+
+/// A plate of triangles in such a duct.
+fn cut_plate(
+    air: &AirEngine,
+    opening: Opening,
+    [side, depth]: [usize; 2],
+) -> Result<CutPlate, Stop> {
+    let (repeated, pitch) = (opening.repeated(), opening.pitch());
+    let mut lines = Vec::new();
+    for number in 0..repeated {
+        let from = pitch * f64::from(number);
+        lines.extend([from, from + opening.width]);
+    }
+    lines.push(side as f64);
+    let along = if opening.is_slot {
+        vec![0.0, depth as f64]
+    } else {
+        lines.clone()
+    };
+    let x = PLATE * side as f64;
+    let place = |at: f64| at + opening.offset - 0.5;
+    let positions: Vec<DVec3> = (along.iter())
+        .flat_map(|z| lines.iter().map(|y| DVec3::new(x, place(*y), place(*z))))
+        .collect();
+    let mut triangles = Vec::new();
+    let (columns, rows) = (lines.len(), along.len());
+    for row in 0..rows - 1 {
+        for column in 0..columns - 1 {
+            let is_open = |number: usize| number.is_multiple_of(2);
+            if is_open(column) && (opening.is_slot || is_open(row)) {
+                continue;
             }
+            let corner = |r: usize, c: usize| ((row + r) * columns + column + c) as u32;
+            let (a, b, c, d) = (corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
+            triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
-    session.progress_to(session.done + 1e-6 * (steps * cells.iter().product::<usize>()) as f64);
-    Ok((cells, sum / samples / open / (2.0 * pressure).sqrt()))
+    Ok(CutPlate {
+        at_rest: vec![DVec3::ZERO; positions.len()],
+        surface: CutSurface::new(air, triangles, positions.len(), (0, true)),
+        positions,
+    })
 }

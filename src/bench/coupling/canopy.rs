@@ -119,7 +119,7 @@ pub(super) fn run(
     point.steps = plan.steps;
     let mut simulation = Simulation::new(case.scene, plan, engine.device.clone())?;
     if let Some(coupled) = simulation.coupled() {
-        point.markers = coupled.immersed().marker_count();
+        point.markers = coupled.point_count();
         let cells = rest_area_m2 / (units.cell_size_m * units.cell_size_m);
         point.marker_distance_cells = (cells / point.markers as f64).sqrt();
     }
@@ -165,7 +165,7 @@ pub(super) fn run(
         let speeds = frame.structure.iter().flat_map(|s| &s.velocities_m_s);
         fastest = speeds.map(|v| v.length()).fold(fastest, f64::max);
         if let (true, Some(coupled)) = (step > half, simulation.coupled()) {
-            leakages.push(coupled.leakage_m_s(simulation.cloth(), simulation.time_s())?);
+            leakages.extend(coupled.leakage_m_s(simulation.cloth(), simulation.time_s())?);
         }
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

@@ -94,7 +94,7 @@ pub(super) fn run_for(
     point.steps = plan.steps;
     let mut simulation = Simulation::new(case.scene, plan, engine.device.clone())?;
     if let Some(coupled) = simulation.coupled() {
-        point.markers = coupled.immersed().marker_count();
+        point.markers = coupled.point_count();
         let cells = area_m2 / (air.units.cell_size_m * air.units.cell_size_m);
         point.marker_distance_cells = (cells / point.markers as f64).sqrt();
     }
@@ -122,8 +122,8 @@ pub(super) fn run_for(
         forces.push(-coupled.force_on_air()[0]);
         if step.is_multiple_of(SAMPLE_EVERY) {
             go_on(watch.interrupt)?;
-            slips.push(coupled.slip_m_s()?);
-            leakages.push(coupled.leakage_m_s(None, simulation.time_s())?);
+            slips.extend(coupled.slip_m_s()?);
+            leakages.extend(coupled.leakage_m_s(None, simulation.time_s())?);
         }
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

@@ -1,7 +1,7 @@
 //! What may be written in `[time]`, `[gravity]`, `[coupling]`, `[solver]`, `[equilibrium]` and `[steady]`: how a scene is computed.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::wing_run::{LoadTest, PanelShaping, Trim, WingPressure};
 
@@ -17,8 +17,10 @@ pub struct Gravity {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {
-    /// Over-relaxation a of the force, at most 8/3; 1.6 is usual.
-    pub over_relaxation: f64,
+    /// How air and surfaces meet; `"kernel"` if absent.
+    pub scheme: Option<Scheme>,
+    /// Over-relaxation a of the force, at most 8/3; 1.6 if absent.
+    pub over_relaxation: Option<f64>,
     /// Steps of the air per step of the fabric at most, 1 to 10, only with fabric; fewer are taken where a marker would move more than
     /// 0.25 cells between two. If absent the plan takes 1, quietest and exact in momentum (docs/coupling.md).
     pub structure_every: Option<u32>,
@@ -34,6 +36,16 @@ pub struct Coupling {
     pub marker_spacing_cells: Option<f64>,
     /// Multiplies the masses of the structure, to study light and heavy sheets; 1 if absent.
     pub mass_factor: Option<f64>,
+}
+
+/// How air and surfaces meet (docs/cut-links.md).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Markers on the surface act on the air within two cells.
+    Kernel,
+    /// Links of the lattice that the surface cuts: what leaves along them comes back.
+    Links,
 }
 
 /// Solver of the fabric (docs/case-files.md#when-a-solve-of-the-fabric-ends).

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::pressure::{self, Pressure};
+use super::triangle_reaction::TriangleReaction;
 use crate::cloth::Structure;
 use crate::immersed::permeable::Permeable;
 
@@ -64,6 +65,8 @@ pub struct StepInput<'a> {
     pub markers: &'a [MarkerReaction],
     /// What the same markers let pass, SI; empty where no air passes the fabric.
     pub permeable: &'a [Permeable],
+    /// What the air does to triangles that cut its lattice; empty where markers stand for them.
+    pub cut_triangles: &'a [TriangleReaction],
     /// Drag of single nodes, c (u − v) with the velocity v at the end of the step; empty in the static limit.
     pub drags: &'a [NodalDrag],
     /// Held nodes that are moved: where each is at the end of the step [m].
@@ -137,6 +140,12 @@ pub fn add_pull_of_the_air(structure: &Structure, input: &StepInput, loads: &mut
         for (node, weight) in nodes.into_iter().zip(marker.weights) {
             let pull = marker.felt(marker.air_velocity_m_s) * marker.stiffness_kg_s;
             loads[node as usize] += pull * weight;
+        }
+    }
+    for reaction in input.cut_triangles {
+        let nodes = structure.triangles[reaction.triangle as usize].nodes;
+        for (node, pull) in nodes.into_iter().zip(reaction.pull_n) {
+            loads[node as usize] += pull;
         }
     }
 }

@@ -6,6 +6,7 @@
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`loads`], [`pressure`]: what acts during a step;
 //! * [`line_drag`]: drag of suspension lines;
+//! * `cut_reactions`, [`triangle_reaction`]: reactions of the air where the fabric cuts the lattice;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
 //! * `residual`: what the residual stiffness carries;
@@ -18,6 +19,7 @@
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
 pub mod contact;
+mod cut_reactions;
 pub mod dashpots;
 mod driver;
 pub mod evaluator;
@@ -35,6 +37,7 @@ mod residual;
 pub mod settings;
 pub mod solve_cloth;
 pub mod stiffness;
+pub mod triangle_reaction;
 mod vectors;
 mod whole_balance;
 
@@ -54,6 +57,7 @@ pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use probe::Probe;
 pub use settings::SolverSettings;
+pub use triangle_reaction::TriangleReaction;
 
 pub use crate::solve::InitialHessian;
 

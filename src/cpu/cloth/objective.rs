@@ -6,7 +6,7 @@
 //!
 //! v̂ = vⁿ, f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
 //! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Where air passes the fabric this term is another
-//! ([`super::permeable`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
+//! ([`super::permeable`]), and where the fabric cuts the lattice ([`super::cut_reactions`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
 //! −f·x, or is renewed from solve to solve ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
 //! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
@@ -20,7 +20,9 @@ use glam::{DMat3, DVec3, Vec3};
 use super::dashpots::{Dashpot, dashpots};
 use super::loads::{StepInput, add_pull_of_the_air, step_loads};
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
-use super::{Prepared, initial_hessian, nodal_forces, permeable, pressure, stiffness};
+use super::{
+    Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, stiffness,
+};
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
 use crate::solve::multigrid::Multigrid;
@@ -146,6 +148,8 @@ impl<'a> Objective<'a> {
                     gradient[node] += force * weight;
                 }
             }
+            value +=
+                cut_reactions::add_reactions(structure, start, dt, self.input, point, gradient);
             for dashpot in &self.dashpots {
                 let (dissipation, pull) = dashpot.energy_and_gradient(start, point);
                 value += dissipation;
@@ -327,6 +331,7 @@ impl<'a> Objective<'a> {
                     self.inverse_blocks[node as usize] += marker.projection() * stiffness;
                 }
             }
+            cut_reactions::add_blocks(structure, dt, self.input, &mut self.inverse_blocks);
         }
         if let Some(contacts) = &self.prepared.contacts {
             contacts.add_blocks(&mut self.inverse_blocks);

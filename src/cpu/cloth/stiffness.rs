@@ -12,7 +12,7 @@ use super::dashpots::Dashpot;
 use super::gather::Gather;
 use super::initial_hessian::{axial_block, cable_block};
 use super::loads::StepInput;
-use super::permeable;
+use super::{cut_reactions, permeable};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::{Membrane, principal};
@@ -201,6 +201,8 @@ pub(super) fn assemble(
         }
         through = permeable::through_matrices(structure, start, positions, dt, input);
     }
+    let cut = cut_reactions::by_triangle(structure, input);
+    let per_dt = input.time_step_s.map_or(0.0, f64::recip);
     matrix.fill_rows(
         || (),
         |(), row, columns, blocks| {
@@ -214,7 +216,7 @@ pub(super) fn assemble(
                     columns.binary_search(&node).ok()
                 }
             };
-            if !triangles.is_empty() || !markers.is_empty() {
+            if !triangles.is_empty() || !markers.is_empty() || !cut.is_empty() {
                 for (t, corner) in gather.triangles.at(row) {
                     let triangle = &structure.triangles[t];
                     let edges = triangle.edge_vectors(positions);
@@ -226,6 +228,9 @@ pub(super) fn assemble(
                         if let Some(weights) = markers.get(t) {
                             let k = weights.col(other)[corner];
                             block += DMat3::from_diagonal(DVec3::splat(k));
+                        }
+                        if let Some(Some(reaction)) = cut.get(t) {
+                            block += reaction.between(corner, other) * per_dt;
                         }
                         if let Some((weights, normals)) = through.get(t) {
                             block -= *normals * weights.col(other)[corner];

@@ -7,6 +7,7 @@
 pub mod boundaries;
 pub mod collide_stream;
 pub mod control_volume;
+pub mod cut_links;
 pub mod eddy_viscosity;
 mod extremes;
 mod held_eddy_viscosity;

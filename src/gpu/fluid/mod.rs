@@ -6,9 +6,11 @@
 mod absorbing_faces;
 pub mod collide_stream;
 pub mod control_volume;
+pub mod cut_links;
 pub mod eddy_viscosity;
 mod force_box;
 mod held_eddy_viscosity;
+pub mod link_lists;
 pub mod macroscopic;
 mod names;
 pub mod parameters;
@@ -36,6 +38,7 @@ use absorbing_faces::AbsorbingFaces;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
 use held_eddy_viscosity::HeldEddyViscosity;
+use link_lists::LinkLists;
 use names::{by_number, by_parity, constants};
 use parameters::{BoundaryCopy, StepParameters};
 use read_back::ReadBack;
@@ -64,6 +67,8 @@ pub struct Fluid {
     boundaries: Option<[Counted; 2]>,
     /// `None` where no face lets sound out.
     absorbing_faces: Option<AbsorbingFaces>,
+    /// `None` until surfaces cut links.
+    link_lists: Option<LinkLists>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity>,
     read_back: ReadBack,
@@ -166,6 +171,7 @@ impl Fluid {
             forced: None,
             boundaries,
             absorbing_faces,
+            link_lists: None,
             held_eddy_viscosity,
             read_back,
             inlet_profile,

@@ -6,6 +6,7 @@ use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs::{self, Outcome};
 use crate::bluff_body::{BluffBody, Shape, Until};
+use crate::case::coupling::Scheme;
 use crate::lattice::Operator;
 use crate::measure::opening::{LARGEST_RATIO, LARGEST_TIME};
 use crate::measure::shared::FILL_TIME;
@@ -18,6 +19,7 @@ const SPHERE: BluffBody = BluffBody {
     resolution: 12,
     lattice_speed: 0.1,
     operator: Operator::RecursiveRegularised,
+    scheme: Scheme::Kernel,
     levels: 2,
     tunnel: [25.0, 20.0, 20.0],
     upstream: 10.0,

@@ -1,0 +1,114 @@
+//! What the air does to a triangle that cuts its lattice ([`crate::cut_links`]).
+//!
+//! A cut of direction d gives the fabric the force d (p − k d·v), v its velocity there at the end of the step. Over a triangle that is ½ dt vᵀ S v − dt p·v of the
+//! objective, in the velocities of its corners: summed once for a solve, however many links the triangle cuts.
+
+use glam::{DMat3, DVec3};
+
+use super::initial_hessian::outer;
+
+/// What the air does to a triangle through its cuts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TriangleReaction {
+    /// The triangle.
+    pub triangle: u32,
+    /// Σ k a_i a_j d dᵀ of the corners [`PAIRS`], a the barycentric weights [kg/s].
+    pub stiffness_kg_s: [DMat3; 6],
+    /// Σ p a_i d of the corners [N].
+    pub pull_n: [DVec3; 3],
+    /// Σ ½ p²/k, so that the sum is zero where the fabric moves as the air does [W].
+    pub rest_w: f64,
+}
+
+/// Pairs of corners; every block is symmetric.
+const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
+
+/// Number of the pair of two corners.
+const fn pair(a: usize, b: usize) -> usize {
+    if a == b {
+        a
+    } else {
+        // (0, 1), (1, 2), (2, 0): the missing corner is 2, 0, 1.
+        [4, 5, 3][3 - a - b]
+    }
+}
+
+impl TriangleReaction {
+    /// Nothing on a triangle.
+    #[must_use]
+    pub const fn none(triangle: u32) -> Self {
+        Self {
+            triangle,
+            stiffness_kg_s: [DMat3::ZERO; 6],
+            pull_n: [DVec3::ZERO; 3],
+            rest_w: 0.0,
+        }
+    }
+
+    /// Adds a cut at these weights: along the unit vector `direction`, stiffness k [kg/s] and push p [N].
+    pub fn add(&mut self, weights: [f64; 3], direction: DVec3, [k, p]: [f64; 2]) {
+        let block = outer(direction, direction) * k;
+        for (sum, [a, b]) in self.stiffness_kg_s.iter_mut().zip(PAIRS) {
+            *sum += block * (weights[a] * weights[b]);
+        }
+        for (sum, weight) in self.pull_n.iter_mut().zip(weights) {
+            *sum += direction * (p * weight);
+        }
+        self.rest_w += 0.5 * p * p / k;
+    }
+
+    /// Stiffness between two corners [kg/s].
+    #[must_use]
+    pub const fn between(&self, a: usize, b: usize) -> DMat3 {
+        self.stiffness_kg_s[pair(a, b)]
+    }
+
+    /// Power [W] and forces [N] at corners that move with these velocities [m/s].
+    pub(super) fn at(&self, velocities: [DVec3; 3]) -> (f64, [DVec3; 3]) {
+        let mut value = self.rest_w;
+        let mut forces = [DVec3::ZERO; 3];
+        for a in 0..3 {
+            let mut force = DVec3::ZERO;
+            for (b, velocity) in velocities.iter().enumerate() {
+                force += self.between(a, b) * *velocity;
+            }
+            value += velocities[a].dot(0.5 * force - self.pull_n[a]);
+            forces[a] = force - self.pull_n[a];
+        }
+        (value, forces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Power and forces of the sum are those of its cuts one by one.
+    #[test]
+    fn a_triangle_does_what_its_cuts_do() {
+        let cuts = [
+            ([0.2, 0.5, 0.3], DVec3::new(0.6, 0.0, 0.8), [2.0, 0.3]),
+            ([0.7, 0.1, 0.2], DVec3::new(0.0, 1.0, 0.0), [0.5, -1.1]),
+        ];
+        let velocities = [
+            DVec3::new(0.1, -0.4, 0.3),
+            DVec3::new(-0.2, 0.6, 0.5),
+            DVec3::new(0.9, 0.1, -0.7),
+        ];
+        let mut sum = TriangleReaction::none(0);
+        let (mut value, mut forces) = (0.0, [DVec3::ZERO; 3]);
+        for (weights, direction, [k, p]) in cuts {
+            sum.add(weights, direction, [k, p]);
+            let v: DVec3 = (0..3).map(|a| velocities[a] * weights[a]).sum();
+            value += 0.5 * k * (direction.dot(v) - p / k).powi(2);
+            for a in 0..3 {
+                forces[a] += direction * (weights[a] * (k * direction.dot(v) - p));
+            }
+        }
+        let (power, found) = sum.at(velocities);
+        assert!((power - value).abs() < 1e-14, "{power} {value}");
+        for (found, force) in found.iter().zip(forces) {
+            assert!((*found - force).length() < 1e-14);
+        }
+    }
+}

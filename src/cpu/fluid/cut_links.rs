@@ -1,0 +1,55 @@
+//! Stages `read_links` and `bounce`: what leaves along cut links, and what comes back ([`crate::cut_links`]).
+//!
+//! The two populations of a link lie at one place in memory, and no other link touches them: a cut is a swap with a term of the wall, and the order of
+//! links does not matter. The share of the population at rest is added in their order.
+
+use rayon::prelude::*;
+
+use super::Fluid;
+use crate::cut_links::places::{Place, Places};
+use crate::cut_links::{CutLink, Return, SIDES};
+use crate::lattice::Real;
+
+/// Links that one task reads.
+const LINKS_AT_ONCE: usize = 512;
+
+impl<T: Real> Fluid<T> {
+    fn places(&self) -> Places {
+        Places {
+            grid: self.grid,
+            repeats: self.setup.repeats(),
+            odd: self.odd,
+        }
+    }
+
+    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
+    pub fn read_links(&self, links: &[CutLink], returns: &mut Vec<[Return; 2]>) {
+        let places = self.places();
+        let read = |(array, element): Place| self.populations[array][element].to_f64();
+        returns.resize(links.len(), [Return::default(); 2]);
+        returns
+            .par_iter_mut()
+            .zip(links)
+            .with_min_len(LINKS_AT_ONCE)
+            .for_each(|(returns, link)| {
+                for side in SIDES {
+                    let out = read(places.out(link, side));
+                    let further = places.further(link, side).map_or(0.0, read);
+                    returns[side] = link.returned(side, out, further);
+                }
+            });
+    }
+
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
+    pub fn bounce(&mut self, links: &[CutLink], back: &[[f64; 2]], rest: &[[f64; 2]]) {
+        let places = self.places();
+        for ((link, back), rest) in links.iter().zip(back).zip(rest) {
+            for side in SIDES {
+                let (array, element) = places.back(link, side);
+                self.populations[array][element] = T::of(back[side]);
+                let at_rest = &mut self.populations[0][places.rest(link, side)];
+                *at_rest = T::of(at_rest.to_f64() + rest[side]);
+            }
+        }
+    }
+}

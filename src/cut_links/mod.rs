@@ -1,0 +1,36 @@
+//! A sheet that cuts the lattice: what links between cells it cuts, and what comes back along them.
+//!
+//! A link joins the centre of cell A with that of its neighbour B = A + c. Where a triangle cuts it, air that leaves A along it comes back to A, and
+//! air that leaves B to B: the two sides of the sheet touch each other in nothing else, however thin it is. With f the population that leaves
+//! along d (c from A, −c from B; shifted by its weight w at rest), the returned one is
+//!
+//! r = s f + e − 6 w κ d·v,
+//!
+//! v the velocity of the sheet at the cut. Half-way bounce-back has s = κ = 1 and e = 0 (Ladd 1994, doi:10.1017/S0022112094001771, density 1 in
+//! the wall's term). By the distance q of the cut in links (Bouzidi, Firdaouss & Lallemand 2001, doi:10.1063/1.1399290), linear:
+//!
+//! * q < ½: s = 2q, e = (1 − 2q) times the population that arrives at the cell along d, κ = 1;
+//! * q ≥ ½: s = κ = 1/2q, e = (1 − 1/2q) times the one that arrives behind the cell, along −d;
+//!
+//! half-way where the link behind is cut, too, or leads out of the air. *Departure*: what half-way bounce-back would have returned less what this returns goes to
+//! the cell's population at rest, so that the air's mass stays exact; half-way, and with both sides at one velocity, what one loses the other gains.
+//!
+//! The air gets the momentum −d (f + r), the sheet the opposite, affine in v with the positive semidefinite matrix 6 w κ d dᵀ: a convex part of the
+//! fabric's implicit step ([`crate::cpu::cloth::TriangleReaction`]), so that the ratio of masses does not decide on stability.
+//!
+//! Two layers in one link enclose air that has no cell. Each layer feels its own outer side; between both stands a pressure that is carried
+//! along the faces of the sheet from where they have cells ([`FacePressures`]). Mass: each side gets the mean velocity of both layers in place of its own.
+//!
+//! * [`search`]: which links are cut, and where;
+//! * [`bounce`]: what comes back;
+//! * [`places`]: where it lies in memory;
+//! * [`faces`]: pressures on both faces, and air through them, as fields on nodes.
+
+pub mod bounce;
+pub mod faces;
+pub mod places;
+pub mod search;
+
+pub use bounce::{Return, SIDES, Side};
+pub use faces::{FacePressures, Through};
+pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};

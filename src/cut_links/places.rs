@@ -1,0 +1,66 @@
+//! Where the populations of a cut link lie in memory.
+
+use super::bounce::Side;
+use super::search::CutLink;
+use crate::lattice::grid::Grid;
+use crate::lattice::{DIRECTIONS, opposite};
+
+/// Number of an array and element in it.
+pub type Place = (usize, usize);
+
+/// Cells of the lattice that a link's populations are looked for in.
+#[derive(Debug, Clone, Copy)]
+pub struct Places {
+    /// Layout of the arrays.
+    pub grid: Grid,
+    /// Axes along which the domain repeats.
+    pub repeats: [bool; 3],
+    /// The step to come is an odd one.
+    pub odd: bool,
+}
+
+impl Places {
+    fn of(&self, cell: [i32; 3], direction: usize) -> Place {
+        let index = self.grid.index(cell.map(i64::from));
+        self.grid.slot(index, direction, self.odd)
+    }
+
+    /// What left a side's cell along the link: it has arrived at the other cell.
+    #[must_use]
+    pub fn out(&self, link: &CutLink, side: usize) -> Place {
+        self.of(link.cells[1 - side], link.leaving(side))
+    }
+
+    /// The further population that a side needs; `None` half-way.
+    #[must_use]
+    pub fn further(&self, link: &CutLink, side: usize) -> Option<Place> {
+        let (cell, leaving) = (link.cells[side], link.leaving(side));
+        match link.side(side) {
+            Side::HalfWay => None,
+            Side::Near => Some(self.of(cell, leaving)),
+            Side::Far => {
+                let behind = std::array::from_fn(|a| {
+                    let place = cell[a] - DIRECTIONS[leaving][a];
+                    if self.repeats[a] {
+                        place.rem_euclid(self.grid.cells[a] as i32)
+                    } else {
+                        place
+                    }
+                });
+                Some(self.of(behind, opposite(leaving)))
+            }
+        }
+    }
+
+    /// What comes back to a side's cell.
+    #[must_use]
+    pub fn back(&self, link: &CutLink, side: usize) -> Place {
+        self.of(link.cells[side], opposite(link.leaving(side)))
+    }
+
+    /// Element of the population at rest of a side's cell.
+    #[must_use]
+    pub fn rest(&self, link: &CutLink, side: usize) -> usize {
+        self.grid.index(link.cells[side].map(i64::from))
+    }
+}

@@ -1,0 +1,591 @@
+//! Which links of the lattice a surface of triangles cuts.
+//!
+//! Links of one direction lie on parallel lines through cell centres. Seen along them, the lines are the whole points of a plane, and a triangle is a
+//! triangle of that plane: the points in it are the lines that it cuts. Which side of an edge a point lies on is worked out from the edge's ends in the order of
+//! their numbers, so that both triangles at an edge get the same bits, and every line passes just one of them: a closed surface has no leak, wherever it stands.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::lattice::DIRECTIONS;
+
+/// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice: it would lie before it for one link and behind it for
+/// another [cells].
+const GENERAL_POSITION: DVec3 = DVec3::new(1.2e-5, 2.7e-5, 3.9e-5);
+
+/// Triangles below which one thread works alone.
+const TRIANGLES_AT_ONCE: usize = 256;
+
+/// Cells of a lattice, cell centres at whole numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Domain {
+    /// Cells along x, y, z.
+    pub cells: [usize; 3],
+    /// Axes along which the domain repeats.
+    pub repeats: [bool; 3],
+    /// Cells at faces that the surface keeps off: those that a box of finer cells exchanges with the lattice around it.
+    pub kept: usize,
+    /// The surface may go on beyond faces that do not repeat, where it cuts nothing.
+    pub open: bool,
+}
+
+/// A node of the surface outside the air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutOfAir {
+    /// Its number.
+    pub node: usize,
+    /// Its position [cells].
+    pub position: [f64; 3],
+}
+
+/// Where a triangle cuts a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// The triangle.
+    pub triangle: u32,
+    /// Barycentric weights of its nodes.
+    pub weights: [f64; 3],
+    /// Distance from cell A [links].
+    pub at: f64,
+}
+
+/// A link with the first and the last cut on it, as seen from cell A.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutLink {
+    /// Cells A and B.
+    pub cells: [[i32; 3]; 2],
+    /// Its pair of directions: c is `DIRECTIONS[2 pair + 1]`.
+    pub pair: u8,
+    /// Cuts on it.
+    pub layers: u32,
+    /// What stands before A and before B; the same with one layer.
+    pub cuts: [Cut; 2],
+    /// True where the link behind A, and behind B, is cut or leads out of the air.
+    pub blocked: [bool; 2],
+}
+
+impl CutLink {
+    /// Direction c from A to B.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        as_vector(DIRECTIONS[2 * usize::from(self.pair) + 1])
+    }
+
+    /// Number of the direction in which air leaves A (side 0) or B (side 1).
+    #[must_use]
+    pub const fn leaving(&self, side: usize) -> usize {
+        2 * self.pair as usize + 1 + side
+    }
+
+    /// Distance of the cut from the cell of a side [links].
+    #[must_use]
+    pub const fn distance(&self, side: usize) -> f64 {
+        if side == 0 {
+            self.cuts[0].at
+        } else {
+            1.0 - self.cuts[1].at
+        }
+    }
+}
+
+fn as_vector(c: [i32; 3]) -> DVec3 {
+    DVec3::from_array(c.map(f64::from))
+}
+
+/// All links that a surface cuts, ordered by cell and pair.
+#[derive(Debug, Clone, Default)]
+pub struct CutLinks {
+    links: Vec<CutLink>,
+    /// By cell of a box, the pairs of links from there that are cut.
+    mask: Mask,
+}
+
+/// A cut of a link of cell and pair `key`.
+#[derive(Debug, Clone, Copy)]
+struct Hit {
+    key: u64,
+    cut: Cut,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Mask {
+    first: [i32; 3],
+    cells: [usize; 3],
+    pairs: Vec<u16>,
+}
+
+impl Mask {
+    fn lay(&mut self, links: &[CutLink]) {
+        let mut first = [i32::MAX; 3];
+        let mut last = [i32::MIN; 3];
+        for link in links {
+            for a in 0..3 {
+                first[a] = first[a].min(link.cells[0][a]);
+                last[a] = last[a].max(link.cells[0][a]);
+            }
+        }
+        self.pairs.clear();
+        if links.is_empty() {
+            self.cells = [0; 3];
+            return;
+        }
+        self.first = first;
+        self.cells = std::array::from_fn(|a| (last[a] - first[a] + 1) as usize);
+        self.pairs.resize(self.cells.iter().product(), 0);
+        for link in links {
+            if let Some(place) = self.place(link.cells[0]) {
+                self.pairs[place] |= 1 << link.pair;
+            }
+        }
+    }
+
+    fn place(&self, cell: [i32; 3]) -> Option<usize> {
+        let mut from = [0; 3];
+        for a in 0..3 {
+            from[a] = usize::try_from(cell[a] - self.first[a]).ok()?;
+            if from[a] >= self.cells[a] {
+                return None;
+            }
+        }
+        Some(from[0] + self.cells[0] * (from[1] + self.cells[1] * from[2]))
+    }
+
+    fn has(&self, cell: [i32; 3], pair: u8) -> bool {
+        self.place(cell)
+            .is_some_and(|place| self.pairs[place] >> pair & 1 == 1)
+    }
+}
+
+impl Domain {
+    /// A cell in the domain, or the one that it repeats; `None` outside.
+    fn cell(&self, mut cell: [i64; 3]) -> Option<[i32; 3]> {
+        for a in 0..3 {
+            let n = self.cells[a] as i64;
+            if self.repeats[a] {
+                cell[a] = cell[a].rem_euclid(n);
+            } else if !(0..n).contains(&cell[a]) {
+                return None;
+            }
+        }
+        Some(cell.map(|c| c as i32))
+    }
+
+    /// Refuses nodes that stand where the surface may not.
+    fn holds(&self, positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), OutOfAir> {
+        if self.open {
+            return Ok(());
+        }
+        let kept = self.kept as f64;
+        for &node in triangles.iter().flatten() {
+            let position = positions[node as usize].to_array();
+            let outside = |a: usize| {
+                let bounds = if self.kept > 0 {
+                    [kept, self.cells[a] as f64 - 1.0 - kept]
+                } else {
+                    [-0.5, self.cells[a] as f64 - 0.5]
+                };
+                // Not finite counts as outside.
+                !self.repeats[a] && !(bounds[0]..=bounds[1]).contains(&position[a])
+            };
+            if (0..3).any(outside) || position.iter().any(|p| !p.is_finite()) {
+                return Err(OutOfAir {
+                    node: node as usize,
+                    position,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl CutLinks {
+    /// Finds anew what a surface cuts, its nodes at `positions` [cells].
+    pub fn find(
+        &mut self,
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        domain: &Domain,
+    ) -> Result<(), OutOfAir> {
+        domain.holds(positions, triangles)?;
+        let parts: Vec<Vec<Hit>> = triangles
+            .par_chunks(TRIANGLES_AT_ONCE)
+            .enumerate()
+            .map(|(part, chunk)| {
+                let mut hits = Vec::with_capacity(6 * chunk.len());
+                for (k, nodes) in chunk.iter().enumerate() {
+                    let triangle = (part * TRIANGLES_AT_ONCE + k) as u32;
+                    cuts_of(triangle, *nodes, positions, domain, &mut hits);
+                }
+                hits
+            })
+            .collect();
+        let mut hits = parts.concat();
+        hits.par_sort_unstable_by(|a, b| {
+            (a.key.cmp(&b.key))
+                .then(a.cut.at.total_cmp(&b.cut.at))
+                .then(a.cut.triangle.cmp(&b.cut.triangle))
+        });
+        self.links.clear();
+        for group in hits.chunk_by(|a, b| a.key == b.key) {
+            if let Some(link) = link_of(group, domain) {
+                self.links.push(link);
+            }
+        }
+        self.mask.lay(&self.links);
+        let mask = &self.mask;
+        self.links
+            .par_iter_mut()
+            .with_min_len(4 * TRIANGLES_AT_ONCE)
+            .for_each(|link| {
+                let c = DIRECTIONS[2 * usize::from(link.pair) + 1];
+                let before = |cell: [i32; 3], sign: i32| {
+                    domain.cell(std::array::from_fn(|a| i64::from(cell[a] + sign * c[a])))
+                };
+                // The link behind A begins one cell before it, the one behind B in B itself.
+                let behind_a = before(link.cells[0], -1);
+                let behind_b = before(link.cells[1], 1);
+                link.blocked = [
+                    behind_a.is_none_or(|cell| mask.has(cell, link.pair)),
+                    behind_b.is_none() || mask.has(link.cells[1], link.pair),
+                ];
+            });
+        Ok(())
+    }
+
+    /// The links.
+    #[must_use]
+    pub fn links(&self) -> &[CutLink] {
+        &self.links
+    }
+
+    /// Links with more than one layer on them.
+    #[must_use]
+    pub fn doubled(&self) -> usize {
+        self.links.iter().filter(|link| link.layers > 1).count()
+    }
+}
+
+/// The link of a group of cuts, nearest to A first.
+fn link_of(group: &[Hit], domain: &Domain) -> Option<CutLink> {
+    let (first, last) = (group.first()?, group.last()?);
+    let pair = (first.key % 9) as u8;
+    let number = first.key / 9;
+    let [nx, ny, _] = domain.cells.map(|n| n as u64);
+    let cell = [number % nx, number / nx % ny, number / nx / ny].map(|n| n as i32);
+    let c = DIRECTIONS[2 * usize::from(pair) + 1];
+    let other = domain.cell(std::array::from_fn(|a| i64::from(cell[a] + c[a])))?;
+    Some(CutLink {
+        cells: [cell, other],
+        pair,
+        layers: group.len() as u32,
+        cuts: [first.cut, last.cut],
+        blocked: [false; 2],
+    })
+}
+
+/// Twice the area from edge `from`–`to` to a point, positive to its left.
+fn beside(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
+    (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
+}
+
+/// Adds what a triangle cuts.
+fn cuts_of(
+    triangle: u32,
+    nodes: [u32; 3],
+    positions: &[DVec3],
+    domain: &Domain,
+    hits: &mut Vec<Hit>,
+) {
+    let corners = nodes.map(|n| (positions[n as usize] + GENERAL_POSITION).to_array());
+    for pair in 0..9_usize {
+        let c = DIRECTIONS[2 * pair + 1];
+        // The axis along which lines are followed; the first that the direction has, which it has forwards.
+        let along = (0..3).find(|a| c[*a] != 0).unwrap_or(0);
+        let [left, right] = [[1, 2], [0, 2], [0, 1]][along];
+        let slant = [f64::from(c[left]), f64::from(c[right])];
+        let seen = corners.map(|p| {
+            [
+                p[left] - slant[0] * p[along],
+                p[right] - slant[1] * p[along],
+            ]
+        });
+        let range = |a: usize| {
+            let [p, q, r] = seen.map(|place| place[a]);
+            let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+            low.ceil() as i64..=high.floor() as i64
+        };
+        let (rows, columns) = (range(1), range(0));
+        if rows.is_empty() || columns.is_empty() {
+            continue;
+        }
+        for v in rows {
+            for u in columns.clone() {
+                let point = [u as f64, v as f64];
+                let Some(weights) = weights_in(nodes, &seen, point) else {
+                    continue;
+                };
+                let place: f64 = (0..3).map(|k| weights[k] * corners[k][along]).sum();
+                let whole = place.floor();
+                let mut cell = [0; 3];
+                cell[along] = whole as i64;
+                cell[left] = u + i64::from(c[left]) * whole as i64;
+                cell[right] = v + i64::from(c[right]) * whole as i64;
+                let other = std::array::from_fn(|a| cell[a] + i64::from(c[a]));
+                let (Some(cell), Some(_)) = (domain.cell(cell), domain.cell(other)) else {
+                    continue;
+                };
+                let [nx, ny, _] = domain.cells.map(|n| n as u64);
+                let [x, y, z] = cell.map(|n| n as u64);
+                hits.push(Hit {
+                    key: 9 * (x + nx * (y + ny * z)) + pair as u64,
+                    cut: Cut {
+                        triangle,
+                        weights,
+                        at: place - whole,
+                    },
+                });
+            }
+        }
+    }
+}
+
+/// Barycentric weights of a point in a triangle of the plane; `None` outside. A point on an edge lies in one of the triangles at it.
+fn weights_in(nodes: [u32; 3], corners: &[[f64; 2]; 3], point: [f64; 2]) -> Option<[f64; 3]> {
+    let mut opposite = [0.0; 3];
+    let mut left = [false; 3];
+    for k in 0..3 {
+        let (from, to) = ((k + 1) % 3, (k + 2) % 3);
+        if nodes[from] < nodes[to] {
+            let area = beside(corners[from], corners[to], point);
+            opposite[k] = area;
+            left[k] = area >= 0.0;
+        } else {
+            let area = beside(corners[to], corners[from], point);
+            opposite[k] = -area;
+            left[k] = area < 0.0;
+        }
+    }
+    if left[0] != left[1] || left[1] != left[2] {
+        return None;
+    }
+    let whole = opposite[0] + opposite[1] + opposite[2];
+    (whole != 0.0).then(|| opposite.map(|area| area / whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball, its poles along z.
+    fn ball(middle: DVec3, radius: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        const AROUND: u32 = 24;
+        const DOWN: u32 = 12;
+        let mut positions = vec![middle + DVec3::Z * radius];
+        for ring in 1..DOWN {
+            let polar = std::f64::consts::PI * f64::from(ring) / f64::from(DOWN);
+            for k in 0..AROUND {
+                let turn = std::f64::consts::TAU * f64::from(k) / f64::from(AROUND);
+                let direction = DVec3::new(
+                    polar.sin() * turn.cos(),
+                    polar.sin() * turn.sin(),
+                    polar.cos(),
+                );
+                positions.push(middle + direction * radius);
+            }
+        }
+        positions.push(middle - DVec3::Z * radius);
+        let last = positions.len() as u32 - 1;
+        let at = |ring: u32, k: u32| 1 + AROUND * (ring - 1) + k % AROUND;
+        let mut triangles = Vec::new();
+        for k in 0..AROUND {
+            triangles.push([0, at(1, k), at(1, k + 1)]);
+            triangles.push([last, at(DOWN - 1, k + 1), at(DOWN - 1, k)]);
+            for ring in 1..DOWN - 1 {
+                triangles.push([at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)]);
+                triangles.push([at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)]);
+            }
+        }
+        (positions, triangles)
+    }
+
+    const DOMAIN: Domain = Domain {
+        cells: [20, 20, 20],
+        repeats: [false; 3],
+        kept: 0,
+        open: false,
+    };
+
+    fn found(positions: &[DVec3], triangles: &[[u32; 3]], domain: &Domain) -> CutLinks {
+        let mut links = CutLinks::default();
+        links.find(positions, triangles, domain).unwrap();
+        links
+    }
+
+    /// Every cut lies on its triangle and on its link.
+    #[test]
+    fn cuts_lie_on_triangle_and_link() {
+        let (positions, triangles) = ball(DVec3::new(9.3, 9.8, 10.1), 5.2);
+        let links = found(&positions, &triangles, &DOMAIN);
+        assert!(links.links().len() > 500);
+        for link in links.links() {
+            let a = as_vector(link.cells[0]);
+            assert_eq!(a + link.direction(), as_vector(link.cells[1]));
+            for cut in &link.cuts {
+                let nodes = triangles[cut.triangle as usize];
+                let on_triangle: DVec3 = (nodes.iter().zip(cut.weights))
+                    .map(|(n, w)| positions[*n as usize] * w)
+                    .sum();
+                let on_link = a + link.direction() * cut.at;
+                assert!((on_triangle + GENERAL_POSITION - on_link).length() < 1e-12);
+                assert!((0.0..1.0).contains(&cut.at));
+                assert!(cut.weights.iter().all(|w| *w >= 0.0));
+            }
+        }
+    }
+
+    /// Links from inside a closed surface to outside are cut an odd number of times, all others an even number: wherever it stands, with nodes and edges on lines of
+    /// cell centres, too.
+    #[test]
+    fn a_closed_surface_is_tight() {
+        let places = [
+            (DVec3::new(9.5, 9.5, 9.5), 5.0),
+            (DVec3::new(10.0, 10.0, 10.0), 4.0),
+            (DVec3::new(9.13, 10.4, 9.77), 5.63),
+        ];
+        for (middle, radius) in places {
+            for turned in [false, true] {
+                let (positions, mut triangles) = ball(middle, radius);
+                if turned {
+                    for nodes in &mut triangles {
+                        nodes.swap(1, 2);
+                    }
+                }
+                let links = found(&positions, &triangles, &DOMAIN);
+                let odd = |cell: [i32; 3], pair: u8| {
+                    let same = |link: &&CutLink| link.cells[0] == cell && link.pair == pair;
+                    links
+                        .links()
+                        .iter()
+                        .find(same)
+                        .is_some_and(|link| link.layers % 2 == 1)
+                };
+                // From a cell outside, crossing no cut: what is reached is outside.
+                let mut outside = vec![false; 8000];
+                let index = |c: [i32; 3]| (c[0] + 20 * (c[1] + 20 * c[2])) as usize;
+                let mut open = vec![[0, 0, 0]];
+                outside[0] = true;
+                while let Some(cell) = open.pop() {
+                    for pair in 0..9_u8 {
+                        let c = DIRECTIONS[2 * usize::from(pair) + 1];
+                        for sign in [1, -1] {
+                            let next: [i32; 3] = std::array::from_fn(|a| cell[a] + sign * c[a]);
+                            if next.iter().any(|n| !(0..20).contains(n)) {
+                                continue;
+                            }
+                            let start = if sign == 1 { cell } else { next };
+                            if !odd(start, pair) && !outside[index(next)] {
+                                outside[index(next)] = true;
+                                open.push(next);
+                            }
+                        }
+                    }
+                }
+                let inside = outside.iter().filter(|out| !**out).count() as f64;
+                let parts = triangles.iter().map(|nodes| {
+                    let [a, b, c] = nodes.map(|n| positions[n as usize] - middle);
+                    a.dot(b.cross(c)) / 6.0
+                });
+                let volume = parts.sum::<f64>().abs();
+                assert!((inside / volume - 1.0).abs() < 0.05, "{inside} {volume}");
+            }
+        }
+    }
+
+    /// A sheet through the middles of cells, whose nodes and edges lie on their lines, cuts every link that passes it once.
+    #[test]
+    fn a_sheet_on_cell_centres_is_cut_once() {
+        let domain = Domain {
+            open: true,
+            ..DOMAIN
+        };
+        let mut positions = Vec::new();
+        for z in 0..21 {
+            for y in 0..21 {
+                positions.push(DVec3::new(10.0, f64::from(y), f64::from(z)));
+            }
+        }
+        let mut triangles = Vec::new();
+        for z in 0..20_u32 {
+            for y in 0..20_u32 {
+                let at = |dy: u32, dz: u32| y + dy + 21 * (z + dz);
+                triangles.extend([
+                    [at(0, 0), at(1, 0), at(1, 1)],
+                    [at(0, 0), at(1, 1), at(0, 1)],
+                ]);
+            }
+        }
+        let links = found(&positions, &triangles, &domain);
+        assert_eq!(links.doubled(), 0);
+        let along_x = links.links().iter().filter(|link| link.pair == 0);
+        let cells: Vec<_> = along_x.map(|link| link.cells[0][0]).collect();
+        assert!(cells.iter().all(|cell| *cell == 10));
+        assert_eq!(cells.len(), 19 * 19);
+    }
+
+    /// A fold that enters and leaves a link is one link with two cuts, the nearest to each cell on its side.
+    #[test]
+    fn a_fold_in_a_link_has_two_layers() {
+        let plane = |x: f64, first: u32| {
+            let corners = [[2.2, 2.2], [17.7, 2.2], [17.7, 17.7], [2.2, 17.7]];
+            (
+                corners.map(|[y, z]| DVec3::new(x, y, z)),
+                [[first, first + 1, first + 2], [first, first + 2, first + 3]],
+            )
+        };
+        let (one, of_one) = plane(9.25, 0);
+        let (other, of_other) = plane(9.75, 4);
+        let links = found(
+            &[one, other].concat(),
+            &[of_one, of_other].concat(),
+            &DOMAIN,
+        );
+        assert!(links.doubled() > 0);
+        for link in links.links().iter().filter(|link| link.pair == 0) {
+            assert_eq!(link.layers, 2);
+            let off = link.cuts[0].at - 0.25 - GENERAL_POSITION.x;
+            assert!(off.abs() < 1e-12);
+            assert!((link.distance(1) - 0.25 + GENERAL_POSITION.x).abs() < 1e-12);
+        }
+    }
+
+    /// A surface across sides that repeat cuts the links over them.
+    #[test]
+    fn sides_that_repeat_have_links_over_them() {
+        let domain = Domain {
+            cells: [20, 6, 6],
+            repeats: [false, true, true],
+            kept: 0,
+            open: false,
+        };
+        let corners = [[-0.5, -0.5], [5.5, -0.5], [5.5, 5.5], [-0.5, 5.5]];
+        let positions = corners.map(|[y, z]| DVec3::new(9.3, y, z));
+        let links = found(&positions, &[[0, 1, 2], [0, 2, 3]], &domain);
+        // One along x and four along diagonals for each of 36 cells.
+        assert_eq!(links.links().len(), 5 * 36);
+        assert!(links.links().iter().all(|link| link.layers == 1));
+    }
+
+    /// Nodes outside the air are told.
+    #[test]
+    fn a_node_outside_is_told() {
+        let (positions, triangles) = ball(DVec3::new(3.0, 9.0, 9.0), 5.0);
+        let mut links = CutLinks::default();
+        assert!(links.find(&positions, &triangles, &DOMAIN).is_err());
+        let kept = Domain { kept: 6, ..DOMAIN };
+        let (positions, triangles) = ball(DVec3::new(9.5, 9.5, 9.5), 5.0);
+        assert!(links.find(&positions, &triangles, &kept).is_err());
+        let mut lost = positions;
+        lost[3].x = f64::NAN;
+        assert!(links.find(&lost, &triangles, &DOMAIN).is_err());
+    }
+}

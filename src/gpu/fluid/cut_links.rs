@@ -1,0 +1,135 @@
+//! Stages `read_links` and `bounce` ([`crate::cut_links`]): lists of places made on the host, a thread for each population.
+
+use super::Fluid;
+use super::link_lists::{LinkLists, LinkParameters};
+use crate::cut_links::places::{Place, Places};
+use crate::cut_links::{CutLink, Return, SIDES};
+use crate::gpu::error::DeviceError;
+
+fn listed((array, element): Place) -> [u32; 2] {
+    [array as u32, element as u32]
+}
+
+impl Fluid {
+    fn link_places(&self) -> Places {
+        Places {
+            grid: self.grid,
+            repeats: self.setup.repeats(),
+            odd: self.odd,
+        }
+    }
+
+    /// Lists with room for so many populations.
+    fn lists(&mut self, count: usize) -> Result<LinkLists, DeviceError> {
+        let mut lists = match self.link_lists.take() {
+            Some(lists) => lists,
+            None => LinkLists::new(&self.device, self.storage, &self.populations, count)?,
+        };
+        lists.reserve(&self.device, &self.populations, count)?;
+        Ok(lists)
+    }
+
+    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
+    pub fn read_links(
+        &mut self,
+        links: &[CutLink],
+        returns: &mut Vec<[Return; 2]>,
+    ) -> Result<(), DeviceError> {
+        returns.resize(links.len(), [Return::default(); 2]);
+        if links.is_empty() {
+            return Ok(());
+        }
+        let places = self.link_places();
+        // What left, and the further population; what left twice where there is none.
+        let mut lists = self.lists(4 * links.len())?;
+        lists.places.clear();
+        for link in links {
+            for side in SIDES {
+                let out = places.out(link, side);
+                let further = places.further(link, side).unwrap_or(out);
+                lists.places.extend([listed(out), listed(further)]);
+            }
+        }
+        let (device, room) = (&self.device, &lists.room);
+        let parameters = LinkParameters {
+            count: lists.places.len() as u32,
+            ..LinkParameters::default()
+        };
+        device.write(&lists.parameters, 0, &[parameters]);
+        device.write(&room.places, 0, &lists.places);
+        let mut commands = device.record("read_links");
+        {
+            let mut pass = commands.pass("read_links");
+            room.bound[0].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
+        }
+        let bytes = 4 * lists.places.len() as u64;
+        room.staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
+        device.submit(commands);
+        room.staging.read(device, |bytes| {
+            let numbers: &[f32] = bytemuck::cast_slice(bytes);
+            for ((link, returns), read) in links
+                .iter()
+                .zip(returns.iter_mut())
+                .zip(numbers.chunks_exact(4))
+            {
+                for side in SIDES {
+                    let [out, further] = [0, 1].map(|k| f64::from(read[2 * side + k]));
+                    returns[side] = link.returned(side, out, further);
+                }
+            }
+        })?;
+        self.link_lists = Some(lists);
+        Ok(())
+    }
+
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
+    pub fn bounce(
+        &mut self,
+        links: &[CutLink],
+        back: &[[f64; 2]],
+        rest: &[[f64; 2]],
+    ) -> Result<(), DeviceError> {
+        if links.is_empty() {
+            return Ok(());
+        }
+        let places = self.link_places();
+        let mut lists = self.lists(4 * links.len())?;
+        lists.places.clear();
+        lists.numbers.clear();
+        lists.rest.clear();
+        for ((link, back), rest) in links.iter().zip(back).zip(rest) {
+            for side in SIDES {
+                lists.places.push(listed(places.back(link, side)));
+                lists.numbers.push(back[side] as f32);
+                if rest[side] != 0.0 {
+                    lists
+                        .rest
+                        .push((places.rest(link, side) as u32, rest[side]));
+                }
+            }
+        }
+        // All that goes to one cell at once, in the order of links: a stable sort.
+        lists.rest.sort_by_key(|(element, _)| *element);
+        for group in lists.rest.chunk_by(|a, b| a.0 == b.0) {
+            let sum: f64 = group.iter().map(|(_, share)| share).sum();
+            lists.places.push([0, group[0].0]);
+            lists.numbers.push(sum as f32);
+        }
+        let (device, room) = (&self.device, &lists.room);
+        let parameters = LinkParameters {
+            count: lists.places.len() as u32,
+            ..LinkParameters::default()
+        };
+        device.write(&lists.parameters, 0, &[parameters]);
+        device.write(&room.places, 0, &lists.places);
+        device.write(&room.numbers, 0, &lists.numbers);
+        let mut commands = device.record("bounce");
+        {
+            let mut pass = commands.pass("bounce");
+            room.bound[1].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
+        }
+        device.submit(commands);
+        self.link_lists = Some(lists);
+        self.device.check()
+    }
+}

@@ -1,0 +1,361 @@
+//! Fabric and rigid bodies that cut links of the lattice: SI on their side, lattice units on the air's ([`super::cut_surface`]).
+//!
+//! The scheme, in a step of the air from tⁿ to tⁿ⁺¹:
+//!
+//! 1. collide and stream; no force acts on the air;
+//! 2. `find_links`: the links that the surfaces cut where they are;
+//! 3. `read_links`: what left along them;
+//! 4. the fabric minimises inertia, elastic energy and the reactions of its cuts, which are affine in its velocity ([`crate::cpu::cloth::TriangleReaction`]);
+//! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::air::AirEngine;
+use super::bodies::Load;
+use super::cut_surface::CutSurface;
+use crate::case::Scene;
+use crate::case::scene::Air;
+use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cpu::cloth::{Cloth, TriangleReaction};
+use crate::cut_links::OutOfAir;
+use crate::fabric::permeability::Permeability;
+use crate::gpu::DeviceError;
+use crate::lattice::nest::EXCHANGED_CELLS;
+use crate::rigid::PrescribedMotion;
+use crate::units::Units;
+
+/// A rigid body's part of the surface.
+#[derive(Debug)]
+struct Body {
+    motion: PrescribedMotion,
+    /// Places of its nodes before it moves [m].
+    positions_m: Vec<DVec3>,
+    moment_point_m: DVec3,
+    nodes: Range<usize>,
+}
+
+/// Surfaces that cut the lattice: first that of the fabric, then those of the rigid bodies.
+#[derive(Debug)]
+pub struct LinkCoupling {
+    units: Units,
+    surface: CutSurface,
+    fabric_triangles: usize,
+    bodies: Vec<Body>,
+    /// Which body every triangle behind the fabric's belongs to.
+    body_of: Vec<u32>,
+    /// Of the nodes [cells, cells per step].
+    positions: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+    reactions: Vec<TriangleReaction>,
+    /// Place of every triangle of the fabric among the reactions.
+    places: Vec<u32>,
+    force_on_air: [f64; 3],
+    fabric_force_on_air: [f64; 3],
+    loads: Vec<Load>,
+    fastest: f64,
+}
+
+/// No reaction yet.
+const NOWHERE: u32 = u32::MAX;
+
+impl LinkCoupling {
+    pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
+        let units = air.units;
+        let lattice = |permeability: Permeability| {
+            [
+                permeability.viscous_pa_s_m / (units.density_kg_m3 * units.speed_m_s()),
+                permeability.inertial_kg_m3 / units.density_kg_m3,
+            ]
+        };
+        let (mut triangles, mut laws) = (Vec::new(), Vec::new());
+        let (mut positions_m, mut areas_m2) = (Vec::new(), Vec::new());
+        if let Some(body) = &scene.body {
+            let structure = &body.structure;
+            triangles.extend(structure.triangles.iter().map(|t| t.nodes));
+            areas_m2.extend(structure.triangles.iter().map(|t| t.rest_area_m2));
+            laws.resize(triangles.len(), structure.permeability.map(lattice));
+            positions_m.clone_from(&structure.positions_m);
+        }
+        let fabric_triangles = triangles.len();
+        let (mut bodies, mut body_of) = (Vec::new(), Vec::new());
+        for (number, body) in scene.rigid_bodies.iter().enumerate() {
+            let surface = &body.surface;
+            let first = positions_m.len() as u32;
+            triangles.extend(surface.triangles.iter().map(|t| t.map(|n| n + first)));
+            areas_m2.extend(surface.area_vectors_m2().map(DVec3::length));
+            laws.resize(triangles.len(), body.permeability.map(lattice));
+            body_of.resize(triangles.len() - fabric_triangles, number as u32);
+            positions_m.extend_from_slice(&surface.positions_m);
+            bodies.push(Body {
+                motion: body.motion.clone(),
+                positions_m: surface.positions_m.clone(),
+                moment_point_m: body.moment_point_m,
+                nodes: first as usize..positions_m.len(),
+            });
+        }
+        let kept = if air.depth() > 0 { EXCHANGED_CELLS } else { 0 };
+        let open = scene.passes_through_a_face();
+        let mean_m2 = areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64;
+        // Of an equilateral triangle.
+        let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
+        let nodes = positions_m.len();
+        let surface = CutSurface::new(engine, triangles, nodes, (kept, open));
+        Self {
+            units,
+            surface: surface.permeable(&laws, edge_cells),
+            fabric_triangles,
+            bodies,
+            body_of,
+            positions: (positions_m.into_iter())
+                .map(|place_m| DVec3::from_array(units.position_to_lattice(place_m)))
+                .collect(),
+            velocities: vec![DVec3::ZERO; nodes],
+            reactions: Vec::new(),
+            places: vec![NOWHERE; fabric_triangles],
+            force_on_air: [0.0; 3],
+            fabric_force_on_air: [0.0; 3],
+            loads: vec![Load::default(); scene.rigid_bodies.len()],
+            fastest: 0.0,
+        }
+    }
+
+    /// The scales.
+    #[must_use]
+    pub const fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// The surfaces in the lattice.
+    #[must_use]
+    pub const fn surface(&self) -> &CutSurface {
+        &self.surface
+    }
+
+    /// Total force on the air of the last `bounce` [lattice units].
+    #[must_use]
+    pub const fn force_on_air(&self) -> [f64; 3] {
+        self.force_on_air
+    }
+
+    /// That of the fabric alone.
+    #[must_use]
+    pub const fn fabric_force_on_air(&self) -> [f64; 3] {
+        self.fabric_force_on_air
+    }
+
+    /// What the last `bounce` did to every rigid body [lattice units].
+    #[must_use]
+    pub fn body_loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Places of the nodes of triangles [cells].
+    pub(super) fn positions(&self) -> Vec<[f64; 3]> {
+        let nodes = self.surface.triangles().iter().flatten();
+        nodes
+            .map(|node| self.positions[*node as usize].to_array())
+            .collect()
+    }
+
+    /// Force on the air by fabric that is held, by the shares of held nodes [lattice units].
+    pub(super) fn held_force_on_air(&self, cloth: &Cloth) -> [f64; 3] {
+        let held = &cloth.structure.held;
+        let mut sum = DVec3::ZERO;
+        for (cut, force) in self.surface.forces() {
+            if cut.triangle as usize >= self.fabric_triangles {
+                continue;
+            }
+            let nodes = self.surface.triangles()[cut.triangle as usize].into_iter();
+            let share: f64 = (nodes.zip(cut.weights))
+                .filter(|(node, _)| held[*node as usize])
+                .map(|(_, share)| share)
+                .sum();
+            sum += force * share;
+        }
+        sum.to_array()
+    }
+
+    /// Nodes as they are at `time_s`.
+    fn place(&mut self, cloth: Option<&Cloth>, time_s: f64) {
+        let lattice = |place_m| DVec3::from_array(self.units.position_to_lattice(place_m));
+        if let Some(cloth) = cloth {
+            for (position, place_m) in self.positions.iter_mut().zip(&cloth.positions_m) {
+                *position = lattice(*place_m);
+            }
+        }
+        for body in &self.bodies {
+            let placement = body.motion.at(time_s);
+            let nodes = &mut self.positions[body.nodes.clone()];
+            for (position, &place_m) in nodes.iter_mut().zip(&body.positions_m) {
+                *position = lattice(placement.position_m(place_m));
+            }
+        }
+    }
+
+    /// Stage `find_links`, for fabric where it stands, and bodies where they are at `time_s`.
+    pub(super) fn find_links(
+        &mut self,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+    ) -> Result<(), OutOfAir> {
+        self.place(cloth, time_s);
+        self.surface.find_links(&self.positions)
+    }
+
+    /// Goes on on another lattice.
+    pub(super) fn go_on(&mut self, cloth: Option<&Cloth>, time_s: f64) -> Result<(), OutOfAir> {
+        self.take_velocities(cloth, time_s, true);
+        self.find_links(cloth, time_s)
+    }
+
+    /// Stage `read_links`.
+    pub(super) fn read_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
+        self.surface.read_links(air, &self.velocities)
+    }
+
+    /// The triangles of the fabric as it feels them in this solve.
+    pub(super) fn reactions(&self) -> &[TriangleReaction] {
+        &self.reactions
+    }
+
+    /// Makes them from what was read.
+    pub(super) fn gather_reactions(&mut self) {
+        for reaction in &self.reactions {
+            self.places[reaction.triangle as usize] = NOWHERE;
+        }
+        self.reactions.clear();
+        let (stiffness_kg_s, force_n) = (self.units.stiffness_kg_s(), self.units.force_n());
+        for (cut, reaction) in self.surface.reactions() {
+            let Some(place) = self.places.get_mut(cut.triangle as usize) else {
+                continue;
+            };
+            if *place == NOWHERE {
+                *place = self.reactions.len() as u32;
+                self.reactions.push(TriangleReaction::none(cut.triangle));
+            }
+            self.reactions[*place as usize].add(
+                cut.weights,
+                reaction.leaving,
+                [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
+            );
+        }
+    }
+
+    /// Velocities of a step that ends at `time_s`; before release all is held.
+    fn take_velocities(&mut self, cloth: Option<&Cloth>, time_s: f64, released: bool) {
+        if !released {
+            self.velocities.fill(DVec3::ZERO);
+            self.fastest = 0.0;
+            return;
+        }
+        let lattice = |v_m_s| DVec3::from_array(self.units.velocity_to_lattice(v_m_s));
+        if let Some(cloth) = cloth {
+            for (v, v_m_s) in self.velocities.iter_mut().zip(&cloth.velocities_m_s) {
+                *v = lattice(*v_m_s);
+            }
+        }
+        for body in &self.bodies {
+            let placement = body.motion.at(time_s);
+            let nodes = &mut self.velocities[body.nodes.clone()];
+            for (v, &place_m) in nodes.iter_mut().zip(&body.positions_m) {
+                *v = lattice(placement.velocity_m_s(place_m));
+            }
+        }
+        // Lines and payload do not touch the air here.
+        let nodes = self.surface.triangles().iter().flatten();
+        let squares = nodes.map(|node| self.velocities[*node as usize].length_squared());
+        self.fastest = squares.fold(0.0, f64::max).sqrt();
+    }
+
+    /// Stage `bounce`.
+    pub(super) fn bounce(
+        &mut self,
+        air: &mut AirEngine,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+        released: bool,
+    ) -> Result<(), DeviceError> {
+        self.take_velocities(cloth, time_s, released);
+        self.surface.bounce(air, &self.velocities)?;
+        self.sum_forces(time_s);
+        Ok(())
+    }
+
+    /// Adds the forces up.
+    fn sum_forces(&mut self, time_s: f64) {
+        let points: Vec<DVec3> = (self.bodies.iter())
+            .map(|body| {
+                let place_m = body.motion.at(time_s).position_m(body.moment_point_m);
+                DVec3::from_array(self.units.position_to_lattice(place_m))
+            })
+            .collect();
+        self.loads.fill(Load::default());
+        let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
+        for (cut, force) in self.surface.forces() {
+            total += force;
+            let Some(of_body) = (cut.triangle as usize).checked_sub(self.fabric_triangles) else {
+                of_fabric += force;
+                continue;
+            };
+            let body = self.body_of[of_body] as usize;
+            let arm = self.surface.at(cut, &self.positions) - points[body];
+            self.loads[body].add(&Load {
+                force: (-force).to_array(),
+                moment: (-arm.cross(force)).to_array(),
+            });
+        }
+        self.force_on_air = total.to_array();
+        self.fabric_force_on_air = of_fabric.to_array();
+    }
+
+    /// Fastest node of a surface [cells per step].
+    #[must_use]
+    pub const fn fastest_marker(&self) -> f64 {
+        self.fastest
+    }
+
+    /// Fastest node of the fabric as it moves now [cells per step].
+    pub(super) fn fastest_of_fabric(&self, cloth: &Cloth) -> f64 {
+        let nodes = self.surface.triangles()[..self.fabric_triangles]
+            .iter()
+            .flatten();
+        let speeds = nodes.map(|node| cloth.velocities_m_s[*node as usize].length());
+        speeds.fold(0.0, f64::max) / self.units.speed_m_s()
+    }
+
+    /// Mean velocity of the air through what is permeable [m/s]; `None` where nothing is.
+    #[must_use]
+    pub fn through_velocity_m_s(&self) -> Option<f64> {
+        let through = self.surface.mean_through()?;
+        Some(through * self.units.speed_m_s())
+    }
+
+    pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        out.put("link_face_pressures", self.surface.face_pressures())?;
+        out.put("link_velocities", &self.velocities)?;
+        out.put("link_positions", &self.positions)?;
+        let sums: Vec<[f64; 3]> = [self.force_on_air, self.fabric_force_on_air]
+            .into_iter()
+            .chain(self.loads.iter().flat_map(|load| [load.force, load.moment]))
+            .collect();
+        out.put("link_forces", &sums)?;
+        out.put("link_fastest", &[self.fastest])
+    }
+
+    pub(super) fn restore(&mut self, from: &Reader) -> Result<(), CheckpointError> {
+        let count = self.positions.len();
+        let excess = from.take_exactly("link_face_pressures", count)?;
+        self.velocities = from.take_exactly("link_velocities", count)?;
+        self.positions = from.take_exactly("link_positions", count)?;
+        self.surface.go_on(excess, self.positions.clone());
+        let sums: Vec<[f64; 3]> = from.take_exactly("link_forces", 2 + 2 * self.loads.len())?;
+        (self.force_on_air, self.fabric_force_on_air) = (sums[0], sums[1]);
+        for (load, pair) in self.loads.iter_mut().zip(sums[2..].chunks_exact(2)) {
+            (load.force, load.moment) = (pair[0], pair[1]);
+        }
+        self.fastest = from.take_exactly::<f64>("link_fastest", 1)?[0];
+        Ok(())
+    }
+}

@@ -1,0 +1,319 @@
+//! Surfaces that cut links of the lattice: exact flows, what the air keeps, and scenes coupled so.
+
+use std::path::Path;
+
+use glam::DVec3;
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::lattice::Operator;
+use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::plan::{Plan, Stage};
+use ripstop::run::without_files;
+use ripstop::simulation::{AirEngine, Coupled, CutSurface, Simulation};
+
+use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, plain, states};
+use crate::read_outs::latest;
+use crate::resumed::{bits_of_nodes, taken_up};
+use crate::tolerances;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        on_every_engine("cut_links::flow_between_planes_is_linear", Couette),
+        on_every_engine("cut_links::walls_that_move_keep_the_mass", Closed),
+        on_every_engine("cut_links::a_canopy_opens", Opens),
+        plain("cut_links::what_is_not_there_costs_nothing", absent),
+        plain("cut_links::a_run_taken_up_goes_on_alike", taken_up_alike),
+        plain("cut_links::other_cells_take_over", other_cells),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
+    Setup {
+        cells,
+        ends: StreamwiseEnds::Periodic,
+        sides: Sides::Periodic,
+        relaxation_time,
+        inlet_profile: None,
+        sponge_cells: None,
+        operator: Operator::RecursiveRegularised,
+        eddy_viscosity: None,
+    }
+}
+
+/// One step of the air and the surface in it, which moves with `velocities`.
+fn step(
+    air: &mut AirEngine,
+    surface: &mut CutSurface,
+    positions: &[DVec3],
+    velocities: &[DVec3],
+) -> DVec3 {
+    air.collide_stream(None, None).unwrap();
+    surface.find_links(positions).unwrap();
+    surface.read_links(air, velocities).unwrap();
+    surface.bounce(air, velocities).unwrap();
+    surface.forces().map(|(_, force)| force).sum()
+}
+
+#[derive(Clone, Copy)]
+struct Couette;
+
+impl Body for Couette {
+    /// Between a plane at rest and one that slides, wherever they lie between cells, the velocity is linear, and so is the shear stress on both.
+    fn run(self, engine: Engine) {
+        const SPEED: f64 = 0.02;
+        let (cells, relaxation_time) = ([4, 20, 4], 1.1);
+        for [low, high] in [[4.3, 13.85], [4.0, 13.5], [4.72, 14.05]] {
+            let share = |y: f64| {
+                let inside = (y - low) / (high - low);
+                if (0.0..=1.0).contains(&inside) {
+                    inside
+                } else {
+                    // The other way round, over sides that repeat.
+                    (y - low - if y > low { 20.0 } else { 0.0 }) / (high - low - 20.0)
+                }
+            };
+            let initial = |cell: [usize; 3]| (0.0, [SPEED * share(cell[1] as f64), 0.0, 0.0]);
+            let mut air = engine.air(periodic(cells, relaxation_time), &initial);
+            let plane = |y: f64| {
+                let corners = [[-0.5, -0.5], [3.5, -0.5], [3.5, 3.5], [-0.5, 3.5]];
+                corners.map(|[x, z]| DVec3::new(x, y, z))
+            };
+            let positions = [plane(low), plane(high)].concat();
+            let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+            let mut velocities = vec![DVec3::ZERO; 8];
+            velocities[4..].fill(DVec3::X * SPEED);
+            let mut surface = CutSurface::new(&air, triangles, 8, (0, false));
+            for _ in 0..1500 {
+                step(&mut air, &mut surface, &positions, &velocities);
+            }
+            let [nx, ny, _] = cells;
+            for (i, (_, u)) in states(&air).into_iter().enumerate() {
+                let y = (i / nx % ny) as f64;
+                let error = (u[0] / SPEED - share(y)).abs();
+                assert!(
+                    error < tolerances::exact_wall(engine).max(tolerances::CUT_PLACE),
+                    "{low} {high}: {error:e} at {y}"
+                );
+            }
+            let viscosity = (relaxation_time - 0.5) / 3.0;
+            let gap = high - low;
+            let stress = viscosity * SPEED * (1.0 / gap + 1.0 / (20.0 - gap));
+            let on_upper: f64 = (surface.forces())
+                .filter(|(cut, _)| cut.triangle >= 2)
+                .map(|(_, force)| force.x)
+                .sum();
+            let error = (on_upper / (16.0 * stress) - 1.0).abs();
+            assert!(error < tolerances::CUT_SHEAR, "{low} {high}: {error:e}");
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Closed;
+
+impl Body for Closed {
+    /// A box that tumbles and breathes, with a fold of two layers beside it: the air's mass stays, and its momentum changes by the surfaces' forces.
+    fn run(self, engine: Engine) {
+        let mut air = engine.air(periodic([20, 18, 16], 0.52), &|_| (0.0, [0.03, 0.01, 0.0]));
+        let corners: Vec<DVec3> = (0..8)
+            .map(|k: u32| DVec3::from_array([0, 1, 2].map(|a| f64::from(k >> a & 1) - 0.5)))
+            .collect();
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        for [a, b, c, d] in faces {
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        triangles.extend([[8, 9, 10], [8, 10, 11], [12, 14, 13], [12, 15, 14]]);
+        let mut surface = CutSurface::new(&air, triangles, 16, (0, false));
+        let place = |time: f64| -> Vec<DVec3> {
+            let turn =
+                glam::DQuat::from_rotation_x(0.01 * time) * glam::DQuat::from_rotation_z(0.4);
+            let size = 6.0 + 0.8 * (0.05 * time).sin();
+            let of_box = corners
+                .iter()
+                .map(|corner| DVec3::new(8.0 + 0.01 * time, 9.3, 8.2) + turn * *corner * size);
+            let gap = 0.25 + 0.2 * (0.03 * time).sin();
+            let leaf = [[5.3, 4.2], [12.4, 4.2], [12.4, 11.1], [5.3, 11.1]];
+            let fold = [-gap, gap]
+                .into_iter()
+                .flat_map(|x| leaf.map(|[y, z]| DVec3::new(16.4 + x, y, z)));
+            of_box.chain(fold).collect()
+        };
+        let before = mass_and_momentum(&air);
+        let mut given = DVec3::ZERO;
+        let mut doubled = 0;
+        for number in 0..120 {
+            let time = f64::from(number);
+            let (positions, next) = (place(time), place(time + 1.0));
+            let velocities: Vec<DVec3> =
+                next.iter().zip(&positions).map(|(b, a)| *b - *a).collect();
+            given += step(&mut air, &mut surface, &positions, &velocities);
+            doubled += surface
+                .links()
+                .iter()
+                .filter(|link| link.layers > 1)
+                .count();
+        }
+        assert!(doubled > 1000, "{doubled} links with two layers");
+        let after = mass_and_momentum(&air);
+        let cells = (20 * 18 * 16) as f64;
+        let kept = 10.0 * tolerances::conservation(engine);
+        assert!(
+            (after[0] - before[0]).abs() < kept * cells,
+            "mass {:e} a cell",
+            (after[0] - before[0]) / cells
+        );
+        for a in 0..3 {
+            let gained = after[a + 1] - before[a + 1];
+            assert!(
+                (gained - given[a]).abs() < kept * cells,
+                "{gained} {}",
+                given[a]
+            );
+            assert!(a > 0 || gained.abs() > 0.1, "nothing happened");
+        }
+    }
+}
+
+fn canopy(changes: &[&str]) -> Case {
+    let links = [
+        "coupling.scheme=links",
+        "time.end_s=0.01",
+        "output.sample_interval_s=0.002",
+    ];
+    let overrides = links.iter().chain(changes);
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: overrides.map(|&change| change.to_owned()).collect(),
+    };
+    let source = include_str!("../cases/flat-circular-tunnel.toml");
+    case::parse("canopy", source, Path::new("."), &choices).unwrap()
+}
+
+#[derive(Clone, Copy)]
+struct Opens;
+
+impl Body for Opens {
+    /// The canopy opens alike on every engine, the three routes of the force agree, and the air keeps its mass, pleats or not.
+    fn run(self, engine: Engine) {
+        let case = canopy(&[]);
+        let plan = Plan::new(&case.scene, engine.plan_placement());
+        let record = without_files(&case, plan, engine.device()).unwrap().1;
+        let [markers, momentum_box, lines] = [
+            "impulse_markers_n_s",
+            "impulse_momentum_box_n_s",
+            "impulse_lines_n_s",
+        ]
+        .map(|name| latest(&record, name).unwrap());
+        let off = |route: f64| (route / markers - 1.0).abs();
+        assert!(
+            off(momentum_box) < tolerances::CUT_MOMENTUM_BOX,
+            "{momentum_box} against {markers}"
+        );
+        assert!(
+            off(lines) < tolerances::CUT_LINES,
+            "{lines} against {markers}"
+        );
+        let defect = latest(&record, "mass_defect").unwrap();
+        assert!(defect.abs() < tolerances::CUT_MASS, "{defect:e}");
+        let open = latest(&record, "projected_diameter_ratio").unwrap();
+        let plan = Plan::new(&canopy(&[]).scene, Engine::CpuF64.plan_placement());
+        let reference = without_files(&canopy(&[]), plan, None).unwrap().1;
+        let reference = latest(&reference, "projected_diameter_ratio").unwrap();
+        assert!(
+            (open / reference - 1.0).abs() < tolerances::OPENING_BY_LINKS,
+            "{open} against {reference}"
+        );
+    }
+}
+
+/// Markers, their stages and read-outs are not there; the number of links that `check` tells is about that of the run.
+fn absent() {
+    let choices = Choices {
+        variant: None,
+        overrides: ["coupling.scheme=links", "time.end_s=1.0"]
+            .map(str::to_owned)
+            .to_vec(),
+    };
+    let source = include_str!("../cases/sphere.toml");
+    let case = case::parse("sphere", source, Path::new("."), &choices).unwrap();
+    let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+    let has = |stage| plan.every(stage).is_some();
+    for stage in [Stage::FindLinks, Stage::ReadLinks, Stage::Bounce] {
+        assert!(has(stage), "{}", stage.name());
+    }
+    for stage in [Stage::Interpolate, Stage::Spread, Stage::SendMarkers] {
+        assert!(!has(stage), "{}", stage.name());
+    }
+    assert_eq!(plan.sizes.markers, 0);
+    let told = plan.sizes.links as f64;
+    let (simulation, record) = without_files(&case, plan, None).unwrap();
+    let coupled = simulation.coupled().unwrap();
+    assert!(coupled.immersed().is_none() && coupled.markers().is_empty());
+    assert!(latest(&record, "slip_ratio").is_none());
+    let found = coupled.point_count() as f64;
+    assert!((0.9..1.1).contains(&(found / told)), "{found} of {told}");
+}
+
+/// A run stored and taken up goes on bit by bit.
+fn taken_up_alike() {
+    let case = canopy(&["time.end_s=0.02"]);
+    let fresh = || {
+        let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+        Simulation::new(case.scene.clone(), plan, None).unwrap()
+    };
+    let mut run = fresh();
+    let release = run.plan().start_steps;
+    while run.step_count() < release + 30 {
+        run.advance().unwrap();
+    }
+    let mut again = taken_up(&mut run, fresh());
+    for _ in 0..15 {
+        run.advance().unwrap();
+        again.advance().unwrap();
+    }
+    assert_eq!(bits_of_nodes(&run), bits_of_nodes(&again));
+    let force = |simulation: &Simulation| simulation.coupled().map(Coupled::force_on_air);
+    assert_eq!(force(&run), force(&again));
+}
+
+/// A run goes on on finer cells.
+fn other_cells() {
+    let case = canopy(&["time.end_s=0.02"]);
+    let finer = canopy(&["time.end_s=0.02", "resolution.cells_per_diameter=16.0"]);
+    let plan = |case: &Case| Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+    let mut run = Simulation::new(case.scene.clone(), plan(&case), None).unwrap();
+    let release = run.plan().start_steps;
+    while run.step_count() < release + 40 {
+        run.advance().unwrap();
+    }
+    let force_n = |run: &Simulation| {
+        let coupled = run.coupled().unwrap();
+        coupled.force_on_air()[0] * coupled.units().force_n()
+    };
+    let before = force_n(&run);
+    let links = run.coupled().unwrap().point_count();
+    run.change_lattice(finer.scene.clone(), plan(&finer))
+        .unwrap();
+    let (mut sum, steps) = (0.0, 30);
+    for _ in 0..steps {
+        run.advance().unwrap();
+        sum += force_n(&run);
+    }
+    assert!(run.coupled().unwrap().point_count() > links * 3 / 2);
+    let mean = sum / f64::from(steps);
+    assert!(
+        (0.5..2.0).contains(&(mean / before)),
+        "{mean} after {before}"
+    );
+}
