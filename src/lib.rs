@@ -47,8 +47,8 @@
 //! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
 //! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric).
 //!
-//! Boxes of cells half as large ([`simulation::Levels`], which no case asks for yet) exchange what they know with the lattice around them after two of
-//! their steps (`fluid/transfer.rs`).
+//! Boxes of cells half as large ([`simulation::Levels`], `docs/refinement.md`) exchange what they know with the lattice around them after two of
+//! their steps (`fluid/transfer/`, `fluid/transfer.rs`).
 //!
 //! ## Rooms
 //!
