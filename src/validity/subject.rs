@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
 use crate::geometry::wing::section::Side;
@@ -236,6 +237,24 @@ impl Subject<'_> {
     /// Length over a cell.
     pub fn cells(&self) -> f64 {
         self.length_m / self.cell_m()
+    }
+
+    /// True where it cuts links of the lattice, in place of markers.
+    pub fn cuts_links(&self) -> bool {
+        let coupling = self.scene.coupling;
+        coupling.is_some_and(|coupling| coupling.scheme == Scheme::Links)
+    }
+
+    /// Cells across the narrowest opening, if that is a hole.
+    pub fn hole_cells(&self) -> Option<f64> {
+        let (width_m, _) = self.opening_m.filter(|(_, is_hole)| *is_hole)?;
+        Some(width_m / self.cell_m())
+    }
+
+    /// The same, if it is a gap or a slot.
+    pub fn slot_cells(&self) -> Option<f64> {
+        let (width_m, _) = self.opening_m.filter(|(_, is_hole)| !is_hole)?;
+        Some(width_m / self.cell_m())
     }
 
     /// Size of the box of air along an axis [m].

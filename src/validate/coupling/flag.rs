@@ -2,7 +2,8 @@
 //!
 //! Huang & Sung 2010 (J. Fluid Mech. 653:301), Tian et al. 2014 (J. Comput. Phys. 258:451), Lee & Choi 2015 (J. Comput. Phys. 280:529): Re = U L/ν = 200,
 //! ρ_s h/(ρ L) = 1, D/(ρ U² L³) = 1e-4, ν_s = 0.4, box of 10 × 8 × 4 L: the shipped case. The amplitude is that of the middle of the trailing edge,
-//! from peak to peak across the flag's plane.
+//! from peak to peak across the flag's plane. The flag cuts links ([`crate::cut_links`]); with markers, whose kernel makes it a sixth of its length thick at 24 cells, it
+//! flaps 18 % less and a fifth more slowly.
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
@@ -21,13 +22,13 @@ const BANDS: [f64; 2] = [0.08, 0.04];
 /// Largest difference of the force routes over the drag (gate I4).
 const ROUTES: f64 = 0.01;
 
-/// Largest relative error of the amplitude in the quick run, 12 L/U in a box of 6 × 4 × 3 L at 12 cells over the length, where the kernel makes the flag a third
-/// of its length thick: a flag that lies still fails. Too short for a frequency.
-const QUICK_BAND: f64 = 0.5;
+/// Largest relative error of the amplitude in the quick run, 12 L/U in a box of 6 × 4 × 3 L at 12 cells over the length: what was measured, 4 to 13 %, with a margin. A flag that lies still fails. Too short for a
+/// frequency.
+const QUICK_BAND: f64 = 0.25;
 
 pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     let source = "Huang & Sung 2010, Tian et al. 2014, Lee & Choi 2015";
-    let resolutions: &[f64] = session.size(&[12.0], &[16.0, 24.0, 36.0]);
+    let resolutions: &[f64] = session.size(&[12.0], &[16.0, 20.0, 24.0]);
     let is_full = session.order.full;
     let finest = resolutions[resolutions.len() - 1];
     for &cells in resolutions {
