@@ -12,7 +12,7 @@ use super::initial_hessian::outer;
 pub struct TriangleReaction {
     /// The triangle.
     pub triangle: u32,
-    /// Σ k a_i a_j d dᵀ of the corners [`PAIRS`], a the barycentric weights [kg/s].
+    /// Σ k a_i a_j d dᵀ of the corners 00, 11, 22, 01, 12, 20, a the barycentric weights [kg/s].
     pub stiffness_kg_s: [DMat3; 6],
     /// Σ p a_i d of the corners [N].
     pub pull_n: [DVec3; 3],
