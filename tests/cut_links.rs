@@ -217,7 +217,7 @@ impl Body for Opens {
         .map(|name| latest(&record, name).unwrap());
         let off = |route: f64| (route / markers - 1.0).abs();
         assert!(
-            off(momentum_box) < tolerances::CUT_MOMENTUM_BOX,
+            off(momentum_box) < tolerances::cut_momentum_box(engine),
             "{momentum_box} against {markers}"
         );
         assert!(
@@ -225,7 +225,7 @@ impl Body for Opens {
             "{lines} against {markers}"
         );
         let defect = latest(&record, "mass_defect").unwrap();
-        assert!(defect.abs() < tolerances::CUT_MASS, "{defect:e}");
+        assert!(defect.abs() < tolerances::cut_mass(engine), "{defect:e}");
         let open = latest(&record, "projected_diameter_ratio").unwrap();
         let plan = Plan::new(&canopy(&[]).scene, Engine::CpuF64.plan_placement());
         let reference = without_files(&canopy(&[]), plan, None).unwrap().1;

@@ -293,10 +293,4 @@ impl Through {
     pub const fn mean(&self) -> f64 {
         self.mean
     }
-
-    /// At every node [cells per step].
-    #[must_use]
-    pub fn velocities(&self) -> &[f64] {
-        &self.velocities
-    }
 }

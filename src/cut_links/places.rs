@@ -2,7 +2,7 @@
 
 use super::bounce::Side;
 use super::search::CutLink;
-use crate::lattice::grid::Grid;
+use crate::lattice::grid::{Grid, Setup};
 use crate::lattice::{DIRECTIONS, opposite};
 
 /// Number of an array and element in it.
@@ -12,14 +12,24 @@ pub type Place = (usize, usize);
 #[derive(Debug, Clone, Copy)]
 pub struct Places {
     /// Layout of the arrays.
-    pub grid: Grid,
+    grid: Grid,
     /// Axes along which the domain repeats.
-    pub repeats: [bool; 3],
+    repeats: [bool; 3],
     /// The step to come is an odd one.
-    pub odd: bool,
+    odd: bool,
 }
 
 impl Places {
+    /// Of a lattice of this layout and set-up.
+    #[must_use]
+    pub const fn new(grid: Grid, setup: &Setup, odd: bool) -> Self {
+        Self {
+            grid,
+            repeats: setup.repeats(),
+            odd,
+        }
+    }
+
     fn of(&self, cell: [i32; 3], direction: usize) -> Place {
         let index = self.grid.index(cell.map(i64::from));
         self.grid.slot(index, direction, self.odd)

@@ -26,7 +26,7 @@ macro_rules! rows {
 rows! {
     TIME: "time_s", "s", "time since release";
     WIND_SPEED: "wind_speed_m_s", "m/s", "speed of the wind at the inlet";
-    IMPULSE_MARKERS: "impulse_markers_n_s", "N s", "impulse of the air along x by markers; since release, of bodies alone along the drag";
+    IMPULSE_MARKERS: "impulse_markers_n_s", "N s", "impulse of the air along x by markers, or at cut links; since release, of bodies alone along the drag";
     IMPULSE_MOMENTUM_BOX: "impulse_momentum_box_n_s", "N s", "the same by the momentum of a box of air";
     SLIP_RATIO: "slip_ratio", "1", "mean slip of the air past the surface over the reference speed";
     MASS_DEFECT: "mass_defect", "1", "defect of the mass balance of the momentum box; over its mass";
@@ -49,7 +49,7 @@ rows! {
 results! {
     /// Results of several kinds of scenes.
     RESULTS: "Several kinds of scenes";
-    DRAG_MARKERS: "drag_markers_n", "N", "mean drag by markers; sum over markers";
+    DRAG_MARKERS: "drag_markers_n", "N", "mean drag by markers, or at cut links; sum over them";
     DRAG_MOMENTUM_BOX: "drag_momentum_box_n", "N", "mean drag by the momentum of a box of air; populations through a box, with storage";
     FORCE_IMBALANCE: "force_imbalance", "1", "largest difference of the force routes over the drag";
     SLIP_MEAN: "slip_mean", "1", "mean slip of the air past the surface over the reference speed";

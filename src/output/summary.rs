@@ -44,7 +44,7 @@ pub struct Summary {
     /// Lattices of the air, each box of finer cells after those around it; empty without air.
     #[serde(default)]
     pub lattices: Vec<LatticeSize>,
-    /// Coupling markers between air and fabric.
+    /// Coupling markers between air and fabric; without any, the links that surfaces cut at the end.
     pub markers: usize,
     /// Nodes of fabric and cables.
     pub nodes: usize,

@@ -156,7 +156,10 @@ impl CutSurface {
             links: self.links.links(),
             returns: &self.returns,
         };
-        self.faces.take(&seen);
+        // Pressures of faces are asked for between two layers alone.
+        if self.links.doubled() > 0 {
+            self.faces.take(&seen);
+        }
         self.inside.clear();
         for link in seen.links {
             self.inside.push(match link.layers {

@@ -14,17 +14,9 @@ use crate::lattice::Real;
 const LINKS_AT_ONCE: usize = 512;
 
 impl<T: Real> Fluid<T> {
-    fn places(&self) -> Places {
-        Places {
-            grid: self.grid,
-            repeats: self.setup.repeats(),
-            odd: self.odd,
-        }
-    }
-
     /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
     pub fn read_links(&self, links: &[CutLink], returns: &mut Vec<[Return; 2]>) {
-        let places = self.places();
+        let places = Places::new(self.grid, &self.setup, self.odd);
         let read = |(array, element): Place| self.populations[array][element].to_f64();
         returns.resize(links.len(), [Return::default(); 2]);
         returns
@@ -42,7 +34,7 @@ impl<T: Real> Fluid<T> {
 
     /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
     pub fn bounce(&mut self, links: &[CutLink], back: &[[f64; 2]], rest: &[[f64; 2]]) {
-        let places = self.places();
+        let places = Places::new(self.grid, &self.setup, self.odd);
         for ((link, back), rest) in links.iter().zip(back).zip(rest) {
             for side in SIDES {
                 let (array, element) = places.back(link, side);

@@ -11,14 +11,6 @@ fn listed((array, element): Place) -> [u32; 2] {
 }
 
 impl Fluid {
-    fn link_places(&self) -> Places {
-        Places {
-            grid: self.grid,
-            repeats: self.setup.repeats(),
-            odd: self.odd,
-        }
-    }
-
     /// Lists with room for so many populations.
     fn lists(&mut self, count: usize) -> Result<LinkLists, DeviceError> {
         let mut lists = match self.link_lists.take() {
@@ -39,7 +31,7 @@ impl Fluid {
         if links.is_empty() {
             return Ok(());
         }
-        let places = self.link_places();
+        let places = Places::new(self.grid, &self.setup, self.odd);
         // What left, and the further population; what left twice where there is none.
         let mut lists = self.lists(4 * links.len())?;
         lists.places.clear();
@@ -92,7 +84,7 @@ impl Fluid {
         if links.is_empty() {
             return Ok(());
         }
-        let places = self.link_places();
+        let places = Places::new(self.grid, &self.setup, self.odd);
         let mut lists = self.lists(4 * links.len())?;
         lists.places.clear();
         lists.numbers.clear();
