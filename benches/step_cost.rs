@@ -108,6 +108,7 @@ fn canopy(cells_per_diameter: f64, wider: f64) -> Value {
             ),
             // Held while the wind rises, as briefly as serves to warm up.
             "air.wind_tunnel.start_time_s=0.002".to_owned(),
+            "coupling.scheme=kernel".to_owned(),
             format!("time.end_s={:?}", 0.3 / cells_per_diameter),
         ],
     );

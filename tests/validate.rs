@@ -78,6 +78,9 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("validate::levels_around_bodies::cpu_f32", || {
         problems(&["levels-around-bodies"], "cpu");
     }));
+    trials.extend(plain("validate::canopy_opening::cpu_f32", || {
+        problems(&["canopy-opening"], "cpu");
+    }));
     trials.push(needs_device("validate::coupling::gpu".to_owned(), || {
         problems(&COUPLING[..1], "gpu");
     }));

@@ -271,6 +271,7 @@ sample_interval_s = 1.0
                 ),
                 format!("time.end_s={:?}", self.end * diameter_m / wind_m_s),
                 "steady=absent".to_owned(),
+                "coupling.scheme=kernel".to_owned(),
             ],
         };
         let source = include_str!("../../cases/flat-circular-tunnel.toml");

@@ -130,11 +130,13 @@ impl Levels {
     /// The same with a box of finer cells on the same engine. An error if it does not fit ([`Nest::fits`]), if its set-up is not that of half the
     /// cells' size (τ − ½ twice as large, operator and eddy viscosity alike), or if the eddy viscosity has a stage of its own.
     pub fn with(mut self, nest: Nest, mut inner: Self) -> Result<Self, DeviceError> {
+        /// Of a relaxation time near ½, and of twice another: with thin air and short steps τ − ½ itself is 1e-8.
+        const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
         let (coarse, fine) = (self.engine.setup(), inner.engine.setup());
         let viscous = [coarse, fine].map(|setup| setup.relaxation_time - 0.5);
         let alike = coarse.operator == fine.operator
             && coarse.eddy_viscosity == fine.eddy_viscosity
-            && (viscous[1] - 2.0 * viscous[0]).abs() <= 1e-9 * viscous[1]
+            && (viscous[1] - 2.0 * viscous[0]).abs() <= 1e-9 * viscous[1] + ROUND_OFF
             && nest.fine_cells() == fine.cells;
         let held = (coarse.eddy_viscosity).is_some_and(|model| model.gradient_model().is_some());
         if !alike || held || !nest.fits(coarse.cells) {

@@ -37,7 +37,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 38] = [
+pub const PROBLEMS: [Problem; 39] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -137,6 +137,11 @@ pub const PROBLEMS: [Problem; 38] = [
         name: "levels-around-bodies",
         updates: [900.0, 60_000.0],
         compute: coupling::levels_around_bodies::compute,
+    },
+    Problem {
+        name: "canopy-opening",
+        updates: [700.0, 60_000.0],
+        compute: coupling::canopy_opening::compute,
     },
     Problem {
         name: "flexible-plate",

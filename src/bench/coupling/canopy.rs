@@ -41,6 +41,7 @@ fn case(tunnel: &Tunnel) -> Result<Case, Stop> {
                 0.5 * height
             ),
             format!("time.end_s={END_S:?}"),
+            "coupling.scheme=kernel".to_owned(),
         ],
     };
     let source = include_str!("../../../cases/flat-circular-tunnel.toml");

@@ -30,7 +30,11 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     let coarse: &[&str] = session.size(&COARSE, &[]);
     let end_s = session.size(0.12, 0.3);
     let mut changes: Vec<String> = coarse.iter().map(|&change| change.to_owned()).collect();
-    changes.extend([TOLERANCE.to_owned(), format!("time.end_s={end_s:?}")]);
+    changes.extend([
+        TOLERANCE.to_owned(),
+        "coupling.scheme=kernel".to_owned(),
+        format!("time.end_s={end_s:?}"),
+    ]);
     let canopy = case_runs::case("flat-circular-tunnel", CANOPY, None, &changes)?;
     let lines = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_LINES];
     let variant = session.size(Some("quick"), None);

@@ -30,7 +30,8 @@ const SPHERE: BluffBody = BluffBody {
 const CANOPY: &str = include_str!("../../../cases/flat-circular-tunnel.toml");
 
 /// The canopy in the tunnel of the benchmark, which finest cells throughout can afford.
-const TUNNEL: [&str; 3] = [
+const TUNNEL: [&str; 4] = [
+    "coupling.scheme=kernel",
     "air.wind_tunnel.size_m=[5.982, 2.991, 2.991]",
     "structure.flat_circular.confluence_m=[1.67, 1.4955, 1.4955]",
     "output.picture_times_s=absent",

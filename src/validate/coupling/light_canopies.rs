@@ -40,6 +40,7 @@ const COARSE: [&str; 5] = [
 fn canopy(session: &Session, changes: &[String]) -> Result<Case, Stop> {
     let coarse: &[&str] = session.size(&COARSE, &[]);
     let mut overrides: Vec<String> = coarse.iter().map(|&change| change.to_owned()).collect();
+    overrides.push("coupling.scheme=kernel".to_owned());
     overrides.extend_from_slice(changes);
     let source = include_str!("../../../cases/flat-circular-tunnel.toml");
     let choices = Choices {

@@ -1,5 +1,6 @@
 //! Validation of the immersed boundary and of air coupled with fabric.
 
+pub(super) mod canopy_opening;
 mod case_runs;
 pub(super) mod flag;
 pub(super) mod flexible_plate;
