@@ -53,6 +53,7 @@ pub fn trials() -> Vec<Trial> {
 pub fn small_case(changes: &[&str]) -> Case {
     let source = include_str!("../cases/flat-circular-tunnel.toml");
     let mut overrides: Vec<String> = [
+        "coupling.scheme=kernel",
         "resolution.cells_per_diameter=12.0",
         "air.refinement={around=\"nothing\"}",
         "air.wind_tunnel.size_m=[2.9915, 1.994, 1.994]",

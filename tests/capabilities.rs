@@ -32,8 +32,10 @@ fn load(file: &Path, changes: &[&str]) -> Case {
 }
 
 /// Fabric that only the host solves, among the shipped cases, and the reason.
-const HOST_ALONE: [(&str, &str); 6] = [
+const HOST_ALONE: [(&str, &str); 8] = [
+    ("finite-mass-drop", "coupling.scheme"),
     ("flag", "coupling.scheme"),
+    ("flat-circular-tunnel", "coupling.scheme"),
     ("folded-gore", "[contact]"),
     ("parafoil-brake", "[contact]"),
     ("ram-air-parachute", "a wing in the wind"),

@@ -160,9 +160,10 @@ fn check_three_scenes() {
         [
             Stage::CollideStream,
             Stage::CoarserLevels,
-            Stage::Interpolate,
+            Stage::FindLinks,
+            Stage::ReadLinks,
             Stage::SolveCloth,
-            Stage::Spread,
+            Stage::Bounce,
             Stage::Measure,
             Stage::Output
         ]
@@ -307,7 +308,14 @@ fn no_gpu() {
     let output = without_adapter(&["check", CANOPY, "--engine", "gpu"]);
     assert_eq!(output.code, 3);
     assert!(output.errors.contains("no adapter"), "{}", output.errors);
-    let output = without_adapter(&["check", CANOPY, "--cloth", "device"]);
+    let output = without_adapter(&[
+        "check",
+        CANOPY,
+        "--set",
+        "coupling.scheme=kernel",
+        "--cloth",
+        "device",
+    ]);
     assert_eq!(output.code, 3);
     assert!(output.errors.contains("no adapter"), "{}", output.errors);
     let output = ripstop(&["check", CANOPY, "--engine", "cpu", "--adapter", "some"]);

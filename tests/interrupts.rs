@@ -164,6 +164,7 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
         "resolution.cells_per_diameter=12.0",
         "structure.flat_circular.rings=8",
         "time.end_s=0.04",
+        "coupling.scheme=kernel",
         "coupling.structure_every=2",
         "output.picture_times_s=[0.0, 0.015, 0.03]",
     ];

@@ -125,7 +125,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 23] {
         Rule {
             name: "cells across the mouth at release",
             unit: "1",
-            meaning: "cells over the diameter of the mouth, two of which the kernel takes at every side",
+            meaning: "cells over the diameter of the mouth: the kernel takes two at every side, cut links do not hold the lobes in fewer",
             bound: Bound::AtLeast,
             limit: 12.0,
             supports: Supports::Opening,
