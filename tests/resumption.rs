@@ -33,7 +33,12 @@ pub fn trials() -> Vec<Trial> {
     .collect()
 }
 
-const ANIMATION: [&str; 2] = ["--set", "output.animation_interval_s=0.005"];
+const FRAMES: [&str; 4] = [
+    "--set",
+    "output.animation_interval_s=0.005",
+    "--set",
+    "output.flow_interval_s=0.01",
+];
 
 fn end_at(end_s: &str) -> [String; 2] {
     ["--set".to_owned(), format!("time.end_s={end_s}")]
@@ -87,16 +92,18 @@ pub fn same(a: &Path, b: &Path) {
     }
 }
 
-/// A frame that has gone and one that is cut short: the run goes on, ends with its summary, and lists only what is there.
+/// A frame that has gone, one that is cut short, and a box of finer cells that is missing: the run goes on, ends with its summary, and lists only what is there.
 fn lost_files() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    killed_after(&out, "0.06", &ANIMATION, "canopy_00002.vtp");
-    std::fs::remove_file(out.join("canopy_00001.vtp")).unwrap();
+    killed_after(&out, "0.06", &FRAMES, "canopy_00002.vtp");
+    for name in ["canopy_00001.vtp", "flow_00001_box_1.vti"] {
+        std::fs::remove_file(out.join(name)).unwrap();
+    }
     let path = out.join("animation_00001.png");
     let frame = std::fs::read(&path).unwrap();
     std::fs::write(&path, &frame[..frame.len() / 2]).unwrap();
-    let output = run(&out, "0.06", &[&ANIMATION[..], &["--resume"]].concat());
+    let output = run(&out, "0.06", &[&FRAMES[..], &["--resume"]].concat());
     assert_eq!(output.code, 0, "{}", output.errors);
     let list = std::fs::read_to_string(out.join("canopy.pvd")).unwrap();
     let listed: Vec<&str> = list
@@ -110,7 +117,13 @@ fn lost_files() {
         assert!(out.join(name).exists(), "{name} is listed and not there");
     }
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
-    for needle in ["canopy_00001.vtp is not there", "animation_00001.png has "] {
+    let list = std::fs::read_to_string(out.join("flow.pvd")).unwrap();
+    assert!(list.contains("flow_00000.vtm") && !list.contains("flow_00001.vtm"));
+    for needle in [
+        "canopy_00001.vtp is not there",
+        "flow_00001_box_1.vti is not there",
+        "animation_00001.png has ",
+    ] {
         assert!(summary.contains(needle), "{needle}: {summary}");
     }
     assert!(summary.contains("warning: 1 of "), "{summary}");
@@ -199,14 +212,14 @@ fn the_summary_comes_first() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     std::fs::create_dir_all(out.join("animation.png")).unwrap();
-    let output = run(&out, "0.02", &ANIMATION);
+    let output = run(&out, "0.02", &FRAMES);
     assert_eq!(output.code, 74, "{}", output.errors);
     assert!(output.errors.contains("animation.png"), "{}", output.errors);
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("warning: cannot write"), "{summary}");
     assert_eq!(json(&out.join("run.json"))["state"], "failed");
     std::fs::remove_dir(out.join("animation.png")).unwrap();
-    let output = run(&out, "0.02", &[&ANIMATION[..], &["--resume"]].concat());
+    let output = run(&out, "0.02", &[&FRAMES[..], &["--resume"]].concat());
     assert_eq!(output.code, 0, "{}", output.errors);
     assert!(out.join("animation.png").is_file());
 }

@@ -55,7 +55,12 @@ const FABRIC: [&str; 9] = [
 const FABRIC_ON_DEVICE: [&str; 2] = ["membrane-patch", "catenary"];
 
 pub fn trials() -> Vec<Trial> {
-    let mut trials = plain("validate::fabric::cpu", || problems(&FABRIC, "cpu"));
+    // The longest first: what begins last ends alone.
+    let mut trials = vec![needs_device(
+        "validate::fast_problems::gpu".to_owned(),
+        || problems(&FAST, "gpu"),
+    )];
+    trials.extend(plain("validate::fabric::cpu", || problems(&FABRIC, "cpu")));
     trials.push(needs_device("validate::fabric::gpu".to_owned(), || {
         problems(&FABRIC_ON_DEVICE, "gpu");
     }));
@@ -65,10 +70,6 @@ pub fn trials() -> Vec<Trial> {
     trials.extend(plain("validate::levels::cpu_f64", || {
         computed(&["levels"], "cpu", &["--precision", "f64"]);
     }));
-    trials.push(needs_device(
-        "validate::fast_problems::gpu".to_owned(),
-        || problems(&FAST, "gpu"),
-    ));
     trials.extend(plain("validate::coupling::cpu_f32", || {
         problems(&COUPLING, "cpu");
     }));

@@ -25,9 +25,10 @@ impl Lost {
             .map(|entry| (entry.name.as_str(), entry))
             .collect();
         let mut names: BTreeSet<String> = written.names().into_iter().collect();
-        // Further pictures of the same instant.
-        let pictures = known.keys().filter(|name| written.has_picture(name));
-        names.extend(pictures.map(|name| (*name).to_owned()));
+        // Further pictures of the same instant, and further lattices.
+        let further =
+            (known.keys()).filter(|name| written.has_picture(name) || written.has_flow(name));
+        names.extend(further.map(|name| (*name).to_owned()));
         let wrong = |name: &String| match known.get(name.as_str()) {
             Some(entry) => entry.verify(folder).err(),
             None if folder.join(name).exists() => None,
@@ -40,8 +41,14 @@ impl Lost {
         Self { files }
     }
 
+    /// True if the file, or one that belongs to it (its name goes on where the extension begins), is lost.
     pub(super) fn has(&self, name: &str) -> bool {
-        self.files.contains_key(name)
+        let stem = Path::new(name).with_extension("");
+        let stem = stem.to_string_lossy();
+        (self.files.keys()).any(|lost| {
+            lost.strip_prefix(stem.as_ref())
+                .is_some_and(|rest| rest.starts_with(['.', '_']))
+        })
     }
 
     /// A line for who resumes the run; `None` if all is there.

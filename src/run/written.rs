@@ -48,6 +48,14 @@ impl Written {
         picture_number(name).is_some_and(|number| number < self.timed_pictures)
     }
 
+    /// True for any file of an instant of the air that has been written: one for every lattice, and what lists them.
+    pub(super) fn has_flow(&self, name: &str) -> bool {
+        let number = name.strip_prefix("flow_").and_then(|rest| rest.get(..5));
+        number
+            .and_then(|digits| digits.parse::<usize>().ok())
+            .is_some_and(|number| number < self.flow_times_s.len())
+    }
+
     pub(super) fn restore(from: &Reader) -> Result<Self, CheckpointError> {
         Ok(Self {
             canopy_times_s: from.take("canopy_times")?,
