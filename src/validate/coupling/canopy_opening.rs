@@ -20,7 +20,7 @@ const OPEN: f64 = 0.6;
 const BAND: f64 = 0.05;
 
 /// Time [s] and largest C_D that the ladder of `--full` with a wide mouth comes to: 24.1, 22.6 and 22.9 ms, 2.89, 3.48 and 3.43 with 32, 48 and 96 cells. How near to
-/// them 24 cells of the quick set are: 5.7 and 13 % were measured. The kernel misses them by 48 and 44 %.
+/// them 24 cells of the quick set are: 5.7 and 13 % were measured. The kernel misses them by 48 and 47 %.
 const FINEST: [f64; 2] = [0.0229, 3.43];
 const BANDS_OF_QUICK: [f64; 2] = [0.10, 0.20];
 
@@ -37,7 +37,7 @@ struct Opening {
     peaks: bool,
 }
 
-/// Re = 193 in the tunnel; samples of half a millisecond, no boxes in the way of a coarse lattice.
+/// Re = 193 in the tunnel; samples of half a millisecond.
 const WIDE: [&str; 5] = [
     "air.kinematic_viscosity_m2_s=0.155",
     "structure.flat_circular.folding.folded_diameter_ratio=0.3",
