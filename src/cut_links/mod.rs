@@ -21,6 +21,8 @@
 //! Two layers in one link enclose air that has no cell. Each layer feels its own outer side; between both stands a pressure that is carried
 //! along the faces of the sheet from where they have cells ([`FacePressures`]). Mass: each side gets the mean velocity of both layers in place of its own.
 //!
+//! Where the air slides along the surface, what comes back is made otherwise ([`slide`]).
+//!
 //! * [`search`]: which links are cut, and where;
 //! * [`bounce`]: what comes back;
 //! * [`places`]: where it lies in memory;
@@ -30,7 +32,9 @@ pub mod bounce;
 pub mod faces;
 pub mod places;
 pub mod search;
+pub mod slide;
 
 pub use bounce::{Return, SIDES, Side};
 pub use faces::{FacePressures, Through};
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
+pub use slide::{Images, Leaving};

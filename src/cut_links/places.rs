@@ -35,6 +35,18 @@ impl Places {
         self.grid.slot(index, direction, self.odd)
     }
 
+    /// The cell beside one, or that which it repeats.
+    fn beside(&self, cell: [i32; 3], by: [i32; 3]) -> [i32; 3] {
+        std::array::from_fn(|a| {
+            let place = cell[a] + by[a];
+            if self.repeats[a] {
+                place.rem_euclid(self.grid.cells[a] as i32)
+            } else {
+                place
+            }
+        })
+    }
+
     /// What left a side's cell along the link: it has arrived at the other cell.
     #[must_use]
     pub fn out(&self, link: &CutLink, side: usize) -> Place {
@@ -49,17 +61,16 @@ impl Places {
             Side::HalfWay => None,
             Side::Near => Some(self.of(cell, leaving)),
             Side::Far => {
-                let behind = std::array::from_fn(|a| {
-                    let place = cell[a] - DIRECTIONS[leaving][a];
-                    if self.repeats[a] {
-                        place.rem_euclid(self.grid.cells[a] as i32)
-                    } else {
-                        place
-                    }
-                });
+                let behind = self.beside(cell, DIRECTIONS[opposite(leaving)]);
                 Some(self.of(behind, opposite(leaving)))
             }
         }
+    }
+
+    /// What left a cell in a direction.
+    #[must_use]
+    pub fn leaving(&self, cell: [i32; 3], direction: usize) -> Place {
+        self.of(self.beside(cell, DIRECTIONS[direction]), direction)
     }
 
     /// What comes back to a side's cell.

@@ -158,7 +158,7 @@ impl Mask {
 
 impl Domain {
     /// A cell in the domain, or the one that it repeats; `None` outside.
-    fn cell(&self, mut cell: [i64; 3]) -> Option<[i32; 3]> {
+    pub(super) fn cell(&self, mut cell: [i64; 3]) -> Option<[i32; 3]> {
         for a in 0..3 {
             let n = self.cells[a] as i64;
             if self.repeats[a] {
@@ -256,6 +256,18 @@ impl CutLinks {
     #[must_use]
     pub fn links(&self) -> &[CutLink] {
         &self.links
+    }
+
+    /// True where the link from a cell in a direction (not 0) is cut.
+    #[must_use]
+    pub fn cuts(&self, cell: [i32; 3], direction: usize) -> bool {
+        let pair = (direction - 1) / 2;
+        if direction % 2 == 1 {
+            return self.mask.has(cell, pair as u8);
+        }
+        let c = DIRECTIONS[direction];
+        let from = std::array::from_fn(|a| cell[a] + c[a]);
+        self.mask.has(from, pair as u8)
     }
 
     /// Links with more than one layer on them.

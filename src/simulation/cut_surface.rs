@@ -6,7 +6,8 @@ use super::air::AirEngine;
 use super::bodies::normal_of;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
-    Cut, CutLink, CutLinks, Domain, FacePressures, OutOfAir, Return, SIDES, Through,
+    Cut, CutLink, CutLinks, Domain, FacePressures, Images, Leaving, OutOfAir, Return, SIDES,
+    Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -29,11 +30,25 @@ pub struct CutSurface {
     inside: Vec<f64>,
     faces: FacePressures,
     through: Option<Through>,
+    /// `None` where the air sticks to all of it.
+    sliding: Option<Sliding>,
     /// What comes back, and what goes to the population at rest.
     back: Vec<[f64; 2]>,
     rest: Vec<[f64; 2]>,
     /// Force on the air by every side of every link.
     forces: Vec<[DVec3; 2]>,
+}
+
+/// Where the air slides along the surface.
+#[derive(Debug, Default)]
+struct Sliding {
+    /// Of the triangles.
+    slides: Vec<bool>,
+    images: Images,
+    /// What left the cells of the images.
+    leaving: Vec<Leaving>,
+    /// Mass that the air lost.
+    lost: f64,
 }
 
 /// What the air does to the surface at one cut, in a step: along `leaving` the force `push` − `stiffness` leaving·v.
@@ -74,6 +89,7 @@ impl CutSurface {
             inside: Vec::new(),
             faces: FacePressures::new(&triangles, count),
             through: None,
+            sliding: None,
             back: Vec::new(),
             rest: Vec::new(),
             forces: Vec::new(),
@@ -87,6 +103,22 @@ impl CutSurface {
         let count = self.positions.len();
         self.through = Through::new(&self.triangles, laws, count, edge_cells);
         self
+    }
+
+    /// The same where the air slides along those triangles that `slides` names, without friction. Where nothing does, nothing is added.
+    #[must_use]
+    pub fn sliding(mut self, slides: Vec<bool>) -> Self {
+        self.sliding = slides.contains(&true).then(|| Sliding {
+            slides,
+            ..Sliding::default()
+        });
+        self
+    }
+
+    /// Mass that the air lost where it slides, since the start: zero in the mean along a wall, not at every cell.
+    #[must_use]
+    pub fn mass_lost(&self) -> f64 {
+        self.sliding.as_ref().map_or(0.0, |sliding| sliding.lost)
     }
 
     /// Nodes of its triangles.
@@ -135,6 +167,12 @@ impl CutSurface {
             self.areas[k] = 0.5 * (b - a).cross(c - a).length();
         }
         self.links.find(positions, &self.triangles, &self.domain)?;
+        if let Some(Sliding { slides, images, .. }) = &mut self.sliding {
+            let normals = &self.normals;
+            images.find(&self.links, &self.domain, |triangle| {
+                slides[triangle].then_some(normals[triangle])
+            });
+        }
         self.found = true;
         Ok(())
     }
@@ -150,6 +188,7 @@ impl CutSurface {
             AirEngine::CpuF64(fluid) => fluid.read_links(self.links.links(), &mut self.returns),
             AirEngine::Gpu(fluid) => fluid.read_links(self.links.links(), &mut self.returns)?,
         }
+        self.slide(air, velocities)?;
         let seen = Seen {
             triangles: &self.triangles,
             normals: &self.normals,
@@ -170,6 +209,46 @@ impl CutSurface {
         if let Some(through) = &mut self.through {
             through.take(&seen, &self.inside, (velocities, &self.areas));
         }
+        Ok(())
+    }
+
+    /// What comes back where the air slides, in place of what was read.
+    fn slide(&mut self, air: &mut AirEngine, velocities: &[DVec3]) -> Result<(), DeviceError> {
+        let Some(mut sliding) = self.sliding.take() else {
+            return Ok(());
+        };
+        let Sliding {
+            images, leaving, ..
+        } = &mut sliding;
+        match air {
+            AirEngine::CpuF32(fluid) => fluid.read_images(images.cells(), leaving),
+            AirEngine::CpuF64(fluid) => fluid.read_images(images.cells(), leaving),
+            AirEngine::Gpu(fluid) => fluid.read_images(images.cells(), leaving)?,
+        }
+        let mut returns = std::mem::take(&mut self.returns);
+        let links = self.links.links();
+        let wall = |link: &CutLink, side: usize| {
+            let cut = &link.cuts[side];
+            (
+                self.normals[cut.triangle as usize],
+                self.at(cut, velocities),
+            )
+        };
+        images.returned(links, leaving, wall, |number, side, [back, strength]| {
+            let link = &links[number];
+            let weight = WEIGHTS[link.leaving(side)];
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let along = sign * link.direction().dot(wall(link, side).1);
+            // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
+            returns[number][side] = Return {
+                out: returns[number][side].out,
+                share: 0.0,
+                further: back + 6.0 * weight * strength * along,
+                strength,
+            };
+        });
+        self.returns = returns;
+        self.sliding = Some(sliding);
         Ok(())
     }
 
@@ -239,6 +318,7 @@ impl CutSurface {
         back.clear();
         rest.clear();
         forces.clear();
+        let mut sliding = self.sliding.take();
         for (link, returns) in self.links().iter().zip(&self.returns) {
             let c = link.direction();
             let weight = WEIGHTS[link.leaving(0)];
@@ -254,12 +334,19 @@ impl CutSurface {
                 let returned = &returns[side];
                 r[side] = returned.back(weight, sign * along[side]);
                 left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
+                if let Some(sliding) = &mut sliding
+                    && sliding.slides[link.cuts[side].triangle as usize]
+                {
+                    sliding.lost += left[side];
+                    left[side] = 0.0;
+                }
                 force[side] = c * (-sign * (returned.out + r[side]));
             }
             back.push(r);
             rest.push(left);
             forces.push(force);
         }
+        self.sliding = sliding;
         (self.back, self.rest, self.forces) = (back, rest, forces);
     }
 

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{CutLink, Return, SIDES};
-use crate::lattice::Real;
+use crate::cut_links::{CutLink, Leaving, Return, SIDES};
+use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Links that one task reads.
 const LINKS_AT_ONCE: usize = 512;
@@ -29,6 +29,20 @@ impl<T: Real> Fluid<T> {
                     let further = places.further(link, side).map_or(0.0, read);
                     returns[side] = link.returned(side, out, further);
                 }
+            });
+    }
+
+    /// Stage `read_images`: what left cells in all directions.
+    pub fn read_images(&self, cells: &[[i32; 3]], leaving: &mut Vec<Leaving>) {
+        let places = Places::new(self.grid, &self.setup, self.odd);
+        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
+        (leaving.par_iter_mut().zip(cells))
+            .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
+            .for_each(|(leaving, cell)| {
+                *leaving = std::array::from_fn(|direction| {
+                    let (array, element) = places.leaving(*cell, direction);
+                    self.populations[array][element].to_f64()
+                });
             });
     }
 

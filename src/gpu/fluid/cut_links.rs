@@ -3,8 +3,9 @@
 use super::Fluid;
 use super::link_lists::{LinkLists, LinkParameters};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{CutLink, Return, SIDES};
+use crate::cut_links::{CutLink, Leaving, Return, SIDES};
 use crate::gpu::error::DeviceError;
+use crate::lattice::DIRECTION_COUNT;
 
 fn listed((array, element): Place) -> [u32; 2] {
     [array as u32, element as u32]
@@ -42,23 +43,7 @@ impl Fluid {
                 lists.places.extend([listed(out), listed(further)]);
             }
         }
-        let (device, room) = (&self.device, &lists.room);
-        let parameters = LinkParameters {
-            count: lists.places.len() as u32,
-            ..LinkParameters::default()
-        };
-        device.write(&lists.parameters, 0, &[parameters]);
-        device.write(&room.places, 0, &lists.places);
-        let mut commands = device.record("read_links");
-        {
-            let mut pass = commands.pass("read_links");
-            room.bound[0].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
-        }
-        let bytes = 4 * lists.places.len() as u64;
-        room.staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
-        device.submit(commands);
-        room.staging.read(device, |bytes| {
-            let numbers: &[f32] = bytemuck::cast_slice(bytes);
+        self.read_listed(&lists, "read_links", |numbers| {
             for ((link, returns), read) in links
                 .iter()
                 .zip(returns.iter_mut())
@@ -68,6 +53,61 @@ impl Fluid {
                     let [out, further] = [0, 1].map(|k| f64::from(read[2 * side + k]));
                     returns[side] = link.returned(side, out, further);
                 }
+            }
+        })?;
+        self.link_lists = Some(lists);
+        Ok(())
+    }
+
+    /// Reads the populations in a list.
+    fn read_listed(
+        &self,
+        lists: &LinkLists,
+        stage: &'static str,
+        take: impl FnOnce(&[f32]),
+    ) -> Result<(), DeviceError> {
+        let (device, room) = (&self.device, &lists.room);
+        let parameters = LinkParameters {
+            count: lists.places.len() as u32,
+            ..LinkParameters::default()
+        };
+        device.write(&lists.parameters, 0, &[parameters]);
+        device.write(&room.places, 0, &lists.places);
+        let mut commands = device.record(stage);
+        {
+            let mut pass = commands.pass(stage);
+            room.bound[0].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
+        }
+        let bytes = 4 * lists.places.len() as u64;
+        room.staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
+        device.submit(commands);
+        room.staging
+            .read(device, |bytes| take(bytemuck::cast_slice(bytes)))
+    }
+
+    /// Stage `read_images`: what left cells in all directions.
+    pub fn read_images(
+        &mut self,
+        cells: &[[i32; 3]],
+        leaving: &mut Vec<Leaving>,
+    ) -> Result<(), DeviceError> {
+        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
+        if cells.is_empty() {
+            return Ok(());
+        }
+        let places = Places::new(self.grid, &self.setup, self.odd);
+        let mut lists = self.lists(DIRECTION_COUNT * cells.len())?;
+        lists.places.clear();
+        for cell in cells {
+            let of_cell = (0..DIRECTION_COUNT).map(|direction| places.leaving(*cell, direction));
+            lists.places.extend(of_cell.map(listed));
+        }
+        self.read_listed(&lists, "read_images", |numbers| {
+            for (leaving, read) in leaving
+                .iter_mut()
+                .zip(numbers.chunks_exact(DIRECTION_COUNT))
+            {
+                *leaving = std::array::from_fn(|direction| f64::from(read[direction]));
             }
         })?;
         self.link_lists = Some(lists);
