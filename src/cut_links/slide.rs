@@ -9,7 +9,7 @@
 //! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, where the image lies. On a wall along the lattice, midway between cells, this is specular reflection.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
-//! the lattice makes stairs of the wall. *What it costs*: the air's mass is exact in the mean along the wall only.
+//! the lattice makes stairs of the wall. *What it costs*: the mass of the air is kept along a whole wall nearly, not at every cell.
 
 use glam::{DMat3, DVec3};
 

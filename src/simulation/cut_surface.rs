@@ -105,7 +105,7 @@ impl CutSurface {
         self
     }
 
-    /// The same where the air slides along those triangles that `slides` names, without friction. Where nothing does, nothing is added.
+    /// The same where the air slides without friction along the triangles for which `slides`, one for each, is true. Where nothing does, nothing is added.
     #[must_use]
     pub fn sliding(mut self, slides: Vec<bool>) -> Self {
         self.sliding = slides.contains(&true).then(|| Sliding {
@@ -115,7 +115,7 @@ impl CutSurface {
         self
     }
 
-    /// Mass that the air lost where it slides, since the start: zero in the mean along a wall, not at every cell.
+    /// Mass that the air lost where it slides, since the start [cells of density 1]: near zero along a whole wall, not at every cell.
     #[must_use]
     pub fn mass_lost(&self) -> f64 {
         self.sliding.as_ref().map_or(0.0, |sliding| sliding.lost)
