@@ -21,12 +21,11 @@
 //! Two layers in one link enclose air that has no cell. Each layer feels its own outer side; between both stands a pressure that is carried
 //! along the faces of the sheet from where they have cells ([`FacePressures`]). Mass: each side gets the mean velocity of both layers in place of its own.
 //!
-//! Where the air slides along the surface, what comes back is made otherwise ([`slide`]).
-//!
 //! * [`search`]: which links are cut, and where;
 //! * [`bounce`]: what comes back;
 //! * [`places`]: where it lies in memory;
-//! * [`faces`]: pressures on both faces, and air through them, as fields on nodes.
+//! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
+//! * [`slide`]: what comes back where the air slides along the surface.
 
 pub mod bounce;
 pub mod faces;

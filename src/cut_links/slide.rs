@@ -6,7 +6,8 @@
 //! r = g + 6 w α (d·n) (j − ρ V)·n − 18 w (d·n) d·s,
 //!
 //! n the unit normal away from the air, V the velocity of the wall, α = min(1, 1/2q) by the distance q of the cut, ρ, j and s density, momentum and the part along the
-//! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, where the image lies. On a wall along the lattice, midway between cells, this is specular reflection.
+//! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, where the image lies. On a wall along the lattice, midway between cells, this is specular
+//! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
 //! the lattice makes stairs of the wall. *What it costs*: the mass of the air is kept along a whole wall nearly, not at every cell.
