@@ -135,6 +135,7 @@ pub mod measure;
 pub mod output;
 pub mod plan;
 pub mod render;
+pub mod report;
 pub mod rigid;
 pub mod run;
 pub mod simulation;

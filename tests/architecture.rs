@@ -34,7 +34,7 @@ pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Rooms of the library that each room may use, besides itself.
-const ALLOWED: [(&str, &[&str]); 32] = [
+const ALLOWED: [(&str, &[&str]); 33] = [
     ("lattice", &[]),
     ("solve", &[]),
     ("lines", &[]),
@@ -152,6 +152,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
         ],
     ),
     ("sweep", &["measure", "output"]),
+    ("report", &["ledger", "measure", "output"]),
     (
         "run",
         &[
@@ -165,6 +166,7 @@ const ALLOWED: [(&str, &[&str]); 32] = [
             "output",
             "plan",
             "render",
+            "report",
             "simulation",
             "solve",
             "statics",
@@ -234,8 +236,8 @@ const ALLOWED: [(&str, &[&str]); 32] = [
     (
         "cli",
         &[
-            "bench", "case", "gpu", "lattice", "measure", "output", "plan", "run", "sweep",
-            "validate", "validity",
+            "bench", "case", "gpu", "lattice", "measure", "output", "plan", "report", "run",
+            "sweep", "validate", "validity",
         ],
     ),
     ("main.rs", &[]),

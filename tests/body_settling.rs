@@ -26,6 +26,7 @@ fn run(changes: &[&str]) -> (String, serde_json::Value) {
         "cases/sphere.toml",
         "--engine",
         "cpu",
+        "--all",
         "--out",
         out.to_str().unwrap(),
     ];

@@ -383,9 +383,11 @@ fn full_disk() {
     for path in files(&out) {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         assert!(
-            ["csv", "pvd", "vtp", "png", "json", "log", "f64"]
-                .iter()
-                .any(|e| name.ends_with(e)),
+            [
+                "csv", "pvd", "vtp", "png", "json", "log", "f64", "toml", "html"
+            ]
+            .iter()
+            .any(|e| name.ends_with(e)),
             "left over: {name}"
         );
         if name.ends_with("vtp") || name.ends_with("pvd") {

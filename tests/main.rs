@@ -30,6 +30,7 @@ mod contact;
 mod coupling;
 mod cut_links;
 mod descent;
+mod design;
 mod device;
 mod device_cloth;
 mod device_cloth_steps;
@@ -40,6 +41,7 @@ mod engines;
 mod extension;
 mod faults;
 mod folders;
+mod front_door;
 mod fuzz;
 mod interrupts;
 mod keeping;
@@ -128,6 +130,7 @@ fn main() -> std::process::ExitCode {
         phases::trials(),
         plates::trials(),
         descent::trials(),
+        design::trials(),
         change_of_lattice::trials(),
         capabilities::trials(),
         case_schema::trials(),
@@ -138,6 +141,7 @@ fn main() -> std::process::ExitCode {
         keeping::trials(),
         checkpoint::trials(),
         folders::trials(),
+        front_door::trials(),
         fuzz::trials(),
         resumption::trials(),
         resolved::trials(),

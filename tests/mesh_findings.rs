@@ -303,7 +303,7 @@ fn drawn_here() {
             // Two sheets that lie upon each other.
             "airbag" => &[Kind::DoubledFaces],
             // A disk and its band; rings of fabric between slots.
-            "disk-gap-band" | "slotted-drop" => &[Kind::Pieces],
+            "disk-gap-band" | "ringslot-drop" | "slotted-drop" => &[Kind::Pieces],
             _ => &[],
         };
         // Of a wing its panels: ribs meet them in threes, and their normals all point to the right, at both tips.

@@ -150,7 +150,14 @@ fn same(whole: &Path, parts: &Path) {
     others.sort();
     assert_eq!(names, others);
     let tells_time = |name: &&String| {
-        ["summary.json", "run.json", "run.log", "trim_iterations.csv"].contains(&name.as_str())
+        [
+            "summary.json",
+            "run.json",
+            "run.log",
+            "report.html",
+            "trim_iterations.csv",
+        ]
+        .contains(&name.as_str())
     };
     for name in names.iter().filter(|name| !tells_time(name)) {
         let [a, b] = [whole, parts].map(|folder| std::fs::read(folder.join(name)).unwrap());

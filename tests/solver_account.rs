@@ -61,7 +61,7 @@ fn run(case: &[&str], changes: &[&str]) -> Told {
         arguments.extend(["--set", change]);
     }
     arguments.extend(["--set", "output.picture_times_s=absent"]);
-    arguments.extend(["--engine", "cpu", "--out", out]);
+    arguments.extend(["--engine", "cpu", "--all", "--out", out]);
     let finished = ripstop(&arguments);
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     Told {

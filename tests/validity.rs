@@ -252,7 +252,12 @@ fn beyond() {
         for change in changes {
             arguments.extend(["--set", change]);
         }
-        arguments.extend(["--set", "output.picture_times_s=absent", "--strict"]);
+        arguments.extend([
+            "--set",
+            "output.picture_times_s=absent",
+            "--strict",
+            "--all",
+        ]);
         arguments.extend(["--engine", "cpu", "--out", folder.path().to_str().unwrap()]);
         let finished = ripstop(&arguments);
         assert_eq!(finished.code, 1, "{finding}: {}", finished.errors);

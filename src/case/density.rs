@@ -6,7 +6,7 @@ use super::usual;
 use super::values::{absent, positive, within};
 
 /// Altitudes of the standard atmosphere's lowest layer [m].
-const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
+pub(super) const ALTITUDES_M: [f64; 2] = [-500.0, 11_000.0];
 
 /// Sound in air at 15 °C [m/s].
 pub const SOUND_M_S: f64 = 340.3;
@@ -46,17 +46,29 @@ pub(super) fn sound_m_s(file: &Air, density_kg_m3: f64) -> Option<f64> {
 }
 
 /// Density of the standard atmosphere (ICAO Doc 7488, ISO 2533) in the troposphere, over the geometric altitude [kg/m³].
-fn standard_density_kg_m3(altitude_m: f64) -> f64 {
+pub(super) fn standard_density_kg_m3(altitude_m: f64) -> f64 {
     const SEA_LEVEL_KG_M3: f64 = 1.225;
     // g M/(R L) − 1
     const EXPONENT: f64 = 4.255_88;
     SEA_LEVEL_KG_M3 * standard_temperature_ratio(altitude_m).powf(EXPONENT)
 }
 
+/// Kinematic viscosity of the same [m²/s]: Sutherland's law, as in ICAO Doc 7488.
+pub(super) fn standard_kinematic_viscosity_m2_s(altitude_m: f64) -> f64 {
+    const COEFFICIENT_KG_M_S_SQRT_K: f64 = 1.458e-6;
+    const SUTHERLAND_K: f64 = 110.4;
+    let temperature_k = SEA_LEVEL_K * standard_temperature_ratio(altitude_m);
+    let dynamic =
+        COEFFICIENT_KG_M_S_SQRT_K * temperature_k.powf(1.5) / (temperature_k + SUTHERLAND_K);
+    dynamic / standard_density_kg_m3(altitude_m)
+}
+
+/// Temperature of the standard atmosphere at sea level [K].
+const SEA_LEVEL_K: f64 = 288.15;
+
 /// Temperature of the same over that at sea level, both in K.
 fn standard_temperature_ratio(altitude_m: f64) -> f64 {
     const LAPSE_K_M: f64 = 0.0065;
-    const SEA_LEVEL_K: f64 = 288.15;
     const EARTH_RADIUS_M: f64 = 6_356_766.0;
     let geopotential_m = EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m);
     1.0 - LAPSE_K_M * geopotential_m / SEA_LEVEL_K
@@ -75,6 +87,19 @@ mod tests {
         ] {
             let found = super::standard_density_kg_m3(altitude);
             assert!((found / density - 1.0).abs() < 1e-4, "{altitude}: {found}");
+        }
+    }
+
+    /// Kinematic viscosities of the same tables.
+    #[test]
+    fn viscosities_are_those_of_the_tables() {
+        for (altitude, viscosity) in [(0.0, 1.4607e-5), (5000.0, 2.2110e-5), (10_000.0, 3.5251e-5)]
+        {
+            let found = super::standard_kinematic_viscosity_m2_s(altitude);
+            assert!(
+                (found / viscosity - 1.0).abs() < 1e-3,
+                "{altitude}: {found}"
+            );
         }
     }
 

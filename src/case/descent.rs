@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::air::Air;
 use super::bodies::RigidBody;
 use super::body::{Body, BodyKind};
-use super::file::File;
+use super::file::{File, Payload};
 use super::payload_bodies::{self, PayloadBody};
 use super::problem::Problem;
 use super::usual;
@@ -45,6 +45,50 @@ pub enum Carrier {
     },
 }
 
+/// A mass that a canopy in a wind tunnel would carry. It does not act there: the run tells how fast the two would descend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CarriedMass {
+    /// Its mass [kg].
+    pub mass_kg: f64,
+    /// Drag area of the mass itself [m²].
+    pub drag_area_m2: f64,
+}
+
+/// The payload of a canopy in a wind tunnel; `None` where there is none, or where it falls.
+pub(super) fn carried(file: &File, body: Option<&Body>) -> Result<Option<CarriedMass>, Problem> {
+    let in_tunnel = file
+        .air
+        .as_ref()
+        .is_some_and(|air| air.wind_tunnel.is_some());
+    let has_canopy = body.is_some_and(|body| body.canopy().is_some());
+    let Some(payload) = file.payload.as_ref().filter(|_| in_tunnel && has_canopy) else {
+        return Ok(None);
+    };
+    if let Some(name) = payload.bodies.keys().next() {
+        return Err(Problem::new(
+            format!("payload.bodies.{name}"),
+            format!(
+                "[payload.bodies.{name}] has no effect: bodies swing below a payload only where it falls"
+            ),
+            "remove it, or replace [air.wind_tunnel] by [air.descent]",
+        ));
+    }
+    let (mass_kg, drag_area_m2) = mass_and_drag_area(payload)?;
+    Ok(Some(CarriedMass {
+        mass_kg,
+        drag_area_m2,
+    }))
+}
+
+fn mass_and_drag_area(payload: &Payload) -> Result<(f64, f64), Problem> {
+    let mass_kg = positive("payload.mass_kg", payload.mass_kg)?;
+    let drag_area_m2 = match payload.drag_area_m2 {
+        None => usual::noted("payload.drag_area_m2", 0.0),
+        Some(area) => positive("payload.drag_area_m2", area)?,
+    };
+    Ok((mass_kg, drag_area_m2))
+}
+
 impl Descent {
     /// Mass of the payload and of all that hangs below it, without tethers [kg].
     #[must_use]
@@ -53,13 +97,14 @@ impl Descent {
     }
 }
 
-/// What falls, and what it needs; frees the confluence of a canopy that carries a payload.
+/// What falls, and what it needs; nothing where a payload is carried in a wind tunnel; frees the confluence of a canopy that carries a payload.
 pub(super) fn check(
     file: &File,
     air: Option<&Air>,
     body: Option<&mut Body>,
     rigid_bodies: &[RigidBody],
     gravity_m_s2: Option<DVec3>,
+    is_carried: bool,
 ) -> Result<Option<Descent>, Problem> {
     let falling: Vec<(usize, &String, f64)> = file
         .bodies
@@ -73,6 +118,7 @@ pub(super) fn check(
     let has_descent = file.air.as_ref().is_some_and(|air| air.descent.is_some());
     let (Some(air), true) = (air, has_descent) else {
         let key = match (&file.payload, falling.first()) {
+            (Some(_), None) if is_carried => return Ok(None),
             (Some(_), _) => "payload".to_owned(),
             (None, Some((_, name, _))) => format!("bodies.{name}.motion.free_fall"),
             (None, None) => return Ok(None),
@@ -80,7 +126,9 @@ pub(super) fn check(
         return Err(Problem::new(
             key.as_str(),
             format!("[{key}] has no effect: it needs [air.descent]"),
-            format!("remove [{key}], or replace [air.wind_tunnel] by [air.descent]"),
+            format!(
+                "remove [{key}], or replace [air.wind_tunnel] by [air.descent]; a canopy in a wind tunnel may have a payload"
+            ),
         ));
     };
     let every = file.coupling.as_ref().and_then(|c| c.structure_every);
@@ -110,11 +158,7 @@ pub(super) fn check(
         return Err(two_masses(&format!("bodies.{name}.motion.free_fall")));
     }
     if let Some(payload) = &file.payload {
-        let mass_kg = positive("payload.mass_kg", payload.mass_kg)?;
-        let drag_area_m2 = match payload.drag_area_m2 {
-            None => usual::noted("payload.drag_area_m2", 0.0),
-            Some(area) => positive("payload.drag_area_m2", area)?,
-        };
+        let (mass_kg, drag_area_m2) = mass_and_drag_area(payload)?;
         let Some((body, canopy)) = body.and_then(|body| match body.kind {
             BodyKind::Canopy(canopy) => Some((body, canopy)),
             _ => None,

@@ -16,9 +16,18 @@ pub struct CaseError {
     #[label("{label}")]
     span: Option<SourceSpan>,
     label: String,
+    /// What else is wrong.
+    #[related]
+    others: Vec<Self>,
 }
 
 impl CaseError {
+    /// The same with what else is wrong.
+    pub(super) fn with_others(mut self: Box<Self>, others: Vec<Self>) -> Box<Self> {
+        self.others = others;
+        self
+    }
+
     /// An error about a whole file.
     pub(super) fn about_file(message: String, help: &str) -> Box<Self> {
         Box::new(Self {
@@ -27,6 +36,7 @@ impl CaseError {
             source_code: None,
             span: None,
             label: String::new(),
+            others: Vec::new(),
         })
     }
 
@@ -43,6 +53,7 @@ impl CaseError {
             source_code: Some(NamedSource::new(name, source.to_owned())),
             span: span.map(Into::into),
             label: label.to_owned(),
+            others: Vec::new(),
         })
     }
 }

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::design::{self, Derived, Designed};
 use super::error::CaseError;
 use super::file::{File, Structure};
 use super::mesh_examination::ExaminedMesh;
+use super::near::{did_you_mean, nearest};
 use super::problem::Problem;
 use super::scene::{self, Scene};
 use super::text::{apply_override, lookup, merge};
@@ -37,6 +39,8 @@ pub struct Case {
     pub overrides: Vec<String>,
     /// What it has for keys that it leaves out, and what follows from others for time step, cells and box.
     pub resolved: Resolved,
+    /// What follows from its `[canopy]`, and is in its text; empty where it has none.
+    pub derived: Vec<Derived>,
     /// The checked scene.
     pub scene: Scene,
     /// The same scene on the coarser grids that a run begins on, coarsest first; empty without `steady.grid_sequence`.
@@ -64,7 +68,7 @@ pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
 pub fn examine_meshes(path: &Path, choices: &Choices) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
     let (name, source) = read(path)?;
     let folder = folder_of(path);
-    let (_, _, _, meshes) = checked(&name, &source, choices, |file| {
+    let (_, meshes) = checked(&name, &source, choices, |file| {
         let mut meshes = Vec::new();
         if let Some(Structure::Mesh(written)) = &file.structure {
             meshes.push(mesh::examine(file, written, folder)?.examined);
@@ -104,18 +108,19 @@ pub fn parse(
     folder: &Path,
     choices: &Choices,
 ) -> Result<Case, Box<CaseError>> {
-    let (text, physics, file, (scene, resolved, coarser)) =
-        checked(name, source, choices, |file| {
-            let (scene, resolved) = usual::collected(|| scene::check(file, folder));
-            let scene = scene?;
-            let coarser = grid_sequence::check(file, &scene, folder)?;
-            Ok((scene, resolved, coarser))
-        })?;
+    let (applied, (scene, resolved, coarser)) = checked(name, source, choices, |file| {
+        let (scene, resolved) = usual::collected(|| scene::check(file, folder));
+        let scene = scene?;
+        let coarser = grid_sequence::check(file, &scene, folder)?;
+        Ok((scene, resolved, coarser))
+    })?;
+    let file = &applied.file;
     Ok(Case {
         name: name.to_owned(),
-        hash: identity::hash(&text, &file, folder),
-        physics: identity::hash(&physics, &file, folder),
-        text,
+        hash: identity::hash(&applied.text, file, folder),
+        physics: identity::hash(&applied.physics, file, folder),
+        text: applied.text,
+        derived: applied.derived,
         variant: choices.variant.clone(),
         overrides: choices.overrides.clone(),
         resolved,
@@ -125,14 +130,22 @@ pub fn parse(
     })
 }
 
-/// Reads the text of a case with variant and overrides applied, and checks it; what is wrong is marked in the text. Returns the text as
-/// applied, the physics of it alone, what is written in it, and what the check returned.
+/// A case with variant and overrides applied, and with what follows from its design.
+struct Applied {
+    text: String,
+    /// The physics of the text alone.
+    physics: String,
+    derived: Vec<Derived>,
+    file: File,
+}
+
+/// Reads the text of a case with variant and overrides applied, and checks it; what is wrong is marked in the text.
 fn checked<T>(
     name: &str,
     source: &str,
     choices: &Choices,
     check: impl FnOnce(&File) -> Result<T, Problem>,
-) -> Result<(String, String, File, T), Box<CaseError>> {
+) -> Result<(Applied, T), Box<CaseError>> {
     let mut table: toml::Table = toml::from_str(source).map_err(|error| {
         let problem = Problem::new(
             "",
@@ -141,6 +154,8 @@ fn checked<T>(
         );
         CaseError::located(name, source, error.span(), "here", problem)
     })?;
+    // What is absent from a design must not follow from it either.
+    let is_design = table.contains_key(design::TABLE);
     let mut prefix = None;
     if let Some(variant) = &choices.variant {
         let known: Vec<String> = table
@@ -162,15 +177,22 @@ fn checked<T>(
             return Err(CaseError::about_file(
                 format!("{name} has no variant `{variant}`"),
                 &format!(
-                    "variants in this file: {names}; leave --variant out to run the case as written"
+                    "{}variants in this file: {names}; leave --variant out to run the case as written",
+                    did_you_mean(variant, known.iter().map(String::as_str))
                 ),
             ));
         };
-        merge(&mut table, changes);
+        merge(&mut table, changes, is_design);
         prefix = Some(format!("variants.{variant}."));
     }
     for change in &choices.overrides {
-        apply_override(&mut table, change)?;
+        if change.starts_with(design::TABLE) && !is_design {
+            return Err(CaseError::about_file(
+                format!("{change} needs [canopy], which {name} does not have"),
+                "set keys of the tables that the case has, such as resolution.cells_per_diameter",
+            ));
+        }
+        apply_override(&mut table, change, is_design)?;
     }
     let locate = |problem: Problem| {
         let in_variant = prefix.as_ref().and_then(|prefix| {
@@ -192,29 +214,108 @@ fn checked<T>(
             let message = format!("{} (from --set {change})", problem.message);
             return CaseError::about_file(message, &problem.help);
         }
-        let nearest = ["structure", "air", "version"];
+        let nearest = [design::TABLE, "structure", "air", "version"];
         let span = in_variant
             .or_else(|| locate::span_of(source, &problem.key))
             .or_else(|| nearest.iter().find_map(|key| locate::span_of(source, key)));
         let label = problem.key.clone();
         CaseError::located(name, source, span, &label, problem)
     };
-    let text = toml::to_string(&table).unwrap_or_default();
-    let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
-    let file: File = serde_path_to_error::deserialize(table.clone()).map_err(|error| {
-        let Problem { key, message, help } = misread(&error, &table);
-        locate(Problem::new(key, format!("in {name}: {message}"), help))
-    })?;
     let in_file = |problem: Problem| {
         let message = format!("in {name}: {}", problem.message);
         locate(Problem { message, ..problem })
     };
+    let mut derived = Vec::new();
+    if let Some(written) = design::take(&mut table) {
+        let designed: Designed = serde_path_to_error::deserialize(written.clone())
+            .map_err(|error| in_file(misread(&error, &written)))?;
+        derived = design::expand(&designed.canopy, &mut table).map_err(in_file)?;
+    }
+    let text = toml::to_string(&table).unwrap_or_default();
+    let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
+    let file = read_file(&table).map_err(|(first, others)| {
+        let others = others.into_iter().map(|problem| *in_file(problem));
+        in_file(first).with_others(others.collect())
+    })?;
     let result = check(&file).map_err(in_file)?;
-    Ok((text, physics, file, result))
+    let applied = Applied {
+        text,
+        physics,
+        derived,
+        file,
+    };
+    Ok((applied, result))
+}
+
+/// Most slips that are told at once.
+const SLIPS: usize = 10;
+
+/// Reads what is written. Slips in keys and values are told together: each is taken out, or for what was meant, so that what stands behind it is
+/// read, too.
+fn read_file(table: &toml::Table) -> Result<File, (Problem, Vec<Problem>)> {
+    let mut rest = table.clone();
+    let mut others: Vec<Problem> = Vec::new();
+    let mut error = match serde_path_to_error::deserialize(rest.clone()) {
+        Ok(file) => return Ok(file),
+        Err(error) => error,
+    };
+    let mut first = misread(&error, &rest);
+    let mut last = first.key.clone();
+    while others.len() + 1 < SLIPS {
+        let message = error.inner().message();
+        let key = meant(message).filter(|_| message.starts_with("unknown field"));
+        if !mend(&mut rest, &last, key) {
+            break;
+        }
+        match serde_path_to_error::deserialize::<_, File>(rest.clone()) {
+            Ok(_) => break,
+            Err(next) => error = next,
+        }
+        let problem = misread(&error, &rest);
+        // What is missing because it was taken out is no slip of its own.
+        let is_within = |slip: &Problem| slip.key.starts_with(&problem.key);
+        let follows = error.inner().message().starts_with("missing field")
+            || is_within(&first)
+            || others.iter().any(is_within);
+        if follows {
+            break;
+        }
+        last.clone_from(&problem.key);
+        others.push(problem);
+    }
+    if !others.is_empty() {
+        first.message = format!("{} (and {} more)", first.message, others.len());
+    }
+    Err((first, others))
+}
+
+/// Puts what stands under a dotted path under the name that was meant, if that is free, or away; false where nothing stands there.
+fn mend(table: &mut toml::Table, path: &str, meant: Option<&str>) -> bool {
+    if let Some((first, rest)) = path.split_once('.') {
+        let inner = table.get_mut(first).and_then(toml::Value::as_table_mut);
+        return inner.is_some_and(|inner| mend(inner, rest, meant));
+    }
+    let Some(value) = table.remove(path) else {
+        return false;
+    };
+    if let Some(meant) = meant.filter(|name| !table.contains_key(*name)) {
+        table.insert(meant.to_owned(), value);
+    }
+    true
 }
 
 /// What to do with a key that nobody knows.
 const CORRECT: &str = "correct the key, or remove it; keys carry their unit, e.g. `speed_m_s`";
+
+/// The known name that is nearest to an unknown key or word in a message, which lists what was expected.
+fn meant(message: &str) -> Option<&str> {
+    let unknown = ["unknown field `", "unknown variant `"];
+    let rest = unknown
+        .iter()
+        .find_map(|begin| message.strip_prefix(begin))?;
+    let name = rest.split('`').next()?;
+    nearest(name, message.split('`').skip(3).step_by(2))
+}
 
 /// What could not be read, in the words of the author of a case.
 fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Table) -> Problem {
@@ -245,12 +346,13 @@ fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Ta
         Some(field) if !path.ends_with(field) => format!("{path}.{field}"),
         _ => path,
     };
+    let meant = meant(&message).map_or_else(String::new, |name| format!("did you mean `{name}`? "));
     let help = if unknown.is_some() {
         CORRECT
     } else {
-        "docs/case-files.md lists all keys; `ripstop new flat-circular-tunnel` prints a complete case"
+        "`ripstop explain KEY` tells what a key means, docs/case-files.md lists all; `ripstop new flat-circular-tunnel` prints a complete case"
     };
-    Problem::new(key, message, help)
+    Problem::new(key, message, format!("{meant}{help}"))
 }
 
 /// What is wrong under a path where exactly one of several keys belongs; `None` elsewhere, and where one is there.
@@ -268,7 +370,10 @@ fn wrong_alternatives(path: &str, table: &toml::Table) -> Option<Problem> {
         return Some(Problem::new(
             format!("{path}.{unknown}"),
             format!("unknown key `{unknown}`, expected exactly one of {names}"),
-            CORRECT,
+            format!(
+                "{}{CORRECT}",
+                did_you_mean(unknown, known.iter().map(String::as_str))
+            ),
         ));
     }
     (written.len() != 1).then(|| {

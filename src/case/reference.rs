@@ -33,6 +33,79 @@ pub fn key_reference() -> String {
     text
 }
 
+/// A key of case files in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyMeaning {
+    /// Its dotted path; of tables of the same keys, the first that the schema names.
+    pub path: String,
+    /// What its value is, such as `number`.
+    pub kind: String,
+    /// True if it may be left out.
+    pub is_optional: bool,
+    /// What it means, its unit, and what it is if absent.
+    pub meaning: String,
+}
+
+/// All keys of case files.
+#[must_use]
+pub fn key_meanings() -> Vec<KeyMeaning> {
+    let root = schema();
+    let mut tables = vec![Table {
+        definition: String::new(),
+        headings: vec![String::new()],
+        part: root.clone(),
+    }];
+    collect(&root, &root, "", &mut tables);
+    let mut found = Vec::new();
+    for table in &tables {
+        for heading in &table.headings {
+            let above = heading.trim_matches(['[', ']']);
+            for key in keys(&table.part) {
+                let path = match above {
+                    "" => key.name.to_owned(),
+                    above => format!("{above}.{}", key.name),
+                };
+                found.push(KeyMeaning {
+                    path,
+                    kind: kind(&root, key.of).replace('`', ""),
+                    is_optional: key.is_optional,
+                    meaning: with_choices(&root, key.of, plain(&key.meaning)),
+                });
+            }
+        }
+    }
+    found
+}
+
+/// A meaning without links of Markdown.
+fn plain(meaning: &str) -> String {
+    let mut text = meaning.replace("\\|", "|");
+    while let Some((before, rest)) = text.split_once("](") {
+        let (Some(start), Some(end)) = (before.rfind('['), rest.find(')')) else {
+            break;
+        };
+        text = format!(
+            "{}docs/{}{}",
+            &before[..start],
+            &rest[..end],
+            &rest[end + 1..]
+        );
+    }
+    text.replace('`', "")
+}
+
+/// A meaning with the words of which one is chosen.
+fn with_choices(root: &Value, of: &Value, meaning: String) -> String {
+    let (listed, how) = match resolved(root, of).get("items") {
+        Some(listed) => (listed, "Any of"),
+        None => (of, "One of"),
+    };
+    match chosen(resolved(root, listed)) {
+        Some(chosen) => format!("{meaning} {how} {chosen}."),
+        None => meaning,
+    }
+}
+
 /// A key of a table.
 struct Key<'a> {
     name: &'a str,
@@ -148,7 +221,7 @@ fn section(root: &Value, table: &Table, tables: &[Table], text: &mut String) {
     for Key {
         name,
         of,
-        mut meaning,
+        meaning,
         is_optional,
     } in keys(&table.part)
     {
@@ -161,13 +234,7 @@ fn section(root: &Value, table: &Table, tables: &[Table], text: &mut String) {
             Some(table) => format!("[`{name}`](#{})", anchor(&table.headings[0])),
             None => format!("`{name}`"),
         };
-        let (listed, how) = match resolved(root, of).get("items") {
-            Some(listed) => (listed, "Any of"),
-            None => (of, "One of"),
-        };
-        if let Some(chosen) = chosen(resolved(root, listed)) {
-            let _ = write!(meaning, " {how} {chosen}.");
-        }
+        let meaning = with_choices(root, of, meaning);
         let optional = if is_optional { ", optional" } else { "" };
         let _ = writeln!(text, "| {key} | {}{optional} | {meaning} |", kind(root, of));
     }

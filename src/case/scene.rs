@@ -12,7 +12,7 @@ pub use super::body::{
 pub use super::comparison::Comparison;
 pub use super::coupling::Coupling;
 pub use super::density::{LIQUID_KG_M3, SOUND_M_S};
-pub use super::descent::{Carrier, Descent};
+pub use super::descent::{CarriedMass, Carrier, Descent};
 pub use super::equilibrium::Equilibrium;
 use super::file::File;
 pub use super::lattice_speed::LATTICE_SPEED_LIMIT;
@@ -54,6 +54,8 @@ pub struct Scene {
     pub gravity_m_s2: Option<DVec3>,
     /// What falls, and the box of the air with it; absent: the box stands.
     pub descent: Option<Descent>,
+    /// What a canopy in a wind tunnel would carry.
+    pub carried: Option<CarriedMass>,
     /// Solver of the fabric.
     pub solver: Solver,
     /// Simulated time; absent: equilibrium only.
@@ -143,12 +145,14 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         refinement::check(file, air, body.as_ref(), &rigid_bodies, time.as_ref())?;
     }
     let coupling = coupling::check(file, air.as_ref(), body.as_mut())?;
+    let carried = descent::carried(file, body.as_ref())?;
     let descent = descent::check(
         file,
         air.as_ref(),
         body.as_mut(),
         &rigid_bodies,
         gravity_m_s2,
+        carried.is_some(),
     )?;
     let equilibrium = equilibrium::check(file)?;
     if time.is_none() && equilibrium.is_none() {
@@ -177,6 +181,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         coupling,
         gravity_m_s2,
         descent,
+        carried,
         solver,
         time,
         equilibrium,

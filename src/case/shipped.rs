@@ -1,11 +1,15 @@
 //! Shipped cases, embedded so that an installed binary can write them.
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 20] = [
+pub const SHIPPED: [(&str, &str); 23] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
         include_str!("../../cases/cloth/bias-extension.toml"),
+    ),
+    (
+        "cruciform",
+        include_str!("../../cases/designs/cruciform.toml"),
     ),
     (
         "disk-gap-band",
@@ -59,6 +63,14 @@ pub const SHIPPED: [(&str, &str); 20] = [
     (
         "slotted-drop",
         include_str!("../../cases/slotted-drop.toml"),
+    ),
+    (
+        "personnel-descent",
+        include_str!("../../cases/designs/personnel-descent.toml"),
+    ),
+    (
+        "ringslot-drop",
+        include_str!("../../cases/designs/ringslot-drop.toml"),
     ),
     ("sphere", include_str!("../../cases/sphere.toml")),
     (

@@ -56,6 +56,7 @@ fn build(
         Structure::ExtendedSkirt(table) => extended_skirt(file, table),
         Structure::Annular(table) => annular(file, table),
         Structure::DiskGapBand(table) => disk_gap_band(file, table),
+        Structure::Ringslot(table) => ringslot(file, table),
         Structure::Cruciform(table) => cruciform(file, table),
         Structure::Sheet(table) => specimens::check_sheet(table, &check_fabric(file)?),
         Structure::Plate(table) => plate::check(table, &check_fabric(file)?),
@@ -114,6 +115,10 @@ fn cut(key: &str, design: Design) -> Result<Cut, Problem> {
             DesignFault::Slots(..) => {
                 ("slot_from_m", "choose slot_from_m and slot_to_m in between")
             }
+            DesignFault::RingWidth(_) => (
+                "slot_width_m",
+                "give narrower or fewer slots, or a smaller vent",
+            ),
             DesignFault::SlotWidth(_) => (
                 "slot_width_m",
                 "give narrower slots, or 0 for cuts along seams",
@@ -344,6 +349,37 @@ fn disk_gap_band(file: &File, t: &file::DiskGapBand) -> Result<Body, Problem> {
             disk_diameter_m,
             gap_width_m,
             band_width_m,
+        },
+    };
+    let canopy = Written {
+        key,
+        cut: cut(key, design)?,
+        common: t.common(),
+    };
+    rig(file, &canopy)
+}
+
+/// Most slots around a canopy.
+const RINGSLOT_LIMIT: usize = 50;
+
+fn ringslot(file: &File, t: &file::Ringslot) -> Result<Body, Problem> {
+    let key = "structure.ringslot";
+    let of = |name: &str| format!("{key}.{name}");
+    if !(1..=RINGSLOT_LIMIT).contains(&t.slots) {
+        return Err(Problem::new(
+            of("slots"),
+            format!("{key}.slots = {} is out of range", t.slots),
+            format!("a ringslot canopy has 1 to {RINGSLOT_LIMIT} slots"),
+        ));
+    }
+    let design = Design {
+        nominal_area_m2: positive(&of("nominal_area_m2"), t.nominal_area_m2)?,
+        gores: gores(key, t.gores, "a ringslot canopy")?,
+        rings: rings(key, t.rings)?,
+        vent_diameter_m: vent(key, Some(t.vent_diameter_m))?,
+        shape: Shape::Ringslot {
+            slots: t.slots,
+            slot_width_m: positive(&of("slot_width_m"), t.slot_width_m)?,
         },
     };
     let canopy = Written {

@@ -14,12 +14,14 @@ pub(super) fn lookup<'a>(table: &'a toml::Table, path: &str) -> Option<&'a toml:
     }
 }
 
-/// Overwrites `base` with `changes`, table by table; what is "absent" in `changes` is removed.
-pub(super) fn merge(base: &mut toml::Table, changes: toml::Table) {
+/// Overwrites `base` with `changes`, table by table; what is "absent" in `changes` is removed, or stays as that word where it is told to keep it.
+pub(super) fn merge(base: &mut toml::Table, changes: toml::Table, keeps_absent: bool) {
     for (key, change) in changes {
         match (base.get_mut(&key), change) {
-            (Some(toml::Value::Table(inner)), toml::Value::Table(change)) => merge(inner, change),
-            (_, toml::Value::String(text)) if text == ABSENT => {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(change)) => {
+                merge(inner, change, keeps_absent);
+            }
+            (_, toml::Value::String(text)) if text == ABSENT && !keeps_absent => {
                 base.remove(&key);
             }
             (_, change) => {
@@ -32,8 +34,12 @@ pub(super) fn merge(base: &mut toml::Table, changes: toml::Table) {
 /// Value of an override or in a variant that removes the key or table from the case.
 pub const ABSENT: &str = "absent";
 
-/// Applies one `key.path=value`.
-pub(super) fn apply_override(table: &mut toml::Table, change: &str) -> Result<(), Box<CaseError>> {
+/// Applies one `key.path=value`; `absent` removes the key, or stays as that word where it is told to keep it.
+pub(super) fn apply_override(
+    table: &mut toml::Table,
+    change: &str,
+    keeps_absent: bool,
+) -> Result<(), Box<CaseError>> {
     let refuse = |why: &str| {
         CaseError::about_file(
             format!("--set {change}: {why}"),
@@ -65,7 +71,7 @@ pub(super) fn apply_override(table: &mut toml::Table, change: &str) -> Result<()
             .as_table_mut()
             .ok_or_else(|| refuse(&format!("`{part}` is not a table")))?;
     }
-    if text.trim() == ABSENT {
+    if text.trim() == ABSENT && !keeps_absent {
         return match target.remove(last) {
             Some(_) => Ok(()),
             None => Err(refuse("the case has no such key to remove")),

@@ -42,8 +42,6 @@ const BEFORE_LINES: f64 = 0.3;
 const SKIRT_RADIUS: f64 = 0.34;
 const HALF_HEIGHT: f64 = 0.15;
 
-const SIZE_KEY: &str = "air.wind_tunnel.size_m";
-
 /// What stands in the wind, as far as its tunnel is concerned.
 struct Standing {
     /// Key of its place.
@@ -108,7 +106,7 @@ pub(super) fn complete(file: &File) -> Cow<'_, File> {
     };
     let written_m = match (&air.wind_tunnel, &air.descent) {
         (Some(tunnel), None) => tunnel.size_m,
-        (None, Some(descent)) => Some(descent.size_m),
+        (None, Some(descent)) => descent.size_m,
         _ => return Cow::Borrowed(file),
     };
     let mut completed = file.clone();
@@ -125,12 +123,18 @@ pub(super) fn complete(file: &File) -> Cow<'_, File> {
         let place = [one.usual_distance_m(room), 0.5 * width, 0.5 * height];
         usual::noted(one.key.as_str(), place)
     });
-    if written_m.is_none()
-        && let Some(tunnel) = completed.air.as_mut().and_then(|a| a.wind_tunnel.as_mut())
-    {
+    if let (None, Some(air)) = (written_m, completed.air.as_mut()) {
         let length = place_m[0] + one.reach_m + room.downstream * one.diameter_m;
         let size = [length, 2.0 * place_m[1], 2.0 * place_m[2]];
-        tunnel.size_m = Some(usual::noted(SIZE_KEY, size));
+        match (&mut air.wind_tunnel, &mut air.descent) {
+            (Some(tunnel), _) => {
+                tunnel.size_m = Some(usual::noted("air.wind_tunnel.size_m", size));
+            }
+            (None, Some(descent)) => {
+                descent.size_m = Some(usual::noted("air.descent.size_m", size));
+            }
+            (None, None) => {}
+        }
     }
     let canopy = completed
         .structure

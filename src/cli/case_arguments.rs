@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::engine::EngineArguments;
 use super::failure::Failure;
 use super::threads;
-use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem};
+use crate::case::{self, Case, CaseError, Choices, ExaminedMesh, Problem, did_you_mean};
 use crate::gpu::Device;
 use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
@@ -24,11 +24,35 @@ pub(super) struct CaseArguments {
     /// Change a key of the case; may be given several times.
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     overrides: Vec<String>,
+    /// How fine a case with `[canopy]` is computed: short for `--set canopy.quality=…`.
+    #[arg(long, value_enum)]
+    quality: Option<QualityArgument>,
     #[command(flatten)]
     engine: EngineArguments,
     /// CPU threads; 0 takes all cores.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     threads: u16,
+}
+
+/// How fine a design is computed.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum QualityArgument {
+    /// 16 cells per D_0, mean drag to 10 %.
+    Draft,
+    /// 24 cells, 5 %.
+    Normal,
+    /// 32 cells, 3 %.
+    Fine,
+}
+
+impl QualityArgument {
+    const fn as_override(self) -> &'static str {
+        match self {
+            Self::Draft => "canopy.quality=draft",
+            Self::Normal => "canopy.quality=normal",
+            Self::Fine => "canopy.quality=fine",
+        }
+    }
 }
 
 /// A case ready to run.
@@ -61,7 +85,10 @@ impl CaseArguments {
     fn choices(&self, more: &[String]) -> Choices {
         Choices {
             variant: self.variant.clone(),
-            overrides: [&self.overrides[..], more].concat(),
+            overrides: (self.quality.iter())
+                .map(|quality| quality.as_override().to_owned())
+                .chain(self.overrides.iter().chain(more).cloned())
+                .collect(),
         }
     }
 
@@ -133,7 +160,11 @@ fn refuse_unknown_comparisons(case: &Case) -> Result<(), Failure> {
                 "in {}: this case has no result `{}` to compare",
                 case.name, comparison.quantity
             ),
-            format!("its results are: {}", names.join(", ")),
+            format!(
+                "{}`ripstop results` lists them: {}",
+                did_you_mean(&comparison.quantity, names.iter().map(String::as_str)),
+                names.join(", ")
+            ),
         )))),
     }
 }

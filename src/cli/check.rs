@@ -8,8 +8,9 @@ use super::case_arguments::CaseArguments;
 use super::failure::Failure;
 use super::log::emit;
 use super::run::{exit_code, strict, validity_text};
-use crate::case::ExaminedMesh;
+use crate::case::{self, Derived, ExaminedMesh};
 use crate::measure;
+use crate::output::significant;
 use crate::plan;
 use crate::run;
 use crate::validity;
@@ -21,6 +22,9 @@ pub(super) struct CheckArguments {
     /// End with exit code 1 where the set-up does not support its results.
     #[arg(long)]
     strict: bool,
+    /// Print the case with all keys that follow from its `[canopy]`, and why, in place of the plan.
+    #[arg(long)]
+    expand: bool,
     /// Draw what is found in meshes, and their open borders, into a folder.
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
@@ -35,9 +39,16 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         }
     };
     let case = &prepared.case;
+    if arguments.expand {
+        emit(&case::expanded(&case.text, &case.derived))?;
+        return Ok(0);
+    }
     let threads = rayon::current_num_threads();
     let report = prepared.plan.report(&case.scene, &case.coarser, threads);
     emit(&report)?;
+    if !case.derived.is_empty() {
+        emit(&derived_text(&case.derived))?;
+    }
     if let Some(averaging) = measure::averaging(&case.scene) {
         emit(&format!("\n{averaging}\n"))?;
     }
@@ -52,6 +63,45 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         return strict(&validity, std::iter::empty());
     }
     Ok(0)
+}
+
+/// What follows from a design, a key a line.
+fn derived_text(derived: &[Derived]) -> String {
+    let mut text = format!(
+        "\nderived from [canopy] ({} keys; each may be written to change it; --expand prints the whole case)\n",
+        derived.len()
+    );
+    let shown: Vec<[String; 2]> = (derived.iter())
+        .map(|one| [one.key.clone(), short(&one.value)])
+        .collect();
+    let width = |column: usize| {
+        let lengths = shown.iter().map(|row| row[column].chars().count());
+        lengths.max().unwrap_or(0)
+    };
+    let [keys, values] = [width(0), width(1)];
+    for ([key, value], one) in shown.iter().zip(derived) {
+        text += &format!("  {key:keys$}  {value:values$}  {}\n", one.why);
+    }
+    text
+}
+
+/// A value in few digits.
+fn short(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Float(number) => significant(*number, 5),
+        toml::Value::Array(all) => {
+            let all: Vec<String> = all.iter().map(short).collect();
+            format!("[{}]", all.join(", "))
+        }
+        toml::Value::Table(table) => {
+            let all = table.iter().filter(|(key, _)| *key != "source");
+            let all: Vec<String> = all
+                .map(|(key, value)| format!("{key} {}", short(value)))
+                .collect();
+            all.join(", ")
+        }
+        other => other.to_string().trim_matches('"').to_owned(),
+    }
 }
 
 /// Of a case that is refused: what its meshes are made of, where they or the way they stand may be the reason.

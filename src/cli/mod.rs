@@ -1,16 +1,20 @@
 //! The command line: one file per command, exit codes in one place.
 
+mod answer;
 mod bench;
 mod case_arguments;
 mod check;
 mod devices;
 mod engine;
 pub mod exit;
+mod explain;
 mod failure;
 mod log;
 mod new;
+mod pages;
 mod profile;
 mod progress;
+mod report;
 mod run;
 mod schema;
 mod signals;
@@ -20,7 +24,7 @@ mod validate;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::run::{Fault, caught, record_panics};
 use failure::Failure;
@@ -48,8 +52,20 @@ enum Command {
     Sweep(sweep::SweepArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
     Check(check::CheckArguments),
-    /// Print a shipped case to start from.
+    /// Write the page of a finished run, report.html, anew.
+    Report(report::ReportArguments),
+    /// Set the results of finished runs side by side, as a table and as a page.
+    Compare(report::CompareArguments),
+    /// List the results that a run of a case has, those that it prints first on top.
+    Results(explain::ResultsArguments),
+    /// Tell what a key of case files, a column or a result means.
+    Explain(explain::ExplainArguments),
+    /// Print a shipped case to start from; without a name, list them.
     New(new::NewArguments),
+    /// Print completions for a shell.
+    Completions(pages::CompletionsArguments),
+    /// Print the manual page.
+    Man,
     /// Print the JSON schema of case files, which editors complete keys from.
     Schema(schema::SchemaArguments),
     /// Measure error against seconds over resolution, Mach number, operator, storage and engine.
@@ -87,7 +103,13 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Restart(arguments) => run::restart(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Report(arguments) => report::report(arguments),
+        Command::Compare(arguments) => report::compare(arguments),
+        Command::Results(arguments) => explain::results(arguments),
+        Command::Explain(arguments) => explain::explain(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Completions(arguments) => pages::completions(arguments, Cli::command()),
+        Command::Man => pages::man(&Cli::command()),
         Command::Schema(arguments) => schema::schema(arguments),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Devices => devices::devices(),

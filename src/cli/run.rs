@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::answer::answer_text;
 use super::case_arguments::{CaseArguments, Prepared};
 use super::exit;
 use super::failure::Failure;
@@ -40,6 +41,9 @@ pub(super) struct RunArguments {
     /// Print what every stage of a step took; with a device also what it was asked for, its own clock, and its latencies.
     #[arg(long)]
     profile: bool,
+    /// Print all results with their notes, what the set-up supports and what was solved, not only the headline.
+    #[arg(long)]
+    all: bool,
     /// End with exit code 1 where the set-up does not support its results, or a solver or balance misses its limit.
     #[arg(long)]
     strict: bool,
@@ -131,7 +135,11 @@ fn begin(arguments: &RunArguments, start: Start<'_>) -> Result<u8, Failure> {
     progress.finish();
     match result {
         Ok(report) => {
-            emit(&report_text(&report, &arguments.out))?;
+            emit(&if arguments.all {
+                report_text(&report, &arguments.out)
+            } else {
+                answer_text(&report, &arguments.out)
+            })?;
             if arguments.profile {
                 emit(&profile::text(&report.summary))?;
             }
@@ -270,7 +278,7 @@ fn report_text(report: &Report, out: &Path) -> String {
         ));
     }
     lines.push(line);
-    for note in &summary.notes {
+    for note in summary.notes.iter().chain(&summary.details) {
         lines.push(format!("note: {note}"));
     }
     if let Some(picture) = &report.last_picture {

@@ -6,6 +6,7 @@
 //! * [`network`]: the mass–spring network of Lolies et al. (paper P0 of the documentation).
 
 pub mod membrane;
+pub mod named;
 pub mod network;
 pub mod permeability;
 mod plane;

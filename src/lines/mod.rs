@@ -4,6 +4,7 @@
 //! measured in a tensile test.
 
 pub mod drag;
+pub mod named;
 
 /// Elastic constants of a cable.
 #[derive(Debug, Clone, PartialEq)]

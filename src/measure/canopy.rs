@@ -58,6 +58,7 @@ results! {
     RATIO_AT_RELEASE: "projected_diameter_ratio_at_release", "1", "projected over nominal diameter at release";
     DRAG: "drag_n", "N", "drag; mean drag coefficient times dynamic pressure and S_0";
     OPENING_FORCE_FACTOR: "opening_force_factor", "1", "largest drag of a sample interval over the mean drag; C_x";
+    DESCENT_RATE: "descent_rate_m_s", "m/s", "rate of steady descent with the payload: speed at which the drag coefficient without the walls of the tunnel bears payload and canopy";
     DRAG_LINES: "drag_lines_n", "N", "mean drag by lines; line tensions plus the sheet's own momentum";
 }
 
@@ -148,6 +149,19 @@ pub fn averaging(scene: &Scene) -> Option<String> {
     })
 }
 
+/// From when to when the means of a canopy in wind are taken, since release [s].
+#[must_use]
+pub fn averaging_window_s(scene: &Scene, record: &Record) -> Option<[f64; 2]> {
+    let (canopy, air) = (scene.canopy()?, scene.air.as_ref()?);
+    if scene.descent.is_some() {
+        return None;
+    }
+    let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
+    let window = steady::window(record, unit_s)?;
+    let times = record.column(&TIME);
+    Some([*times.get(window.first)?, *times.get(window.end - 1)?])
+}
+
 /// Means over the settled window, extremes and times since release.
 pub(super) fn results(
     results: &mut Results,
@@ -188,7 +202,13 @@ pub(super) fn results(
         },
     );
     if matches!(air.flow, Flow::WindTunnel { .. }) {
-        blockage_results(results, canopy, air, drag, wind);
+        let corrected = blockage_results(results, canopy, air, drag, wind);
+        if let (Some(carried), Some(body), true) = (&scene.carried, &scene.body, wind) {
+            let mass_kg = carried.mass_kg + body.structure.masses_kg.iter().sum::<f64>();
+            let area = [canopy.nominal_area_m2, carried.drag_area_m2];
+            let rate = descent_rate(corrected, mass_kg, area, air.units.density_kg_m3);
+            results.insert(&DESCENT_RATE, quantity(rate));
+        }
     }
     let mean = |column: &_| quantity(steady::mean(record, column, &window));
     results.insert(&PROJECTED_DIAMETER_RATIO, mean(&PROJECTED_DIAMETER_RATIO));
@@ -210,7 +230,14 @@ pub(super) fn results(
         * air.units.density_kg_m3
         * air.wind_or_reference_m_s().powi(2)
         * canopy.nominal_area_m2;
-    results.tell(&DRAG, drag.value * force);
+    let newtons = Quantity::told(&DRAG, drag.value * force);
+    results.insert(
+        &DRAG,
+        match drag.confidence {
+            Some(confidence) => newtons.with_confidence(confidence * force),
+            None => newtons,
+        },
+    );
     let peak = column_max(record, &DRAG_COEFFICIENT, released);
     if wind {
         let factor = Quantity::new(peak.1 / drag.value).with_note(&format!(
@@ -236,10 +263,36 @@ pub(super) fn results(
     }
 }
 
+/// Standard acceleration of gravity [m/s²].
+const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// Speed at which the drag of a canopy, by its coefficient on the first area, and of a payload, by its own drag area, bears a mass \[m/s\].
+fn descent_rate(
+    drag: Mean,
+    mass_kg: f64,
+    [nominal_m2, payload_m2]: [f64; 2],
+    density: f64,
+) -> Mean {
+    let area_m2 = drag.value * nominal_m2 + payload_m2;
+    let value = (2.0 * mass_kg * STANDARD_GRAVITY_M_S2 / (density * area_m2)).sqrt();
+    Mean {
+        value,
+        confidence: drag
+            .confidence
+            .map(|c| 0.5 * value * c * nominal_m2 / area_m2),
+    }
+}
+
 /// Drag coefficient without the walls of the tunnel, by Macha & Buffington (1990), "Wall-interference corrections for parachutes in a
 /// closed wind tunnel", J. Aircraft 27: q_corrected/q = 1 + K C_D S_0/C, C the section. Their K holds for steady drag of inflated
 /// canopies between solid walls; ours are frictionless, which takes no drag away.
-fn blockage_results(results: &mut Results, canopy: &Canopy, air: &Air, drag: Mean, wind: bool) {
+fn blockage_results(
+    results: &mut Results,
+    canopy: &Canopy,
+    air: &Air,
+    drag: Mean,
+    wind: bool,
+) -> Mean {
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
     let ratio = 1.0 + THREE_DIMENSIONS * drag.value * blockage;
@@ -269,6 +322,7 @@ fn blockage_results(results: &mut Results, canopy: &Canopy, air: &Air, drag: Mea
         &BLOCKAGE_RATIO,
         Quantity::new(blockage).with_note("nominal area over section"),
     );
+    corrected
 }
 
 fn insert_balances(

@@ -15,6 +15,7 @@ pub(crate) mod falling;
 mod filling;
 pub mod flow_past_bodies;
 mod flown_ballooning;
+mod headline;
 mod imported_wing;
 mod impulses;
 mod line_drag;
@@ -46,13 +47,14 @@ mod wing_walls;
 pub(crate) mod wing_wind;
 
 pub use bodies::watched;
-pub use canopy::averaging;
+pub use canopy::{averaging, averaging_window_s};
 pub use catalogue::{CHARTS, declared_results, read_out_tables};
 pub use comparison::{comparison, history_columns, result_names};
 pub use falling::unsettled_fall;
 pub use flown_ballooning::{
     differences as ballooning_differences, flown_ballooning, width_ratios as cell_width_ratios,
 };
+pub use headline::headline;
 pub use load_test::{
     LoadReading, Nearest, first_failure, line_names, parts as wing_parts, read as read_load_step,
 };

@@ -101,6 +101,13 @@ impl Chart {
         self.series.iter().all(|series| series.markers) && least > 0.0 && most >= WIDE * least
     }
 
+    /// The chart as SVG; `None` where there is no point to show.
+    #[must_use]
+    pub fn svg(&self) -> Option<String> {
+        let (plots, layout) = self.parts()?;
+        Some(kuva::render_to_svg(plots, layout))
+    }
+
     /// Writes `PATH.svg` and `PATH.png`, each whole or not at all; nothing where there is no point to show, and then `false`.
     ///
     /// # Errors

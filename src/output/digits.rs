@@ -12,10 +12,10 @@ pub(super) const CONFIDENCE_DIGITS: i32 = 2;
 pub(super) const PLAIN_EXPONENTS: std::ops::Range<i32> = -4..6;
 
 /// Shown where there is no number.
-pub(super) const NOTHING: &str = "-";
+pub const NOTHING: &str = "-";
 
 /// Beside numbers that the run cannot support.
-pub(super) const UNRESOLVED: &str = "unresolved";
+pub const UNRESOLVED: &str = "unresolved";
 
 /// A value and its uncertainty for a reader; `-` where there is none.
 ///

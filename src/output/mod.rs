@@ -31,7 +31,7 @@ pub use comparison::{
     write_comparison,
 };
 pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, DeviceUse};
-pub use digits::{significant, value_and_uncertainty};
+pub use digits::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};

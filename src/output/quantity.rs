@@ -177,7 +177,7 @@ impl Results {
     }
 
     /// All results with their names, in order.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Quantity)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Quantity)> + Clone {
         let entries = self.entries.iter();
         entries.map(|(name, quantity)| (name.as_str(), quantity))
     }

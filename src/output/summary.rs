@@ -80,6 +80,9 @@ pub struct Summary {
     pub skipped: Vec<String>,
     /// Remarks for the reader, one sentence each.
     pub notes: Vec<String>,
+    /// How it was computed, for those who look closer, one sentence each.
+    #[serde(default)]
+    pub details: Vec<String>,
     /// What every solver and every balance of the run reached.
     #[serde(default)]
     pub account: Vec<AccountRow>,
@@ -89,6 +92,9 @@ pub struct Summary {
     /// The errors that were to be expected of lattice and box.
     #[serde(default)]
     pub expected_errors: Vec<ExpectedError>,
+    /// From when to when a canopy's means are taken, in seconds since release; `None` where there are none, and of others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub averaging_window_s: Option<[f64; 2]>,
     /// What came out, in the order it was put in.
     pub results: Results,
     /// Results beside the values of others that the case names.

@@ -61,6 +61,8 @@ fn summary() -> Summary {
         validity: Vec::new(),
         expected_errors: Vec::new(),
         notes: vec!["a note".to_owned()],
+        details: vec!["a detail".to_owned()],
+        averaging_window_s: None,
         results,
         comparison: Vec::new(),
     }

@@ -134,6 +134,12 @@ impl ValidityRow {
         }
     }
 
+    /// What is wanted, such as `at most 0.300`.
+    #[must_use]
+    pub fn wanted(&self) -> String {
+        format!("{} {}", self.side(), self.number(self.limit))
+    }
+
     fn side(&self) -> &'static str {
         match self.bound {
             Bound::AtMost => "at most",

@@ -1,5 +1,6 @@
 //! The end of a run: everything that it leaves, the summary whatever else fails, and the last word in the ledger.
 
+use std::path::Path;
 use std::time::Instant;
 
 use super::fault::caught;
@@ -7,9 +8,10 @@ use super::outputs::no_room;
 use super::tables::{self, load_test, panel_shaping, trim};
 use super::{INTERRUPTED, Report, Run, RunError, animation, summary};
 use crate::checkpoint;
-use crate::ledger::State;
+use crate::ledger::{Ledger, State};
 use crate::measure::{SAMPLES_FILE, sail_warnings};
 use crate::output::{write_canopy_vtp, write_summary};
+use crate::report::{self, Finished};
 use crate::simulation::Diverged;
 
 /// What could not be delivered: the first error ends the run at last, all of them stand in its notes.
@@ -130,6 +132,9 @@ impl Run<'_> {
             &self.simulation,
             &self.statics,
         ));
+        if !interrupted {
+            undelivered.note(report_page(folder, &self.ledger, state, &reason));
+        }
         if !undelivered.notes.is_empty() {
             if state == State::Finished {
                 State::Failed.name().clone_into(&mut summary.stop.state);
@@ -250,4 +255,16 @@ impl Run<'_> {
         ));
         Ok(())
     }
+}
+
+/// Writes the page that shows the run.
+fn report_page(folder: &Path, ledger: &Ledger, state: State, reason: &str) -> Result<(), RunError> {
+    let Ok(mut finished) = Finished::read(folder) else {
+        // What it would show could not be written, which is told already.
+        return Ok(());
+    };
+    let mut ledger = ledger.clone();
+    ledger.end_session(state, reason);
+    finished.ledger = Some(ledger);
+    Ok(report::write(&finished)?)
 }

@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use super::names;
-use crate::case::Case;
+use super::names::{self, CASE_FILE};
+use crate::case::{Case, expanded};
 use crate::ledger::{CaseEntry, Ledger, Reached, take_stock};
+use crate::output::{OutputError, write_atomically};
 use crate::plan::{Plan, structure_every};
 use crate::simulation::Simulation;
 
@@ -78,3 +79,24 @@ pub(super) fn account(ledger: &mut Ledger, folder: &Path, simulation: &Simulatio
 
 /// Section that tells who computed a checkpoint.
 pub(super) const COMPUTED_BY: &str = "computed_by";
+
+/// Writes the case as it is run, with variant, overrides and what follows from its design, into the folder.
+pub(super) fn write_case(case: &Case, folder: &Path) -> Result<(), OutputError> {
+    let mut head = format!(
+        "# As run by ripstop {} from {}",
+        env!("CARGO_PKG_VERSION"),
+        case.name
+    );
+    if let Some(variant) = &case.variant {
+        head += &format!(", variant {variant}");
+    }
+    for change in &case.overrides {
+        head += &format!(", --set {change}");
+    }
+    // A change may hold a line feed.
+    let head = head.replace(['\n', '\r'], " ");
+    let text = expanded(&case.text, &case.derived);
+    write_atomically(&folder.join(CASE_FILE), |out| {
+        writeln!(out, "{head}\n{text}")
+    })
+}

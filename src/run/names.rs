@@ -7,6 +7,10 @@ use crate::checkpoint;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};
 use crate::measure::{CHARTS, SAMPLES_FILE};
+use crate::report;
+
+/// The case as it is run, in its folder.
+pub(super) const CASE_FILE: &str = "case_as_run.toml";
 
 /// Most boxes of finer cells whose files are known by their names.
 const LARGEST_BOX_NUMBER: usize = 64;
@@ -33,6 +37,8 @@ pub(super) fn is_result(name: &str) -> bool {
             .iter()
             .any(|quantity| numbered("snapshot_", &format!("_{}.png", quantity.name())))
         || [
+            CASE_FILE,
+            report::FILE_NAME,
             "summary.json",
             "history.csv",
             "canopy_last_good.vtp",

@@ -158,6 +158,7 @@ impl<'a> Run<'a> {
         if start == Start::Extend {
             ledger.extended_to_s = case.scene.time.map(|time| time.end_s);
         }
+        super::identity::write_case(case, folder)?;
         ledger.begin_session(simulation.step_count(), &computed_by);
         ledger.reached = reached(&simulation);
         ledger.write(folder)?;

@@ -4,7 +4,9 @@ use crate::case::Case;
 use crate::case::scene::Air;
 use crate::ledger::State;
 use crate::measure::shared::FORCE_IMBALANCE;
-use crate::measure::{FORCE_IMBALANCE_LIMIT, Record, account, comparison, results, unsettled_fall};
+use crate::measure::{
+    FORCE_IMBALANCE_LIMIT, Record, account, averaging_window_s, comparison, results, unsettled_fall,
+};
 use crate::output::{
     CaseInfo, LatticeSize, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo,
     StructureEvery, Summary, Supports, mark,
@@ -51,6 +53,7 @@ pub(super) fn summarise(
     };
     let cells = scene.air.as_ref().map(|air| air.cells);
     let lattices = scene.air.as_ref().map_or_else(Vec::new, lattices);
+    let mut details = Vec::new();
     notes.extend(
         plan.warnings(scene)
             .into_iter()
@@ -58,20 +61,20 @@ pub(super) fn summarise(
     );
     let fluid_seconds = cost.fluid.as_secs_f64();
     if let Some(opening) = simulation.opening() {
-        notes.push(format!(
+        details.push(format!(
             "canopy opened by loading pressure from D_p/D_0 {:.3} to {:.3} before the wind",
             opening.folded_ratio, opening.opened_ratio
         ));
     }
     if cost.solves > 0 {
-        notes.push(format!(
+        details.push(format!(
             "fabric: {:.1} iterations and {:.1} evaluations per solve",
             cost.iterations as f64 / cost.solves as f64,
             cost.evaluations as f64 / cost.solves as f64
         ));
     }
     if let (Some(adaptive), Some(time)) = (simulation.adaptive(), scene.time) {
-        notes.push(format!(
+        details.push(format!(
             "adaptive steps: {} parts in {steps} steps of {:e} s, the shortest {:.3e} s; {} were done again in halves, {} of them since the solver \
              did not reach its tolerance",
             adaptive.parts(),
@@ -101,7 +104,7 @@ pub(super) fn summarise(
         shortened: cadence.shortened(),
     });
     if let Some(every) = structure_every.filter(|every| every.shortened > 0) {
-        notes.push(format!(
+        details.push(format!(
             "{} of {} solves of the fabric span fewer than {} steps of the air ({:.2} in the mean), as a marker would have moved more than \
              {MARKER_MOTION_LIMIT} cells",
             every.shortened,
@@ -111,7 +114,7 @@ pub(super) fn summarise(
         ));
     }
     if let Some(quality) = scene.body.as_ref().and_then(|b| b.quality) {
-        notes.push(format!(
+        details.push(format!(
             "triangle quality: smallest {:.3}, mean {:.3} (1 = equilateral)",
             quality.smallest_shape, quality.mean_shape
         ));
@@ -221,10 +224,12 @@ pub(super) fn summarise(
             .map(|s| format!("{}: {}", s.what, s.why))
             .collect(),
         notes,
+        details,
         account: account(simulation, statics, &results),
         expected_errors: validity::expected_errors(scene),
         validity,
         comparison: comparison(scene, &results),
+        averaging_window_s: averaging_window_s(scene, record),
         results,
     }
 }

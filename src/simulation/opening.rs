@@ -7,14 +7,14 @@ use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
 use crate::geometry::parachute::shape;
 use crate::solve::lbfgs::Stop;
 
-/// Time step of the opening [s].
-const STEP_S: f64 = 5e-4;
+/// Time step of the opening over √(m D₀/p), in which the pressure p moves fabric of the mass m per area by half a nominal diameter D₀.
+const STEP: f64 = 0.0097;
 
-/// Mass-proportional damping during the opening [1/s]; strong, since only the shape matters.
-const DAMPING_1_S: f64 = 100.0;
+/// Mass-proportional damping during the opening times √(m D₀/p); strong, since only the shape matters.
+const DAMPING: f64 = 5.16;
 
 /// Steps after which the opening counts as failed.
-const STEP_LIMIT: usize = 500;
+const STEP_LIMIT: usize = 1000;
 
 /// Evaluations per step: a shape that is not quite settled is good enough to start from.
 const EVALUATION_LIMIT: usize = 500;
@@ -74,10 +74,13 @@ pub(super) fn open(
     let lower_end = canopy.lower_end;
     let falls = lower_end.filter(|&node| !std::mem::replace(&mut cloth.structure.held[node], true));
     let folded_ratio = ratio(cloth);
+    let fabric = &cloth.structure.masses_kg[..canopy.canopy_node_count];
+    let areal_density_kg_m2 = fabric.iter().sum::<f64>() / canopy.nominal_area_m2;
+    let scale_s = (areal_density_kg_m2 * canopy.nominal_diameter_m / loading.pressure_pa).sqrt();
     let input = StepInput {
-        time_step_s: Some(STEP_S),
+        time_step_s: Some(STEP * scale_s),
         pressure: Pressure::Uniform(loading.pressure_pa),
-        damping_1_s: DAMPING_1_S,
+        damping_1_s: DAMPING / scale_s,
         ..StepInput::default()
     };
     let settings = SolverSettings {

@@ -151,8 +151,8 @@ pub struct WindTunnel {
 pub struct Descent {
     /// Speed at release, at t = 0 [m/s].
     pub release_speed_m_s: f64,
-    /// Length, width and height of the box [m].
-    pub size_m: [f64; 3],
+    /// Length, width and height of the box [m]; as of a wind tunnel if absent.
+    pub size_m: Option<[f64; 3]>,
     /// Time in which the air comes to the speed of release, before t = 0 [s].
     pub start_time_s: f64,
     /// Length of a viscous layer before the outlet [m]; absent: none.
@@ -166,7 +166,7 @@ impl Descent {
     pub(in crate::case) const fn tunnel(&self) -> WindTunnel {
         WindTunnel {
             speed_m_s: self.release_speed_m_s,
-            size_m: Some(self.size_m),
+            size_m: self.size_m,
             start_time_s: self.start_time_s,
             sponge_length_m: self.sponge_length_m,
         }

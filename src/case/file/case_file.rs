@@ -9,6 +9,7 @@ use super::air::{Air, Resolution};
 use super::bodies::Body;
 use super::canopy::Lines;
 use super::comparison::ComparisonTable;
+use super::design::CanopyDesign;
 use super::fabric::{CableMaterial, Contact, Fabric};
 use super::output::Output;
 use super::payload::Payload;
@@ -25,6 +26,9 @@ pub struct File {
     pub version: u32,
     /// One line for reports and pictures; `untitled` if absent.
     pub title: Option<String>,
+    /// A canopy by its design, from which all other tables follow; absent: they are written. It stands here for the schema: where a case is read it
+    /// has been replaced by what follows from it.
+    pub canopy: Option<CanopyDesign>,
     /// The air; absent: none.
     pub air: Option<Air>,
     /// Lattice of the air; required with it.

@@ -7,7 +7,8 @@ use serde::Deserialize;
 
 use super::fabric::CableMaterial;
 
-/// A point mass where a canopy's lines meet, or at the lower end of its riser, in `[air.descent]`. Absent: that node is held.
+/// A point mass where a canopy's lines meet, or at the lower end of its riser, in `[air.descent]`. Absent: that node is held. In
+/// `[air.wind_tunnel]` it is held, too: there the run tells at which rate canopy and payload would descend.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {

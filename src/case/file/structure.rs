@@ -29,6 +29,8 @@ pub enum Structure {
     Annular(Annular),
     /// A disk-gap-band canopy.
     DiskGapBand(DiskGapBand),
+    /// A ringslot canopy.
+    Ringslot(Ringslot),
     /// A cruciform canopy.
     Cruciform(Cruciform),
     /// A vertical sheet.
@@ -73,6 +75,7 @@ impl Structure {
                 | Self::ExtendedSkirt(_)
                 | Self::Annular(_)
                 | Self::DiskGapBand(_)
+                | Self::Ringslot(_)
                 | Self::Cruciform(_)
         )
     }
@@ -104,6 +107,7 @@ impl Structure {
                 let area_m2 = t.nominal_area_m2.or(of_diameter);
                 ("disk_gap_band", area_m2, &mut t.confluence_m)
             }
+            Self::Ringslot(t) => ("ringslot", Some(t.nominal_area_m2), &mut t.confluence_m),
             Self::Cruciform(t) => {
                 let area_m2 = t.width_m * (2.0 * t.length_m - t.width_m);
                 ("cruciform", Some(area_m2), &mut t.confluence_m)
@@ -270,6 +274,22 @@ canopy_table! {
         gap_width_m: Option<f64>,
         /// Width of the band [m]; what the nominal area leaves if absent.
         band_width_m: Option<f64>,
+    }
+}
+
+canopy_table! {
+    /// Rings of fabric with slots between them, which run around the canopy. Rings and slots are alike; lines run on over the slots along the seams.
+    Ringslot {
+        /// Nominal area S_0, vent and slots included [m²].
+        nominal_area_m2: f64,
+        /// Number of gores, 3 to 200.
+        gores: usize,
+        /// Diameter of a circle of the vent's area [m].
+        vent_diameter_m: f64,
+        /// Number of slots, 1 to 50; there is one ring more.
+        slots: usize,
+        /// Width of a slot along the gores' centre lines [m], less than that of a ring.
+        slot_width_m: f64,
     }
 }
 

@@ -51,6 +51,13 @@ pub enum Shape {
         /// Width of the band [m].
         band_width_m: f64,
     },
+    /// Flat rings, with slots between them that run around the canopy.
+    Ringslot {
+        /// Number of slots; there is one ring more.
+        slots: usize,
+        /// Width of a slot, along the gores' centre lines [m].
+        slot_width_m: f64,
+    },
     /// Two crossed rectangles, sewn on each other where they cross (one layer of fabric there).
     Cruciform {
         /// Length of either rectangle [m].
@@ -100,6 +107,9 @@ pub enum DesignFault {
     /// Slots as wide as the gores.
     #[error("slots take more than half the width of the gores, which is {0:.4} m where they begin")]
     SlotWidth(f64),
+    /// Slots around the canopy wider than the rings between them.
+    #[error("slots leave rings of {0:.4} m, narrower than the slots")]
+    RingWidth(f64),
 }
 
 impl Design {
@@ -172,6 +182,23 @@ impl Design {
                 let mut band = Piece::sewn(below(gap_width_m), below(gap_width_m + band_width_m));
                 band.section.sewn = false;
                 vec![Piece::sewn(on(vent), on(edge)), band]
+            }
+            Shape::Ringslot {
+                slots,
+                slot_width_m,
+            } => {
+                let end = full(self.nominal_area_m2);
+                let ring = (end - vent - slots as f64 * slot_width_m) / (slots + 1) as f64;
+                if ring < slot_width_m {
+                    return Err(DesignFault::RingWidth(ring));
+                }
+                let of_ring = |number: usize| {
+                    let from = vent + number as f64 * (ring + slot_width_m);
+                    let mut piece = Piece::sewn(on(from), on(from + ring));
+                    piece.section.sewn = number == 0;
+                    piece
+                };
+                (0..=slots).map(of_ring).collect()
             }
             Shape::Cruciform {
                 length_m,

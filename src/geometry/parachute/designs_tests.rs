@@ -51,6 +51,11 @@ const BAND: Shape = Shape::DiskGapBand {
     band_width_m: 0.12,
 };
 
+const RINGS: Shape = Shape::Ringslot {
+    slots: 4,
+    slot_width_m: 0.02,
+};
+
 const CROSS: Shape = Shape::Cruciform {
     length_m: 1.2,
     width_m: 0.4,
@@ -68,6 +73,7 @@ fn designs() -> Vec<(&'static str, Design, usize, f64)> {
         ("extended skirt", design(EXTENDED, 12, Some(0.1)), 2, 0.4),
         ("annular", design(Shape::Annular, 12, Some(0.3)), 2, 0.5),
         ("disk-gap-band", design(BAND, 24, Some(0.2)), 2 + 2, 0.4),
+        ("ringslot", design(RINGS, 16, Some(0.1)), 2 + 2 * 4, 0.4),
         (
             "cruciform",
             Design {
@@ -119,6 +125,20 @@ fn areas_are_those_of_the_constructed_canopies() {
                 design.nominal_area_m2 - vent / cone_angle_rad.cos() - slots
             }
             Shape::Annular => design.nominal_area_m2,
+            Shape::Ringslot {
+                slots,
+                slot_width_m,
+            } => {
+                // Trapezoids, as long as the slots' middles are around the apex.
+                let slope = (PI / 16.0).tan();
+                let reach = |area: f64| (area / (16.0 * slope)).sqrt();
+                let [start, end] = [vent, design.nominal_area_m2].map(reach);
+                let ring = (end - start - slots as f64 * slot_width_m) / (slots + 1) as f64;
+                let middle =
+                    |k: usize| start + (k + 1) as f64 * (ring + slot_width_m) - 0.5 * slot_width_m;
+                let around: f64 = (0..slots).map(|k| 32.0 * slope * middle(k)).sum();
+                design.nominal_area_m2 - vent - slot_width_m * around
+            }
             Shape::DiskGapBand {
                 disk_diameter_m: d,
                 band_width_m,
@@ -219,6 +239,11 @@ fn openings_are_as_wide_as_constructed() {
     assert_eq!(band[0].0, OpeningKind::Vent);
     assert!((band[0].1 / 0.2 - 1.0).abs() < 0.005, "{band:?}");
     assert!(band[1].0 == OpeningKind::Gap && (band[1].1 - 0.043).abs() < 1e-12);
+    let rings = widths(RINGS, 16, Some(0.1));
+    assert_eq!(rings.len(), 1 + 4);
+    for (kind, width_m) in &rings[1..] {
+        assert!(*kind == OpeningKind::Gap && (width_m - 0.02).abs() < 1e-12);
+    }
     let slots = widths(slotted(0.01), 24, None);
     assert_eq!(slots, [(OpeningKind::Slot, 0.01); 8]);
     assert!(widths(cone(0.0), 8, None).is_empty());
@@ -263,8 +288,15 @@ fn foldings_keep_lengths_and_reach_their_ratio() {
             let triangles = mesh.triangles.iter().copied();
             let reached =
                 shape::projected_diameter_m(&folded, triangles) / design.nominal_diameter_m();
+            // Slots around the canopy cast no shadow.
+            let vent = design.vent_diameter_m.map_or(0.0, |d| 0.25 * PI * d * d);
+            let expected = if design.shape == RINGS {
+                ratio * (pattern.fabric_area_m2() / (design.nominal_area_m2 - vent)).sqrt()
+            } else {
+                ratio
+            };
             assert!(
-                (reached / ratio - 1.0).abs() < 0.1,
+                (reached / expected - 1.0).abs() < 0.1,
                 "{name} {ratio}: {reached}"
             );
             // The apex is downstream of the skirt.
@@ -277,7 +309,13 @@ fn foldings_keep_lengths_and_reach_their_ratio() {
 /// Lines over the gap are slack or straight where a canopy is folded, never stretched; so are vent lines.
 #[test]
 fn lines_within_a_folded_canopy_are_not_stretched() {
-    let design = design(BAND, 24, Some(0.2));
+    for (shape, gores) in [(BAND, 24), (RINGS, 24)] {
+        lines_within_are_not_stretched(shape, gores);
+    }
+}
+
+fn lines_within_are_not_stretched(shape: Shape, gores: usize) {
+    let design = design(shape, gores, Some(0.2));
     let pattern = design.pattern().unwrap();
     let folding = Folding {
         diameter_ratio: 0.15,
@@ -317,6 +355,16 @@ fn impossible_designs_are_refused() {
     assert!(matches!(
         fault(slotted(0.0), Some(0.4)),
         DesignFault::Slots(..)
+    ));
+    assert!(matches!(
+        fault(
+            Shape::Ringslot {
+                slots: 8,
+                slot_width_m: 0.04
+            },
+            Some(0.1)
+        ),
+        DesignFault::RingWidth(_)
     ));
     assert!(matches!(
         fault(Shape::Annular, Some(50.0)),

@@ -178,6 +178,15 @@ impl Pattern {
         PI / self.gores as f64
     }
 
+    /// True where a row reaches as far across its gore as the first section's sector about the apex does there.
+    #[must_use]
+    pub fn continues_sectors(&self, row: &Row) -> bool {
+        self.sections.first().is_some_and(|first| {
+            let half_width_m = first.slope() * row.at.distance_m;
+            (row.at.half_width_m - half_width_m).abs() < 1e-9 * half_width_m
+        })
+    }
+
     /// Fabric in all [m²], as meshed: slots of a width close over one ring of triangles at either end.
     #[must_use]
     pub fn fabric_area_m2(&self) -> f64 {
@@ -505,15 +514,16 @@ impl Pattern {
             if !lower.begins {
                 continue;
             }
-            let path = |j: [usize; 2]| Path {
+            let down = lower.at.distance_m - upper.at.distance_m;
+            let path = |j: [usize; 2], across: f64| Path {
                 nodes: vec![
                     mesh.node(number - 1, gore, j[0]),
                     mesh.node(number, gore, j[1]),
                 ],
-                rest_m: vec![lower.at.distance_m - upper.at.distance_m],
+                rest_m: vec![down.hypot(across)],
             };
-            seams.push(path([0, 0]));
-            centres.push(path([upper.segments, lower.segments]));
+            seams.push(path([0, 0], lower.at.half_width_m - upper.at.half_width_m));
+            centres.push(path([upper.segments, lower.segments], 0.0));
         }
         (seams, centres)
     }

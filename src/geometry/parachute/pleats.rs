@@ -1,7 +1,7 @@
 //! Folding of any pattern of gores: seams outward, centre lines inward, rows of nodes straight in between.
 //!
 //! Lengths along seams, along centre lines, across half gores and along one diagonal per ring stay those of the pattern. Where all sections are
-//! sectors about one apex (flat circular, conical, slotted, annular) half gores stay plane and the folding is an isometry, as in
+//! sectors about one apex (flat circular, conical, slotted, annular, ringslot) half gores stay plane and the folding is an isometry, as in
 //! [`super::folding`]; so are a band, whose fold lines are parallel, and the arms of a cross, which hang freely. Where the half width bends
 //! otherwise (extended skirts) half gores twist by little, and the fabric is that much strained until the opening relaxes it.
 //!
@@ -100,6 +100,10 @@ fn fold_lines(
             None => Lines::first(pattern, row, outer, half_azimuths)?,
             // Below an apex the seams' lean is still free.
             Some((above, _)) if above.segments == 0 => {
+                Lines::first(pattern, row, outer, half_azimuths)?
+            }
+            // A ring of the same sectors goes on along their fold lines.
+            Some(_) if row.begins && pattern.continues_sectors(row) => {
                 Lines::first(pattern, row, outer, half_azimuths)?
             }
             Some((above, last)) => last.next(pattern, above, row, half_azimuths)?,

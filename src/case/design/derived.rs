@@ -1,0 +1,167 @@
+//! Keys that follow from a design, with the reason for each.
+
+use toml::{Table, Value};
+
+use super::super::text::lookup;
+
+/// A key of the case that follows from its design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derived {
+    /// Its dotted path.
+    pub key: String,
+    /// Its value.
+    pub value: Value,
+    /// What it follows from.
+    pub why: String,
+}
+
+/// Keys of which a case has one or the other: what is written takes the place of what follows.
+const ALTERNATIVES: [&[&str]; 4] = [
+    &["resolution.cells_per_diameter", "resolution.cell_size_m"],
+    &["lines.youngs_modulus_pa", "lines.force_strain"],
+    &["belts.youngs_modulus_pa", "belts.force_strain"],
+    &["air.density_kg_m3", "air.descent.altitude_m"],
+];
+
+/// Keys as they are collected.
+#[derive(Debug, Default)]
+pub(super) struct Keys(Vec<Derived>);
+
+impl Keys {
+    pub(super) fn set(&mut self, key: impl Into<String>, value: impl Into<Value>, why: &str) {
+        self.0.push(Derived {
+            key: key.into(),
+            value: short(value.into()),
+            why: why.to_owned(),
+        });
+    }
+
+    /// Puts them into the case, where it does not say otherwise, and returns those that it took.
+    pub(super) fn put_into(self, case: &mut Table) -> Vec<Derived> {
+        let written = case.clone();
+        let taken: Vec<Derived> = (self.0.into_iter())
+            .filter(|derived| !says_otherwise(&written, &derived.key))
+            .collect();
+        for derived in &taken {
+            put(case, &derived.key, derived.value.clone());
+        }
+        taken
+    }
+}
+
+/// True where a case has a key itself, one that takes its place, or removes it or a table that it stands in.
+fn says_otherwise(written: &Table, key: &str) -> bool {
+    let itself = [key];
+    let alternatives = ALTERNATIVES.iter().find(|all| all.contains(&key));
+    let others = alternatives.map_or(&itself[..], |all| *all);
+    // A part of the path that is no table is a word in its place, such as `"absent"`.
+    let above = key.match_indices('.').map(|(end, _)| &key[..end]);
+    let replaced = |path: &str| lookup(written, path).is_some_and(|value| !value.is_table());
+    others.iter().any(|other| lookup(written, other).is_some()) || above.into_iter().any(replaced)
+}
+
+fn put(table: &mut Table, key: &str, value: Value) {
+    let (first, rest) = match key.split_once('.') {
+        Some((first, rest)) => (first, Some(rest)),
+        None => (key, None),
+    };
+    let Some(rest) = rest else {
+        table.insert(first.to_owned(), value);
+        return;
+    };
+    let inner = (table.entry(first)).or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(inner) = inner {
+        put(inner, rest, value);
+    }
+}
+
+/// Removes what a case says is absent, key by key.
+pub(super) fn remove_absent(table: &mut Table, absent: &str) {
+    table.retain(|_, value| value.as_str() != Some(absent));
+    for (_, value) in table.iter_mut() {
+        if let Value::Table(inner) = value {
+            remove_absent(inner, absent);
+        }
+    }
+}
+
+/// A case as TOML, with the reason behind every key that follows from a design.
+pub(super) fn commented(case: &Table, derived: &[Derived]) -> String {
+    let mut text = String::new();
+    write_table(&mut text, "", case, derived);
+    text
+}
+
+fn write_table(text: &mut String, path: &str, table: &Table, derived: &[Derived]) {
+    let of = |key: &str| {
+        if path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{path}.{key}")
+        }
+    };
+    let why = |key: &str| derived.iter().find(|one| one.key == key);
+    // A table that follows as a whole stands in one line.
+    let is_inner = |key: &str, value: &Value| value.is_table() && why(&of(key)).is_none();
+    let plain = table.iter().filter(|(key, value)| !is_inner(key, value));
+    let plain: Vec<_> = plain.collect();
+    if !plain.is_empty() && !path.is_empty() {
+        text.push_str(&format!("\n[{path}]\n"));
+    }
+    for (key, value) in plain {
+        text.push_str(&format!("{key} = {value}"));
+        if let Some(one) = why(&of(key)) {
+            text.push_str(&format!(" # {}", one.why));
+        }
+        text.push('\n');
+    }
+    for (key, value) in table {
+        if let Value::Table(inner) = value
+            && is_inner(key, value)
+        {
+            write_table(text, &of(key), inner, derived);
+        }
+    }
+}
+
+/// With numbers as they are written.
+fn short(value: Value) -> Value {
+    match value {
+        Value::Float(number) => Value::Float(rounded(number)),
+        Value::Array(all) => Value::Array(all.into_iter().map(short).collect()),
+        other => other,
+    }
+}
+
+/// To six digits.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> Table {
+        toml::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn what_is_written_stands() {
+        let mut keys = Keys::default();
+        keys.set("air.wind_tunnel.speed_m_s", 30.0, "");
+        keys.set("resolution.cells_per_diameter", 24.0, "");
+        keys.set("belts.area_m2", 1e-6, "");
+        keys.set("time.end_s", 2.0, "");
+        let mut case = table(
+            "belts = \"absent\"\n[air]\ndensity_kg_m3 = 1.0\n[resolution]\ncell_size_m = 0.1\n[time]\nend_s = 1.0\n",
+        );
+        let taken = keys.put_into(&mut case);
+        remove_absent(&mut case, "absent");
+        let names: Vec<&str> = taken.iter().map(|d| &d.key[..]).collect();
+        assert_eq!(names, ["air.wind_tunnel.speed_m_s"]);
+        let expected = "[air]\ndensity_kg_m3 = 1.0\nwind_tunnel = { speed_m_s = 30.0 }\n[resolution]\ncell_size_m = 0.1\n[time]\nend_s = 1.0\n";
+        assert_eq!(case, table(expected));
+        assert_eq!(table(&commented(&case, &taken)), case);
+    }
+}

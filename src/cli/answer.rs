@@ -1,0 +1,142 @@
+//! The answer of a run: its headline, what it is worth, and where the rest stands.
+
+use std::path::Path;
+
+use crate::measure::{declared_results, headline};
+use crate::output::{
+    ExpectedError, NOTHING, Quantity, Summary, UNRESOLVED, comparison_text, value_and_uncertainty,
+};
+use crate::run::Report;
+
+/// What a run prints at its end.
+pub(super) fn answer_text(report: &Report, out: &Path) -> String {
+    let summary = &report.summary;
+    let mut lines = vec![summary.case.title.clone()];
+    let names = headline(summary.results.iter().map(|(name, _)| name));
+    lines.extend(headline_lines(summary, &names));
+    lines.push(trust(summary, &names));
+    if !summary.comparison.is_empty() {
+        lines.push("beside the values of others:".to_owned());
+        lines.push(comparison_text(&summary.comparison).trim_end().to_owned());
+    }
+    lines.push(format!(
+        "stopped: {} (t = {:.4} s; {} steps in {:.1} s)",
+        summary.stop.reason, summary.stop.when_s, summary.steps, summary.wall_s
+    ));
+    let notes = summary.notes.iter();
+    lines.extend(notes.map(|note| format!("note: {note}")));
+    if let Some(picture) = &report.last_picture {
+        lines.push(format!("picture: {}", picture.display()));
+    }
+    let others = summary.results.iter().count() - names.len();
+    lines.push(format!(
+        "report: {}; --all prints {others} more results, their notes, what the set-up supports and what was solved",
+        out.join(crate::report::FILE_NAME).display()
+    ));
+    lines.join("\n") + "\n"
+}
+
+/// Name, value with its interval, unit and meaning of each.
+fn headline_lines(summary: &Summary, names: &[&str]) -> Vec<String> {
+    let declared = declared_results();
+    let meaning = |name: &str| {
+        let itself = declared.iter().find(|row| row.name == name);
+        let row = itself.or_else(|| declared.iter().find(|row| row.covers(name)));
+        let phrase = row.map_or("", |row| row.meaning);
+        phrase.split(';').next().unwrap_or_default()
+    };
+    let of = |name: &str| summary.results.iter().find(|(known, _)| *known == name);
+    let rows: Vec<[String; 4]> = (names.iter())
+        .filter_map(|name| of(name))
+        .map(|(name, quantity)| {
+            let meaning = meaning(name);
+            let meaning = if quantity.unresolved.is_some() {
+                format!("{meaning} ({UNRESOLVED})")
+            } else {
+                meaning.to_owned()
+            };
+            [
+                name.to_owned(),
+                with_interval(quantity),
+                unit(quantity),
+                meaning,
+            ]
+        })
+        .collect();
+    let width = |column: usize| {
+        let lengths = rows.iter().map(|row| row[column].chars().count());
+        lengths.max().unwrap_or(0)
+    };
+    let [w0, w1, w2] = [0, 1, 2].map(width);
+    let line = |[name, value, unit, meaning]: &[String; 4]| {
+        let line = format!("  {name:w0$}  {value:w1$}  {unit:w2$}  {meaning}");
+        line.trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
+}
+
+fn with_interval(quantity: &Quantity) -> String {
+    let [value, uncertainty] = value_and_uncertainty(quantity);
+    if uncertainty == NOTHING {
+        value
+    } else {
+        format!("{value} {uncertainty}")
+    }
+}
+
+fn unit(quantity: &Quantity) -> String {
+    match &quantity.unit[..] {
+        "1" => String::new(),
+        unit => unit.to_owned(),
+    }
+}
+
+/// One line on what the headline is worth.
+fn trust(summary: &Summary, names: &[&str]) -> String {
+    let of_headline = || {
+        let results = summary.results.iter();
+        results.filter(|(name, _)| names.contains(name))
+    };
+    let unresolved: Vec<&str> = of_headline()
+        .filter(|(_, quantity)| quantity.unresolved.is_some())
+        .map(|(name, _)| name)
+        .collect();
+    let reasons: Vec<&str> = {
+        let mut all: Vec<&str> = of_headline()
+            .filter_map(|(_, quantity)| quantity.unresolved.as_deref())
+            .flat_map(|why| why.split("; "))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let mut text = if unresolved.is_empty() {
+        "trust: the set-up supports all of these".to_owned()
+    } else if unresolved.len() == names.len() {
+        format!("trust: none of these is resolved: {}", reasons.join("; "))
+    } else {
+        format!(
+            "trust: {} of {} are not resolved ({}): {}",
+            unresolved.len(),
+            names.len(),
+            unresolved.join(", "),
+            reasons.join("; ")
+        )
+    };
+    let missed: Vec<String> = (summary.account.iter())
+        .filter(|row| row.reached == Some(false))
+        .map(crate::output::AccountRow::line)
+        .collect();
+    if !missed.is_empty() {
+        text += &format!("; missed: {}", missed.join("; "));
+    }
+    let expected: Vec<String> = summary
+        .expected_errors
+        .iter()
+        .map(ExpectedError::line)
+        .collect();
+    if !expected.is_empty() {
+        text += &format!("; error to be expected: {}", expected.join("; "));
+    }
+    text
+}

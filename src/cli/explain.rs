@@ -1,0 +1,127 @@
+//! `ripstop explain WORD` and `ripstop results CASE`: what keys, columns and results mean.
+
+use std::fmt::Write;
+
+use clap::Args;
+
+use super::case_arguments::CaseArguments;
+use super::exit;
+use super::failure::Failure;
+use super::log::emit;
+use crate::case::{KeyMeaning, key_meanings, nearest};
+use crate::measure::{self, headline, read_out_tables};
+use crate::output::ReadOut;
+
+#[derive(Debug, Args)]
+pub(super) struct ExplainArguments {
+    /// A key of case files or a part of its path (`operator`, `resolution.operator`), or a column or result (`drag_coefficient`).
+    word: String,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ResultsArguments {
+    #[command(flatten)]
+    case: CaseArguments,
+}
+
+pub(super) fn explain(arguments: &ExplainArguments) -> Result<u8, Failure> {
+    let word = arguments.word.trim().trim_matches(['[', ']', '`']);
+    let keys = key_meanings();
+    let mut text = String::new();
+    for key in keys.iter().filter(|key| is_named(&key.path, word)) {
+        text += &key_text(key);
+    }
+    for (kind, groups) in ["column of history.csv", "result"]
+        .iter()
+        .zip(read_out_tables())
+    {
+        for group in groups {
+            for row in group
+                .read_outs()
+                .filter(|row| row.covers(word) || row.name == word)
+            {
+                text += &read_out_text(kind, group.title(), row);
+            }
+        }
+    }
+    if text.is_empty() {
+        let columns = read_out_tables().into_iter().flatten();
+        let names: Vec<String> = columns
+            .flat_map(|group| group.read_outs().collect::<Vec<_>>())
+            .map(|row| row.name.to_string())
+            .collect();
+        let last = |key: &KeyMeaning| key.path.rsplit('.').next().unwrap_or_default().to_owned();
+        let keys = keys.iter().map(last);
+        let known: Vec<String> = keys.chain(names).collect();
+        let hint = nearest(word, known.iter().map(String::as_str))
+            .map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+        return Err(Failure::Other(
+            exit::BAD_CASE,
+            format!("`{word}` is no key of case files, no column and no result{hint}"),
+        ));
+    }
+    emit(&text)?;
+    Ok(0)
+}
+
+/// True if a path, or its end, is the word.
+fn is_named(path: &str, word: &str) -> bool {
+    path == word
+        || path
+            .strip_suffix(word)
+            .is_some_and(|before| before.ends_with('.'))
+}
+
+fn key_text(key: &KeyMeaning) -> String {
+    let mut text = format!("key {}", key.path);
+    let _ = writeln!(
+        text,
+        " ({}{})",
+        key.kind,
+        if key.is_optional {
+            ", may be left out"
+        } else {
+            ", required"
+        }
+    );
+    let _ = writeln!(text, "  {}", key.meaning);
+    text
+}
+
+fn read_out_text(kind: &str, heading: &str, row: &ReadOut) -> String {
+    format!(
+        "{kind} {} [{}] ({heading})\n  {}\n",
+        row.name, row.unit, row.meaning
+    )
+}
+
+pub(super) fn results(arguments: &ResultsArguments) -> Result<u8, Failure> {
+    let case = arguments.case.load(&[])?;
+    let names = measure::result_names(&case.scene);
+    let declared = measure::declared_results();
+    let of = |name: &str| {
+        declared
+            .iter()
+            .find(|row| row.name == name)
+            .or_else(|| declared.iter().find(|row| row.covers(name)))
+    };
+    let first = headline(names.iter().map(String::as_str));
+    let others = names
+        .iter()
+        .map(String::as_str)
+        .filter(|name| !first.contains(name));
+    let width = names.iter().map(String::len).max().unwrap_or(0);
+    let mut text = String::new();
+    let mut list = |title: &str, names: &[&str]| {
+        let _ = writeln!(text, "{title}");
+        for name in names {
+            let (unit, meaning) = of(name).map_or(("", ""), |row| (row.unit, row.meaning));
+            let _ = writeln!(text, "  {name:width$}  {unit:5}  {meaning}");
+        }
+    };
+    list("what a run of this case prints first:", &first);
+    let others: Vec<&str> = others.collect();
+    list("and with --all, in summary.json:", &others);
+    emit(&text)?;
+    Ok(0)
+}

@@ -1,0 +1,114 @@
+//! The results that a reader looks for first.
+
+/// Names of results, as they are declared, in the order in which a run prints them; those that it has, [`LENGTH`] at most.
+pub static HEADLINE: [&str; 41] = [
+    // Falls, descents, glides.
+    "descent_rate_m_s",
+    "terminal_speed_m_s",
+    "drag_coefficient_terminal",
+    "riser_force_terminal_n",
+    "peak_load_factor_g",
+    "speed_m_s",
+    "sink_m_s",
+    "glide_ratio",
+    "angle_of_attack_deg",
+    // What moves in the wind, or stands in it.
+    "lift_coefficient",
+    "{body}lift_coefficient",
+    "{body}drag_coefficient",
+    "drag_n",
+    "{body}drag_coefficient_blockage_corrected",
+    "lift_to_drag_ratio",
+    "{body}strouhal_number",
+    "projected_diameter_ratio",
+    "opening_force_factor",
+    "fill_time_s",
+    "tip_peak_to_peak_m",
+    "internal_pressure_coefficient_mean",
+    "volume_ratio_min",
+    "row_{row}_load_share",
+    "row_{row}_load_n",
+    "line_load_over_breaking_load_max",
+    "velocity_decay_rate_1_s",
+    // Fabric and cables.
+    "sag_m",
+    "horizontal_tension_n",
+    "end_tension_n",
+    "half_height_m",
+    "highest_point_m",
+    "lowest_point_m",
+    "pull_n",
+    "gauge_strain",
+    "modulus_pa",
+    "line_tension_max_n",
+    "stress_max_pa",
+    "tension_max_n_m",
+    "wrinkled_area_share",
+    "held_force_n",
+    "volume_m3",
+];
+
+/// Most results of a headline.
+pub const LENGTH: usize = 8;
+
+/// Those of a run's results that belong to its headline, in its order.
+#[must_use]
+pub fn headline<'a>(results: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
+    let covers = |declared: &str, name: &str| match declared.split_once('{') {
+        None => declared == name,
+        Some((before, rest)) => {
+            let after = rest.split_once('}').map_or(rest, |(_, after)| after);
+            let inner = name
+                .strip_prefix(before)
+                .and_then(|n| n.strip_suffix(after));
+            inner.is_some()
+        }
+    };
+    let mut found = Vec::new();
+    for declared in HEADLINE {
+        for name in results.clone() {
+            if covers(declared, name) && !found.contains(&name) {
+                found.push(name);
+            }
+        }
+    }
+    found.truncate(LENGTH);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::declared_results;
+
+    #[test]
+    fn every_name_is_that_of_a_result() {
+        let declared = declared_results();
+        for name in HEADLINE {
+            assert!(declared.iter().any(|one| one.name == name), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_headline_is_in_order_and_short() {
+        let all = [
+            "stress_max_pa",
+            "row_b_load_n",
+            "drag_n",
+            "sphere_drag_coefficient",
+            "row_a_load_n",
+            "drag_coefficient",
+        ];
+        let found = headline(all.into_iter());
+        assert_eq!(
+            found[..3],
+            ["sphere_drag_coefficient", "drag_coefficient", "drag_n"]
+        );
+        assert_eq!(
+            found[3..],
+            ["row_b_load_n", "row_a_load_n", "stress_max_pa"]
+        );
+        let many: Vec<String> = (0..20).map(|k| format!("row_{k}_load_n")).collect();
+        assert_eq!(headline(many.iter().map(String::as_str)).len(), LENGTH);
+    }
+}

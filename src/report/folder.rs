@@ -1,0 +1,108 @@
+//! A finished run, as its folder holds it.
+
+use std::path::{Path, PathBuf};
+
+use crate::ledger::Ledger;
+use crate::output::Summary;
+
+/// Why a folder holds no run that can be reported.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// There is no summary.
+    #[error("{} holds no finished run: {why}; give the folder that `ripstop run` wrote into with --out", folder.display())]
+    NoRun {
+        /// The folder.
+        folder: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// A run that has come to an end, whatever it was.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Its results.
+    pub summary: Summary,
+    /// What was asked for, and who computed it; `None` where the folder has no ledger that can be read.
+    pub ledger: Option<Ledger>,
+    /// Columns of its history: name and samples.
+    pub history: Vec<(String, Vec<f64>)>,
+    /// Names of its pictures, in the order of their times.
+    pub pictures: Vec<String>,
+}
+
+impl Finished {
+    /// Reads a run's folder.
+    ///
+    /// # Errors
+    ///
+    /// When there is no summary in it that can be read.
+    pub fn read(folder: &Path) -> Result<Self, FolderError> {
+        let no_run = |why: String| FolderError::NoRun {
+            folder: folder.to_owned(),
+            why,
+        };
+        let text = std::fs::read(folder.join("summary.json"))
+            .map_err(|error| no_run(format!("summary.json cannot be read ({error})")))?;
+        let summary = serde_json::from_slice(&text)
+            .map_err(|error| no_run(format!("summary.json cannot be read ({error})")))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            summary,
+            ledger: Ledger::read(folder).ok().flatten(),
+            history: history(&folder.join("history.csv")),
+            pictures: pictures(folder),
+        })
+    }
+
+    /// The samples of a column.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let found = self.history.iter().find(|(known, _)| known == name);
+        found.map(|(_, samples)| &samples[..])
+    }
+
+    /// What tells it from others: its title, or its folder.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.folder.file_name().map_or_else(
+            || self.folder.display().to_string(),
+            |name| name.to_string_lossy().into_owned(),
+        )
+    }
+}
+
+/// Columns of a history; none of a file that cannot be read. What is no number is not known.
+fn history(path: &Path) -> Vec<(String, Vec<f64>)> {
+    let Ok(mut reader) = csv::Reader::from_path(path) else {
+        return Vec::new();
+    };
+    let Ok(headers) = reader.headers().cloned() else {
+        return Vec::new();
+    };
+    let mut columns: Vec<(String, Vec<f64>)> = headers
+        .iter()
+        .map(|name| (name.to_owned(), Vec::new()))
+        .collect();
+    for record in reader.records().flatten() {
+        for ((_, samples), text) in columns.iter_mut().zip(&record) {
+            samples.push(text.parse().unwrap_or(f64::NAN));
+        }
+    }
+    columns
+}
+
+fn pictures(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| {
+            let ours = ["snapshot_", "trim", "load_test"];
+            name.ends_with(".png") && ours.iter().any(|own| name.starts_with(own))
+        })
+        .collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,39 @@
+//! `report.html`: one self-contained page of a finished run, or of several side by side, from the files in their folders.
+
+mod charts;
+mod folder;
+mod page;
+mod parts;
+mod side_by_side;
+
+use std::path::Path;
+
+pub use folder::{Finished, FolderError};
+pub use side_by_side::{Difference, differences};
+
+use crate::output::{OutputError, write_atomically};
+
+/// Name of a run's report in its folder.
+pub const FILE_NAME: &str = "report.html";
+
+/// Writes the report of a run into its folder.
+///
+/// # Errors
+///
+/// When the page cannot be written.
+pub fn write(run: &Finished) -> Result<(), OutputError> {
+    let page = page::of_run(run);
+    write_atomically(&run.folder.join(FILE_NAME), |out| {
+        out.write_all(page.as_bytes())
+    })
+}
+
+/// Writes one page with several runs side by side.
+///
+/// # Errors
+///
+/// When the page cannot be written.
+pub fn write_comparison(runs: &[Finished], path: &Path) -> Result<(), OutputError> {
+    let page = page::of_several(runs);
+    write_atomically(path, |out| out.write_all(page.as_bytes()))
+}
