@@ -198,6 +198,18 @@ fn the_answer() {
     let first = shown(&short.printed);
     assert!((1..=8).contains(&first.len()), "{}", short.printed);
     assert!(short.printed.contains("\ntrust: "), "{}", short.printed);
+    // A cable that hangs has an exact solution beside it.
+    let chain = ripstop(&[
+        "run",
+        "cases/cloth/hanging-chain.toml",
+        "--out",
+        folder.path().join("chain").to_str().unwrap(),
+    ]);
+    assert!(
+        chain.printed.contains("; reference ") && chain.printed.contains(", error "),
+        "{}",
+        chain.printed
+    );
     assert!(short.printed.lines().count() < 20, "{}", short.printed);
     let long = sheet(&out, &["--all", "--overwrite"]);
     assert!(
@@ -236,6 +248,20 @@ fn side_by_side() {
     assert!(compared.printed.contains(" %"), "{}", compared.printed);
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("one beside other") && text.contains("data:image/png;base64,"));
+    // Folders of the same name are told by their paths.
+    let page = page.to_str().unwrap();
+    let same = ripstop(&[
+        "compare",
+        one.to_str().unwrap(),
+        one.to_str().unwrap(),
+        "--out",
+        page,
+    ]);
+    assert!(
+        same.printed.contains(one.to_str().unwrap()),
+        "{}",
+        same.printed
+    );
     let nothing = ripstop(&[
         "compare",
         one.to_str().unwrap(),
@@ -364,5 +390,6 @@ fn shown(browser: &Path) {
     assert_eq!(image.dimensions(), (1200, 2400));
     let coloured = image.pixels().filter(|pixel| pixel.0 != [255; 3]).count();
     let share = coloured as f64 / (1200.0 * 2400.0);
+    // The pictures of this run alone, two beside each other, fill more than a tenth of the shot.
     assert!(share > 0.1, "{share} of the page is not white");
 }

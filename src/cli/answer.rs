@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use crate::measure::{declared_results, headline};
+use crate::measure::{declared_result, headline};
 use crate::output::{
-    ExpectedError, NOTHING, Quantity, Summary, UNRESOLVED, comparison_text, value_and_uncertainty,
+    ExpectedError, Quantity, Summary, UNRESOLVED, aligned, comparison_text, reference_text,
+    with_interval,
 };
 use crate::run::Report;
 
@@ -38,50 +39,29 @@ pub(super) fn answer_text(report: &Report, out: &Path) -> String {
 
 /// Name, value with its interval, unit and meaning of each.
 fn headline_lines(summary: &Summary, names: &[&str]) -> Vec<String> {
-    let declared = declared_results();
-    let meaning = |name: &str| {
-        let itself = declared.iter().find(|row| row.name == name);
-        let row = itself.or_else(|| declared.iter().find(|row| row.covers(name)));
-        let phrase = row.map_or("", |row| row.meaning);
-        phrase.split(';').next().unwrap_or_default()
-    };
     let of = |name: &str| summary.results.iter().find(|(known, _)| *known == name);
-    let rows: Vec<[String; 4]> = (names.iter())
+    let rows: Vec<Vec<String>> = (names.iter())
         .filter_map(|name| of(name))
         .map(|(name, quantity)| {
-            let meaning = meaning(name);
-            let meaning = if quantity.unresolved.is_some() {
-                format!("{meaning} ({UNRESOLVED})")
+            let declared = declared_result(name);
+            let phrase = declared.map_or("", |row| row.phrase());
+            let mut meaning = if quantity.unresolved.is_some() {
+                format!("{phrase} ({UNRESOLVED})")
             } else {
-                meaning.to_owned()
+                phrase.to_owned()
             };
-            [
-                name.to_owned(),
+            if let Some(reference) = reference_text(quantity) {
+                meaning += &format!("; reference {reference}");
+            }
+            vec![
+                format!("  {name}"),
                 with_interval(quantity),
                 unit(quantity),
                 meaning,
             ]
         })
         .collect();
-    let width = |column: usize| {
-        let lengths = rows.iter().map(|row| row[column].chars().count());
-        lengths.max().unwrap_or(0)
-    };
-    let [w0, w1, w2] = [0, 1, 2].map(width);
-    let line = |[name, value, unit, meaning]: &[String; 4]| {
-        let line = format!("  {name:w0$}  {value:w1$}  {unit:w2$}  {meaning}");
-        line.trim_end().to_owned()
-    };
-    rows.iter().map(line).collect()
-}
-
-fn with_interval(quantity: &Quantity) -> String {
-    let [value, uncertainty] = value_and_uncertainty(quantity);
-    if uncertainty == NOTHING {
-        value
-    } else {
-        format!("{value} {uncertainty}")
-    }
+    aligned(&rows).lines().map(str::to_owned).collect()
 }
 
 fn unit(quantity: &Quantity) -> String {
@@ -110,8 +90,10 @@ fn trust(summary: &Summary, names: &[&str]) -> String {
         all.dedup();
         all
     };
-    let mut text = if unresolved.is_empty() {
-        "trust: the set-up supports all of these".to_owned()
+    let mut text = if unresolved.is_empty() && summary.validity.is_empty() {
+        "trust: nothing in the set-up of such a case is judged".to_owned()
+    } else if unresolved.is_empty() {
+        "trust: nothing in the set-up speaks against these".to_owned()
     } else if unresolved.len() == names.len() {
         format!("trust: none of these is resolved: {}", reasons.join("; "))
     } else {

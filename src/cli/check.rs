@@ -10,7 +10,7 @@ use super::log::emit;
 use super::run::{exit_code, strict, validity_text};
 use crate::case::{self, Derived, ExaminedMesh};
 use crate::measure;
-use crate::output::significant;
+use crate::output::{aligned, significant};
 use crate::plan;
 use crate::run;
 use crate::validity;
@@ -71,17 +71,9 @@ fn derived_text(derived: &[Derived]) -> String {
         "\nderived from [canopy] ({} keys; each may be written to change it; --expand prints the whole case)\n",
         derived.len()
     );
-    let shown: Vec<[String; 2]> = (derived.iter())
-        .map(|one| [one.key.clone(), short(&one.value)])
-        .collect();
-    let width = |column: usize| {
-        let lengths = shown.iter().map(|row| row[column].chars().count());
-        lengths.max().unwrap_or(0)
-    };
-    let [keys, values] = [width(0), width(1)];
-    for ([key, value], one) in shown.iter().zip(derived) {
-        text += &format!("  {key:keys$}  {value:values$}  {}\n", one.why);
-    }
+    let row = |one: &Derived| vec![format!("  {}", one.key), short(&one.value), one.why.clone()];
+    let rows: Vec<Vec<String>> = derived.iter().map(row).collect();
+    text += &aligned(&rows);
     text
 }
 

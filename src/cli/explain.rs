@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::log::emit;
 use crate::case::{KeyMeaning, key_meanings, nearest};
 use crate::measure::{self, headline, read_out_tables};
-use crate::output::ReadOut;
+use crate::output::{ReadOut, aligned};
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArguments {
@@ -98,30 +98,23 @@ fn read_out_text(kind: &str, heading: &str, row: &ReadOut) -> String {
 pub(super) fn results(arguments: &ResultsArguments) -> Result<u8, Failure> {
     let case = arguments.case.load(&[])?;
     let names = measure::result_names(&case.scene);
-    let declared = measure::declared_results();
-    let of = |name: &str| {
-        declared
-            .iter()
-            .find(|row| row.name == name)
-            .or_else(|| declared.iter().find(|row| row.covers(name)))
-    };
     let first = headline(names.iter().map(String::as_str));
-    let others = names
-        .iter()
-        .map(String::as_str)
-        .filter(|name| !first.contains(name));
-    let width = names.iter().map(String::len).max().unwrap_or(0);
+    let others: Vec<&str> = (names.iter().map(String::as_str))
+        .filter(|name| !first.contains(name))
+        .collect();
     let mut text = String::new();
-    let mut list = |title: &str, names: &[&str]| {
-        let _ = writeln!(text, "{title}");
-        for name in names {
-            let (unit, meaning) = of(name).map_or(("", ""), |row| (row.unit, row.meaning));
-            let _ = writeln!(text, "  {name:width$}  {unit:5}  {meaning}");
-        }
-    };
-    list("what a run of this case prints first:", &first);
-    let others: Vec<&str> = others.collect();
-    list("and with --all, in summary.json:", &others);
+    for (title, names) in [
+        ("what a run of this case prints first:", first),
+        ("and with --all, in summary.json:", others),
+    ] {
+        let row = |name: &&str| {
+            let (unit, meaning) =
+                measure::declared_result(name).map_or(("", ""), |row| (row.unit, row.meaning));
+            vec![format!("  {name}"), unit.to_owned(), meaning.to_owned()]
+        };
+        let rows: Vec<Vec<String>> = names.iter().map(row).collect();
+        let _ = write!(text, "{title}\n{}", aligned(&rows));
+    }
     emit(&text)?;
     Ok(0)
 }

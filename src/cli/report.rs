@@ -7,7 +7,7 @@ use clap::Args;
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
-use crate::output::{NOTHING, OutputError, Quantity, value_and_uncertainty};
+use crate::output::{NOTHING, OutputError, Quantity, UNRESOLVED, aligned, with_interval};
 use crate::report::{self, Difference, Finished};
 
 #[derive(Debug, Args)]
@@ -62,8 +62,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<u8, Failure> {
 /// Names, values of every run, and differences from the first.
 fn table(runs: &[Finished], rows: &[Difference]) -> String {
     let mut lines = vec![vec!["result".to_owned(), "unit".to_owned()]];
-    for (number, run) in runs.iter().enumerate() {
-        lines[0].push(run.name());
+    for (number, name) in report::names(runs).into_iter().enumerate() {
+        lines[0].push(name);
         if number > 0 {
             lines[0].push("against the first".to_owned());
         }
@@ -78,30 +78,13 @@ fn table(runs: &[Finished], rows: &[Difference]) -> String {
         }
         lines.push(line);
     }
-    let columns = lines[0].len();
-    let width = |column: usize| {
-        let lengths = lines.iter().map(|line| line[column].chars().count());
-        lengths.max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for line in &lines {
-        let cells = line.iter().zip(&widths);
-        let padded: Vec<String> = cells
-            .map(|(cell, width)| format!("{cell:<width$}"))
-            .collect();
-        text += padded.join("  ").trim_end();
-        text.push('\n');
-    }
-    text
+    aligned(&lines)
 }
 
 fn cell(quantity: &Quantity) -> String {
-    let [value, uncertainty] = value_and_uncertainty(quantity);
-    if uncertainty == NOTHING {
-        value
-    } else {
-        format!("{value} {uncertainty}")
+    match &quantity.unresolved {
+        Some(_) => format!("{} ({UNRESOLVED})", with_interval(quantity)),
+        None => with_interval(quantity),
     }
 }
 

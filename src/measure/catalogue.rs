@@ -71,6 +71,16 @@ pub fn read_out_tables() -> [Vec<Group>; 2] {
     [columns, results]
 }
 
+/// The declared result of a name, or the one that covers it, such as `row_{row}_load_n`.
+#[must_use]
+pub fn declared_result(name: &str) -> Option<ReadOut> {
+    let all = declared_results();
+    let itself = all.iter().find(|row| row.name == name);
+    itself
+        .or_else(|| all.iter().find(|row| row.covers(name)))
+        .cloned()
+}
+
 /// The results that are declared: by themselves, or as what becomes of a column.
 #[must_use]
 pub fn declared_results() -> Vec<ReadOut> {

@@ -1,5 +1,7 @@
 //! The results that a reader looks for first.
 
+use crate::output::ReadOut;
+
 /// Names of results, as they are declared, in the order in which a run prints them; those that it has, [`LENGTH`] at most.
 pub static HEADLINE: [&str; 41] = [
     // Falls, descents, glides.
@@ -54,20 +56,10 @@ pub const LENGTH: usize = 8;
 /// Those of a run's results that belong to its headline, in its order.
 #[must_use]
 pub fn headline<'a>(results: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
-    let covers = |declared: &str, name: &str| match declared.split_once('{') {
-        None => declared == name,
-        Some((before, rest)) => {
-            let after = rest.split_once('}').map_or(rest, |(_, after)| after);
-            let inner = name
-                .strip_prefix(before)
-                .and_then(|n| n.strip_suffix(after));
-            inner.is_some()
-        }
-    };
     let mut found = Vec::new();
-    for declared in HEADLINE {
+    for declared in HEADLINE.map(|name| ReadOut::new(name, "", "")) {
         for name in results.clone() {
-            if covers(declared, name) && !found.contains(&name) {
+            if declared.covers(name) && !found.contains(&name) {
                 found.push(name);
             }
         }

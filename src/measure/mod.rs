@@ -48,7 +48,7 @@ pub(crate) mod wing_wind;
 
 pub use bodies::watched;
 pub use canopy::{averaging, averaging_window_s};
-pub use catalogue::{CHARTS, declared_results, read_out_tables};
+pub use catalogue::{CHARTS, declared_result, declared_results, read_out_tables};
 pub use comparison::{comparison, history_columns, result_names};
 pub use falling::unsettled_fall;
 pub use flown_ballooning::{

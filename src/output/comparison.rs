@@ -4,8 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::aligned::aligned;
 use super::atomic::{OutputError, write_atomically};
-use super::digits::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
+use super::digits::{NOTHING, UNRESOLVED, significant, with_interval};
 use super::quantity::Quantity;
 
 /// Cells of the nominal diameter within which nothing that air does to a sheet is resolved: half the width of the kernel through
@@ -182,12 +183,7 @@ impl ComparisonRow {
             sampling_error: self.sampling_error,
             ..Quantity::default()
         };
-        let [value, uncertainty] = value_and_uncertainty(&quantity);
-        let ours = if uncertainty == NOTHING {
-            value
-        } else {
-            format!("{value} {uncertainty}")
-        };
+        let ours = with_interval(&quantity);
         let ours = if self.unresolved {
             format!("{ours} ({UNRESOLVED})")
         } else {
@@ -232,22 +228,9 @@ pub fn comparison_text(rows: &[ComparisonRow]) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let mut table = vec![HEADER.map(str::to_owned)];
-    table.extend(rows.iter().map(ComparisonRow::cells));
-    let widths: [usize; 7] = std::array::from_fn(|column| {
-        let lengths = table.iter().map(|row| row[column].chars().count());
-        lengths.max().unwrap_or(0)
-    });
-    let mut text = String::new();
-    for row in &table {
-        let mut line = String::new();
-        for (cell, width) in row.iter().zip(widths) {
-            line += &format!("{cell:<width$}  ");
-        }
-        text += line.trim_end();
-        text.push('\n');
-    }
-    text
+    let mut table = vec![HEADER.map(str::to_owned).to_vec()];
+    table.extend(rows.iter().map(|row| row.cells().to_vec()));
+    aligned(&table)
 }
 
 /// The comparison as a table in Markdown, followed by the remarks of the case.

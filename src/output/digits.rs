@@ -38,6 +38,30 @@ pub fn value_and_uncertainty(quantity: &Quantity) -> [String; 2] {
     [significant(value, digits), half_width]
 }
 
+/// A result's value with the half width of its interval, if it has one; without its unit.
+#[must_use]
+pub fn with_interval(quantity: &Quantity) -> String {
+    let [value, uncertainty] = value_and_uncertainty(quantity);
+    if uncertainty == NOTHING {
+        value
+    } else {
+        format!("{value} {uncertainty}")
+    }
+}
+
+/// What a result is compared with, such as `0.29241 by catenary, error +0.1 %`; `None` without a reference.
+#[must_use]
+pub fn reference_text(quantity: &Quantity) -> Option<String> {
+    let mut text = significant(quantity.reference?, VALUE_DIGITS);
+    if let Some(source) = &quantity.source {
+        text += &format!(" by {source}");
+    }
+    if let Some(error) = quantity.error {
+        text += &format!(", error {:+.1} %", 100.0 * error);
+    }
+    Some(text)
+}
+
 /// Power of ten of the leading digit of a finite number; 0 for zero.
 pub(super) fn exponent(number: f64) -> i32 {
     let text = format!("{number:e}");

@@ -6,6 +6,7 @@
 //! [`HistoryWriter`]).
 
 mod account;
+mod aligned;
 mod atomic;
 mod chart;
 mod comparison;
@@ -24,6 +25,7 @@ mod vtk;
 mod vtk_data;
 
 pub use account::AccountRow;
+pub use aligned::aligned;
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
 pub use chart::{Chart, Series};
 pub use comparison::{
@@ -31,7 +33,9 @@ pub use comparison::{
     write_comparison,
 };
 pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, DeviceUse};
-pub use digits::{NOTHING, UNRESOLVED, significant, value_and_uncertainty};
+pub use digits::{
+    NOTHING, UNRESOLVED, reference_text, significant, value_and_uncertainty, with_interval,
+};
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
 pub use pvd::{Pvd, PvdEntry};

@@ -65,10 +65,16 @@ impl ReadOut {
         self.meaning.split_once("; ").map(|(_, detail)| detail)
     }
 
+    /// The first phrase of the meaning.
+    #[must_use]
+    pub fn phrase(&self) -> &'static str {
+        self.meaning.split(';').next().unwrap_or_default()
+    }
+
     /// What an axis says: the first phrase of the meaning, and the unit.
     #[must_use]
     pub fn label(&self) -> String {
-        let phrase = self.meaning.split(';').next().unwrap_or_default();
+        let phrase = self.phrase();
         match self.unit {
             "1" => phrase.to_owned(),
             unit => format!("{phrase} [{unit}]"),

@@ -1,8 +1,8 @@
 //! Charts of histories, with the mean over the window that it was taken over.
 
-use super::folder::Finished;
+use super::folder::{Finished, TIME, names};
 use crate::measure::CHARTS;
-use crate::output::{Chart, Quantity, ReadOut, Series};
+use crate::output::{Chart, ReadOut, Series, with_interval};
 
 /// One chart for each column that the runs have, as SVG; several runs are drawn over each other.
 pub(super) fn charts(runs: &[Finished]) -> Vec<String> {
@@ -14,18 +14,14 @@ pub(super) fn charts(runs: &[Finished]) -> Vec<String> {
 
 fn chart(runs: &[Finished], column: &ReadOut) -> Option<String> {
     let mut series = Vec::new();
-    for run in runs {
-        let (Some(times), Some(values)) = (run.column("time_s"), run.column(&column.name)) else {
+    for (run, name) in runs.iter().zip(names(runs)) {
+        let (Some(times), Some(values)) = (run.column(TIME), run.column(&column.name)) else {
             continue;
         };
-        let points = times.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
+        let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
         series.push(Series {
-            name: if runs.len() > 1 {
-                run.name()
-            } else {
-                String::new()
-            },
-            points,
+            name: if runs.len() > 1 { name } else { String::new() },
+            points: thinned(&points),
             bars: Vec::new(),
             markers: false,
         });
@@ -73,7 +69,7 @@ fn mean(run: &Finished, column: &ReadOut, named: bool) -> Option<Series> {
         name: if named {
             String::new()
         } else {
-            mean_name(value, quantity)
+            format!("mean {} over its window", with_interval(quantity))
         },
         points: vec![[first, value], [last, value]],
         bars: Vec::new(),
@@ -81,7 +77,53 @@ fn mean(run: &Finished, column: &ReadOut, named: bool) -> Option<Series> {
     })
 }
 
-fn mean_name(value: f64, quantity: &Quantity) -> String {
-    let half = quantity.confidence.unwrap_or(0.0);
-    format!("mean {value:.3} ± {half:.3} over its window")
+/// Most points of a curve.
+const POINTS: usize = 2000;
+
+/// A curve in few enough points for a page: of long ones the least and the largest value of every part, in order.
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() <= POINTS {
+        return points.to_vec();
+    }
+    let by_value = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+    let extremes = |part: &[[f64; 2]]| {
+        let known = || part.iter().filter(|point| point[1].is_finite());
+        let ends = [known().min_by(by_value), known().max_by(by_value)];
+        let mut ends: Vec<[f64; 2]> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        ends
+    };
+    let parts = points.chunks(points.len().div_ceil(POINTS / 2));
+    parts.flat_map(extremes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One sample of a million stands out: it is drawn, and the page stays small.
+    #[test]
+    fn long_curves_keep_their_peaks() {
+        let mut points: Vec<[f64; 2]> = (0..1_000_000)
+            .map(|k| [k as f64, (k as f64 * 1e-3).sin()])
+            .collect();
+        points[123_456][1] = 9.0;
+        points[654_321][1] = f64::NAN;
+        let few = thinned(&points);
+        assert!(few.len() <= POINTS);
+        assert!(few.contains(&[123_456.0, 9.0]));
+        assert!(few.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
+        assert_eq!(thinned(&points[..50]), points[..50]);
+    }
+
+    #[test]
+    fn charts_have_a_view_box_once() {
+        let svg = "<svg a=\"b\" width=\"6.5\" height=\"4\"><rect width=\"1\"/></svg>";
+        let scaled = scalable(svg);
+        assert!(
+            scaled
+                .starts_with("<svg a=\"b\" width=\"6.5\" height=\"4\" viewBox=\"0 0 6.5 4\"><rect")
+        );
+        assert_eq!(scalable(&scaled), scaled);
+    }
 }

@@ -1,9 +1,14 @@
 //! A finished run, as its folder holds it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::ledger::Ledger;
+use crate::measure::CHARTS;
 use crate::output::Summary;
+
+/// Name of the column with the time.
+pub(super) const TIME: &str = "time_s";
 
 /// Why a folder holds no run that can be reported.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +32,7 @@ pub struct Finished {
     pub summary: Summary,
     /// What was asked for, and who computed it; `None` where the folder has no ledger that can be read.
     pub ledger: Option<Ledger>,
-    /// Columns of its history: name and samples.
+    /// The time and the charted columns of its history: name and samples.
     pub history: Vec<(String, Vec<f64>)>,
     /// Names of its pictures, in the order of their times.
     pub pictures: Vec<String>,
@@ -63,18 +68,23 @@ impl Finished {
         let found = self.history.iter().find(|(known, _)| known == name);
         found.map(|(_, samples)| &samples[..])
     }
-
-    /// What tells it from others: its title, or its folder.
-    #[must_use]
-    pub fn name(&self) -> String {
-        self.folder.file_name().map_or_else(
-            || self.folder.display().to_string(),
-            |name| name.to_string_lossy().into_owned(),
-        )
-    }
 }
 
-/// Columns of a history; none of a file that cannot be read. What is no number is not known.
+/// What tells runs from each other: the last parts of their folders' paths, or where these agree the whole paths.
+#[must_use]
+pub fn names(runs: &[Finished]) -> Vec<String> {
+    let last = |run: &Finished| {
+        let name = run.folder.file_name();
+        name.map(|name| name.to_string_lossy().into_owned())
+    };
+    let short: BTreeSet<String> = runs.iter().filter_map(last).collect();
+    let whole = |run: &Finished| run.folder.display().to_string();
+    let tells = short.len() == runs.len();
+    let name = |run: &Finished| last(run).filter(|_| tells).unwrap_or_else(|| whole(run));
+    runs.iter().map(name).collect()
+}
+
+/// The time and the charted columns of a history; none of a file that cannot be read. What is no number is not known.
 fn history(path: &Path) -> Vec<(String, Vec<f64>)> {
     let Ok(mut reader) = csv::Reader::from_path(path) else {
         return Vec::new();
@@ -82,16 +92,19 @@ fn history(path: &Path) -> Vec<(String, Vec<f64>)> {
     let Ok(headers) = reader.headers().cloned() else {
         return Vec::new();
     };
-    let mut columns: Vec<(String, Vec<f64>)> = headers
-        .iter()
-        .map(|name| (name.to_owned(), Vec::new()))
+    let is_wanted = |name: &str| name == TIME || CHARTS.iter().any(|column| column.name == name);
+    let mut columns: Vec<(usize, String, Vec<f64>)> = (headers.iter().enumerate())
+        .filter(|(_, name)| is_wanted(name))
+        .map(|(place, name)| (place, name.to_owned(), Vec::new()))
         .collect();
     for record in reader.records().flatten() {
-        for ((_, samples), text) in columns.iter_mut().zip(&record) {
-            samples.push(text.parse().unwrap_or(f64::NAN));
+        for (place, _, samples) in &mut columns {
+            let number = record.get(*place).and_then(|text| text.parse().ok());
+            samples.push(number.unwrap_or(f64::NAN));
         }
     }
-    columns
+    let columns = columns.into_iter();
+    columns.map(|(_, name, samples)| (name, samples)).collect()
 }
 
 fn pictures(folder: &Path) -> Vec<String> {

@@ -8,7 +8,7 @@ mod side_by_side;
 
 use std::path::Path;
 
-pub use folder::{Finished, FolderError};
+pub use folder::{Finished, FolderError, names};
 pub use side_by_side::{Difference, differences};
 
 use crate::output::{OutputError, write_atomically};

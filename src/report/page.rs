@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::charts::charts;
-use super::folder::Finished;
+use super::folder::{Finished, names};
 use super::parts;
 
 /// Pictures of each run on a page of several.
@@ -47,14 +47,14 @@ pub(super) fn of_run(run: &Finished) -> String {
 
 /// Several runs side by side.
 pub(super) fn of_several(runs: &[Finished]) -> String {
-    let names: Vec<String> = runs.iter().map(Finished::name).collect();
+    let names = names(runs);
     let title = names.join(" beside ");
     let body = html! {
         h1 { (title) }
         (parts::side_by_side(runs, false))
         (parts::drawn(&charts(runs)))
-        @for run in runs {
-            h2 { (run.name()) ": " (run.summary.case.title) }
+        @for (run, name) in runs.iter().zip(&names) {
+            h2 { (name) ": " (run.summary.case.title) }
             (parts::pictures(run, PICTURES_OF_EACH))
             (parts::provenance(run))
         }

@@ -4,10 +4,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::folder::Finished;
+use super::folder::{Finished, names};
 use super::side_by_side::differences;
-use crate::measure::{declared_results, headline};
-use crate::output::{NOTHING, Quantity, significant, value_and_uncertainty};
+use crate::measure::{declared_result, headline};
+use crate::output::{NOTHING, Quantity, reference_text, significant, value_and_uncertainty};
 
 /// Most pictures that a page holds.
 const PICTURES: usize = 12;
@@ -24,12 +24,8 @@ pub(super) fn quantity(quantity: &Quantity) -> Markup {
 }
 
 /// First phrase of a result's meaning.
-fn meaning(name: &str) -> String {
-    let declared = declared_results();
-    let itself = declared.iter().find(|row| row.name == name);
-    let row = itself.or_else(|| declared.iter().find(|row| row.covers(name)));
-    let phrase = row.map_or("", |row| row.meaning).split(';').next();
-    phrase.unwrap_or_default().to_owned()
+fn meaning(name: &str) -> &'static str {
+    declared_result(name).map_or("", |row| row.phrase())
 }
 
 /// The results that a reader looks for first.
@@ -43,7 +39,10 @@ pub(super) fn headline_table(run: &Finished) -> Markup {
                 tr.unresolved[found.unresolved.is_some()] {
                     td.value { (quantity(found)) }
                     td { (meaning(name)) br; code { (name) } }
-                    td { @if let Some(why) = &found.unresolved { span.mark { "unresolved" } " " (why) } }
+                    td {
+                        @if let Some(why) = &found.unresolved { span.mark { "unresolved" } " " (why) ". " }
+                        @if let Some(reference) = reference_text(found) { "Reference " (reference) "." }
+                    }
                 }
             }
         }
@@ -61,6 +60,7 @@ pub(super) fn all_results(run: &Finished) -> Markup {
                     td { (quantity(found)) }
                     td {
                         @if let Some(why) = &found.unresolved { span.mark { "unresolved" } " " (why) ". " }
+                        @if let Some(reference) = reference_text(found) { "Reference " (reference) ". " }
                         @if let Some(note) = &found.note { (note) }
                     }
                 }
@@ -197,9 +197,10 @@ pub(super) fn provenance(run: &Finished) -> Markup {
 
 /// Results of several runs side by side.
 pub(super) fn side_by_side(runs: &[Finished], all: bool) -> Markup {
+    let names = names(runs);
     html! {
         table {
-            tr { th { "result" } @for (number, run) in runs.iter().enumerate() { th { (run.name()) } @if number > 0 { th { "against " (runs[0].name()) } } } }
+            tr { th { "result" } @for (number, name) in names.iter().enumerate() { th { (name) } @if number > 0 { th { "against " (names[0]) } } } }
             @for row in differences(runs, all) {
                 tr {
                     td { (meaning(&row.name)) br; code { (row.name) } }

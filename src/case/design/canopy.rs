@@ -264,7 +264,7 @@ fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), 
         "line_length_ratio",
     );
     let published = Published::of(design.kind);
-    let load_n = published.opening_force_factor
+    let load_n = published.opening_force_factor[1]
         * published.mean_drag_coefficient()
         * scales.dynamic_pressure_pa(scales.speed_m_s.max(scales.final_speed_m_s))
         * scales.area_m2;
@@ -335,7 +335,7 @@ fn comparisons(design: &CanopyDesign, scales: &Scales, start: CanopyStart, keys:
         let drag = band(published.drag_coefficient);
         keys.set("comparison.drag_coefficient", drag, why);
         if start == CanopyStart::Folded {
-            let factor = band([published.opening_force_factor; 2]);
+            let factor = band(published.opening_force_factor);
             keys.set("comparison.opening_force_factor", factor, why);
         }
     }

@@ -95,9 +95,9 @@ pub(super) fn commented(case: &Table, derived: &[Derived]) -> String {
 fn write_table(text: &mut String, path: &str, table: &Table, derived: &[Derived]) {
     let of = |key: &str| {
         if path.is_empty() {
-            key.to_owned()
+            as_written(key)
         } else {
-            format!("{path}.{key}")
+            format!("{path}.{}", as_written(key))
         }
     };
     let why = |key: &str| derived.iter().find(|one| one.key == key);
@@ -109,7 +109,7 @@ fn write_table(text: &mut String, path: &str, table: &Table, derived: &[Derived]
         text.push_str(&format!("\n[{path}]\n"));
     }
     for (key, value) in plain {
-        text.push_str(&format!("{key} = {value}"));
+        text.push_str(&format!("{} = {value}", as_written(key)));
         if let Some(one) = why(&of(key)) {
             text.push_str(&format!(" # {}", one.why));
         }
@@ -121,6 +121,16 @@ fn write_table(text: &mut String, path: &str, table: &Table, derived: &[Derived]
         {
             write_table(text, &of(key), inner, derived);
         }
+    }
+}
+
+/// A key in quotation marks where TOML asks for them.
+fn as_written(key: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !key.is_empty() && key.chars().all(is_bare) {
+        key.to_owned()
+    } else {
+        Value::from(key).to_string()
     }
 }
 
@@ -160,6 +170,10 @@ mod tests {
         remove_absent(&mut case, "absent");
         let names: Vec<&str> = taken.iter().map(|d| &d.key[..]).collect();
         assert_eq!(names, ["air.wind_tunnel.speed_m_s"]);
+        // What the derived keys are not part of is kept, whatever it is called.
+        let other = "[\"a b\".c]\n\"d.e\" = [{ f = 1, g = \"h\\n\" }, { f = 2 }]\n";
+        let with_other = table(&format!("{}\n{other}", toml::to_string(&case).unwrap()));
+        assert_eq!(table(&commented(&with_other, &taken)), with_other);
         let expected = "[air]\ndensity_kg_m3 = 1.0\nwind_tunnel = { speed_m_s = 30.0 }\n[resolution]\ncell_size_m = 0.1\n[time]\nend_s = 1.0\n";
         assert_eq!(case, table(expected));
         assert_eq!(table(&commented(&case, &taken)), case);

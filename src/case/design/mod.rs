@@ -26,9 +26,12 @@ pub(super) struct Designed {
     pub(super) canopy: CanopyDesign,
 }
 
-/// A case's text with the reason behind every key that follows from its design; it runs as the design does.
+/// A case's text with the reason behind every key that follows from its design; it runs as the design does. Without a design it stays as it is.
 #[must_use]
 pub fn expanded(text: &str, derived: &[Derived]) -> String {
+    if derived.is_empty() {
+        return text.to_owned();
+    }
     toml::from_str(text).map_or_else(
         |_| text.to_owned(),
         |case: Table| derived::commented(&case, derived),

@@ -19,8 +19,8 @@ const KNOT_M_S: f64 = 1852.0 / 3600.0;
 /// kg of a pound.
 const POUND_KG: f64 = 0.453_592_37;
 
-/// Acceleration of gravity [m/s²].
-pub(super) const GRAVITY_M_S2: f64 = 9.81;
+/// Standard acceleration of gravity [m/s²].
+pub(super) const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Sizes, speeds and masses that all else is derived from.
 #[derive(Debug, Clone, Copy)]
