@@ -77,7 +77,7 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`ledger`] | what a folder holds and who works in it: `run.json` and the lock | output |
-//! | [`report`] | one page of a finished run, or of several side by side, from their folders | ledger, measure, output |
+//! | [`report`] | one page of a finished run, of a sweep, or of several runs side by side, from their folders | ledger, measure, output, sweep |
 //! | [`run`] | a whole run into one folder, its log and its faults | all |
 //! | [`sweep`] | which runs a sweep has, its tables and charts, what its lattices tell | measure, output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, output, gpu |

@@ -152,7 +152,7 @@ const ALLOWED: [(&str, &[&str]); 33] = [
         ],
     ),
     ("sweep", &["measure", "output"]),
-    ("report", &["ledger", "measure", "output"]),
+    ("report", &["ledger", "measure", "output", "sweep"]),
     (
         "run",
         &[

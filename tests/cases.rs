@@ -98,31 +98,31 @@ fn case(name: &str, file: &str) {
     assert!(history.starts_with("time_s,"), "{history}");
     if text.contains("[structure") {
         assert!(
-            read("canopy_00000.vtp")
+            read("frames/canopy_00000.vtp")
                 .trim_ascii_end()
                 .ends_with(b"</VTKFile>")
         );
         assert!(
             String::from_utf8(read("canopy.pvd"))
                 .unwrap()
-                .contains("canopy_00000.vtp")
+                .contains("frames/canopy_00000.vtp")
         );
     }
     if text.contains("[bodies.") {
         assert!(
-            read("bodies_00000.vtp")
+            read("frames/bodies_00000.vtp")
                 .trim_ascii_end()
                 .ends_with(b"</VTKFile>")
         );
         assert!(
             String::from_utf8(read("bodies.pvd"))
                 .unwrap()
-                .contains("bodies_00000.vtp")
+                .contains("frames/bodies_00000.vtp")
         );
     }
     if text.contains("[air]") {
         assert!(
-            read("flow_00000.vti")
+            read("frames/flow_00000.vti")
                 .trim_ascii_end()
                 .ends_with(b"</VTKFile>")
         );

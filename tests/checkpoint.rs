@@ -1,12 +1,12 @@
 //! Runs that are killed, run out of space or find a damaged checkpoint, and what a resumed run delivers then.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use libtest_mimic::Trial;
 
-use crate::command_line::{CANOPY, command, files, finished, program, root};
+use crate::command_line::{CANOPY, command, files, finished, name_in, program, root};
 use crate::engines::{needs_device, plain};
 use crate::folders::{json, start, wait_for};
 use crate::tolerances;
@@ -74,19 +74,18 @@ fn run(out: &Path, end_s: f64, more: &[&str]) -> Command {
 /// Every file but summary, ledger and log, which tell of the resumption, has the same bytes.
 fn same_results(whole: &Path, resumed: &Path) {
     let names = |folder: &Path| {
-        let mut names: Vec<PathBuf> = files(folder)
-            .into_iter()
-            .map(|path| path.file_name().unwrap().into())
+        let mut names: Vec<String> = files(folder)
+            .iter()
+            .map(|path| name_in(folder, path))
             .collect();
         names.sort();
         names
     };
     assert_eq!(names(whole), names(resumed));
     for name in names(whole) {
-        if !["summary.json", "run.json", "run.log", "report.html"].contains(&name.to_str().unwrap())
-        {
+        if !["summary.json", "run.json", "run.log", "report.html"].contains(&&name[..]) {
             let [a, b] = [whole, resumed].map(|folder| std::fs::read(folder.join(&name)).unwrap());
-            assert!(a == b, "{} differs", name.display());
+            assert!(a == b, "{name} differs");
         }
     }
 }
@@ -102,7 +101,7 @@ fn killed() {
     let [whole, out] = ["whole", "killed"].map(|name| folder.path().join(name));
     let seldom = ["--checkpoint-every", "1000"];
     let mut child = start(run(&out, NO_END_S, &seldom));
-    wait_for(&mut child, &out.join("canopy_00000.vtp"));
+    wait_for(&mut child, &out.join("frames/canopy_00000.vtp"));
     kill(&mut child);
     assert!(!CHECKPOINTS.iter().any(|name| out.join(name).exists()));
     let none = finished(run(&out, NO_END_S, &["--resume"]).output().unwrap());
@@ -123,7 +122,7 @@ fn killed() {
         let mut child = start(run(&out, NO_END_S, more));
         // The first two while the wind rises and the fabric is held, the others in its motion, farther and farther on.
         if number >= 2 {
-            let frame = format!("canopy_{:05}.vtp", (number - 2).min(FARTHEST));
+            let frame = format!("frames/canopy_{:05}.vtp", (number - 2).min(FARTHEST));
             wait_for(&mut child, &out.join(frame));
             before = written();
         }
@@ -247,7 +246,7 @@ fn elsewhere() {
             .spawn()
             .unwrap();
         // The canopy is free by then.
-        while !(out.join("checkpoint").exists() && out.join("canopy_00000.vtp").exists()) {
+        while !(out.join("checkpoint").exists() && out.join("frames/canopy_00000.vtp").exists()) {
             assert!(child.try_wait().unwrap().is_none(), "ended too early");
             std::thread::sleep(Duration::from_millis(2));
         }

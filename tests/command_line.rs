@@ -455,15 +455,29 @@ fn no_room_for_frames() {
             .count();
         assert_eq!(list.matches("DataSet").count(), frames);
         assert_eq!(frames > 0, blocks == 400);
-        assert!(!out.join("flow_00000.vti").exists());
+        assert!(!out.join("frames/flow_00000.vti").exists());
     }
 }
 
+/// All files of a folder and of those in it.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
-    std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
+    let entries = std::fs::read_dir(folder).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    paths
+        .flat_map(|path| {
+            if path.is_dir() {
+                files(&path)
+            } else {
+                vec![path]
+            }
+        })
         .collect()
+}
+
+/// Name of a file in a folder or in one below it.
+pub fn name_in(folder: &Path, path: &Path) -> String {
+    let name = path.strip_prefix(folder).unwrap().to_str().unwrap();
+    name.replace('\\', "/")
 }
 
 /// Air that a plate drives faster than the method represents breaks down: the run must say where, and keep files.

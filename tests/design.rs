@@ -1,9 +1,9 @@
-//! Cases by their design: what follows from `[canopy]`, and that what is written stands.
+//! Cases by their design: what follows from `[canopy]`, `[wing]` and `[mesh]`, and that what is written stands.
 
 use std::path::Path;
 
 use libtest_mimic::Trial;
-use ripstop::case::{self, Case, Choices, SHIPPED};
+use ripstop::case::{self, Case, Choices, DESIGN_TABLES, SHIPPED};
 use ripstop::measure;
 
 use crate::command_line::{ripstop, root};
@@ -17,6 +17,13 @@ pub fn trials() -> Vec<Trial> {
         plain("design::sizes_and_units", sizes),
         plain("design::every_type_is_a_case", types),
         plain("design::the_rate_of_descent_balances", descent),
+        plain("design::every_class_of_wings_is_a_case", wings),
+        plain("design::a_wing_flies_as_it_is_asked_for", flown),
+        plain("design::every_type_of_meshes_is_a_case", meshes),
+        plain(
+            "design::a_designed_mesh_stands_in_its_tunnel",
+            in_the_tunnel,
+        ),
     ]
     .into_iter()
     .flatten()
@@ -28,7 +35,10 @@ fn load(text: &str, changes: &[&str]) -> Result<Case, String> {
         variant: None,
         overrides: changes.iter().map(|&change| change.to_owned()).collect(),
     };
-    case::parse("design.toml", text, Path::new("."), &choices).map_err(|error| error.to_string())
+    case::parse("design.toml", text, Path::new("."), &choices).map_err(|error| {
+        let help = miette::Diagnostic::help(&*error).map(|help| help.to_string());
+        format!("{error} {}", help.unwrap_or_default())
+    })
 }
 
 fn design(keys: &str) -> String {
@@ -37,22 +47,32 @@ fn design(keys: &str) -> String {
 
 /// What `check --expand` prints is a case of its own, with the same scene.
 fn expanded() {
-    for (name, text) in SHIPPED
-        .iter()
-        .filter(|(_, text)| text.contains("\n[canopy]"))
-    {
-        let short = load(text, &[]).unwrap();
-        assert!(short.derived.len() > 35, "{name}");
+    let is_design = |text: &str| {
+        let tables = DESIGN_TABLES.iter();
+        tables
+            .into_iter()
+            .any(|t| text.contains(&format!("\n[{t}]\n")))
+    };
+    let designs = SHIPPED.iter().filter(|(_, text)| is_design(text));
+    assert_eq!(designs.clone().count(), 5);
+    for (name, text) in designs {
+        let file = &crate::cases::files()[*name];
+        let folder = root().join(file);
+        let load = |text: &str| {
+            let folder = folder.parent().unwrap();
+            case::parse(file, text, folder, &Choices::default()).unwrap()
+        };
+        let short = load(text);
+        assert!(short.derived.len() > 30, "{name}");
         let whole = case::expanded(&short.text, &short.derived);
-        let long = load(&whole, &[]).unwrap();
+        let long = load(&whole);
         assert!(long.derived.is_empty());
         assert_eq!(
             format!("{:?}", short.scene),
             format!("{:?}", long.scene),
             "{name}"
         );
-        let file = format!("cases/designs/{name}.toml");
-        let printed = ripstop(&["check", &file, "--expand"]);
+        let printed = ripstop(&["check", file, "--expand"]);
         assert_eq!(printed.code, 0, "{}", printed.errors);
         assert_eq!(printed.printed, whole, "{name}");
     }
@@ -90,17 +110,23 @@ fn written() {
         ("canopy.slots=4", "ringslot"),
         ("canopy.fabric=silk", "is not known"),
         ("canopy.diameter_ft=12.0", "twice"),
-        ("structure.annular.rings=12", "another canopy"),
+        ("structure.annular.rings=12", "another structure"),
         ("canopy.speed_m_s=absent", "payload_kg"),
         ("canopy.payload_drag_area_m2=0.1", "needs canopy.payload_kg"),
     ] {
         let message = load(&text, &[change]).unwrap_err();
         assert!(message.contains(told), "{change}: {message}");
     }
+    // What is wrong with a key that follows says what it follows from.
+    let message = load(&text, &["canopy.gores=2"]).unwrap_err();
+    assert!(
+        message.contains("follows from the design (gores)"),
+        "{message}"
+    );
     let refused = ripstop(&["check", "cases/sphere.toml", "--quality", "draft"]);
     assert_eq!(refused.code, 2);
     assert!(
-        refused.errors.contains("needs [canopy]"),
+        refused.errors.contains("needs a design"),
         "{}",
         refused.errors
     );
@@ -200,4 +226,158 @@ fn descent() {
         (drag_n / ((100.0 + own_kg) * 9.80665) - 1.0).abs() < 0.01,
         "{drag_n}"
     );
+}
+
+fn wing(keys: &str) -> Result<Case, String> {
+    load(&format!("version = 1\n[wing]\n{keys}\n"), &[])
+}
+
+/// Wings of every class and any number of cells are cases whose area, span and mass are those that were asked for.
+fn wings() {
+    for class in ["en_a", "en_b", "en_c", "en_d"] {
+        for cells in [6, 7, 13, 24, 31, 44, 63, 90, 131, 200] {
+            let case = wing(&format!(
+                "class = \"{class}\"\nspan_m = 11.0\naspect_ratio = 5.5\ncells = {cells}\npilot_lb = 198.0\nquality = \"draft\""
+            ));
+            let case = case.unwrap_or_else(|told| panic!("{class} {cells}: {told}"));
+            let measures = &case.scene.wing().unwrap().built.measures;
+            assert!((measures.flat_span_m / 11.0 - 1.0).abs() < 1e-5);
+            // Trapezes between ribs lie a little within the outline.
+            let area = measures.flat_area_m2 / 22.0;
+            let few_cells = if cells < 20 { 0.05 } else { 0.02 };
+            assert!((area - 1.0).abs() < few_cells, "{class} {cells}: {area}");
+            let pilot = (case.derived.iter())
+                .find(|one| one.key == "equilibrium.trim.pilot_mass_kg")
+                .and_then(|one| one.value.as_float());
+            assert!((pilot.unwrap() / 89.811 - 1.0).abs() < 1e-4);
+        }
+    }
+    let by_area = wing("class = \"en_c\"\narea_m2 = 27.0").unwrap();
+    let measures = &by_area.scene.wing().unwrap().built.measures;
+    // As of `wing-27`, the shipped plan of the class: 26.996 m2, 12.94 m.
+    assert!((measures.flat_span_m / 12.94 - 1.0).abs() < 0.01);
+    assert!((measures.flat_area_m2 / 27.0 - 1.0).abs() < 0.02);
+    for (keys, told) in [
+        ("class = \"en_b\"", "span_m"),
+        (
+            "class = \"en_b\"\nspan_m = 11.0\narea_m2 = 20.0",
+            "keep one",
+        ),
+        ("class = \"en_b\"\nspan_m = 11.0\ncells = 3", "out of range"),
+        ("class = \"en_e\"\nspan_m = 11.0", "en_d"),
+    ] {
+        let message = wing(keys).unwrap_err();
+        assert!(message.contains(told), "{keys}: {message}");
+    }
+}
+
+/// What `new --wing` writes trims: risers bear the weight, and the wing glides at a speed and slope that paragliders have.
+fn flown() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let options = [
+        "--span", "9.4", "--cells", "36", "--class", "en_a", "--pilot", "75",
+    ];
+    let written = ripstop(&[&["new", "--wing", "--out", &at("mine")][..], &options].concat());
+    assert_eq!(written.code, 0, "{}", written.errors);
+    let case = at("mine/paraglider.toml");
+    let output = ripstop(&["run", &case, "--quality", "draft", "--out", &at("out")]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    let summary = json(&folder.path().join("out/summary.json"));
+    let value = |name: &str| summary["results"][name]["value"].as_f64().unwrap();
+    assert!(
+        (8.0..13.0).contains(&value("speed_m_s")),
+        "{}",
+        output.printed
+    );
+    assert!(
+        (4.5..10.0).contains(&value("glide_ratio")),
+        "{}",
+        output.printed
+    );
+    let refused = ripstop(&["new", "--wing", "--span=-3"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.errors.contains("wing.span_m"), "{}", refused.errors);
+}
+
+fn mesh_case(keys: &str) -> Result<Case, String> {
+    let text = format!("version = 1\n[mesh]\nspeed_m_s = 12.0\n{keys}\n");
+    let folder = root().join("cases");
+    case::parse("mesh.toml", &text, &folder, &Choices::default()).map_err(|told| told.to_string())
+}
+
+const HEMISPHERE: &str = "file = \"meshes/hemisphere.obj\"";
+const LINES: &str = "line_table = \"meshes/hemisphere-lines.csv\"";
+
+fn meshes() {
+    let canopy = mesh_case(&format!("type = \"canopy\"\n{HEMISPHERE}\n{LINES}")).unwrap();
+    let known = canopy.scene.canopy().unwrap();
+    // The area of its triangles, a little less than that of the hemisphere.
+    assert!((known.nominal_area_m2 / 0.7697 - 1.0).abs() < 0.01);
+    let body = mesh_case(&format!("type = \"rigid\"\n{HEMISPHERE}\nscale = 2.0")).unwrap();
+    let known = &body.scene.rigid_bodies[0];
+    // A disk of 1.4 m is what it shows to the wind.
+    assert!((known.reference_area_m2 / 1.5394 - 1.0).abs() < 0.02);
+    assert!((known.reference_length_m / 1.4 - 1.0).abs() < 1e-6);
+    let sheet = mesh_case(&format!(
+        "type = \"sheet\"\n{HEMISPHERE}\nheld_nodes = [1, 2]"
+    ))
+    .unwrap();
+    let held = sheet.scene.body.as_ref().unwrap().structure.held.iter();
+    assert_eq!(held.filter(|held| **held).count(), 2);
+    for (keys, told) in [
+        (
+            format!("type = \"canopy\"\n{HEMISPHERE}"),
+            "line_table is missing",
+        ),
+        (
+            format!("type = \"sheet\"\n{HEMISPHERE}"),
+            "held_nodes is missing",
+        ),
+        (
+            format!("type = \"rigid\"\n{HEMISPHERE}\n{LINES}"),
+            "has no effect",
+        ),
+        (
+            format!("type = \"rigid\"\n{HEMISPHERE}\nfabric = \"ripstop 40 g/m²\""),
+            "has no effect",
+        ),
+        (
+            "type = \"rigid\"\nfile = \"nowhere.obj\"".to_owned(),
+            "nowhere.obj",
+        ),
+    ] {
+        let message = mesh_case(&keys).unwrap_err();
+        assert!(message.contains(told), "{keys}: {message}");
+    }
+}
+
+/// However a mesh lies in its file, it stands in the middle of its tunnel, with the same room on every side.
+fn in_the_tunnel() {
+    for more in [
+        "",
+        "rotation = { axis = [1.0, 0.0, 0.0], angle_deg = 90.0 }",
+        "altitude_m = 1000.0",
+    ] {
+        let keys = format!("type = \"canopy\"\n{HEMISPHERE}\n{LINES}\n{more}");
+        let case = mesh_case(&keys).unwrap();
+        let structure = &case.scene.body.as_ref().unwrap().structure;
+        let canopy = case.scene.canopy().unwrap();
+        let fabric = &structure.positions_m[..canopy.canopy_node_count];
+        let air = case.scene.air.as_ref().unwrap();
+        let diameter = canopy.nominal_diameter_m;
+        for axis in 1..3 {
+            let places = || fabric.iter().map(|p| p[axis]);
+            let low = places().fold(f64::INFINITY, f64::min);
+            let high = places().fold(f64::NEG_INFINITY, f64::max);
+            let size = air.cells[axis] as f64 * air.units.cell_size_m;
+            assert!(
+                (0.5 * (low + high) / (0.5 * size) - 1.0).abs() < 0.02,
+                "{more}"
+            );
+            assert!((size / diameter - 6.0).abs() < 0.2, "{more}: {size}");
+        }
+        let ends = structure.positions_m.iter().map(|p| p.x);
+        assert!(ends.fold(f64::INFINITY, f64::min) > 0.29 * diameter);
+    }
 }

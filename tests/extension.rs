@@ -177,7 +177,10 @@ fn another_run_begins_from_it() {
     assert_eq!(output.code, 0, "{}", output.errors);
     let last = |out: &Path| {
         let all = contents(out);
-        let name = all.keys().rfind(|n| n.starts_with("canopy_0")).unwrap();
+        let name = all
+            .keys()
+            .rfind(|n| n.starts_with("frames/canopy_0"))
+            .unwrap();
         all[name].clone()
     };
     assert!(last(&settled) == last(&out), "the states differ");

@@ -242,12 +242,12 @@ fn of_the_program() {
 fn of_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    std::fs::create_dir_all(out.join("canopy_00002.vtp")).unwrap();
+    std::fs::create_dir_all(out.join("frames/canopy_00002.vtp")).unwrap();
     let end = ["--set", "time.end_s=0.04"];
     let failed = finished(canopy(&out, &end).output().unwrap());
     assert_eq!(failed.code, 74, "{}", failed.errors);
-    failed_summary(&out, "canopy_00002.vtp");
-    std::fs::remove_dir(out.join("canopy_00002.vtp")).unwrap();
+    failed_summary(&out, "frames/canopy_00002.vtp");
+    std::fs::remove_dir(out.join("frames/canopy_00002.vtp")).unwrap();
     let more = if out.join("checkpoint").exists() {
         "--resume"
     } else {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use libtest_mimic::Trial;
 
-use crate::command_line::{CANOPY, Finished, command, files, ripstop};
+use crate::command_line::{CANOPY, Finished, command, files, name_in, ripstop};
 use crate::engines::plain;
 
 pub fn trials() -> Vec<Trial> {
@@ -98,7 +98,7 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files(folder)
         .into_iter()
         .map(|path| {
-            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            let name = name_in(folder, &path);
             (name, std::fs::read(path).unwrap())
         })
         .collect()
@@ -183,12 +183,12 @@ fn other_runs_are_not_replaced() {
         }
     }
     // Of what the first run left, nothing stays that the other one does not write; what is not its own stays.
-    std::fs::write(out.join("canopy_00099.vtp"), "of the first").unwrap();
+    std::fs::write(out.join("frames/canopy_00099.vtp"), "of the first").unwrap();
     let output = sheet(&out, &[&other[..], &["--overwrite"]].concat());
     assert_eq!(output.code, 0, "{}", output.errors);
     let after = contents(&out);
     assert_eq!(after["thoughts.txt"], b"mine");
-    assert!(!after.contains_key("canopy_00099.vtp"));
+    assert!(!after.contains_key("frames/canopy_00099.vtp"));
     // Files of a version without a ledger are another's.
     std::fs::remove_file(out.join("run.json")).unwrap();
     refused(sheet(&out, &other), &["of a run that kept no ledger"]);

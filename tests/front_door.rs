@@ -98,6 +98,12 @@ fn words_are_explained() {
     assert!(first.contains("descent_rate_m_s"), "{first}");
 }
 
+/// Messages are broken into lines.
+fn one_line(errors: &str) -> String {
+    let words = errors.replace('│', " ");
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn slips() {
     let sphere = "cases/sphere.toml";
     for (arguments, told) in [
@@ -149,14 +155,8 @@ fn slips() {
     ] {
         let refused = ripstop(arguments);
         assert_eq!(refused.code, 2, "{arguments:?}");
-        // Messages are broken into lines.
-        let one_line: String = refused
-            .errors
-            .replace('│', " ")
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        assert!(one_line.contains(told), "{arguments:?}: {}", refused.errors);
+        let errors = one_line(&refused.errors);
+        assert!(errors.contains(told), "{arguments:?}: {errors}");
     }
 }
 
@@ -174,6 +174,32 @@ fn several_slips() {
     assert_eq!(refused.code, 2);
     for slip in ["sped_m_s", "ends_s", "soup"] {
         assert!(refused.errors.contains(slip), "{slip}: {}", refused.errors);
+    }
+    // Values that cannot be are told together, too, of a design as of what is written; what may only follow from them is not.
+    for (case, wrong) in [
+        (
+            "cases/flag.toml",
+            &[
+                "fabric.thickness_m=-1e-4",
+                "fabric.poisson_ratio=0.7",
+                "time.end_s=-2.0",
+            ][..],
+        ),
+        (
+            "cases/designs/cruciform.toml",
+            &["canopy.diameter_m=-6.0", "canopy.line_length_ratio=99.0"],
+        ),
+    ] {
+        let changes = wrong.iter().flat_map(|change| ["--set", change]);
+        let all: Vec<&str> = ["check", case].into_iter().chain(changes).collect();
+        let refused = ripstop(&all);
+        assert_eq!(refused.code, 2);
+        let told = one_line(&refused.errors);
+        let more = format!("and {} more", wrong.len() - 1);
+        let keys = wrong.iter().map(|change| change.split('=').next().unwrap());
+        for key in keys.chain([&more[..]]) {
+            assert!(told.contains(key), "{key}: {told}");
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use libtest_mimic::Trial;
 
-use crate::command_line::{CANOPY, command, files, finished};
+use crate::command_line::{CANOPY, command, files, finished, name_in};
 use crate::engines::{needs_device, plain};
 use crate::folders::{canopy, json, start, wait_for};
 
@@ -95,7 +95,7 @@ fn twice() {
     let out = folder.path().join("out");
     let seldom = ["--set", "time.end_s=1.0", "--checkpoint-every", "1000"];
     let mut child = start(canopy(&out, &seldom));
-    wait_for(&mut child, &out.join("canopy_00001.vtp"));
+    wait_for(&mut child, &out.join("frames/canopy_00001.vtp"));
     send(&child, &["TERM", "INT", "TERM"]);
     assert_eq!(child.wait().unwrap().code(), Some(75));
     assert!(out.join("checkpoint").exists());
@@ -139,13 +139,13 @@ fn checkpoint_now() {
     let out = folder.path().join("out");
     let seldom = ["--set", "time.end_s=0.2", "--checkpoint-every", "1000"];
     let mut child = start(canopy(&out, &seldom));
-    wait_for(&mut child, &out.join("canopy_00001.vtp"));
+    wait_for(&mut child, &out.join("frames/canopy_00001.vtp"));
     assert!(!out.join("checkpoint").exists());
     send(&child, &["USR1"]);
     wait_for(&mut child, &out.join("checkpoint"));
     // Long before the one of the end.
-    assert!(!out.join("canopy_00010.vtp").exists());
-    wait_for(&mut child, &out.join("canopy_00011.vtp"));
+    assert!(!out.join("frames/canopy_00010.vtp").exists());
+    wait_for(&mut child, &out.join("frames/canopy_00011.vtp"));
     child.kill().unwrap();
     child.wait().unwrap();
     let resumed = finished(
@@ -225,8 +225,8 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
     );
     let names = |folder: &Path| {
         let mut names: Vec<_> = files(folder)
-            .into_iter()
-            .map(|p| p.file_name().unwrap().to_owned())
+            .iter()
+            .map(|path| name_in(folder, path))
             .collect();
         names.sort();
         names
@@ -237,7 +237,7 @@ fn of_a_run(engine: &[&str], other_engine: &[&str]) {
         if !tells_time.iter().any(|known| name == *known) {
             let same = std::fs::read(whole.join(&name)).unwrap()
                 == std::fs::read(out.join(&name)).unwrap();
-            assert!(same, "{} differs", name.display());
+            assert!(same, "{name} differs");
         }
     }
 }

@@ -191,11 +191,11 @@ fn files() {
         let bytes = std::fs::read(out.join(name)).unwrap();
         String::from_utf8_lossy(&bytes).into_owned()
     };
-    assert!(text("flow.pvd").contains("flow_00001.vtm"));
-    let listed = text("flow_00001.vtm");
+    assert!(text("flow.pvd").contains("frames/flow_00001.vtm"));
+    let listed = text("frames/flow_00001.vtm");
     for name in ["flow_00001.vti", "flow_00001_box_1.vti"] {
         assert!(listed.contains(&format!("file=\"{name}\"")), "{listed}");
     }
-    assert!(text("flow_00001.vti").contains("vtkGhostType"));
-    assert!(!text("flow_00001_box_1.vti").contains("vtkGhostType"));
+    assert!(text("frames/flow_00001.vti").contains("vtkGhostType"));
+    assert!(!text("frames/flow_00001_box_1.vti").contains("vtkGhostType"));
 }

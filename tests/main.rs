@@ -57,6 +57,7 @@ mod out_of_memory;
 mod permeability;
 mod phases;
 mod plates;
+mod python;
 mod ram_air;
 mod read_outs;
 mod reserve;
@@ -142,6 +143,7 @@ fn main() -> std::process::ExitCode {
         checkpoint::trials(),
         folders::trials(),
         front_door::trials(),
+        python::trials(),
         fuzz::trials(),
         resumption::trials(),
         resolved::trials(),

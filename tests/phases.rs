@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use libtest_mimic::Trial;
 
-use crate::command_line::{command, files, ripstop};
+use crate::command_line::{command, files, name_in, ripstop};
 use crate::engines::plain;
 use crate::interrupts::send;
 
@@ -143,8 +143,10 @@ fn go_on(changes: &[&str], stops: &[&str]) {
 
 /// All files that tell neither of time nor of the interruption.
 fn same(whole: &Path, parts: &Path) {
-    let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
-    let of = |folder: &Path| files(folder).iter().map(|p| name(p)).collect::<Vec<_>>();
+    let of = |folder: &Path| {
+        let names = files(folder).into_iter().map(|p| name_in(folder, &p));
+        names.collect::<Vec<_>>()
+    };
     let (mut names, mut others) = (of(whole), of(parts));
     names.sort();
     others.sort();

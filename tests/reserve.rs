@@ -52,7 +52,7 @@ fn on_a_small_disk(out: &Path, script: &str, end_s: &str) -> Finished {
         ],
     );
     let whole = format!(
-        "mount -t tmpfs -o size=6m none \"$DISK\" || exit 99\n{script}\ncode=$?\nmkdir -p \"$OUT\" && cp \"$DISK\"/out/* \"$OUT\"\nexit $code"
+        "mount -t tmpfs -o size=6m none \"$DISK\" || exit 99\n{script}\ncode=$?\nmkdir -p \"$OUT\" && cp -r \"$DISK\"/out/* \"$OUT\"\nexit $code"
     );
     let mut shell = Command::new("unshare");
     shell

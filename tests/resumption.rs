@@ -98,11 +98,11 @@ pub fn same(a: &Path, b: &Path) {
 fn lost_files() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    killed_after(&out, "0.06", &FRAMES, "canopy_00002.vtp");
-    for name in ["canopy_00001.vtp", "flow_00001_box_1.vti"] {
+    killed_after(&out, "0.06", &FRAMES, "frames/canopy_00002.vtp");
+    for name in ["frames/canopy_00001.vtp", "frames/flow_00001_box_1.vti"] {
         std::fs::remove_file(out.join(name)).unwrap();
     }
-    let path = out.join("animation_00001.png");
+    let path = out.join("frames/animation_00001.png");
     let frame = std::fs::read(&path).unwrap();
     std::fs::write(&path, &frame[..frame.len() / 2]).unwrap();
     let output = run(&out, "0.06", &[&FRAMES[..], &["--resume"]].concat());
@@ -113,18 +113,20 @@ fn lost_files() {
         .skip(1)
         .map(|rest| rest.split('"').next().unwrap())
         .collect();
-    assert!(!listed.contains(&"canopy_00001.vtp") && listed.contains(&"canopy_00000.vtp"));
+    assert!(
+        !listed.contains(&"frames/canopy_00001.vtp") && listed.contains(&"frames/canopy_00000.vtp")
+    );
     assert!(listed.len() >= 5, "{listed:?}");
     for name in &listed {
         assert!(out.join(name).exists(), "{name} is listed and not there");
     }
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let list = std::fs::read_to_string(out.join("flow.pvd")).unwrap();
-    assert!(list.contains("flow_00000.vtm") && !list.contains("flow_00001.vtm"));
+    assert!(list.contains("frames/flow_00000.vtm") && !list.contains("frames/flow_00001.vtm"));
     for needle in [
-        "canopy_00001.vtp is not there",
-        "flow_00001_box_1.vti is not there",
-        "animation_00001.png has ",
+        "frames/canopy_00001.vtp is not there",
+        "frames/flow_00001_box_1.vti is not there",
+        "frames/animation_00001.png has ",
     ] {
         assert!(summary.contains(needle), "{needle}: {summary}");
     }
@@ -136,7 +138,7 @@ fn lost_files() {
 fn no_old_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    killed_after(&out, "0.2", &[], "canopy_00001.vtp");
+    killed_after(&out, "0.2", &[], "frames/canopy_00001.vtp");
     let before = contents(&out);
     let forgotten = run(&out, "0.2", &[]);
     assert_eq!(forgotten.code, 73, "{}", forgotten.errors);
@@ -148,7 +150,7 @@ fn no_old_checkpoint() {
     let more = ["--overwrite", "--set", "time.end_s=0.2"];
     let mut child = start(canopy(&out, &[&more[..], &seldom].concat()));
     // The files of the run before go as the new one begins.
-    while out.join("canopy_00001.vtp").exists() {
+    while out.join("frames/canopy_00001.vtp").exists() {
         assert!(child.try_wait().unwrap().is_none(), "ended too early");
     }
     child.kill().unwrap();
@@ -167,7 +169,7 @@ fn length_may_change() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, out] = ["whole", "longer"].map(|name| folder.path().join(name));
     assert_eq!(run(&whole, "0.06", &[]).code, 0);
-    killed_after(&out, "0.05", &[], "canopy_00001.vtp");
+    killed_after(&out, "0.05", &[], "frames/canopy_00001.vtp");
     let before = contents(&out);
     let wind = ["--set", "air.wind_tunnel.speed_m_s=25.0", "--resume"];
     let refused = run(&out, "0.05", &wind);

@@ -72,7 +72,7 @@ fn goes_away() {
     let out = folder.path().join("out");
     let seldom = ["--set", "time.end_s=1.0", "--checkpoint-every", "1000"];
     let mut child = without_reader(canopy(&out, &seldom));
-    wait_for(&mut child, &out.join("canopy_00001.vtp"));
+    wait_for(&mut child, &out.join("frames/canopy_00001.vtp"));
     send(&child, &["HUP"]);
     assert_eq!(child.wait().unwrap().code(), Some(75));
     assert!(out.join("checkpoint").exists());

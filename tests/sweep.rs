@@ -106,6 +106,17 @@ fn three_lattices() {
             "{run}"
         );
     }
+    // One page for all: each run with its picture and its case, and what the lattices tell.
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert_eq!(page.matches("<img ").count(), 3);
+    for told in [
+        "What the lattices tell",
+        "finest lattice",
+        "3 of 3 runs done",
+        "[bodies.sphere]",
+    ] {
+        assert!(page.contains(told), "{told} is not on the page");
+    }
     let text = std::fs::read_to_string(out.join("ladder.csv")).unwrap();
     assert!(
         text.starts_with("series,result,unit,lattice_1,cell_size_m_1,"),

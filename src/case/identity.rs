@@ -42,6 +42,13 @@ pub(super) fn physics(case: &toml::Table) -> toml::Table {
     physics
 }
 
+/// True for an override, `key.path=value`, that may act on the state.
+pub(super) fn acts_on_state(change: &str) -> bool {
+    let key = change.split('=').next().unwrap_or_default().trim();
+    let table = key.split('.').next().unwrap_or_default();
+    !NOT_PHYSICS.contains(&table) && key != "time.end_s"
+}
+
 /// Keys of the physics that differ between two cases as they were run, with both values; empty if none does.
 #[must_use]
 pub fn changed_physics(before: &str, now: &str) -> Vec<String> {

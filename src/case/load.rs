@@ -11,6 +11,7 @@ use super::problem::Problem;
 use super::scene::{self, Scene};
 use super::text::{apply_override, lookup, merge};
 use super::usual::{self, Resolved};
+use super::values::all_told;
 use super::{bodies, grid_sequence, identity, locate, mesh, schema};
 
 /// What was asked for on the command line.
@@ -33,13 +34,15 @@ pub struct Case {
     pub physics: String,
     /// The case as it is run, with variant and overrides applied.
     pub text: String,
+    /// The same without title, length, outputs and comparisons.
+    pub physics_text: String,
     /// Variant taken, if any.
     pub variant: Option<String>,
     /// Overrides applied.
     pub overrides: Vec<String>,
     /// What it has for keys that it leaves out, and what follows from others for time step, cells and box.
     pub resolved: Resolved,
-    /// What follows from its `[canopy]`, and is in its text; empty where it has none.
+    /// What follows from its design, and is in its text; empty where it has none.
     pub derived: Vec<Derived>,
     /// The checked scene.
     pub scene: Scene,
@@ -49,6 +52,12 @@ pub struct Case {
 }
 
 impl Case {
+    /// Overrides that act on the state.
+    pub fn physical_overrides(&self) -> impl Iterator<Item = &str> {
+        let overrides = self.overrides.iter().map(String::as_str);
+        overrides.filter(|change| identity::acts_on_state(change))
+    }
+
     /// An error about one key of this case, marked in its text.
     #[must_use]
     pub fn error(&self, problem: Problem) -> Box<CaseError> {
@@ -68,7 +77,7 @@ pub fn load(path: &Path, choices: &Choices) -> Result<Case, Box<CaseError>> {
 pub fn examine_meshes(path: &Path, choices: &Choices) -> Result<Vec<ExaminedMesh>, Box<CaseError>> {
     let (name, source) = read(path)?;
     let folder = folder_of(path);
-    let (_, meshes) = checked(&name, &source, choices, |file| {
+    let (_, meshes) = checked((&name, &source), folder, choices, |file| {
         let mut meshes = Vec::new();
         if let Some(Structure::Mesh(written)) = &file.structure {
             meshes.push(mesh::examine(file, written, folder)?.examined);
@@ -108,7 +117,7 @@ pub fn parse(
     folder: &Path,
     choices: &Choices,
 ) -> Result<Case, Box<CaseError>> {
-    let (applied, (scene, resolved, coarser)) = checked(name, source, choices, |file| {
+    let (applied, (scene, resolved, coarser)) = checked((name, source), folder, choices, |file| {
         let (scene, resolved) = usual::collected(|| scene::check(file, folder));
         let scene = scene?;
         let coarser = grid_sequence::check(file, &scene, folder)?;
@@ -119,10 +128,11 @@ pub fn parse(
         name: name.to_owned(),
         hash: identity::hash(&applied.text, file, folder),
         physics: identity::hash(&applied.physics, file, folder),
+        physics_text: applied.physics,
         text: applied.text,
         derived: applied.derived,
         variant: choices.variant.clone(),
-        overrides: choices.overrides.clone(),
+        overrides: applied.overrides,
         resolved,
         scene,
         coarser,
@@ -136,13 +146,15 @@ struct Applied {
     /// The physics of the text alone.
     physics: String,
     derived: Vec<Derived>,
+    /// As the command line gave them, each for the design that the case has.
+    overrides: Vec<String>,
     file: File,
 }
 
 /// Reads the text of a case with variant and overrides applied, and checks it; what is wrong is marked in the text.
 fn checked<T>(
-    name: &str,
-    source: &str,
+    (name, source): (&str, &str),
+    folder: &Path,
     choices: &Choices,
     check: impl FnOnce(&File) -> Result<T, Problem>,
 ) -> Result<(Applied, T), Box<CaseError>> {
@@ -155,7 +167,8 @@ fn checked<T>(
         CaseError::located(name, source, error.span(), "here", problem)
     })?;
     // What is absent from a design must not follow from it either.
-    let is_design = table.contains_key(design::TABLE);
+    let design = design::table_of(&table);
+    let is_design = design.is_some();
     let mut prefix = None;
     if let Some(variant) = &choices.variant {
         let known: Vec<String> = table
@@ -185,14 +198,16 @@ fn checked<T>(
         merge(&mut table, changes, is_design);
         prefix = Some(format!("variants.{variant}."));
     }
+    let mut overrides = Vec::new();
     for change in &choices.overrides {
-        if change.starts_with(design::TABLE) && !is_design {
-            return Err(CaseError::about_file(
-                format!("{change} needs [canopy], which {name} does not have"),
+        let change = of_design(change, design).map_err(|of| {
+            CaseError::about_file(
+                format!("{change} needs {of}, which {name} does not have"),
                 "set keys of the tables that the case has, such as resolution.cells_per_diameter",
-            ));
-        }
-        apply_override(&mut table, change, is_design)?;
+            )
+        })?;
+        apply_override(&mut table, &change, is_design)?;
+        overrides.push(change);
     }
     let locate = |problem: Problem| {
         let in_variant = prefix.as_ref().and_then(|prefix| {
@@ -205,7 +220,7 @@ fn checked<T>(
                 .strip_prefix(outer)
                 .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        let overriding = choices.overrides.iter().find(|change| {
+        let overriding = overrides.iter().find(|change| {
             let key = change.split('=').next().unwrap_or_default().trim();
             within(key, &problem.key) || within(&problem.key, key)
         });
@@ -214,10 +229,16 @@ fn checked<T>(
             let message = format!("{} (from --set {change})", problem.message);
             return CaseError::about_file(message, &problem.help);
         }
-        let nearest = [design::TABLE, "structure", "air", "version"];
+        let nearest = design::TABLES
+            .into_iter()
+            .chain(["structure", "air", "version"]);
         let span = in_variant
             .or_else(|| locate::span_of(source, &problem.key))
-            .or_else(|| nearest.iter().find_map(|key| locate::span_of(source, key)));
+            .or_else(|| {
+                nearest
+                    .into_iter()
+                    .find_map(|key| locate::span_of(source, key))
+            });
         let label = problem.key.clone();
         CaseError::located(name, source, span, &label, problem)
     };
@@ -225,26 +246,52 @@ fn checked<T>(
         let message = format!("in {name}: {}", problem.message);
         locate(Problem { message, ..problem })
     };
+    let several = |(mut first, others): (Problem, Vec<Problem>)| {
+        if !others.is_empty() {
+            first.message = format!("{} (and {} more)", first.message, others.len());
+        }
+        let others = others.into_iter().map(|problem| *in_file(problem));
+        in_file(first).with_others(others.collect())
+    };
     let mut derived = Vec::new();
-    if let Some(written) = design::take(&mut table) {
+    if let Some(written) = design::take(&mut table).map_err(in_file)? {
         let designed: Designed = serde_path_to_error::deserialize(written.clone())
             .map_err(|error| in_file(misread(&error, &written)))?;
-        derived = design::expand(&designed.canopy, &mut table).map_err(in_file)?;
+        let expanded = all_told(|| design::expand(&designed, &written, &mut table, folder));
+        derived = expanded.map_err(several)?;
     }
     let text = toml::to_string(&table).unwrap_or_default();
     let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
-    let file = read_file(&table).map_err(|(first, others)| {
-        let others = others.into_iter().map(|problem| *in_file(problem));
-        in_file(first).with_others(others.collect())
+    let file = read_file(&table).map_err(several)?;
+    let result = all_told(|| check(&file)).map_err(|(first, others)| {
+        let traced = |problem: Problem| design::traced(problem, &derived);
+        several((traced(first), others.into_iter().map(traced).collect()))
     })?;
-    let result = check(&file).map_err(in_file)?;
     let applied = Applied {
         text,
         physics,
         derived,
+        overrides,
         file,
     };
     Ok((applied, result))
+}
+
+/// An override, with the case's own design in the place of `design`; the table that is wanted where the case does not have it.
+fn of_design(change: &str, own: Option<&str>) -> Result<String, String> {
+    let within = |table: &str| {
+        let rest = change.trim_start().strip_prefix(table)?;
+        rest.starts_with('.').then_some(rest)
+    };
+    if let Some(rest) = within(design::ANY) {
+        let own = own.ok_or("a design ([canopy], [wing] or [mesh])")?;
+        return Ok(format!("{own}{rest}"));
+    }
+    let other = design::TABLES.into_iter().find(|t| within(t).is_some());
+    match other.filter(|other| own != Some(other)) {
+        Some(other) => Err(format!("[{other}]")),
+        None => Ok(change.to_owned()),
+    }
 }
 
 /// Most slips that are told at once.
@@ -259,7 +306,7 @@ fn read_file(table: &toml::Table) -> Result<File, (Problem, Vec<Problem>)> {
         Ok(file) => return Ok(file),
         Err(error) => error,
     };
-    let mut first = misread(&error, &rest);
+    let first = misread(&error, &rest);
     let mut last = first.key.clone();
     while others.len() + 1 < SLIPS {
         let message = error.inner().message();
@@ -282,9 +329,6 @@ fn read_file(table: &toml::Table) -> Result<File, (Problem, Vec<Problem>)> {
         }
         last.clone_from(&problem.key);
         others.push(problem);
-    }
-    if !others.is_empty() {
-        first.message = format!("{} (and {} more)", first.message, others.len());
     }
     Err((first, others))
 }

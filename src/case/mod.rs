@@ -61,7 +61,7 @@ pub mod wing_design;
 mod wing_lines;
 mod wing_tunnel;
 
-pub use design::{Derived, expanded};
+pub use design::{Derived, TABLES as DESIGN_TABLES, expanded};
 pub use error::CaseError;
 pub use identity::{changed_outputs, changed_physics};
 pub use load::{Case, Choices, examine_meshes, load, parse};

@@ -1,7 +1,7 @@
 //! Shipped cases, embedded so that an installed binary can write them.
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 23] = [
+pub const SHIPPED: [(&str, &str); 25] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -65,6 +65,14 @@ pub const SHIPPED: [(&str, &str); 23] = [
         include_str!("../../cases/slotted-drop.toml"),
     ),
     (
+        "mesh-in-a-stream",
+        include_str!("../../cases/mesh-in-a-stream.toml"),
+    ),
+    (
+        "paraglider",
+        include_str!("../../cases/designs/paraglider.toml"),
+    ),
+    (
         "personnel-descent",
         include_str!("../../cases/designs/personnel-descent.toml"),
     ),
@@ -82,7 +90,7 @@ pub const SHIPPED: [(&str, &str); 23] = [
 ];
 
 /// Files that shipped cases name: the case, the path beside it, the text.
-pub const SHIPPED_FILES: [(&str, &str, &str); 2] = [
+pub const SHIPPED_FILES: [(&str, &str, &str); 4] = [
     (
         "hemispherical-mesh",
         "meshes/hemisphere.obj",
@@ -90,6 +98,16 @@ pub const SHIPPED_FILES: [(&str, &str, &str); 2] = [
     ),
     (
         "hemispherical-mesh",
+        "meshes/hemisphere-lines.csv",
+        include_str!("../../cases/meshes/hemisphere-lines.csv"),
+    ),
+    (
+        "mesh-in-a-stream",
+        "meshes/hemisphere.obj",
+        include_str!("../../cases/meshes/hemisphere.obj"),
+    ),
+    (
+        "mesh-in-a-stream",
         "meshes/hemisphere-lines.csv",
         include_str!("../../cases/meshes/hemisphere-lines.csv"),
     ),

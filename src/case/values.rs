@@ -1,5 +1,7 @@
 //! Checks of single values, with what to say about them.
 
+use std::cell::RefCell;
+
 use glam::{DQuat, DVec3};
 
 use super::file::Rotation;
@@ -8,17 +10,62 @@ use super::problem::Problem;
 /// Largest and (inverted) smallest quantity taken for a real one, in SI units.
 pub(super) const PLAUSIBLE: f64 = 1e15;
 
+/// Most wrong values that are told at once.
+const MOST: usize = 10;
+
+thread_local! {
+    /// Wrong values that the check that goes on in this thread has met; `None` outside of one.
+    static WRONG: RefCell<Option<Vec<Problem>>> = const { RefCell::new(None) };
+}
+
+/// Makes a check that goes on behind wrong values, so that all of them are told at once.
+///
+/// # Errors
+///
+/// The wrong values, or else what the check found.
+pub(super) fn all_told<T>(
+    check: impl FnOnce() -> Result<T, Problem>,
+) -> Result<T, (Problem, Vec<Problem>)> {
+    let outer = WRONG.replace(Some(Vec::new()));
+    let result = check();
+    let mut wrong = Vec::new();
+    // The same key may be looked at again, as on the coarser lattices of a grid sequence.
+    for problem in WRONG.replace(outer).unwrap_or_default() {
+        if !wrong.iter().any(|known: &Problem| known.key == problem.key) {
+            wrong.push(problem);
+        }
+    }
+    let mut wrong = wrong.into_iter();
+    match (wrong.next(), result) {
+        // What is found after a wrong value may be its consequence.
+        (Some(first), _) => Err((first, wrong.collect())),
+        (None, result) => result.map_err(|problem| (problem, Vec::new())),
+    }
+}
+
+/// A wrong value: where all are to be told the check goes on with a value that is allowed.
+fn wrong<T>(problem: Problem, allowed: T) -> Result<T, Problem> {
+    WRONG.with_borrow_mut(|all| match all {
+        Some(all) if all.len() < MOST => {
+            all.push(problem);
+            Ok(allowed)
+        }
+        _ => Err(problem),
+    })
+}
+
 /// Refuses values that are not positive and finite, or beyond anything physical.
 pub(super) fn positive(key: &str, value: f64) -> Result<f64, Problem> {
     if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&value) {
         Ok(value)
     } else {
-        Err(Problem::new(
+        let problem = Problem::new(
             key,
             format!("{key} = {value:e} must be positive (and between 1e-15 and 1e15)")
                 .replace("e0 must", " must"),
             "give a number greater than zero, in the unit that the key names",
-        ))
+        );
+        wrong(problem, 1.0)
     }
 }
 
@@ -40,11 +87,12 @@ pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<DVec3, Problem> {
     if value.iter().all(|v| v.abs() <= PLAUSIBLE) {
         Ok(DVec3::from_array(value))
     } else {
-        Err(Problem::new(
+        let problem = Problem::new(
             key,
             format!("{key} = {value:?} is not a vector of plausible numbers"),
             "give three finite numbers",
-        ))
+        );
+        wrong(problem, DVec3::ONE)
     }
 }
 
@@ -52,11 +100,12 @@ pub(super) fn at_least_one(key: &str, value: usize) -> Result<usize, Problem> {
     if value > 0 {
         Ok(value)
     } else {
-        Err(Problem::new(
+        let problem = Problem::new(
             key,
             format!("{key} = 0 would solve nothing"),
             "give at least 1; hundreds are usual",
-        ))
+        );
+        wrong(problem, 1)
     }
 }
 
@@ -65,7 +114,7 @@ pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, 
     if (low..=high).contains(&value) {
         Ok(value)
     } else {
-        Err(Problem::new(
+        let problem = Problem::new(
             key,
             format!("{key} = {} is out of range", readable(value)),
             format!(
@@ -73,7 +122,9 @@ pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, 
                 readable(low),
                 readable(high)
             ),
-        ))
+        );
+        // Near the lower end: counts then stay small.
+        wrong(problem, low + f64::min(1.0, 0.5 * (high - low)))
     }
 }
 

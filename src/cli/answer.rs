@@ -20,9 +20,14 @@ pub(super) fn answer_text(report: &Report, out: &Path) -> String {
         lines.push("beside the values of others:".to_owned());
         lines.push(comparison_text(&summary.comparison).trim_end().to_owned());
     }
+    // An equilibrium has no time.
+    let when = match summary.steps {
+        0 => String::new(),
+        steps => format!("t = {:.4} s; {steps} steps ", summary.stop.when_s),
+    };
     lines.push(format!(
-        "stopped: {} (t = {:.4} s; {} steps in {:.1} s)",
-        summary.stop.reason, summary.stop.when_s, summary.steps, summary.wall_s
+        "stopped: {} ({when}in {:.1} s)",
+        summary.stop.reason, summary.wall_s
     ));
     let notes = summary.notes.iter();
     lines.extend(notes.map(|note| format!("note: {note}")));

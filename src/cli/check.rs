@@ -22,7 +22,7 @@ pub(super) struct CheckArguments {
     /// End with exit code 1 where the set-up does not support its results.
     #[arg(long)]
     strict: bool,
-    /// Print the case with all keys that follow from its `[canopy]`, and why, in place of the plan.
+    /// Print the case with all keys that follow from its design, and why, in place of the plan.
     #[arg(long)]
     expand: bool,
     /// Draw what is found in meshes, and their open borders, into a folder.
@@ -68,19 +68,37 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
 /// What follows from a design, a key a line.
 fn derived_text(derived: &[Derived]) -> String {
     let mut text = format!(
-        "\nderived from [canopy] ({} keys; each may be written to change it; --expand prints the whole case)\n",
+        "\nderived from the design ({} keys; each may be written to change it; --expand prints the whole case)\n",
         derived.len()
     );
-    let row = |one: &Derived| vec![format!("  {}", one.key), short(&one.value), one.why.clone()];
+    let row = |one: &Derived| {
+        let value = shortened(short(&one.value));
+        vec![format!("  {}", one.key), value, one.why.clone()]
+    };
     let rows: Vec<Vec<String>> = derived.iter().map(row).collect();
     text += &aligned(&rows);
     text
+}
+
+/// Longest value that stands in a line.
+const LONGEST: usize = 60;
+
+/// A value that is not too long for its line.
+fn shortened(value: String) -> String {
+    if value.chars().count() <= LONGEST {
+        return value;
+    }
+    let begin: String = value.chars().take(LONGEST - 2).collect();
+    format!("{} …", begin.trim_end())
 }
 
 /// A value in few digits.
 fn short(value: &toml::Value) -> String {
     match value {
         toml::Value::Float(number) => significant(*number, 5),
+        toml::Value::Array(all) if all.iter().any(toml::Value::is_table) => {
+            format!("{} tables", all.len())
+        }
         toml::Value::Array(all) => {
             let all: Vec<String> = all.iter().map(short).collect();
             format!("[{}]", all.join(", "))

@@ -1,14 +1,15 @@
-//! `ripstop new NAME`
+//! `ripstop new NAME`, `ripstop new --wing`
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::exit;
 use super::failure::Failure;
 use super::log::{emit, say};
 use crate::case::{
-    SCHEMA_DIRECTIVE, SCHEMA_FILE, SHIPPED, SHIPPED_FILES, did_you_mean, schema_text,
+    self, Choices, DESIGN_TABLES, SCHEMA_DIRECTIVE, SCHEMA_FILE, SHIPPED, SHIPPED_FILES,
+    did_you_mean, schema_text,
 };
 use crate::output::{OutputError, prepare_directory, write_atomically};
 
@@ -17,12 +18,83 @@ pub(super) struct NewArguments {
     /// Name of a shipped case; without it they are listed.
     name: Option<String>,
 
+    /// A paraglider's case by its design in place of a shipped case; needs --span or --area.
+    #[arg(long, conflicts_with = "name")]
+    wing: bool,
+
+    /// Flat span of the wing [m].
+    #[arg(long, value_name = "M", requires = "wing", conflicts_with = "area")]
+    span: Option<f64>,
+
+    /// Flat area of the wing [m²].
+    #[arg(long, value_name = "M2", requires = "wing")]
+    area: Option<f64>,
+
+    /// Cells of the wing; by its class if left out.
+    #[arg(long, value_name = "COUNT", requires = "wing")]
+    cells: Option<usize>,
+
+    /// Class of the wing (EN 926-2).
+    #[arg(long, requires = "wing", value_enum, default_value_t = ClassArgument::EnB)]
+    class: ClassArgument,
+
+    /// Pilot, harness and all else that hangs on the risers [kg]; by the area if left out.
+    #[arg(long, value_name = "KG", requires = "wing")]
+    pilot: Option<f64>,
+
     /// Folder to write NAME.toml, the files that it names and the JSON schema for editors into, instead of printing the case.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
+/// Class of a paraglider, written as in case files.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum ClassArgument {
+    EnA,
+    EnB,
+    EnC,
+    EnD,
+}
+
+/// File of a wing by its design.
+const WING_FILE: &str = "paraglider.toml";
+
+/// The case of a wing by its design; what is wrong with it is told as of a case file.
+fn wing_case(arguments: &NewArguments) -> Result<String, Failure> {
+    let class = arguments.class.to_possible_value();
+    let class = class.map_or_else(String::new, |value| value.get_name().to_owned());
+    let mut text = format!(
+        "# A paraglider by its design: plan, lines and trim follow from these lines. `ripstop check {WING_FILE}` lists all keys with their reasons, and\n\
+         # each may be written here to change it.\n\nversion = 1\n\n[wing]\nclass = \"{class}\"\n"
+    );
+    for (key, number) in [
+        ("span_m", arguments.span),
+        ("area_m2", arguments.area),
+        ("pilot_kg", arguments.pilot),
+    ] {
+        if let Some(number) = number {
+            text += &format!("{key} = {number:?}\n");
+        }
+    }
+    if let Some(cells) = arguments.cells {
+        text += &format!("cells = {cells}\n");
+    }
+    match case::parse(WING_FILE, &text, Path::new("."), &Choices::default()) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(Failure::Case(error)),
+    }
+}
+
 pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
+    if arguments.wing {
+        let text = wing_case(arguments)?;
+        let Some(folder) = &arguments.out else {
+            return emit(&text).map(|()| 0);
+        };
+        let text = format!("{SCHEMA_DIRECTIVE} {SCHEMA_FILE}\n{text}");
+        return write(folder, (WING_FILE, &text), &[]);
+    }
     let Some(wanted) = &arguments.name else {
         return emit(&listed()).map(|()| 0);
     };
@@ -50,9 +122,7 @@ pub(super) fn new(arguments: &NewArguments) -> Result<u8, Failure> {
     if let Some(folder) = &arguments.out {
         let case = format!("{name}.toml");
         let text = format!("{SCHEMA_DIRECTIVE} {SCHEMA_FILE}\n{text}");
-        let mut files = beside;
-        files.push((&case, &text));
-        return write(folder, &files);
+        return write(folder, (&case, &text), &beside);
     }
     emit(text)?;
     if !beside.is_empty() {
@@ -73,7 +143,7 @@ fn listed() -> String {
         .max()
         .unwrap_or(0);
     let mut text = String::from(
-        "ripstop new NAME prints a case to start from; --out DIR writes it with its files.\n",
+        "ripstop new NAME prints a case to start from; --out DIR writes it with its files. ripstop new --wing --span 11 prints that of a paraglider.\n",
     );
     for (by_design, title) in [
         (true, "by their design:"),
@@ -81,11 +151,18 @@ fn listed() -> String {
     ] {
         text += &format!("\n{title}\n");
         let cases = SHIPPED.iter();
-        for (name, case) in cases.filter(|(_, case)| case.contains("\n[canopy]") == by_design) {
+        for (name, case) in cases.filter(|(_, case)| is_by_design(case) == by_design) {
             text += &format!("  {name:width$}  {}\n", first_sentence(case));
         }
     }
     text
+}
+
+/// True for a case whose tables follow from a design.
+fn is_by_design(case: &str) -> bool {
+    DESIGN_TABLES
+        .iter()
+        .any(|table| case.contains(&format!("\n[{table}]\n")))
 }
 
 /// The first sentence of the comment that a case begins with.
@@ -102,23 +179,28 @@ fn first_sentence(case: &str) -> String {
     text[..end].trim().to_owned()
 }
 
-/// Writes files, given by their paths in a folder and their texts, none of which may be there already; and the schema, which other cases
-/// there may have.
-fn write(folder: &Path, files: &[(&str, &str)]) -> Result<u8, Failure> {
-    let paths = || files.iter().map(|(file, _)| folder.join(file));
-    if let Some(there) = paths().find(|path| path.exists()) {
+/// Writes a case and the files that it names, given by their paths in a folder and their texts, and the schema, which other cases there may have. The
+/// case must not be there already; a file beside it may, as another case's, if it is the same.
+fn write(folder: &Path, case: (&str, &str), beside: &[(&str, &str)]) -> Result<u8, Failure> {
+    let files = || beside.iter().copied().chain([case]);
+    let would_be_lost = |(file, text): &(&str, &str)| {
+        let path = folder.join(file);
+        let same = || std::fs::read(&path).is_ok_and(|there| there == text.as_bytes());
+        path.exists() && (*file == case.0 || !same())
+    };
+    if let Some((there, _)) = files().find(would_be_lost) {
         return Err(Failure::Other(
             exit::BAD_CASE,
             format!(
                 "{} is there already and would be lost: give another folder (--out), or remove it",
-                there.display()
+                folder.join(there).display()
             ),
         ));
     }
     let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
     let schema = schema_text();
-    let schema = (folder.join(SCHEMA_FILE), &(SCHEMA_FILE, &schema[..]));
-    for (path, (_, text)) in paths().zip(files).chain([schema]) {
+    for (file, text) in files().chain([(SCHEMA_FILE, &schema[..])]) {
+        let path = folder.join(file);
         prepare_directory(path.parent().unwrap_or(folder)).map_err(failed)?;
         write_atomically(&path, |out| out.write_all(text.as_bytes())).map_err(failed)?;
         emit(&format!("{}\n", path.display()))?;

@@ -15,6 +15,7 @@ use super::signals::requests;
 use crate::case::Case;
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
+use crate::report;
 use crate::run::{self, Observer, Order, Requests, Start};
 use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
 
@@ -117,10 +118,12 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     }
     sweep::mark_unresolved(&mut sweep);
     sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
+    report::write_sweep(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
     emit(&sweep::markdown(&sweep, &chosen))?;
     emit(&format!(
-        "tables, charts and runs: {}\n",
-        arguments.out.display()
+        "tables, charts and runs: {}\nreport: {}\n",
+        arguments.out.display(),
+        arguments.out.join(report::FILE_NAME).display()
     ))?;
     Ok(code)
 }

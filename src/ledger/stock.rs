@@ -7,6 +7,8 @@ use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
+use crate::output::files_of_run;
+
 /// Bytes read at a time.
 const BLOCK_BYTES: usize = 256 * 1024;
 
@@ -62,7 +64,7 @@ fn checksum(path: &Path) -> io::Result<String> {
     }
 }
 
-/// Lists the files in `folder` whose names are `ours`, by name. Files that have not changed since `earlier` are not read again; those that
+/// Lists the files in a run's folder, frames included, whose names are `ours`, by name. Files that have not changed since `earlier` are not read again; those that
 /// cannot be read are left out.
 #[must_use]
 pub fn take_stock(
@@ -71,16 +73,14 @@ pub fn take_stock(
     ours: impl Fn(&str) -> bool,
 ) -> Vec<FileEntry> {
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let Ok(name) = entry.file_name().into_string() else {
-            continue;
-        };
-        let Some(metadata) = entry.metadata().ok().filter(fs::Metadata::is_file) else {
-            continue;
-        };
+    for name in files_of_run(folder) {
         if !ours(&name) {
             continue;
         }
+        let path = folder.join(&name);
+        let Ok(metadata) = fs::metadata(&path) else {
+            continue;
+        };
         let changed = metadata.modified().ok();
         let known = earlier.binary_search_by(|old| old.name.as_str().cmp(&name));
         let known = known.ok().map(|at| &earlier[at]).filter(|old| {
@@ -89,7 +89,7 @@ pub fn take_stock(
         match known {
             Some(known) => found.push(known.clone()),
             None => {
-                if let Ok(crc32) = checksum(&entry.path()) {
+                if let Ok(crc32) = checksum(&path) {
                     found.push(FileEntry {
                         name,
                         bytes: metadata.len(),
@@ -100,7 +100,6 @@ pub fn take_stock(
             }
         }
     }
-    found.sort_by(|a, b| a.name.cmp(&b.name));
     found
 }
 

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use super::folder::files_of_run;
+
 /// How names of temporary files begin and end.
 const TEMPORARY: [&str; 2] = [".ripstop-", ".tmp"];
 
@@ -113,13 +115,14 @@ pub fn write_atomically(
     replace(path, write).map_err(|cause| OutputError::new("write", path, cause))
 }
 
-/// Removes temporary files that killed runs left in `folder`.
+/// Removes temporary files that killed runs left in `folder`, and in that of its frames.
 pub fn remove_leftovers(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
+    for name in files_of_run(folder) {
+        let path = folder.join(name);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
         if name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1]) {
             // What cannot be removed does no harm.
-            let _ = fs::remove_file(entry.path());
+            let _ = fs::remove_file(&path);
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use kuva::prelude::{Layout, LinePlot, Plot, ScatterPlot};
 
 use super::atomic::{OutputError, write_atomically};
+use super::provenance::Provenance;
 
 /// Colours that differ also in grey and for colour-blind readers (Okabe & Ito).
 const COLOURS: [&str; 8] = [
@@ -108,12 +109,12 @@ impl Chart {
         Some(kuva::render_to_svg(plots, layout))
     }
 
-    /// Writes `PATH.svg` and `PATH.png`, each whole or not at all; nothing where there is no point to show, and then `false`.
+    /// Writes `PATH.svg` and `PATH.png`, each whole or not at all, the latter with where it is from; nothing where there is no point to show, and then `false`.
     ///
     /// # Errors
     ///
     /// When a file cannot be drawn or written.
-    pub fn write(&self, path: &Path) -> Result<bool, OutputError> {
+    pub fn write(&self, path: &Path, provenance: &Provenance) -> Result<bool, OutputError> {
         let (Some(for_svg), Some((plots, layout))) = (self.parts(), self.parts()) else {
             return Ok(false);
         };
@@ -124,6 +125,7 @@ impl Chart {
         let png = path.with_extension("png");
         let bytes = kuva::render_to_png(plots, layout, SCALE)
             .map_err(|why| OutputError::new("draw", &png, io::Error::other(why)))?;
+        let bytes = provenance.put_into_png(&bytes);
         write_atomically(&png, |out| out.write_all(&bytes))?;
         Ok(true)
     }

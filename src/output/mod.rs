@@ -12,8 +12,10 @@ mod chart;
 mod comparison;
 mod device_use;
 mod digits;
+mod folder;
 mod history;
 mod patterns;
+mod provenance;
 mod pvd;
 mod quantity;
 mod read_out;
@@ -36,8 +38,10 @@ pub use device_use::{DeviceCounts, DeviceLatency, DevicePass, DeviceStage, Devic
 pub use digits::{
     NOTHING, UNRESOLVED, reference_text, significant, value_and_uncertainty, with_interval,
 };
+pub use folder::{FRAMES_FOLDER, files_of_run};
 pub use history::HistoryWriter;
 pub use patterns::{PatternPiece, write_patterns};
+pub use provenance::{Provenance, Stamp};
 pub use pvd::{Pvd, PvdEntry};
 pub use quantity::{Quantity, Results};
 pub use read_out::ReadOut;

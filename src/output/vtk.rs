@@ -1,7 +1,7 @@
 //! Frames as ParaView XML files: the canopy as `.vtp`, the air as `.vti`.
 //!
-//! Arrays are stored raw, little-endian, behind the XML head (`AppendedData encoding="raw"`), and
-//! the simulated time as the field `TimeValue`. Array names end in their SI unit.
+//! Arrays are stored raw, little-endian, behind the XML head (`AppendedData encoding="raw"`). Fields are the simulated time (`TimeValue`) and
+//! where the file is from (`program`, `source`, `case`). Array names end in their SI unit.
 
 use std::fmt::Write as _;
 use std::io;
@@ -11,13 +11,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::atomic::{OutputError, invalid_data, write_atomically};
+use super::provenance::Stamp;
 use super::vtk_data::{Appended, write_file};
 use crate::frame::{BodiesFrame, CableKind, FabricState, FluidFrame, StructureFrame};
 
 /// Code of a cell to which a code array does not apply.
 const NO_CODE: i8 = -1;
 
-/// Writes fabric and cables at the time `time_s` (seconds) as VTK `PolyData`.
+/// Writes fabric and cables of an instant as VTK `PolyData`.
 ///
 /// Points are the nodes (m); cells are first the cable segments (`Lines`), then the fabric
 /// triangles (`Polys`).
@@ -44,14 +45,14 @@ const NO_CODE: i8 = -1;
 pub fn write_canopy_vtp(
     path: &Path,
     structure: &StructureFrame,
-    time_s: f64,
+    stamp: Stamp<'_>,
 ) -> Result<(), OutputError> {
     check_structure(structure).map_err(|cause| OutputError::new("write", path, cause))?;
     let nodes = structure.positions_m.len();
     let (lines, polys) = (structure.cables.len(), structure.triangles.len());
     let mut data = Appended::default();
     let mut xml = String::from("<PolyData>\n");
-    xml += &data.time(time_s);
+    xml += &data.field_data(stamp);
     xml += &format!(
         "<Piece NumberOfPoints=\"{nodes}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"{polys}\">\n"
@@ -78,13 +79,17 @@ pub fn write_canopy_vtp(
     write_file(path, "PolyData", &xml, data)
 }
 
-/// Writes rigid bodies at the time `time_s` (seconds) as VTK `PolyData`: triangles with the array `body` (number of the body, in the
+/// Writes rigid bodies of an instant as VTK `PolyData`: triangles with the array `body` (number of the body, in the
 /// order of names) on cells and `velocity_m_s` (3 x f64) on points, which are in metres.
 ///
 /// # Errors
 ///
 /// When the arrays of `bodies` do not fit together or the file cannot be written; `path` is then unchanged.
-pub fn write_bodies_vtp(path: &Path, bodies: &BodiesFrame, time_s: f64) -> Result<(), OutputError> {
+pub fn write_bodies_vtp(
+    path: &Path,
+    bodies: &BodiesFrame,
+    stamp: Stamp<'_>,
+) -> Result<(), OutputError> {
     let (nodes, polys) = (bodies.positions_m.len(), bodies.triangles.len());
     check_length("node velocities", bodies.velocities_m_s.len(), nodes)
         .and_then(|()| check_length("numbers of bodies", bodies.numbers.len(), polys))
@@ -92,7 +97,7 @@ pub fn write_bodies_vtp(path: &Path, bodies: &BodiesFrame, time_s: f64) -> Resul
         .map_err(|cause| OutputError::new("write", path, cause))?;
     let mut data = Appended::default();
     let mut xml = String::from("<PolyData>\n");
-    xml += &data.time(time_s);
+    xml += &data.field_data(stamp);
     xml += &format!(
         "<Piece NumberOfPoints=\"{nodes}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"{polys}\">\n"
@@ -235,7 +240,7 @@ fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
     )))
 }
 
-/// Writes the air at the time `time_s` (seconds): one `.vti`, or with boxes of finer cells one for every lattice and at `path` a `.vtm` that
+/// Writes the air of an instant: one `.vti`, or with boxes of finer cells one for every lattice and at `path` a `.vtm` that
 /// lists them.
 ///
 /// For `flow_0.vtm` these are `flow_0.vti`, `flow_0_box_1.vti`, `flow_0_box_2.vti` and so on, each box after those around it. Where others
@@ -244,9 +249,9 @@ fn check_length(what: &str, found: usize, expected: usize) -> io::Result<()> {
 /// # Errors
 ///
 /// As [`write_flow_vti`].
-pub fn write_flow(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), OutputError> {
+pub fn write_flow(path: &Path, fluid: &FluidFrame, stamp: Stamp<'_>) -> Result<(), OutputError> {
     if fluid.finer.is_empty() {
-        return write_flow_vti(path, fluid, time_s);
+        return write_flow_vti(path, fluid, stamp);
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut listed = String::new();
@@ -260,7 +265,7 @@ pub fn write_flow(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), Ou
             &path.with_file_name(&name),
             lattice,
             &lattices[number + 1..],
-            time_s,
+            stamp,
         )?;
         let label = match number {
             0 => "outermost".to_owned(),
@@ -281,7 +286,7 @@ pub fn write_flow(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), Ou
     })
 }
 
-/// Writes one grid of air at the time `time_s` (seconds) as VTK `ImageData` whose points are the cell
+/// Writes one grid of air of an instant as VTK `ImageData` whose points are the cell
 /// centres.
 ///
 /// Point arrays: `velocity_m_s` (3 x f32, in m/s) and `pressure_pa` (f32, in Pa), the pressure above
@@ -291,8 +296,12 @@ pub fn write_flow(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), Ou
 ///
 /// When the arrays of `fluid` do not fit its grid, the grid is empty, or the file cannot be
 /// written; `path` is then unchanged.
-pub fn write_flow_vti(path: &Path, fluid: &FluidFrame, time_s: f64) -> Result<(), OutputError> {
-    write_lattice(path, fluid, &[], time_s)
+pub fn write_flow_vti(
+    path: &Path,
+    fluid: &FluidFrame,
+    stamp: Stamp<'_>,
+) -> Result<(), OutputError> {
+    write_lattice(path, fluid, &[], stamp)
 }
 
 /// The same, with points that lie in one of the `finer` grids hidden.
@@ -300,7 +309,7 @@ fn write_lattice(
     path: &Path,
     fluid: &FluidFrame,
     finer: &[&FluidFrame],
-    time_s: f64,
+    stamp: Stamp<'_>,
 ) -> Result<(), OutputError> {
     check_fluid(fluid).map_err(|cause| OutputError::new("write", path, cause))?;
     let count = fluid.velocity_m_s.len();
@@ -318,7 +327,7 @@ fn write_lattice(
         "<ImageData WholeExtent=\"{extent}\" Origin=\"{x:?} {y:?} {z:?}\" \
          Spacing=\"{edge:?} {edge:?} {edge:?}\">"
     );
-    xml += &data.time(time_s);
+    xml += &data.field_data(stamp);
     let _ = writeln!(xml, "<Piece Extent=\"{extent}\">");
     xml += "<PointData Scalars=\"pressure_pa\" Vectors=\"velocity_m_s\">\n";
     xml += &data.array("velocity_m_s", count, fluid.velocity_m_s.iter().copied());
@@ -367,6 +376,7 @@ fn check_fluid(fluid: &FluidFrame) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::provenance::Provenance;
     use super::*;
     use glam::DVec3;
     use std::fs;
@@ -396,7 +406,11 @@ mod tests {
                 let from = line.find(&format!(" {key}=\"")).unwrap() + key.len() + 3;
                 line[from..].split('"').next().unwrap().to_owned()
             };
-            let elements = self.head.lines().filter(|l| l.starts_with("<DataArray"));
+            let elements = (self.head.lines()).filter(|l| {
+                ["<DataArray ", "<Array "]
+                    .iter()
+                    .any(|tag| l.starts_with(tag))
+            });
             elements
                 .map(|line| {
                     let offset: usize = value(line, "offset").parse().unwrap();
@@ -446,6 +460,13 @@ mod tests {
         }
     }
 
+    fn stamp(provenance: &Provenance) -> Stamp<'_> {
+        Stamp {
+            time_s: 2.0,
+            provenance,
+        }
+    }
+
     fn doubles(bytes: &[u8]) -> Vec<f64> {
         let chunks = bytes.chunks_exact(8);
         chunks
@@ -457,12 +478,21 @@ mod tests {
     fn canopy_arrays_lie_where_the_head_says() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("canopy.vtp");
-        write_canopy_vtp(&path, &canopy(), 1.25).unwrap();
+        let provenance = Provenance {
+            program: "ripstop 1".to_owned(),
+            ..Provenance::default()
+        };
+        let stamp = Stamp {
+            time_s: 1.25,
+            provenance: &provenance,
+        };
+        write_canopy_vtp(&path, &canopy(), stamp).unwrap();
         let file = Parsed::read(&path);
         file.check_blocks_follow_each_other();
         assert!(file.head.contains("NumberOfLines=\"2\""));
         assert!(file.head.contains("NumberOfPolys=\"1\""));
         assert_eq!(doubles(file.array("TimeValue")), [1.25]);
+        assert_eq!(file.array("program"), b"ripstop 1\0");
         assert_eq!(doubles(file.array("points_m"))[3..6], [1.0, 0.0, 0.0]);
         let tension = doubles(file.array("tension_2_n_m"));
         assert!(tension[0].is_nan() && tension[1].is_nan());
@@ -488,7 +518,7 @@ mod tests {
             velocity_m_s: (0..24_000).map(|i| [i as f32, 0.0, -1.0]).collect(),
             pressure_pa: (0..24_000).map(|i| 0.5 * i as f32).collect(),
         };
-        write_flow_vti(&path, &fluid, 2.0).unwrap();
+        write_flow_vti(&path, &fluid, stamp(&Provenance::default())).unwrap();
         let file = Parsed::read(&path);
         file.check_blocks_follow_each_other();
         assert!(file.head.contains("Extent=\"0 39 0 29 0 19\""));
@@ -502,13 +532,14 @@ mod tests {
     fn a_frame_that_does_not_fit_together_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("canopy.vtp");
+        let nothing = Provenance::default();
         let mut broken = canopy();
         broken.triangles[0][1] = 4;
-        let error = write_canopy_vtp(&path, &broken, 0.0).unwrap_err();
+        let error = write_canopy_vtp(&path, &broken, stamp(&nothing)).unwrap_err();
         assert!(error.to_string().contains("node 4, but there are only 4"));
         let mut broken = canopy();
         broken.stress_pa.clear();
-        let error = write_canopy_vtp(&path, &broken, 0.0).unwrap_err();
+        let error = write_canopy_vtp(&path, &broken, stamp(&nothing)).unwrap_err();
         assert!(error.to_string().contains("0 stresses instead of 1"));
         let fluid = FluidFrame {
             finer: Vec::new(),
@@ -518,7 +549,7 @@ mod tests {
             velocity_m_s: Vec::new(),
             pressure_pa: Vec::new(),
         };
-        assert!(write_flow_vti(&path, &fluid, 0.0).is_err());
+        assert!(write_flow_vti(&path, &fluid, stamp(&nothing)).is_err());
         assert!(!path.exists());
     }
 }

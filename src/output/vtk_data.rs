@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::atomic::{OutputError, invalid_data, write_atomically};
+use super::provenance::Stamp;
 
 /// Bytes converted at a time.
 const CHUNK_BYTES: usize = 64 * 1024;
@@ -50,11 +51,9 @@ impl<'a> Appended<'a> {
         count: usize,
         tuples: impl Iterator<Item = [T; N]> + 'a,
     ) -> String {
-        let offset = self.next_offset;
         let bytes = (count * N * size_of::<T>()) as u64;
-        self.next_offset += BLOCK_HEAD_BYTES + bytes;
         let write = move |out: &mut dyn Write| write_tuples(out, count, tuples);
-        self.blocks.push((bytes, Box::new(write)));
+        let offset = self.add(bytes, Box::new(write));
         let vtk_type = T::VTK_TYPE;
         format!(
             "<DataArray type=\"{vtk_type}\" Name=\"{name}\" NumberOfComponents=\"{N}\" \
@@ -62,10 +61,34 @@ impl<'a> Appended<'a> {
         )
     }
 
-    /// The `FieldData` element that tells ParaView the simulated time in seconds.
-    pub(super) fn time(&mut self, time_s: f64) -> String {
-        let array = self.array("TimeValue", 1, std::iter::once([time_s]));
-        format!("<FieldData>\n{array}</FieldData>\n")
+    /// The `FieldData` element that tells the simulated time [s], which ParaView knows by its name, and where the file is from.
+    pub(super) fn field_data(&mut self, stamp: Stamp<'a>) -> String {
+        let mut fields = self.array("TimeValue", 1, std::iter::once([stamp.time_s]));
+        for (name, text) in stamp.provenance.fields() {
+            fields += &self.text(name, text);
+        }
+        format!("<FieldData>\n{fields}</FieldData>\n")
+    }
+
+    /// Adds a text, which ends with a byte 0, and returns its element.
+    fn text(&mut self, name: &str, text: &'a str) -> String {
+        let bytes = text.len() as u64 + 1;
+        let write = move |out: &mut dyn Write| {
+            out.write_all(text.as_bytes())?;
+            out.write_all(&[0])
+        };
+        let offset = self.add(bytes, Box::new(write));
+        format!(
+            "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"appended\" offset=\"{offset}\"/>\n"
+        )
+    }
+
+    /// Appends a block of so many bytes; returns where it begins.
+    fn add(&mut self, bytes: u64, write: WriteBlock<'a>) -> u64 {
+        let offset = self.next_offset;
+        self.next_offset += BLOCK_HEAD_BYTES + bytes;
+        self.blocks.push((bytes, write));
+        offset
     }
 }
 

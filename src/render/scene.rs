@@ -69,6 +69,8 @@ pub struct PictureOptions {
     pub mesh_edges: bool,
     /// A section through the scene, seen squarely, in place of the view in space.
     pub section: Option<Section>,
+    /// Whether the time stands in the corner; an equilibrium has none.
+    pub time: bool,
 }
 
 /// A plane y = const, with what it cuts.
@@ -99,6 +101,7 @@ impl Default for PictureOptions {
             slice_depth: SliceDepth::Behind,
             mesh_edges: true,
             section: None,
+            time: true,
         }
     }
 }
@@ -417,8 +420,11 @@ impl Layout {
         };
         let y = i64::from(header);
         let right = width - i64::from(self.strip);
-        let time = format!("t = {time_s:.4} s");
-        let mut labels = vec![label(&time, [right, y], TextAlign::Right, self.text, false)];
+        let mut labels = Vec::new();
+        if options.time {
+            let time = format!("t = {time_s:.4} s");
+            labels.push(label(&time, [right, y], TextAlign::Right, self.text, false));
+        }
         if let Some(title) = &options.title {
             labels.push(label(
                 title,

@@ -37,7 +37,7 @@ fn chart(runs: &[Finished], column: &ReadOut) -> Option<String> {
 }
 
 /// An SVG that fits the width that a page gives it: with a view box as large as it is drawn.
-fn scalable(svg: &str) -> String {
+pub(super) fn scalable(svg: &str) -> String {
     let Some((head, rest)) = svg.split_once('>') else {
         return svg.to_owned();
     };

@@ -1,10 +1,11 @@
-//! `report.html`: one self-contained page of a finished run, or of several side by side, from the files in their folders.
+//! `report.html`: one self-contained page of a finished run, of a sweep, or of several runs side by side, from the files in their folders.
 
 mod charts;
 mod folder;
 mod page;
 mod parts;
 mod side_by_side;
+mod sweep;
 
 use std::path::Path;
 
@@ -12,6 +13,7 @@ pub use folder::{Finished, FolderError, names};
 pub use side_by_side::{Difference, differences};
 
 use crate::output::{OutputError, write_atomically};
+use crate::sweep::{Chosen, Sweep};
 
 /// Name of a run's report in its folder.
 pub const FILE_NAME: &str = "report.html";
@@ -24,6 +26,18 @@ pub const FILE_NAME: &str = "report.html";
 pub fn write(run: &Finished) -> Result<(), OutputError> {
     let page = page::of_run(run);
     write_atomically(&run.folder.join(FILE_NAME), |out| {
+        out.write_all(page.as_bytes())
+    })
+}
+
+/// Writes the report of a sweep into its folder, from the folders of its runs.
+///
+/// # Errors
+///
+/// When the page cannot be written.
+pub fn write_sweep(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), OutputError> {
+    let page = sweep::page_of(folder, sweep, chosen);
+    write_atomically(&folder.join(FILE_NAME), |out| {
         out.write_all(page.as_bytes())
     })
 }

@@ -9,7 +9,7 @@ use super::parts;
 /// Pictures of each run on a page of several.
 const PICTURES_OF_EACH: usize = 2;
 
-fn page(title: &str, body: &Markup) -> String {
+pub(super) fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {

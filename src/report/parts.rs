@@ -19,12 +19,12 @@ pub(super) fn quantity(quantity: &Quantity) -> Markup {
     html! {
         (value)
         @if uncertainty != NOTHING { " " span.interval { (uncertainty) } }
-        @if let Some(unit) = unit { " " (unit) }
+        @if let Some(unit) = unit && value != NOTHING { " " (unit) }
     }
 }
 
 /// First phrase of a result's meaning.
-fn meaning(name: &str) -> &'static str {
+pub(super) fn meaning(name: &str) -> &'static str {
     declared_result(name).map_or("", |row| row.phrase())
 }
 
@@ -137,6 +137,9 @@ pub(super) fn validity(run: &Finished) -> Markup {
 /// Pictures of the run, inside the page.
 pub(super) fn pictures(run: &Finished, most: usize) -> Markup {
     let most = most.min(PICTURES);
+    if most == 0 {
+        return Markup::default();
+    }
     let step = run.pictures.len().div_ceil(most.max(1)).max(1);
     // The last one always; of too many every few.
     let last = run.pictures.len().saturating_sub(1);
@@ -183,9 +186,11 @@ pub(super) fn provenance(run: &Finished) -> Markup {
             }
             tr { td { "size" } td {
                 @if let Some([x, y, z]) = summary.cells { (x) " × " (y) " × " (z) " cells; " }
-                (summary.nodes) " nodes, " (summary.triangles) " triangles; " (summary.steps) " steps in " (format!("{:.1}", summary.wall_s)) " s; " (summary.precision)
+                (summary.nodes) " nodes, " (summary.triangles) " triangles; "
+                @if summary.steps > 0 { (summary.steps) " steps " }
+                "in " (format!("{:.1}", summary.wall_s)) " s; " (summary.precision)
             } }
-            tr { td { "stopped" } td { (summary.stop.reason) " (t = " (format!("{:.4}", summary.stop.when_s)) " s)" } }
+            tr { td { "stopped" } td { (summary.stop.reason) @if summary.steps > 0 { " (t = " (format!("{:.4}", summary.stop.when_s)) " s)" } } }
             tr { td { "folder" } td { (run.folder.display()) } }
         }
         @for note in &summary.notes { p.note { (note) } }

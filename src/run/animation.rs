@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 
+use super::names::frame;
 use crate::output::{OutputError, write_atomically};
 
 /// Width and height [px].
@@ -18,7 +19,7 @@ const FRAME_MS: u16 = 80;
 
 /// Name of a frame.
 pub(super) fn frame_name(number: usize) -> String {
-    format!("animation_{number:05}.png")
+    frame(&format!("animation_{number:05}.png"))
 }
 
 /// Joins those of the first `count` frames of a folder that are there and whole; returns how many are not. Nothing is written without any.
@@ -67,11 +68,13 @@ pub(super) fn remove_frames(folder: &Path, count: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::FRAMES_FOLDER;
 
     #[test]
     fn frames_become_one_animated_file_or_none() {
         let folder = tempfile::tempdir().unwrap();
         let [width, height] = SIZE_PX;
+        std::fs::create_dir(folder.path().join(FRAMES_FOLDER)).unwrap();
         for number in 0..3_u8 {
             let image = image::RgbImage::from_pixel(width, height, image::Rgb([number * 80, 9, 7]));
             image

@@ -111,23 +111,23 @@ impl Run<'_> {
         let (folder, scene) = (self.folder, &self.case.scene);
         let frame = self.simulation.structure_frame();
         undelivered.note(tables::write(
-            folder,
+            &self.files.folder,
             self.simulation.scene(),
             (&self.record, frame.structure.as_ref()),
             &summary,
         ));
         undelivered.note(trim::write(
-            folder,
+            &self.files.folder,
             &self.simulation,
             self.statics.trim.as_ref(),
         ));
         undelivered.note(load_test::write(
-            folder,
+            &self.files.folder,
             scene,
             self.statics.load_test.as_ref(),
         ));
         undelivered.note(panel_shaping::write(
-            folder,
+            &self.files.folder,
             scene,
             &self.simulation,
             &self.statics,
@@ -247,7 +247,7 @@ impl Run<'_> {
     fn last_good_state(&mut self) -> Result<(), RunError> {
         if let Some(structure) = &self.good.structure {
             let path = self.folder.join("canopy_last_good.vtp");
-            write_canopy_vtp(&path, structure, self.good.time_s)?;
+            write_canopy_vtp(&path, structure, self.files.folder.stamp(self.good.time_s))?;
         }
         self.notes.push(format!(
             "last good state, at t = {:.6} s, in canopy_last_good.vtp",

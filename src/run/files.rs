@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use super::run_folder::RunFolder;
 use super::verify::Lost;
 use super::written::{Written, bodies_name, canopy_name, flow_levels_name, flow_name};
 use super::{RunError, animation};
@@ -15,7 +16,8 @@ use crate::measure::Record;
 use crate::measure::shared::{DRAG_COEFFICIENT, LIFT_COEFFICIENT, PROJECTED_DIAMETER_RATIO};
 use crate::measure::wing_wind::VOLUME_RATIO;
 use crate::output::{
-    OutputError, Pvd, write_atomically, write_bodies_vtp, write_canopy_vtp, write_flow,
+    FRAMES_FOLDER, OutputError, Pvd, prepare_directory, write_atomically, write_bodies_vtp,
+    write_canopy_vtp, write_flow,
 };
 use crate::render::{self, PictureOptions, Section};
 use crate::simulation::Simulation;
@@ -80,7 +82,7 @@ impl Frames {
 
 /// Files of a run.
 pub(super) struct Files<'a> {
-    folder: &'a Path,
+    pub(super) folder: RunFolder<'a>,
     canopies: Option<Frames>,
     flows: Option<Frames>,
     bodies: Option<Frames>,
@@ -93,35 +95,40 @@ pub(super) struct Files<'a> {
 
 impl<'a> Files<'a> {
     pub(super) fn create(
-        folder: &'a Path,
+        folder: RunFolder<'a>,
         scene: &Scene,
         (written, lost): (&Written, &Lost),
     ) -> Result<Self, OutputError> {
+        // Every kind of frame has its files there.
+        prepare_directory(&folder.join(FRAMES_FOLDER))?;
         let frames = |name: &str, times_s: &[f64], file_name: fn(usize) -> String| {
             Frames::create(&folder.join(name), times_s, file_name, lost)
         };
+        let canopies = match scene.body {
+            Some(_) => Some(frames("canopy.pvd", &written.canopy_times_s, canopy_name)?),
+            None => None,
+        };
+        let flows = match &scene.air {
+            Some(air) => {
+                let name = if air.boxes.is_empty() {
+                    flow_name
+                } else {
+                    flow_levels_name
+                };
+                Some(frames("flow.pvd", &written.flow_times_s, name)?)
+            }
+            None => None,
+        };
+        let bodies = if scene.rigid_bodies.is_empty() {
+            None
+        } else {
+            Some(frames("bodies.pvd", &written.bodies_times_s, bodies_name)?)
+        };
         Ok(Self {
             folder,
-            canopies: match scene.body {
-                Some(_) => Some(frames("canopy.pvd", &written.canopy_times_s, canopy_name)?),
-                None => None,
-            },
-            flows: match &scene.air {
-                Some(air) => {
-                    let name = if air.boxes.is_empty() {
-                        flow_name
-                    } else {
-                        flow_levels_name
-                    };
-                    Some(frames("flow.pvd", &written.flow_times_s, name)?)
-                }
-                None => None,
-            },
-            bodies: if scene.rigid_bodies.is_empty() {
-                None
-            } else {
-                Some(frames("bodies.pvd", &written.bodies_times_s, bodies_name)?)
-            },
+            canopies,
+            flows,
+            bodies,
             timed_pictures: written.timed_pictures,
             last_picture: None,
             animation_frames: written.animation_frames,
@@ -148,7 +155,7 @@ impl<'a> Files<'a> {
         let written = simulation.scene().equilibrium.is_none() && frames.shows(frame.time_s);
         if let Some(structure) = frame.structure.as_ref().filter(|_| !written) {
             let path = self.folder.join(frames.next());
-            write_canopy_vtp(&path, structure, frame.time_s)?;
+            write_canopy_vtp(&path, structure, self.folder.stamp(frame.time_s))?;
             frames.add(frame.time_s)?;
         }
         Ok(())
@@ -161,7 +168,8 @@ impl<'a> Files<'a> {
         let frame = simulation.structure_frame();
         let written = frames.shows(frame.time_s);
         if let Some(bodies) = frame.bodies.as_ref().filter(|_| !written) {
-            write_bodies_vtp(&self.folder.join(frames.next()), bodies, frame.time_s)?;
+            let path = self.folder.join(frames.next());
+            write_bodies_vtp(&path, bodies, self.folder.stamp(frame.time_s))?;
             frames.add(frame.time_s)?;
         }
         Ok(())
@@ -176,7 +184,8 @@ impl<'a> Files<'a> {
         }
         let frame = simulation.frame(true)?;
         if let Some(fluid) = &frame.fluid {
-            write_flow(&self.folder.join(frames.next()), fluid, frame.time_s)?;
+            let path = self.folder.join(frames.next());
+            write_flow(&path, fluid, self.folder.stamp(frame.time_s))?;
             frames.add(frame.time_s)?;
         }
         Ok(())
@@ -240,12 +249,13 @@ impl<'a> Files<'a> {
         let options = PictureOptions {
             title: Some(scene.title.clone()),
             caption: Some(format!("load factor {load_factor}")),
+            time: scene.time.is_some(),
             fabric: scene.output.picture_fabric[0],
             ..PictureOptions::default()
         };
         if let Some(structure) = &frame.structure {
             let path = self.folder.join(super::tables::load_test::SHAPE);
-            write_canopy_vtp(&path, structure, frame.time_s)?;
+            write_canopy_vtp(&path, structure, self.folder.stamp(frame.time_s))?;
         }
         let path = self.folder.join(super::tables::load_test::PICTURE);
         self.draw_into(&path, &frame, &options)
@@ -279,6 +289,7 @@ impl<'a> Files<'a> {
     ) -> Result<(), RunError> {
         let image = render::rasterise(&render::picture_of(frame, options))?;
         let bytes = render::png_bytes(&image)?;
+        let bytes = self.folder.provenance().put_into_png(&bytes);
         write_atomically(path, |out| out.write_all(&bytes))?;
         Ok(())
     }
@@ -333,6 +344,7 @@ fn picture_options(simulation: &Simulation, record: &Record, frame: &Frame) -> P
     let mut options = PictureOptions {
         title: Some(scene.title.clone()),
         caption: Some(caption).filter(|c| !c.is_empty()),
+        time: scene.time.is_some(),
         ..PictureOptions::default()
     };
     if scene

@@ -21,6 +21,7 @@ mod phases;
 mod prepare;
 mod requests;
 mod rescue;
+mod run_folder;
 mod summary;
 mod tables;
 mod verdict;

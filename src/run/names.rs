@@ -7,6 +7,7 @@ use crate::checkpoint;
 use crate::frame::{FabricQuantity, FlowQuantity};
 use crate::ledger::{self, Ledger};
 use crate::measure::{CHARTS, SAMPLES_FILE};
+use crate::output::{FRAMES_FOLDER, files_of_run};
 use crate::report;
 
 /// The case as it is run, in its folder.
@@ -15,20 +16,41 @@ pub(super) const CASE_FILE: &str = "case_as_run.toml";
 /// Most boxes of finer cells whose files are known by their names.
 const LARGEST_BOX_NUMBER: usize = 64;
 
+/// Name of a frame in the run's folder.
+pub(super) fn frame(name: &str) -> String {
+    format!("{FRAMES_FOLDER}/{name}")
+}
+
+/// Name of a frame in the folder of frames; `None` of other files.
+pub(super) fn in_frames(name: &str) -> Option<&str> {
+    name.strip_prefix(FRAMES_FOLDER)?.strip_prefix('/')
+}
+
 /// True for names of results; ledger and checkpoints are not among them.
 pub(super) fn is_result(name: &str) -> bool {
-    let numbered = |prefix: &str, suffix: &str| {
-        name.strip_prefix(prefix)
-            .and_then(|rest| rest.strip_suffix(suffix))
-            .is_some_and(|digits| digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit()))
-    };
+    in_frames(name).map_or_else(|| is_beside_frames(name), is_frame)
+}
+
+fn is_numbered(name: &str, prefix: &str, suffix: &str) -> bool {
+    name.strip_prefix(prefix)
+        .and_then(|rest| rest.strip_suffix(suffix))
+        .is_some_and(|digits| digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// True for names of frames in their folder.
+fn is_frame(name: &str) -> bool {
+    let numbered = |prefix: &str, suffix: &str| is_numbered(name, prefix, suffix);
     numbered("canopy_", ".vtp")
         || numbered("bodies_", ".vtp")
         || numbered("flow_", ".vti")
         || numbered("flow_", ".vtm")
         || (1..=LARGEST_BOX_NUMBER).any(|k| numbered("flow_", &format!("_box_{k}.vti")))
-        || numbered("snapshot_", ".png")
         || numbered("animation_", ".png")
+}
+
+fn is_beside_frames(name: &str) -> bool {
+    let numbered = |prefix: &str, suffix: &str| is_numbered(name, prefix, suffix);
+    numbered("snapshot_", ".png")
         || FlowQuantity::ALL.iter().any(|quantity| {
             numbered("snapshot_", &format!("_{}.png", quantity.name()))
                 || numbered("snapshot_", &format!("_section_{}.png", quantity.name()))
@@ -79,14 +101,9 @@ fn is_of_checkpoints(name: &str) -> bool {
 
 /// Name of a result or a checkpoint in `folder`, if there is one.
 pub(super) fn first_in(folder: &Path) -> Option<String> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries
-        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()))
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .filter(|name| is_result(name) || is_of_checkpoints(name))
-        .collect();
-    names.sort();
-    names.into_iter().next()
+    let names = files_of_run(folder).into_iter();
+    let mut names = names.filter(|name| is_result(name) || is_of_checkpoints(name));
+    names.next()
 }
 
 /// Removes what an earlier run left in the folder: mixing two runs would mislead. Other files stay.
@@ -96,14 +113,10 @@ pub(super) fn remove_earlier(folder: &Path) {
     let listed = Ledger::read(folder).ok().flatten();
     let listed = listed.iter().flat_map(|ledger| &ledger.files);
     let listed: Vec<&str> = listed.map(|entry| entry.name.as_str()).collect();
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return;
-    };
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
+    for name in files_of_run(folder) {
         if is_result(&name) || name == SAMPLES_FILE || listed.contains(&name.as_str()) {
             // What cannot be removed will be overwritten or reported then.
-            let _ = std::fs::remove_file(entry.path());
+            let _ = std::fs::remove_file(folder.join(&name));
         }
     }
     let _ = std::fs::remove_file(folder.join(ledger::FILE_NAME));

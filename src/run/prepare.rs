@@ -6,6 +6,7 @@ use super::files::Files;
 use super::identity::{COMPUTED_BY, case_entry, computed_by, identity, reached};
 use super::missing::Missing;
 use super::phases::{Lattice, Stand};
+use super::run_folder::RunFolder;
 use super::verify::Lost;
 use super::written::Written;
 use super::{Observer, Order, Requests, Run, RunError, Start};
@@ -140,7 +141,8 @@ impl<'a> Run<'a> {
         for row in record.history_rows() {
             history.push(&row)?;
         }
-        let files = Files::create(folder, &case.scene, (&written, &lost))?;
+        let run_folder = RunFolder::new(folder, case);
+        let files = Files::create(run_folder, &case.scene, (&written, &lost))?;
         let entry = case_entry(case, checkpoint_interval);
         let sample_s = case.scene.output.sample_interval_s;
         let mut ledger = match earlier {

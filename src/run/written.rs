@@ -1,6 +1,7 @@
 //! Frames and pictures that a run has written so far.
 
 use super::animation;
+use super::names::{frame, in_frames};
 use crate::checkpoint::{CheckpointError, Reader};
 use crate::simulation::Simulation;
 
@@ -50,6 +51,7 @@ impl Written {
 
     /// True for any file of an instant of the air that has been written: one for every lattice, and what lists them.
     pub(super) fn has_flow(&self, name: &str) -> bool {
+        let name = in_frames(name).unwrap_or(name);
         let number = name.strip_prefix("flow_").and_then(|rest| rest.get(..5));
         number
             .and_then(|digits| digits.parse::<usize>().ok())
@@ -68,19 +70,19 @@ impl Written {
 }
 
 pub(super) fn canopy_name(index: usize) -> String {
-    format!("canopy_{index:05}.vtp")
+    frame(&format!("canopy_{index:05}.vtp"))
 }
 
 pub(super) fn bodies_name(index: usize) -> String {
-    format!("bodies_{index:05}.vtp")
+    frame(&format!("bodies_{index:05}.vtp"))
 }
 
 /// All the air, or its outermost lattice.
 pub(super) fn flow_name(index: usize) -> String {
-    format!("flow_{index:05}.vti")
+    frame(&format!("flow_{index:05}.vti"))
 }
 
 /// What lists a lattice with its boxes of finer cells.
 pub(super) fn flow_levels_name(index: usize) -> String {
-    format!("flow_{index:05}.vtm")
+    frame(&format!("flow_{index:05}.vtm"))
 }

@@ -140,7 +140,8 @@ impl Sweep {
     }
 
     /// The word that a run has for a key.
-    pub(super) fn value<'a>(&self, run: &'a Outcome, key: &str) -> &'a str {
+    #[must_use]
+    pub fn value<'a>(&self, run: &'a Outcome, key: &str) -> &'a str {
         run.values.get(key).map_or("", String::as_str)
     }
 

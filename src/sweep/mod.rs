@@ -9,5 +9,5 @@ mod vary;
 pub use contents::{Ladder, Outcome, Rung, Status, Sweep};
 pub use ladder::{RESOLVED_SHARE, ladders, mark_unresolved};
 pub use order::{Convergence, OnLattice, convergence};
-pub use report::{Chosen, markdown, write};
+pub use report::{Chosen, charts, markdown, write};
 pub use vary::{AS_WRITTEN, Point, SHIFT_KEY, Vary, points};

@@ -6,7 +6,8 @@ use super::contents::{Outcome, Status, Sweep, last};
 use super::ladder::{ladder_markdown, ladders, write_ladders};
 use crate::measure::shared::TIME;
 use crate::output::{
-    Chart, OutputError, Quantity, ReadOut, Series, value_and_uncertainty, write_atomically,
+    Chart, OutputError, Provenance, Quantity, ReadOut, Series, value_and_uncertainty,
+    write_atomically,
 };
 
 /// What is shown of a sweep.
@@ -92,14 +93,25 @@ pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), Output
     write_atomically(&folder.join("sweep.md"), |out| {
         out.write_all(text.as_bytes())
     })?;
-    for name in &chosen.results {
-        chart(sweep, name).write(&folder.join(format!("sweep_{name}")))?;
-    }
-    for column in &chosen.histories {
-        histories(folder, sweep, column)
-            .write(&folder.join(format!("sweep_history_{}", column.name)))?;
+    let provenance = Provenance {
+        program: format!("ripstop version {}", env!("CARGO_PKG_VERSION")),
+        ..Provenance::default()
+    };
+    for (name, chart) in charts(folder, sweep, chosen) {
+        chart.write(&folder.join(name), &provenance)?;
     }
     Ok(())
+}
+
+/// Charts of what is shown of a sweep in `folder`, with the names of their files: results over the first leading key, histories over time.
+#[must_use]
+pub fn charts(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Vec<(String, Chart)> {
+    let results = (chosen.results.iter()).map(|name| (format!("sweep_{name}"), chart(sweep, name)));
+    let histories = chosen.histories.iter().map(|column| {
+        let chart = histories(folder, sweep, column);
+        (format!("sweep_history_{}", column.name), chart)
+    });
+    results.chain(histories).collect()
 }
 
 fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {

@@ -3,15 +3,17 @@
 use toml::{Table, Value};
 
 use super::super::file::{CanopyDesign, CanopyStart, CanopyType, Quality};
-use super::super::near::did_you_mean;
 use super::super::problem::Problem;
 use super::super::values::{positive, within};
 use super::derived::{Keys, rounded};
 use super::handbook::{Published, SOURCE};
-use super::scales::{GRAVITY_M_S2, Scales};
+use super::materials;
+use super::scales::Scales;
 use super::shape;
-use crate::fabric::named::{CLOTHS, Cloth};
-use crate::lines::named::{CORDS, Cord, TAPES};
+use super::units::GRAVITY_M_S2;
+
+/// The table of the design.
+const TABLE: &str = "canopy";
 
 /// Cells per D_0, rings of triangles, half width of the mean drag's interval over it.
 const fn fineness(quality: Quality) -> (f64, usize, f64) {
@@ -55,12 +57,6 @@ const LOADING: f64 = 0.04;
 /// Stiffness of the apex guide over dynamic pressure and D_0.
 const GUIDE: f64 = 20.0;
 
-/// Least strength of lines over their share of the opening load.
-const SAFETY: f64 = 3.0;
-
-/// Number in [`CORDS`] of the usual line of canopies up to so many metres.
-const USUAL_CORDS: [(f64, usize); 2] = [(1.5, 0), (4.0, 1)];
-
 /// Drag coefficient of a round line across the wind.
 const LINE_DRAG: f64 = 1.1;
 
@@ -88,12 +84,10 @@ pub(super) fn derive(design: &CanopyDesign) -> Result<Keys, Problem> {
     keys.set("resolution.cells_per_diameter", cells, why);
     keys.set("resolution.lattice_speed", LATTICE_SPEED, "usual");
     keys.set("resolution.operator", "stabilised_regularised", "usual");
-    let cloth = named("fabric", design.fabric.as_deref(), &CLOTHS, |c| c.name)?
-        .copied()
-        .unwrap_or(CLOTHS[0]);
+    let cloth = materials::cloth(TABLE, design.fabric.as_deref())?;
     shape::derive(design, scales, rings, &mut keys)?;
     folding(design, scales, start, &mut keys);
-    fabric(&cloth, &mut keys);
+    materials::set_cloth(&cloth, &mut keys);
     lines(design, scales, &mut keys)?;
     let usual = "usual";
     keys.set("coupling.scheme", "links", usual);
@@ -220,30 +214,6 @@ fn folding(design: &CanopyDesign, scales: &Scales, start: CanopyStart, keys: &mu
     }
 }
 
-fn fabric(cloth: &Cloth, keys: &mut Keys) {
-    let areal = cloth.areal_density_kg_m2();
-    let of_cloth = cloth.source();
-    let stiffness = "E times thickness as of the fabric of \"Effect of Shear Modulus on the Inflation Deformation of Parachutes\", by weight";
-    keys.set("fabric.thickness_m", cloth.thickness_m(), "2 mm per kg/m²");
-    keys.set(
-        "fabric.density_kg_m3",
-        areal / cloth.thickness_m(),
-        of_cloth,
-    );
-    keys.set(
-        "fabric.youngs_modulus_pa",
-        cloth.youngs_modulus_pa(),
-        stiffness,
-    );
-    keys.set(
-        "fabric.poisson_ratio",
-        Cloth::POISSON_RATIO,
-        "the same fabric",
-    );
-    let law = Table::from_iter([("material".to_owned(), Value::from(cloth.specification))]);
-    keys.set("fabric.permeability", law, of_cloth);
-}
-
 fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), Problem> {
     let gores = shape::gores(design, scales);
     let count = shape::line_count(design, gores);
@@ -268,43 +238,17 @@ fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), 
         * published.mean_drag_coefficient()
         * scales.dynamic_pressure_pa(scales.speed_m_s.max(scales.final_speed_m_s))
         * scales.area_m2;
-    let needed_n = SAFETY * load_n / count.max(1) as f64;
-    let strongest = CORDS[CORDS.len() - 1];
-    let by_size = USUAL_CORDS
-        .iter()
-        .find(|(most, _)| scales.diameter_m <= *most);
-    let weakest = by_size.map_or(2, |(_, cord)| *cord);
-    let usual = (CORDS[weakest..].iter())
-        .find(|cord| cord.strength_n() >= needed_n)
-        .copied()
-        .unwrap_or(strongest);
-    let cord = named("lines", design.lines.as_deref(), &CORDS, |c| c.name)?;
-    let cord = *cord.unwrap_or(&usual);
-    let why = format!(
-        "{}, {:.0} N: {:.1} times its share of C_x C_D ½ ρ U² S_0 = {load_n:.0} N",
-        cord.name,
-        cord.strength_n(),
-        cord.strength_n() * count.max(1) as f64 / load_n
-    );
-    keys.set("lines.area_m2", cord.area_m2(), &why);
-    set_cord("lines", &cord, keys);
+    let (cord, why) = materials::line(
+        TABLE,
+        design.lines.as_deref(),
+        (scales.diameter_m, count, load_n),
+    )?;
+    materials::set_cord("lines", &cord, &why, keys);
     keys.set("lines.drag_coefficient", LINE_DRAG, "a round line");
     keys.set("lines.diameter_m", cord.diameter_m(), "half of it fibre");
-    let tape = named("tapes", design.tapes.as_deref(), &TAPES, |c| c.name)?;
-    let tape = *tape.unwrap_or(&TAPES[1]);
-    keys.set("belts.area_m2", tape.area_m2(), tape.name);
-    set_cord("belts", &tape, keys);
+    let tape = materials::tape(TABLE, design.tapes.as_deref())?;
+    materials::set_cord("belts", &tape, tape.name, keys);
     Ok(())
-}
-
-fn set_cord(table: &str, cord: &Cord, keys: &mut Keys) {
-    let of = |name: &str| format!("{table}.{name}");
-    keys.set(of("density_kg_m3"), Cord::DENSITY_KG_M3, "nylon");
-    keys.set(
-        of("youngs_modulus_pa"),
-        cord.youngs_modulus_pa(),
-        cord.source,
-    );
 }
 
 fn outputs(scales: &Scales, start: CanopyStart, keys: &mut Keys) {
@@ -341,30 +285,4 @@ fn comparisons(design: &CanopyDesign, scales: &Scales, start: CanopyStart, keys:
     }
     let diameter = band(published.projected_diameter_ratio);
     keys.set("comparison.projected_diameter_ratio", diameter, why);
-}
-
-/// What has the name that is written; `None` where none is.
-fn named<'a, T>(
-    key: &str,
-    written: Option<&str>,
-    all: &'a [T],
-    name: impl Fn(&T) -> &'static str,
-) -> Result<Option<&'a T>, Problem> {
-    let Some(written) = written else {
-        return Ok(None);
-    };
-    let found = all.iter().find(|one| name(one) == written);
-    found.map(Some).ok_or_else(|| {
-        let known: Vec<String> = all.iter().map(|one| format!("\"{}\"", name(one))).collect();
-        Problem::new(
-            format!("canopy.{key}"),
-            format!("canopy.{key} = \"{written}\" is not known"),
-            format!(
-                "{}known are {}; a [{}] table gives constants of another one",
-                did_you_mean(written, all.iter().map(&name)),
-                known.join(", "),
-                if key == "tapes" { "belts" } else { key }
-            ),
-        )
-    })
 }

@@ -2,6 +2,7 @@
 
 use toml::{Table, Value};
 
+use super::super::problem::Problem;
 use super::super::text::lookup;
 
 /// A key of the case that follows from its design.
@@ -83,6 +84,22 @@ pub(super) fn remove_absent(table: &mut Table, absent: &str) {
             remove_absent(inner, absent);
         }
     }
+}
+
+/// What is wrong with a key, with what it follows from where the case does not write it.
+pub(in crate::case) fn traced(problem: Problem, derived: &[Derived]) -> Problem {
+    let is_of = |one: &&Derived| {
+        let rest = problem.key.strip_prefix(&one.key);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    };
+    let Some(one) = derived.iter().find(is_of) else {
+        return problem;
+    };
+    let help = format!(
+        "{} follows from the design ({}): change that, or write {} itself; {}",
+        one.key, one.why, one.key, problem.help
+    );
+    Problem { help, ..problem }
 }
 
 /// A case as TOML, with the reason behind every key that follows from a design.

@@ -10,6 +10,8 @@ use super::bodies::Body;
 use super::canopy::Lines;
 use super::comparison::ComparisonTable;
 use super::design::CanopyDesign;
+use super::design_mesh::MeshDesign;
+use super::design_wing::WingDesign;
 use super::fabric::{CableMaterial, Contact, Fabric};
 use super::output::Output;
 use super::payload::Payload;
@@ -29,6 +31,10 @@ pub struct File {
     /// A canopy by its design, from which all other tables follow; absent: they are written. It stands here for the schema: where a case is read it
     /// has been replaced by what follows from it.
     pub canopy: Option<CanopyDesign>,
+    /// A paraglider by span, cells and class, from which all other tables follow; absent: they are written. It stands here for the schema.
+    pub wing: Option<WingDesign>,
+    /// A mesh in a stream, from which all other tables follow; absent: they are written. It stands here for the schema.
+    pub mesh: Option<MeshDesign>,
     /// The air; absent: none.
     pub air: Option<Air>,
     /// Lattice of the air; required with it.

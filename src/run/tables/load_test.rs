@@ -1,11 +1,10 @@
 //! Tables, charts and pictures of a load test.
 
-use std::path::Path;
-
 use crate::case::scene::Scene;
 use crate::case::wing::Wing;
 use crate::measure::{self, LineName, LoadReading};
 use crate::output::{Chart, OutputError, Series, write_table, write_text_table};
+use crate::run::run_folder::RunFolder;
 use crate::statics::LoadTest;
 
 /// Tables of a load test.
@@ -23,7 +22,7 @@ pub(in crate::run) const SHAPE: &str = "load_test.vtp";
 
 /// Writes tables and charts of a load test; nothing where there is none.
 pub(in crate::run) fn write(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     scene: &Scene,
     load_test: Option<&LoadTest>,
 ) -> Result<(), OutputError> {
@@ -45,7 +44,7 @@ pub(in crate::run) fn write(
 }
 
 fn steps_table(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     wing: &Wing,
     state: &LoadTest,
     readings: &[LoadReading],
@@ -104,7 +103,7 @@ fn steps_table(
 
 /// All lines with their loads at every step.
 fn lines_table(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     wing: &Wing,
     state: &LoadTest,
     names: &[LineName],
@@ -145,7 +144,7 @@ fn lines_table(
 }
 
 fn charts(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     title: &str,
     wing: &Wing,
     readings: &[LoadReading],
@@ -187,7 +186,7 @@ fn charts(
             categories: Vec::new(),
             series,
         }
-        .write(&folder.join(file))?;
+        .write(&folder.join(file), folder.provenance())?;
     }
     Ok(())
 }

@@ -4,9 +4,8 @@ pub(super) mod load_test;
 pub(super) mod panel_shaping;
 pub(super) mod trim;
 
-use std::path::Path;
-
 use super::RunError;
+use super::run_folder::RunFolder;
 use crate::case::Scene;
 use crate::frame::StructureFrame;
 use crate::measure::shared::TIME;
@@ -24,7 +23,7 @@ pub(super) const NAMES: [&str; 5] = [
 
 /// Writes those that the scene has.
 pub(super) fn write(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     scene: &Scene,
     (record, structure): (&Record, Option<&StructureFrame>),
     summary: &Summary,
@@ -43,7 +42,7 @@ pub(super) fn write(
         wing_tables(folder, scene, record, structure)?;
     }
     if !summary.comparison.is_empty() {
-        write_comparison(folder, &summary.comparison)?;
+        write_comparison(folder.path(), &summary.comparison)?;
     }
     Ok(())
 }
@@ -57,7 +56,7 @@ pub(super) const WING_CHARTS: [&str; 3] = [
 
 /// The lower side along the span, and what every cell did.
 fn wing_tables(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     scene: &Scene,
     record: &Record,
     structure: &StructureFrame,
@@ -87,7 +86,7 @@ fn wing_tables(
         categories: Vec::new(),
         series: vec![curve("as designed", 1, 2), curve("at the end", 3, 4)],
     }
-    .write(&folder.join(line))?;
+    .write(&folder.join(line), folder.provenance())?;
     for (chart, columns) in [pressure, volume]
         .into_iter()
         .zip(measure::cell_columns(scene))
@@ -96,7 +95,8 @@ fn wing_tables(
         let series =
             series.map(|(cell, column)| series_of(record, column, format!("cell {}", cell + 1)));
         let label = columns.first().map_or_else(String::new, ReadOut::label);
-        over_time(scene, label, series.collect()).write(&folder.join(chart))?;
+        over_time(scene, label, series.collect())
+            .write(&folder.join(chart), folder.provenance())?;
     }
     Ok(())
 }
@@ -123,12 +123,12 @@ fn over_time(scene: &Scene, label: String, series: Vec<Series>) -> Chart {
     }
 }
 
-fn charts(folder: &Path, scene: &Scene, record: &Record) -> Result<(), RunError> {
+fn charts(folder: &RunFolder<'_>, scene: &Scene, record: &Record) -> Result<(), RunError> {
     for name in CHARTS.map(|column| &*column.name) {
         if let Some(column) = record.named(name) {
             let series = vec![series_of(record, column, String::new())];
             let chart = over_time(scene, column.label(), series);
-            chart.write(&folder.join(format!("history_{name}")))?;
+            chart.write(&folder.join(format!("history_{name}")), folder.provenance())?;
         }
     }
     Ok(())

@@ -1,8 +1,5 @@
 //! Tables and charts of a panel shaping, and panels laid flat.
 
-use std::fmt::Write;
-use std::path::Path;
-
 use crate::case::scene::Scene;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
@@ -11,8 +8,10 @@ use crate::geometry::wing::section::lookup;
 use crate::output::{
     Chart, OutputError, PatternPiece, Series, write_atomically, write_patterns, write_table,
 };
+use crate::run::run_folder::RunFolder;
 use crate::simulation::Simulation;
 use crate::statics::{ShapingStep, Statics};
+use std::fmt::Write;
 
 /// Tables of a panel shaping, and the keys of the plan that it found.
 pub(in crate::run) const TABLES: [&str; 3] = [
@@ -29,7 +28,7 @@ pub(in crate::run) const PATTERNS: &str = "panels.svg";
 
 /// Writes tables and charts of a panel shaping, and the panels where they are asked for; nothing where there is none.
 pub(in crate::run) fn write(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     scene: &Scene,
     simulation: &Simulation,
     statics: &Statics,
@@ -57,7 +56,7 @@ pub(in crate::run) fn write(
     Ok(())
 }
 
-fn iterations(folder: &Path, steps: &[ShapingStep]) -> Result<(), OutputError> {
+fn iterations(folder: &RunFolder<'_>, steps: &[ShapingStep]) -> Result<(), OutputError> {
     let columns = [
         "changes",
         "error_max",
@@ -73,7 +72,7 @@ fn iterations(folder: &Path, steps: &[ShapingStep]) -> Result<(), OutputError> {
 }
 
 fn distribution(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     title: &str,
     target: Option<&Ballooning>,
     [first, last]: [&ShapingStep; 2],
@@ -130,7 +129,7 @@ fn distribution(
                 series("flown after", points(&|x| flown(last, x)), true),
             ],
         }
-        .write(&folder.join(CHARTS[side]))?;
+        .write(&folder.join(CHARTS[side]), folder.provenance())?;
     }
     let columns = [
         "side",
@@ -147,7 +146,7 @@ fn distribution(
 }
 
 /// The keys of the plan that give these panels.
-fn write_plan(folder: &Path, last: &ShapingStep) -> Result<(), OutputError> {
+fn write_plan(folder: &RunFolder<'_>, last: &ShapingStep) -> Result<(), OutputError> {
     let mut text = "# Panels cut so that they fly as designed: to be put into the case.\n[structure.wing.ballooning]\n".to_owned();
     for (name, table) in ["upper", "lower"].into_iter().zip(&last.cut) {
         let points: Vec<String> = table

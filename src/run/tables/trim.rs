@@ -1,9 +1,8 @@
 //! Tables and charts of a trim.
 
-use std::path::Path;
-
 use crate::measure;
 use crate::output::{Chart, OutputError, Series, write_table};
+use crate::run::run_folder::RunFolder;
 use crate::simulation::Simulation;
 use crate::statics::Trim;
 
@@ -17,7 +16,7 @@ pub(in crate::run) const CHARTS: [&str; 4] =
 
 /// Writes tables and charts of a trim; nothing where there is none.
 pub(in crate::run) fn write(
-    folder: &Path,
+    folder: &RunFolder<'_>,
     simulation: &Simulation,
     trim: Option<&Trim>,
 ) -> Result<(), OutputError> {
@@ -112,7 +111,7 @@ pub(in crate::run) fn write(
             over_span("lift coefficient times chord", &|s| s.lift * s.chord_m),
         ],
     }
-    .write(&folder.join(CHARTS[0]))?;
+    .write(&folder.join(CHARTS[0]), folder.provenance())?;
     pressure(folder, title, flight)?;
     if let (Some(wing), Some(structure)) = (
         simulation.scene().wing(),
@@ -136,14 +135,18 @@ pub(in crate::run) fn write(
             categories: names,
             series: vec![series],
         }
-        .write(&folder.join(CHARTS[2]))?;
+        .write(&folder.join(CHARTS[2]), folder.provenance())?;
         cells(folder, title, simulation)?;
     }
     Ok(())
 }
 
 /// Sections of the pressure outside at the middle, half way and near the tip.
-fn pressure(folder: &Path, title: &str, flight: &crate::trim::Flight) -> Result<(), OutputError> {
+fn pressure(
+    folder: &RunFolder<'_>,
+    title: &str,
+    flight: &crate::trim::Flight,
+) -> Result<(), OutputError> {
     let outer = &flight.outer;
     let row = outer.around.len();
     let mut rows = Vec::new();
@@ -191,12 +194,12 @@ fn pressure(folder: &Path, title: &str, flight: &crate::trim::Flight) -> Result<
         categories: Vec::new(),
         series: series.collect(),
     }
-    .write(&folder.join(CHARTS[1]))?;
+    .write(&folder.join(CHARTS[1]), folder.provenance())?;
     Ok(())
 }
 
 /// Widths of the cells, flown and designed.
-fn cells(folder: &Path, title: &str, simulation: &Simulation) -> Result<(), OutputError> {
+fn cells(folder: &RunFolder<'_>, title: &str, simulation: &Simulation) -> Result<(), OutputError> {
     let (Some(wing), Some(body), Some(cloth)) = (
         simulation.scene().wing(),
         &simulation.scene().body,
@@ -227,6 +230,6 @@ fn cells(folder: &Path, title: &str, simulation: &Simulation) -> Result<(), Outp
         categories: Vec::new(),
         series: series.into(),
     }
-    .write(&folder.join(CHARTS[3]))?;
+    .write(&folder.join(CHARTS[3]), folder.provenance())?;
     Ok(())
 }

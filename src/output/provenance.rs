@@ -1,0 +1,101 @@
+//! What a file says of where it is from: program, case, and what was changed in it.
+
+/// First bytes of a PNG file: its mark and the chunk of its size, which comes first.
+const PNG_HEAD_BYTES: usize = 33;
+
+/// Where a frame or a picture is from. Frames carry it as field data of these names, PNG files as texts.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Provenance {
+    /// Program and version.
+    pub program: String,
+    /// Name of the case file, its variant, and what the command line changed of the physics.
+    pub source: String,
+    /// The physics of the case as it is run, as TOML.
+    pub case: String,
+}
+
+/// An instant of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Stamp<'a> {
+    /// Simulated time [s].
+    pub time_s: f64,
+    /// Where it is from.
+    pub provenance: &'a Provenance,
+}
+
+impl Provenance {
+    /// Names and texts as field data; those without a text are left out.
+    pub(super) fn fields(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.named(["program", "source", "case"])
+    }
+
+    /// A PNG file with the texts `Software`, `Source` and `Comment`; what is no PNG file stays as it is.
+    #[must_use]
+    pub fn put_into_png(&self, png: &[u8]) -> Vec<u8> {
+        let Some((head, rest)) = png.split_at_checked(PNG_HEAD_BYTES) else {
+            return png.to_vec();
+        };
+        let texts = self.named(["Software", "Source", "Comment"]);
+        let chunks = texts.flat_map(|(keyword, text)| international_text(keyword, text));
+        head.iter()
+            .copied()
+            .chain(chunks)
+            .chain(rest.iter().copied())
+            .collect()
+    }
+
+    fn named(&self, names: [&'static str; 3]) -> impl Iterator<Item = (&'static str, &str)> {
+        let texts = [&self.program, &self.source, &self.case].map(String::as_str);
+        (names.into_iter().zip(texts)).filter(|(_, text)| !text.is_empty())
+    }
+}
+
+/// A chunk `iTXt` of a PNG file (PNG 1.2, section 4.2.3.3), not compressed, without a language.
+fn international_text(keyword: &str, text: &str) -> Vec<u8> {
+    let mut chunk = b"iTXt".to_vec();
+    chunk.extend_from_slice(keyword.as_bytes());
+    chunk.extend_from_slice(&[0; 5]);
+    chunk.extend_from_slice(text.as_bytes());
+    let length = (chunk.len() - 4) as u32;
+    let checksum = crc32fast::hash(&chunk);
+    let mut bytes = length.to_be_bytes().to_vec();
+    bytes.extend_from_slice(&chunk);
+    bytes.extend_from_slice(&checksum.to_be_bytes());
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+
+    #[test]
+    fn another_program_reads_the_texts_of_a_picture() {
+        let image = image::RgbImage::from_pixel(5, 3, image::Rgb([1, 2, 3]));
+        let mut plain = Cursor::new(Vec::new());
+        image.write_to(&mut plain, image::ImageFormat::Png).unwrap();
+        let provenance = Provenance {
+            program: "ripstop 1".to_owned(),
+            source: "case.toml, --set fabric.name=Ü".to_owned(),
+            case: "[air]\nspeed = 1.0\n".to_owned(),
+        };
+        let bytes = provenance.put_into_png(plain.get_ref());
+        let again = image::load_from_memory(&bytes).unwrap().to_rgb8();
+        assert_eq!(again, image);
+        let reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+        let texts = &reader.info().utf8_text;
+        let texts = texts
+            .iter()
+            .map(|t| (&t.keyword[..], t.get_text().unwrap()));
+        let expected = [
+            ("Software", &provenance.program),
+            ("Source", &provenance.source),
+            ("Comment", &provenance.case),
+        ];
+        assert!(texts.eq(expected.map(|(name, text)| (name, text.clone()))));
+        let nothing = Provenance::default();
+        assert_eq!(&nothing.put_into_png(plain.get_ref()), plain.get_ref());
+        assert_eq!(provenance.put_into_png(b"short"), b"short");
+    }
+}
