@@ -295,7 +295,7 @@ fn flown() {
         "{}",
         output.printed
     );
-    let refused = ripstop(&["new", "--wing", "--span=-3"]);
+    let refused = ripstop(&["new", "--wing", "--span", "-3"]);
     assert_eq!(refused.code, 2);
     assert!(refused.errors.contains("wing.span_m"), "{}", refused.errors);
 }

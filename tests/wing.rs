@@ -67,6 +67,7 @@ fn plan(stations: Vec<Station>, cells: usize) -> Plan {
         stations,
         cells,
         tip_cell_width_ratio: 1.0,
+        rib_places_m: None,
         ballooning: [Vec::new(), Vec::new()],
         intakes: None,
         holes: Vec::new(),

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
+
 use super::design::{self, Derived, Designed};
 use super::error::CaseError;
 use super::file::{File, Structure};
@@ -159,10 +161,17 @@ fn checked<T>(
     check: impl FnOnce(&File) -> Result<T, Problem>,
 ) -> Result<(Applied, T), Box<CaseError>> {
     let mut table: toml::Table = toml::from_str(source).map_err(|error| {
+        let at = error.span().map_or(0, |span| span.start);
+        let comma = source.get(..at).is_some_and(|before| before.ends_with(','))
+            || source.get(at..).is_some_and(|rest| rest.starts_with(','));
         let problem = Problem::new(
             "",
             format!("{name} is not valid TOML: {}", error.message()),
-            "correct the marked place",
+            if comma {
+                "correct the marked place; numbers have a decimal point: 6.5, not 6,5"
+            } else {
+                "correct the marked place"
+            },
         );
         CaseError::located(name, source, error.span(), "here", problem)
     })?;
@@ -254,17 +263,18 @@ fn checked<T>(
         in_file(first).with_others(others.collect())
     };
     let mut derived = Vec::new();
-    if let Some(written) = design::take(&mut table).map_err(in_file)? {
-        let designed: Designed = serde_path_to_error::deserialize(written.clone())
-            .map_err(|error| in_file(misread(&error, &written)))?;
-        let expanded = all_told(|| design::expand(&designed, &written, &mut table, folder));
+    let written = design::take(&mut table).map_err(in_file)?;
+    if let Some(written) = &written {
+        let designed: Designed = read_all(written).map_err(several)?;
+        let expanded = all_told(|| design::expand(&designed, written, &mut table, folder));
         derived = expanded.map_err(several)?;
     }
     let text = toml::to_string(&table).unwrap_or_default();
     let physics = toml::to_string(&identity::physics(&table)).unwrap_or_default();
-    let file = read_file(&table).map_err(several)?;
+    let file: File = read_all(&table).map_err(several)?;
     let result = all_told(|| check(&file)).map_err(|(first, others)| {
-        let traced = |problem: Problem| design::traced(problem, &derived);
+        let written = written.unwrap_or_default();
+        let traced = |problem: Problem| design::traced(problem, &derived, &written);
         several((traced(first), others.into_iter().map(traced).collect()))
     })?;
     let applied = Applied {
@@ -299,7 +309,7 @@ const SLIPS: usize = 10;
 
 /// Reads what is written. Slips in keys and values are told together: each is taken out, or for what was meant, so that what stands behind it is
 /// read, too.
-fn read_file(table: &toml::Table) -> Result<File, (Problem, Vec<Problem>)> {
+fn read_all<T: DeserializeOwned>(table: &toml::Table) -> Result<T, (Problem, Vec<Problem>)> {
     let mut rest = table.clone();
     let mut others: Vec<Problem> = Vec::new();
     let mut error = match serde_path_to_error::deserialize(rest.clone()) {
@@ -314,7 +324,7 @@ fn read_file(table: &toml::Table) -> Result<File, (Problem, Vec<Problem>)> {
         if !mend(&mut rest, &last, key) {
             break;
         }
-        match serde_path_to_error::deserialize::<_, File>(rest.clone()) {
+        match serde_path_to_error::deserialize::<_, T>(rest.clone()) {
             Ok(_) => break,
             Err(next) => error = next,
         }
@@ -394,7 +404,7 @@ fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Ta
     let help = if unknown.is_some() {
         CORRECT
     } else {
-        "`ripstop explain KEY` tells what a key means, docs/case-files.md lists all; `ripstop new flat-circular-tunnel` prints a complete case"
+        "`ripstop explain KEY` tells what a key means, docs/case-files.md lists all; `ripstop new` lists complete cases"
     };
     Problem::new(key, message, format!("{meant}{help}"))
 }

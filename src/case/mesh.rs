@@ -19,6 +19,7 @@ use crate::cloth::elements::EDGES;
 use crate::geometry::fabric_surface;
 use crate::geometry::mesh::doctor::Welded;
 use crate::geometry::mesh::obj::{self, Faces};
+use crate::geometry::mesh::openings::openings;
 use crate::geometry::mesh::quality::Quality;
 use crate::geometry::mesh::{quality, surface};
 use crate::rigid::Surface;
@@ -116,6 +117,9 @@ pub(super) fn examine(
         rotation,
     );
     let welded = prepared.welded;
+    if written.nominal_area_m2.is_some() {
+        structure.openings = openings(&welded.surface, &examined.examination.borders);
+    }
     Ok(Read {
         joined: (welded.joined + welded.collapsed > 0).then_some(Joined {
             node_count: welded.surface.positions_m.len() as u32,

@@ -23,6 +23,7 @@ mod identity;
 mod inlet;
 mod lattice_speed;
 mod lep_sim;
+pub mod leparagliding;
 mod load;
 pub mod locate;
 mod mesh;

@@ -26,6 +26,13 @@ pub(super) struct Written<'a> {
 
 pub(super) const NEEDS_LINES: &str = "a canopy hangs on suspension lines";
 
+/// Breaking load of a line \[N\], if it is told.
+pub(super) fn breaking_load_n(file: &File) -> Result<Option<f64>, Problem> {
+    let written = file.lines.as_ref().and_then(|lines| lines.breaking_load_n);
+    let checked = written.map(|load| positive("lines.breaking_load_n", load));
+    checked.transpose()
+}
+
 /// Lines along each end of a cruciform canopy.
 pub(super) fn lines_per_end(lines: &file::Lines) -> Result<usize, Problem> {
     if lines.count >= 8 && lines.count.is_multiple_of(4) && lines.count <= 400 {

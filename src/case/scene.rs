@@ -27,8 +27,8 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
-    air, bodies, comparison, coupling, descent, equilibrium, output, refinement, shift, solver,
-    steady, structure, supports, time, unused, usual, usual_box,
+    air, bodies, comparison, coupling, descent, equilibrium, output, refinement, rigging, shift,
+    solver, steady, structure, supports, time, unused, usual, usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
@@ -56,6 +56,8 @@ pub struct Scene {
     pub descent: Option<Descent>,
     /// What a canopy in a wind tunnel would carry.
     pub carried: Option<CarriedMass>,
+    /// Breaking load of a suspension line of a canopy that is drawn in the case [N].
+    pub line_breaking_load_n: Option<f64>,
     /// Solver of the fabric.
     pub solver: Solver,
     /// Simulated time; absent: equilibrium only.
@@ -182,6 +184,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         gravity_m_s2,
         descent,
         carried,
+        line_breaking_load_n: rigging::breaking_load_n(file)?,
         solver,
         time,
         equilibrium,

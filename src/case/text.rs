@@ -62,6 +62,15 @@ pub(super) fn apply_override(
         .pop()
         .filter(|part| !part.is_empty())
         .ok_or_else(|| refuse("there is no key"))?;
+    if parts
+        .iter()
+        .chain([&last])
+        .any(|part| part.parse::<usize>().is_ok())
+    {
+        return Err(refuse(
+            "lists are written whole: give all of their values in [ ]",
+        ));
+    }
     let mut target = table;
     for part in parts {
         let entry = target

@@ -418,8 +418,10 @@ fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Resul
         help: "the left half is its mirror image".to_owned(),
         ..problem
     })?;
+    let rib_places_m = check_rib_places(table, &stations)?;
     Ok(Plan {
         profiles,
+        rib_places_m,
         stations,
         cells: table.cells,
         tip_cell_width_ratio: within(
@@ -444,6 +446,45 @@ fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Resul
             .transpose()?,
         fabrics,
     })
+}
+
+/// Places of the ribs, which end where the stations do.
+fn check_rib_places(table: &file::Wing, stations: &[Station]) -> Result<Option<Vec<f64>>, Problem> {
+    let Some(places) = &table.rib_places_m else {
+        return Ok(None);
+    };
+    let key = key("rib_places_m");
+    let refuse = |why: String, what: &str| Err(Problem::new(key.as_str(), why, what));
+    if table.tip_cell_width_ratio.is_some() {
+        return refuse(
+            format!("{key} and structure.wing.tip_cell_width_ratio both say where ribs stand"),
+            "keep one of the two",
+        );
+    }
+    let is_even = table.cells.is_multiple_of(2);
+    let count = table.cells / 2 + 1;
+    let grows = places.windows(2).all(|pair| pair[1] > pair[0]);
+    let begins = places
+        .first()
+        .is_some_and(|first| if is_even { *first == 0.0 } else { *first > 0.0 });
+    if places.len() != count || !grows || !begins {
+        return refuse(
+            format!(
+                "{key} are not the {count} places of ribs of {} cells",
+                table.cells
+            ),
+            "list them outwards, from 0 for an even number of cells, from half the width of the middle cell for an odd one",
+        );
+    }
+    let span_m = stations.last().map_or(0.0, |station| station.span_m);
+    let tip_m = places[count - 1];
+    if (tip_m / span_m - 1.0).abs() > 1e-6 {
+        return refuse(
+            format!("{key} end at {tip_m} m, and the stations at {span_m} m"),
+            "let the last rib stand at the last station",
+        );
+    }
+    Ok(Some(places.clone()))
 }
 
 fn check_fabrics(written: &file::WingFabrics) -> Result<PartFabrics, Problem> {

@@ -88,7 +88,9 @@ pub(super) fn check_row(
     let key = |name: &str| format!("{row_key}.{name}");
     let last = table.cells / 2 + table.cells % 2;
     let grows = written.ribs.windows(2).all(|p| p[1] > p[0]);
-    let inside = written.ribs.iter().all(|rib| (1..=last).contains(rib));
+    // A rib in the middle belongs to both halves.
+    let first = table.cells % 2;
+    let inside = written.ribs.iter().all(|rib| (first..=last).contains(rib));
     if written.ribs.is_empty() || !grows || !inside {
         return Err(Problem::new(
             key("ribs"),
@@ -97,7 +99,9 @@ pub(super) fn check_row(
                 key("ribs"),
                 written.ribs
             ),
-            format!("count ribs from the middle and list them outwards, 1 to {last} (the tip)"),
+            format!(
+                "count ribs from the middle and list them outwards, {first} to {last} (the tip)"
+            ),
         ));
     }
     let position = within(&key("position"), written.position, 0.01, 1.0)?;

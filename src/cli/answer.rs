@@ -35,10 +35,25 @@ pub(super) fn answer_text(report: &Report, out: &Path) -> String {
         lines.push(format!("picture: {}", picture.display()));
     }
     let others = summary.results.iter().count() - names.len();
+    let page = if report.interrupted {
+        let folder = out.display();
+        format!("folder: {folder}; `ripstop report {folder}` makes a page of it")
+    } else {
+        format!("report: {}", out.join(crate::report::FILE_NAME).display())
+    };
     lines.push(format!(
-        "report: {}; --all prints {others} more results, their notes, what the set-up supports and what was solved",
-        out.join(crate::report::FILE_NAME).display()
+        "{page}; --all prints {others} more results, their notes, what the set-up supports and what was solved"
     ));
+    lines.join("\n") + "\n"
+}
+
+/// What a run prints that broke down: its results up to then.
+pub(super) fn broken_down_text(summary: &Summary) -> String {
+    let names = headline(summary.results.iter().map(|(name, _)| name));
+    let title = format!("{}: until it broke down", summary.case.title);
+    let mut lines = vec![title];
+    lines.extend(headline_lines(summary, &names));
+    lines.push(trust(summary, &names));
     lines.join("\n") + "\n"
 }
 
@@ -50,11 +65,18 @@ fn headline_lines(summary: &Summary, names: &[&str]) -> Vec<String> {
         .map(|(name, quantity)| {
             let declared = declared_result(name);
             let phrase = declared.map_or("", |row| row.phrase());
-            let mut meaning = if quantity.unresolved.is_some() {
-                format!("{phrase} ({UNRESOLVED})")
-            } else {
-                phrase.to_owned()
-            };
+            let mut meaning = phrase.to_owned();
+            let is_mean = quantity
+                .note
+                .as_deref()
+                .is_some_and(|n| n.starts_with("mean"));
+            if is_mean && phrase.contains("largest") {
+                // Of the largest at every instant.
+                meaning += ", mean over time";
+            }
+            if quantity.unresolved.is_some() {
+                meaning += &format!(" ({UNRESOLVED})");
+            }
             if let Some(reference) = reference_text(quantity) {
                 meaning += &format!("; reference {reference}");
             }
@@ -110,12 +132,20 @@ fn trust(summary: &Summary, names: &[&str]) -> String {
             reasons.join("; ")
         )
     };
+    let others = summary
+        .results
+        .iter()
+        .filter(|(name, quantity)| quantity.unresolved.is_some() && !names.contains(name));
+    let others = others.count();
+    if unresolved.is_empty() && others > 0 {
+        text += &format!("; {others} other results are not resolved (--all says why)");
+    }
     let missed: Vec<String> = (summary.account.iter())
         .filter(|row| row.reached == Some(false))
         .map(crate::output::AccountRow::line)
         .collect();
     if !missed.is_empty() {
-        text += &format!("; missed: {}", missed.join("; "));
+        text += &format!("; but not all was met: {}", missed.join("; "));
     }
     let expected: Vec<String> = summary
         .expected_errors

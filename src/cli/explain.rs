@@ -30,6 +30,14 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<u8, Failure> {
     let mut text = String::new();
     for key in keys.iter().filter(|key| is_named(&key.path, word)) {
         text += &key_text(key);
+        let inner = keys.iter().filter_map(|other| {
+            let rest = other.path.strip_prefix(&key.path)?.strip_prefix('.')?;
+            (!rest.contains('.')).then_some(rest)
+        });
+        let inner: Vec<&str> = inner.collect();
+        if !inner.is_empty() {
+            text += &format!("  its keys: {}\n", inner.join(", "));
+        }
     }
     for (kind, groups) in ["column of history.csv", "result"]
         .iter()
@@ -43,6 +51,12 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<u8, Failure> {
                 text += &read_out_text(kind, group.title(), row);
             }
         }
+    }
+    // A result that is made of a column has another name than that.
+    if text.is_empty()
+        && let Some(row) = measure::declared_result(word)
+    {
+        text += &read_out_text("result", "made of a column", &row);
     }
     if text.is_empty() {
         let columns = read_out_tables().into_iter().flatten();
@@ -64,12 +78,12 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// True if a path, or its end, is the word.
+/// True if a path, or its end, is the word; `NAME` in it stands for any name.
 fn is_named(path: &str, word: &str) -> bool {
-    path == word
-        || path
-            .strip_suffix(word)
-            .is_some_and(|before| before.ends_with('.'))
+    let (parts, words) = (path.split('.').rev(), word.split('.').rev());
+    let count = words.clone().count();
+    let same = |(part, word): (&str, &str)| part == word || (part == "NAME" && count > 1);
+    parts.clone().count() >= count && parts.zip(words).all(same)
 }
 
 fn key_text(key: &KeyMeaning) -> String {

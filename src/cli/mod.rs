@@ -9,6 +9,7 @@ mod engine;
 pub mod exit;
 mod explain;
 mod failure;
+mod import;
 mod log;
 mod new;
 mod pages;
@@ -62,6 +63,8 @@ enum Command {
     Explain(explain::ExplainArguments),
     /// Print a shipped case to start from; without a name, list them.
     New(new::NewArguments),
+    /// Bring in a wing of another program: LEparagliding's `leparagliding.txt`.
+    Import(import::ImportArguments),
     /// Print completions for a shell.
     Completions(pages::CompletionsArguments),
     /// Print the manual page.
@@ -108,6 +111,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Results(arguments) => explain::results(arguments),
         Command::Explain(arguments) => explain::explain(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Import(arguments) => import::import(arguments),
         Command::Completions(arguments) => pages::completions(arguments, Cli::command()),
         Command::Man => pages::man(&Cli::command()),
         Command::Schema(arguments) => schema::schema(arguments),

@@ -23,11 +23,22 @@ pub(super) struct NewArguments {
     wing: bool,
 
     /// Flat span of the wing [m].
-    #[arg(long, value_name = "M", requires = "wing", conflicts_with = "area")]
+    #[arg(
+        long,
+        value_name = "M",
+        requires = "wing",
+        conflicts_with = "area",
+        allow_negative_numbers = true
+    )]
     span: Option<f64>,
 
     /// Flat area of the wing [m²].
-    #[arg(long, value_name = "M2", requires = "wing")]
+    #[arg(
+        long,
+        value_name = "M2",
+        requires = "wing",
+        allow_negative_numbers = true
+    )]
     area: Option<f64>,
 
     /// Cells of the wing; by its class if left out.
@@ -39,7 +50,12 @@ pub(super) struct NewArguments {
     class: ClassArgument,
 
     /// Pilot, harness and all else that hangs on the risers [kg]; by the area if left out.
-    #[arg(long, value_name = "KG", requires = "wing")]
+    #[arg(
+        long,
+        value_name = "KG",
+        requires = "wing",
+        allow_negative_numbers = true
+    )]
     pilot: Option<f64>,
 
     /// Folder to write NAME.toml, the files that it names and the JSON schema for editors into, instead of printing the case.

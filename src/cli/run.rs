@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::answer::answer_text;
+use super::answer::{answer_text, broken_down_text};
 use super::case_arguments::{CaseArguments, Prepared};
 use super::exit;
 use super::failure::Failure;
@@ -14,6 +14,7 @@ use super::profile;
 use super::progress::Progress;
 use super::signals::requests;
 use crate::output::{AccountRow, ExpectedError, ValidityRow, comparison_text};
+use crate::report::Finished;
 use crate::run::{self, Order, Report, RunError, Start};
 
 #[derive(Debug, Args)]
@@ -162,6 +163,10 @@ fn begin(arguments: &RunArguments, start: Start<'_>) -> Result<u8, Failure> {
         Err(error) => {
             let code = exit_code(&error);
             let kept = if code == exit::DIVERGED {
+                // An opening that breaks down after its peak has told its loads.
+                if let Ok(run) = Finished::read(&arguments.out) {
+                    emit(&broken_down_text(&run.summary))?;
+                }
                 format!("\nresults up to then are in {}", arguments.out.display())
             } else {
                 String::new()

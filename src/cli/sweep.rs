@@ -156,6 +156,11 @@ fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
         results: arguments.result.clone(),
         histories: histories.collect::<Result<_, _>>()?,
     };
+    if chosen.results.is_empty() && case.scene.equilibrium.is_some() {
+        // What such a run prints first.
+        let first = measure::headline(names.iter().map(String::as_str));
+        chosen.results = first.into_iter().map(str::to_owned).collect();
+    }
     if chosen.results.is_empty() {
         let compared = case.scene.comparisons.iter().map(|c| c.quantity.as_str());
         for name in USUAL_RESULTS.into_iter().chain(compared) {

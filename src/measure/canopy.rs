@@ -10,7 +10,7 @@ use super::reduce::{column_max, mean_forces_n, quantity, reduce, released};
 use super::shared::{
     BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT, DRAG_MARKERS, DRAG_MOMENTUM_BOX,
     FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
-    KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, PRESSURE_RATIO,
+    KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, PRESSURE_RATIO,
     PROJECTED_DIAMETER_RATIO, SLIP_MEAN, SLIP_RATIO, STRESS_MAX, TIME, WIND_SPEED,
 };
 use super::statistics::{Mean, average, largest};
@@ -224,6 +224,13 @@ pub(super) fn results(
         .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
     let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
     reduce(results, record, of_forces.chain(of_shape), released, mean);
+    if let Some(breaking_n) = scene.line_breaking_load_n {
+        let (time_s, tension_n) = column_max(record, &LINE_TENSION_MAX, released);
+        let note =
+            format!("largest of the run, {tension_n:.0} of {breaking_n:.0} N at {time_s:.4} s");
+        let share = Quantity::new(tension_n / breaking_n);
+        results.insert(&LINE_LOAD_SHARE, share.with_note(&note));
+    }
     opening::line_sides(results, record, &window);
     opening::oscillations(results, record, &window);
     let force = 0.5
@@ -239,7 +246,11 @@ pub(super) fn results(
         },
     );
     let peak = column_max(record, &DRAG_COEFFICIENT, released);
-    if wind {
+    // Of a canopy that is hardly folded there is no opening.
+    if wind && at_release > FOLDED {
+        let why = "the canopy was not folded at the start";
+        results.insert(&OPENING_FORCE_FACTOR, Quantity::missing(why));
+    } else if wind {
         let factor = Quantity::new(peak.1 / drag.value).with_note(&format!(
             "C_x: largest drag of a sample interval, at {:.4} s, over the mean drag",
             peak.0
@@ -262,6 +273,9 @@ pub(super) fn results(
         }
     }
 }
+
+/// Largest projected over nominal diameter at which a canopy counts as folded.
+const FOLDED: f64 = 0.5;
 
 /// Standard acceleration of gravity [m/s²].
 const STANDARD_GRAVITY_M_S2: f64 = 9.80665;

@@ -3,7 +3,7 @@
 use crate::output::ReadOut;
 
 /// Names of results, as they are declared, in the order in which a run prints them; those that it has, [`LENGTH`] at most.
-pub static HEADLINE: [&str; 41] = [
+pub static HEADLINE: [&str; 43] = [
     // Falls, descents, glides.
     "descent_rate_m_s",
     "terminal_speed_m_s",
@@ -19,6 +19,8 @@ pub static HEADLINE: [&str; 41] = [
     "{body}lift_coefficient",
     "{body}drag_coefficient",
     "drag_n",
+    "force_x_n",
+    "force_z_n",
     "{body}drag_coefficient_blockage_corrected",
     "lift_to_drag_ratio",
     "{body}strouhal_number",
@@ -50,6 +52,29 @@ pub static HEADLINE: [&str; 41] = [
     "volume_m3",
 ];
 
+/// The same of a glide, before all others.
+static OF_A_GLIDE: [&str; 6] = [
+    "speed_m_s",
+    "sink_m_s",
+    "glide_ratio",
+    "line_load_over_breaking_load_max",
+    "stress_max_pa",
+    "row_{row}_load_n",
+];
+
+/// The same of an opening behind a payload.
+static OF_A_FALL: [&str; 9] = [
+    "terminal_speed_m_s",
+    "drag_coefficient_terminal",
+    "riser_force_terminal_n",
+    "peak_load_factor_g",
+    "line_tension_max_n",
+    "line_load_over_breaking_load_max",
+    "stress_max_pa",
+    "fill_time_s",
+    "largest_projected_diameter_ratio",
+];
+
 /// Most results of a headline.
 pub const LENGTH: usize = 8;
 
@@ -57,7 +82,16 @@ pub const LENGTH: usize = 8;
 #[must_use]
 pub fn headline<'a>(results: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
     let mut found = Vec::new();
-    for declared in HEADLINE.map(|name| ReadOut::new(name, "", "")) {
+    let has = |wanted: &str| results.clone().any(|name| name == wanted);
+    let first = if has("glide_ratio") {
+        &OF_A_GLIDE[..]
+    } else if has("peak_load_factor_g") {
+        &OF_A_FALL[..]
+    } else {
+        &[]
+    };
+    for name in first.iter().chain(&HEADLINE) {
+        let declared = ReadOut::new(name, "", "");
         for name in results.clone() {
             if declared.covers(name) && !found.contains(&name) {
                 found.push(name);
@@ -76,7 +110,7 @@ mod tests {
     #[test]
     fn every_name_is_that_of_a_result() {
         let declared = declared_results();
-        for name in HEADLINE {
+        for name in HEADLINE.into_iter().chain(OF_A_GLIDE).chain(OF_A_FALL) {
             assert!(declared.iter().any(|one| one.name == name), "{name}");
         }
     }
@@ -99,6 +133,21 @@ mod tests {
         assert_eq!(
             found[3..],
             ["row_b_load_n", "row_a_load_n", "stress_max_pa"]
+        );
+        let glide = [
+            "row_a_load_n",
+            "angle_of_attack_deg",
+            "glide_ratio",
+            "speed_m_s",
+        ];
+        assert_eq!(
+            headline(glide.into_iter()),
+            [
+                "speed_m_s",
+                "glide_ratio",
+                "row_a_load_n",
+                "angle_of_attack_deg"
+            ]
         );
         let many: Vec<String> = (0..20).map(|k| format!("row_{k}_load_n")).collect();
         assert_eq!(headline(many.iter().map(String::as_str)).len(), LENGTH);

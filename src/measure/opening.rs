@@ -52,8 +52,11 @@ pub(super) fn inflation(results: &mut Results, record: &Record, released: usize,
     let share = 100.0 * FULL_SHARE;
     results.insert(
         &FILL_TIME,
-        known(filled.map(|filled| filled.time_s))
-            .with_note(&format!("projected area at {share:.0} % of its first peak")),
+        match &filled {
+            Some(filled) if filled.time_s <= 0.0 => Quantity::missing("full from the start"),
+            _ => known(filled.as_ref().map(|filled| filled.time_s)),
+        }
+        .with_note(&format!("projected area at {share:.0} % of its first peak")),
     );
     let top = of(&record.column(&TOP_DIAMETER_RATIO));
     results.insert(

@@ -95,7 +95,7 @@ pub fn account(simulation: &Simulation, statics: &Statics, results: &Results) ->
             rows.push(AccountRow::at_most(name, meaning, "1", found, limit));
         }
     }
-    rows.extend(residual::account(results));
+    rows.extend(residual::account(results, simulation.scene()));
     rows
 }
 
@@ -167,9 +167,13 @@ fn trim(simulation: &Simulation, statics: &Statics) -> Option<AccountRow> {
             ..row
         }
         .with_detail(format!(
-            "{} iterations on the last mesh; energy norm of the fabric {:.1e} of the loads'{}",
+            "{} iterations on the last mesh; energy norm of the fabric {}{}",
             last.number,
-            last.relative_norm,
+            if last.relative_norm.is_finite() {
+                format!("{:.1e} of the loads'", last.relative_norm)
+            } else {
+                "not known".to_owned()
+            },
             if solved { "" } else { ", not its tolerance" }
         )),
     )

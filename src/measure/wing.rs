@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::read_out::results;
+use super::shared::LINE_LOAD_SHARE;
 use super::statistics::largest;
 use crate::case::wing::Wing;
 use crate::frame::{FabricState, StructureFrame};
@@ -23,7 +24,6 @@ results! {
     ROW_LOAD: "row_{row}_load_n", "N", "load of the row; tension of its risers, both halves";
     ROW_SHARE: "row_{row}_load_share", "1", "load of the row over that of all rows";
     ROW_ATTACHMENT_MAX: "row_{row}_attachment_load_max_n", "N", "largest tension of a line of the row at an attachment";
-    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the line, riser or tape nearest to breaking";
     PART_STRESS_MAX: "{part}_stress_max_pa", "Pa", "largest stress of the part; of panels, ribs, diagonals and mini-ribs";
     PART_WRINKLED: "{part}_wrinkled_area_share", "1", "share of the part's area that is wrinkled";
     PART_SLACK: "{part}_slack_area_share", "1", "share of the part's area that is slack";
@@ -188,14 +188,27 @@ pub(super) fn margins(results: &mut Results, wing: &Wing, structure: &StructureF
         .cable_tensions_n
         .iter()
         .zip(&wing.breaking_loads_n)
-        .filter_map(|(tension, breaking)| Some(tension / (*breaking)?));
-    let used = margins.fold(f64::NAN, f64::max);
+        .enumerate()
+        .filter_map(|(cable, (tension, breaking))| Some((cable, tension / (*breaking)?)));
+    let nearest = margins.max_by(|a, b| a.1.total_cmp(&b.1));
+    let used = nearest.map_or(f64::NAN, |(_, share)| share);
     results.insert(
         &LINE_LOAD_SHARE,
         if used.is_nan() {
             Quantity::missing("no line material tells its breaking_load_n")
         } else {
-            Quantity::told(&LINE_LOAD_SHARE, used)
+            let names = super::wing_lines::names(wing, &structure.cables, &structure.positions_m);
+            let line = nearest.and_then(|(cable, _)| {
+                let name = names.get(cable)?.text();
+                Some(format!(
+                    "{name}, {:.0} N",
+                    structure.cable_tensions_n[cable]
+                ))
+            });
+            match line {
+                Some(line) => Quantity::new(used).with_note(&line),
+                None => Quantity::told(&LINE_LOAD_SHARE, used),
+            }
         },
     );
 }

@@ -228,6 +228,8 @@ impl ExpectedError {
         } else {
             format!(" ({})", parts.join(", "))
         };
-        format!("{}: {}{of}", self.quantity, percent(self.total))
+        let side = if self.total < 0.0 { "low" } else { "high" };
+        let share = 100.0 * self.total.abs();
+        format!("{} about {share:.1} % too {side}{of}", self.quantity)
     }
 }

@@ -32,10 +32,14 @@ impl Plan {
         );
         let quality = scene.body.as_ref().and_then(|body| body.quality);
         if quality.is_some_and(|q| q.smallest_shape < POOR_SHAPE) {
-            warnings.push(
-                "poor triangles: the fabric will be solved slowly; use fewer gores or more even cells"
-                    .to_owned(),
-            );
+            let remedy = if scene.wing().is_some() {
+                "use more edges across a cell, or fewer along the chord (structure.wing.mesh)"
+            } else {
+                "use fewer gores or more rings, or mend the mesh"
+            };
+            warnings.push(format!(
+                "poor triangles: the fabric will be solved slowly; {remedy}"
+            ));
         }
         warnings
     }

@@ -102,6 +102,11 @@ impl Run<'_> {
             began.elapsed().as_secs_f64(),
             self.resumed_at_step,
         );
+        if let Some(what) = unbalanced.as_ref().filter(|_| !interrupted) {
+            for (_, quantity) in summary.results.iter_mut() {
+                quantity.mark_unresolved(&format!("out of balance: {what}"));
+            }
+        }
         let path = self.folder.join("summary.json");
         // Frames and pictures have taken no part of it.
         self.reserve = None;

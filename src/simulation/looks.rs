@@ -226,7 +226,9 @@ impl Simulation {
             _ if !air.operator.stands_bluff_bodies() => {
                 "take resolution.operator = \"stabilised_regularised\""
             }
-            None => "switch the eddy viscosity on",
+            None => {
+                "switch the eddy viscosity on (resolution.eddy_viscosity = { model = \"smagorinsky\", constant = 0.1 })"
+            }
             Some(_) => "raise the constant of the eddy viscosity",
         };
         if nearest <= NEAR_CELLS {

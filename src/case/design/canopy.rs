@@ -40,8 +40,12 @@ const SPONGE: f64 = 1.5;
 /// Longest run, in D_0/U: the wake settles for 18, means need 6.
 const LENGTH: f64 = 60.0;
 
-/// Length of a fall, in D_0 over the speed of balance: an opening, not the breathing that follows (docs/design.md).
-const FALL: f64 = 10.0;
+/// Length of a fall, in D_0 over the speed of release, and over that of balance: an opening and the loss of speed, not the breathing that follows
+/// (docs/design.md).
+const FALL: [f64; 2] = [6.0, 0.5];
+
+/// Room in the innermost box around a canopy that falls, over D_0.
+const FALL_MARGIN: f64 = 1.0;
 
 /// D_0/U between samples, between files of the canopy.
 const SAMPLES: f64 = 0.03;
@@ -93,11 +97,11 @@ pub(super) fn derive(design: &CanopyDesign) -> Result<Keys, Problem> {
     keys.set("coupling.scheme", "links", usual);
     keys.set("coupling.structure_every", 1, usual);
     if scales.falls {
-        let end = FALL * scales.final_time_s();
+        let end = FALL[0] * scales.time_s() + FALL[1] * scales.final_time_s();
         keys.set(
             "time.end_s",
             end,
-            "10 D_0/U at the speed of balance: the opening",
+            "6 D_0/U, and half of one at the speed of balance: the opening",
         );
     } else {
         keys.set("time.end_s", LENGTH * scales.time_s(), "60 D_0/U");
@@ -142,6 +146,11 @@ fn air(scales: &Scales, keys: &mut Keys) {
     let why = "standard atmosphere, Sutherland's law";
     keys.set("air.kinematic_viscosity_m2_s", viscosity, why);
     keys.set("air.refinement.around", "structure", "usual");
+    if scales.falls {
+        let why =
+            "the wake overtakes a canopy that loses its speed, and pushes it towards the payload";
+        keys.set("air.refinement.margin", FALL_MARGIN, why);
+    }
 }
 
 /// The wind tunnel, or the fall; and the payload.
@@ -237,13 +246,15 @@ fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), 
     let load_n = published.opening_force_factor[1]
         * published.mean_drag_coefficient()
         * scales.dynamic_pressure_pa(scales.speed_m_s.max(scales.final_speed_m_s))
-        * scales.area_m2;
+        * scales.area_m2
+        * scales.opening_load_reduction(published.mean_drag_coefficient());
     let (cord, why) = materials::line(
         TABLE,
         design.lines.as_deref(),
         (scales.diameter_m, count, load_n),
     )?;
     materials::set_cord("lines", &cord, &why, keys);
+    keys.set("lines.breaking_load_n", cord.strength_n(), cord.source);
     keys.set("lines.drag_coefficient", LINE_DRAG, "a round line");
     keys.set("lines.diameter_m", cord.diameter_m(), "half of it fibre");
     let tape = materials::tape(TABLE, design.tapes.as_deref())?;

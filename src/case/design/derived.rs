@@ -26,10 +26,15 @@ const ALTERNATIVES: [&[&str]; 4] = [
 
 /// Keys as they are collected.
 #[derive(Debug, Default)]
-pub(super) struct Keys(Vec<Derived>);
+pub(in crate::case) struct Keys(Vec<Derived>);
 
 impl Keys {
-    pub(super) fn set(&mut self, key: impl Into<String>, value: impl Into<Value>, why: &str) {
+    pub(in crate::case) fn set(
+        &mut self,
+        key: impl Into<String>,
+        value: impl Into<Value>,
+        why: &str,
+    ) {
         self.0.push(Derived {
             key: key.into(),
             value: short(value.into()),
@@ -38,7 +43,7 @@ impl Keys {
     }
 
     /// Puts them into the case, where it does not say otherwise, and returns those that it took.
-    pub(super) fn put_into(self, case: &mut Table) -> Vec<Derived> {
+    pub(in crate::case) fn put_into(self, case: &mut Table) -> Vec<Derived> {
         let written = case.clone();
         let taken: Vec<Derived> = (self.0.into_iter())
             .filter(|derived| !says_otherwise(&written, &derived.key))
@@ -86,8 +91,9 @@ pub(super) fn remove_absent(table: &mut Table, absent: &str) {
     }
 }
 
-/// What is wrong with a key, with what it follows from where the case does not write it.
-pub(in crate::case) fn traced(problem: Problem, derived: &[Derived]) -> Problem {
+/// What is wrong with a key, with what it follows from where the case does not write it: the place is then that key of the design, if one alone is
+/// the reason.
+pub(in crate::case) fn traced(problem: Problem, derived: &[Derived], design: &Table) -> Problem {
     let is_of = |one: &&Derived| {
         let rest = problem.key.strip_prefix(&one.key);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -99,11 +105,17 @@ pub(in crate::case) fn traced(problem: Problem, derived: &[Derived]) -> Problem 
         "{} follows from the design ({}): change that, or write {} itself; {}",
         one.key, one.why, one.key, problem.help
     );
-    Problem { help, ..problem }
+    let mut reasons = design.keys().map(|table| format!("{table}.{}", one.why));
+    let written = reasons.find(|key| lookup(design, key).is_some());
+    Problem {
+        key: written.unwrap_or(problem.key),
+        help,
+        ..problem
+    }
 }
 
 /// A case as TOML, with the reason behind every key that follows from a design.
-pub(super) fn commented(case: &Table, derived: &[Derived]) -> String {
+pub(in crate::case) fn commented(case: &Table, derived: &[Derived]) -> String {
     let mut text = String::new();
     write_table(&mut text, "", case, derived);
     text

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use super::super::density::{standard_density_kg_m3, standard_kinematic_viscosity_m2_s};
 use super::super::file::{CanopyType, MeshDesign, MeshType, Quality};
 use super::super::problem::Problem;
-use super::super::values::{absent, positive, rotation};
+use super::super::values::{absent, positive, readable, rotation};
 use super::derived::{Keys, rounded};
 use super::handbook::Published;
 use super::materials;
@@ -40,6 +40,9 @@ const SPONGE: f64 = 1.5;
 
 /// Lengths over the speed at which pictures are drawn.
 const PICTURES: [f64; 3] = [0.0, 2.0, 10.0];
+
+/// Extents that a mesh may have without a word on its unit [m].
+const USUAL_EXTENTS_M: [f64; 2] = [0.02, 60.0];
 
 /// Cells over the length, half width of the mean drag's interval over it.
 const fn fineness(quality: Quality) -> (f64, f64) {
@@ -110,6 +113,22 @@ impl Measured {
             line_count,
             foremost_m,
         })
+    }
+
+    /// Refuses a mesh that is as large as a unit that was forgotten makes it.
+    fn refuse_without_scale(&self) -> Result<(), Problem> {
+        let extent_m = self.extent_m();
+        if (USUAL_EXTENTS_M[0]..=USUAL_EXTENTS_M[1]).contains(&extent_m) {
+            return Ok(());
+        }
+        Err(Problem::new(
+            "mesh.scale",
+            format!(
+                "mesh.scale is missing: in metres the mesh would be {} m large",
+                readable(rounded(extent_m))
+            ),
+            "write the metres per unit of the file: scale = 0.001 for millimetres, 0.0254 for inches, 1.0 if it is metres",
+        ))
     }
 
     fn extent_m(&self) -> f64 {
@@ -206,6 +225,9 @@ pub(super) fn derive(design: &MeshDesign, written: &Table, folder: &Path) -> Res
     let altitude = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
     let scale = positive("mesh.scale", design.scale.unwrap_or(1.0))?;
     let found = Measured::new(design, scale, folder)?;
+    if design.scale.is_none() {
+        found.refuse_without_scale()?;
+    }
     let reference_m2 = match design.reference_area_m2 {
         Some(area) => positive("mesh.reference_area_m2", area)?,
         None if design.kind == MeshType::Canopy => found.area_m2,

@@ -10,7 +10,7 @@ mod mesh;
 mod scales;
 mod shape;
 mod units;
-mod wing;
+pub(super) mod wing;
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 pub use derived::Derived;
-pub(super) use derived::traced;
+pub(super) use derived::{Keys, commented, traced};
 
 use super::file::{CanopyDesign, MeshDesign, MeshType, WingDesign};
 use super::problem::Problem;

@@ -12,6 +12,9 @@ use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg, speed_m_s};
 /// The table of the design.
 const TABLE: &str = "canopy";
 
+/// Way in which a canopy of solid cloth fills, in D_0, as the trade quotes it (Knacke 1991).
+const FILLING: f64 = 8.0;
+
 /// Sizes, speeds and masses that all else is derived from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scales {
@@ -84,6 +87,20 @@ impl Scales {
     /// D_0 over the speed that the canopy ends on [s].
     pub(super) const fn final_time_s(&self) -> f64 {
         self.diameter_m / self.final_speed_m_s
+    }
+
+    /// Share of the load of an opening in a wind that is left where the mass loses speed meanwhile: X_1 of Pflanz's method (Knacke 1991, section
+    /// 5.4), with an area that grows as the square of time.
+    pub(super) fn opening_load_reduction(&self, drag_coefficient: f64) -> f64 {
+        let Some(mass_kg) = self.payload_kg.filter(|_| self.falls) else {
+            return 1.0;
+        };
+        let drag_area_m2 = drag_coefficient * self.area_m2;
+        let filled_m = FILLING * self.diameter_m;
+        // Ballistic parameter A; speed and area over those at the start and at the end, at a share T of the filling time, are 1/(1 + T³/3A) and T².
+        let ballistic = 2.0 * mass_kg / (self.density_kg_m3 * drag_area_m2 * filled_m);
+        let share = (1.5 * ballistic).cbrt().min(1.0);
+        (share / (1.0 + share.powi(3) / (3.0 * ballistic))).powi(2)
     }
 
     /// Dynamic pressure at a speed [Pa].

@@ -11,6 +11,9 @@ use super::scales::Scales;
 /// Width of a gore at the skirt that is aimed at [m].
 const GORE_WIDTH_M: f64 = 1.1;
 
+/// Least share that a vent, slots or an extension may have [%]: smaller ones are fractions that were meant as such.
+const LEAST_PERCENT: f64 = 0.5;
+
 /// Name of the table below `[structure]`.
 pub(super) const fn table(kind: CanopyType) -> &'static str {
     match kind {
@@ -103,12 +106,19 @@ pub(super) fn derive(
     let table = table(design.kind);
     let of = |name: &str| format!("structure.{table}.{name}");
     let percent = |key: &str, written: Option<f64>, usual: f64, most: f64| {
-        within(
-            &format!("canopy.{key}"),
-            written.unwrap_or(usual),
-            0.0,
-            most,
-        )
+        let key = format!("canopy.{key}");
+        let value = within(&key, written.unwrap_or(usual), 0.0, most)?;
+        if value > 0.0 && value < LEAST_PERCENT {
+            return Err(Problem::new(
+                key.as_str(),
+                format!("{key} = {value} is less than {LEAST_PERCENT} per cent"),
+                format!(
+                    "write per cent, not a fraction: {} for that share",
+                    100.0 * value
+                ),
+            ));
+        }
+        Ok(value)
     };
     if design.kind == CanopyType::Cruciform {
         let ratio = design.arm_width_ratio.unwrap_or(0.27);

@@ -1,6 +1,6 @@
 //! What follows from a paraglider by span, cells and class: a whole plan with lines and materials, and its trim.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::FRAC_PI_2;
 
 use toml::{Table, Value};
 
@@ -10,6 +10,7 @@ use super::super::problem::Problem;
 use super::super::values::{absent, positive, within};
 use super::derived::{Keys, rounded};
 use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg};
+use crate::geometry::wing::rib_spans_m;
 
 /// The table of the design.
 const TABLE: &str = "wing";
@@ -106,8 +107,12 @@ const HALF_RISERS_M: f64 = 0.21;
 /// Pilot and harness per flat area [kg/m²].
 const PILOT_KG_M2: f64 = 3.9;
 
-/// C_D A of pilot and harness [m²].
+/// The least and most of that [kg/m²].
+const PILOTS_KG_M2: [f64; 2] = [0.3, 12.0];
+
+/// C_D A of pilot and harness [m²] of a mass [kg]; it grows as surfaces do with masses.
 const PILOT_DRAG_AREA_M2: f64 = 0.45;
+const OF_PILOT_KG: f64 = 95.0;
 
 /// Cells between attached ribs, and how far apart that may bring these, over the chord in the middle: of rows of lines, of brakes. The sail does
 /// not hold its shape between ribs that are farther apart.
@@ -157,10 +162,6 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     let cells = within("wing.cells", cells as f64, 6.0, 200.0)? as usize;
     let pilot = mass_kg(TABLE, "pilot", design.pilot_kg, design.pilot_lb)?;
     let altitude = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
-    let (pilot_kg, why) = match pilot {
-        Some(mass) => (mass, "pilot"),
-        None => (PILOT_KG_M2 * area_m2, "3.9 kg per m² of flat area"),
-    };
     let mut keys = Keys::default();
     let title = format!(
         "Paraglider of {} m2 with {cells} cells, {}, in trim",
@@ -168,7 +169,7 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
         class.name
     );
     keys.set("title", title, "area, cells, class");
-    let chord_m = planform(design, class, (span_m, area_m2), &mut keys)?;
+    let chord_m = planform(design, class, (span_m, area_m2, cells), &mut keys)?;
     keys.set("structure.wing.cells", cells as i64, "cells");
     let hang = [
         class.hang_place * chord_m,
@@ -179,9 +180,27 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     let why_hang = "class: place along the chord, height over the flat span";
     keys.set("structure.wing.hang_point_m", hang, why_hang);
     openings(class, cells, &mut keys);
-    fabrics(&mut keys);
+    sewn_of(INTAKES[1], &mut keys);
     rows(cells, (span_m, chord_m), &mut keys);
-    let ([along, across], tolerance, panels) = fineness(design.quality.unwrap_or(Quality::Normal));
+    let quality = design.quality.unwrap_or(Quality::Normal);
+    trim_of((area_m2, pilot), altitude, quality, &mut keys)?;
+    Ok(keys)
+}
+
+/// Mesh, gravity, and the glide of a wing of some area with a pilot, or with as much as the area usually carries [m², kg].
+pub(in crate::case) fn trim_of(
+    (area_m2, pilot_kg): (f64, Option<f64>),
+    altitude_m: f64,
+    quality: Quality,
+    keys: &mut Keys,
+) -> Result<(), Problem> {
+    let (pilot_kg, why) = match pilot_kg {
+        Some(mass) => (mass, "pilot"),
+        None => (PILOT_KG_M2 * area_m2, "3.9 kg per m² of flat area"),
+    };
+    let [least, most] = PILOTS_KG_M2.map(|per_area| per_area * area_m2);
+    let pilot_kg = within("wing.pilot_kg", pilot_kg, least, most)?;
+    let ([along, across], tolerance, panels) = fineness(quality);
     keys.set("structure.wing.mesh.along_chord", along as i64, "quality");
     keys.set("structure.wing.mesh.across_cell", across as i64, "quality");
     let down = [0.0, 0.0, -GRAVITY_M_S2].map(Value::from).to_vec();
@@ -189,33 +208,40 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     keys.set("equilibrium.tolerance", tolerance, "quality");
     keys.set("equilibrium.evaluation_limit", 6000, "usual");
     let trim = |name: &str| format!("equilibrium.trim.{name}");
-    let density = standard_density_kg_m3(altitude);
-    let why_air = "standard atmosphere at altitude_m";
+    let density = standard_density_kg_m3(altitude_m);
+    let why_air = "standard atmosphere at its altitude";
     keys.set(trim("air_density_kg_m3"), density, why_air);
     keys.set(trim("pilot_mass_kg"), pilot_kg, why);
-    keys.set(trim("pilot_drag_area_m2"), PILOT_DRAG_AREA_M2, "usual");
+    let drag_area_m2 = PILOT_DRAG_AREA_M2 * (pilot_kg / OF_PILOT_KG).powf(2.0 / 3.0);
+    let why = "0.45 m² of 95 kg, with the mass to the power of 2/3";
+    keys.set(trim("pilot_drag_area_m2"), drag_area_m2, why);
     if let Some(panels) = panels {
         keys.set(trim("panels_per_side"), panels as i64, "quality");
     }
-    Ok(keys)
+    Ok(())
 }
 
 /// Stations and profiles; returns the chord in the middle [m].
 fn planform(
     design: &WingDesign,
     class: &Proportions,
-    (span_m, area_m2): (f64, f64),
+    (span_m, area_m2, cells): (f64, f64, usize),
     keys: &mut Keys,
 ) -> Result<f64, Problem> {
     let thickness = design.thickness_percent.unwrap_or(class.thickness_percent);
     let thickness = within("wing.thickness_percent", f64::from(thickness), 10.0, 22.0)? as u32;
-    // Chords are those of an ellipse upon a rectangle.
-    let fullness = class.tip_chord + (1.0 - class.tip_chord) * FRAC_PI_4;
-    let chord_m = area_m2 / (span_m * fullness);
+    // Chords are those of an ellipse upon a rectangle; between ribs the wing is straight.
+    let chord_at = |place: f64| {
+        let ellipse = (1.0 - place * place).max(0.0).sqrt();
+        class.tip_chord + (1.0 - class.tip_chord) * ellipse
+    };
+    let spans = rib_spans_m(cells, 0.5 * span_m, class.tip_cell);
+    let chords = |rib: f64| chord_at(2.0 * rib / span_m);
+    let cell = |ribs: &[f64]| 0.5 * (ribs[1] - ribs[0]) * (chords(ribs[0]) + chords(ribs[1]));
+    let chord_m = area_m2 / spans.windows(2).map(cell).sum::<f64>();
     let stations = (0..=STATIONS).map(|k| {
         let place = (FRAC_PI_2 * k as f64 / STATIONS as f64).sin();
-        let ellipse = (1.0 - place * place).max(0.0).sqrt();
-        let chord = chord_m * (class.tip_chord + (1.0 - class.tip_chord) * ellipse);
+        let chord = chord_m * chord_at(place);
         let profile = if k < TIP_FROM { "middle" } else { "tip" };
         let numbers = [
             ("span_m", 0.5 * span_m * place),
@@ -241,26 +267,37 @@ fn planform(
     Ok(chord_m)
 }
 
-/// Widths of cells, intakes, holes of ribs, ballooning.
+/// Intake of the shipped wings, over the chord.
+const INTAKES: [f64; 2] = [0.004, 0.03];
+
+/// Widths of cells, mini-ribs, intakes.
 fn openings(class: &Proportions, cells: usize, keys: &mut Keys) {
     let of = |name: &str| format!("structure.wing.{name}");
     keys.set(of("tip_cell_width_ratio"), class.tip_cell, "class");
-    let usual = "as of the shipped wings";
-    keys.set(of("mini_ribs_from"), 0.8, usual);
-    let hole = |position: f64, width: f64| {
-        let numbers = [("position", position), ("width", width), ("height", 0.5)];
-        let numbers = numbers.map(|(name, number)| (name.to_owned(), Value::from(number)));
-        Value::Table(numbers.into_iter().collect())
-    };
-    keys.set(of("holes"), vec![hole(0.2, 0.12), hole(0.45, 0.14)], usual);
-    keys.set(of("intakes.from"), 0.004, usual);
-    keys.set(of("intakes.to"), 0.03, usual);
+    keys.set(of("mini_ribs_from"), 0.8, AS_SHIPPED);
+    keys.set(of("intakes.from"), INTAKES[0], AS_SHIPPED);
+    keys.set(of("intakes.to"), INTAKES[1], AS_SHIPPED);
     let closed = (cells as f64 / 12.0).round() as i64;
     keys.set(
         of("intakes.closed_tip_cells"),
         closed,
         "a twelfth of the cells",
     );
+}
+
+/// What follows the shipped wings.
+const AS_SHIPPED: &str = "as of the shipped wings";
+
+/// Holes of ribs, ballooning, materials, and tapes along the rear edge of the intakes and at the trailing edge.
+pub(in crate::case) fn sewn_of(intake_to: f64, keys: &mut Keys) {
+    let of = |name: &str| format!("structure.wing.{name}");
+    let hole = |position: f64, width: f64| {
+        let numbers = [("position", position), ("width", width), ("height", 0.5)];
+        let numbers = numbers.map(|(name, number)| (name.to_owned(), Value::from(number)));
+        Value::Table(numbers.into_iter().collect())
+    };
+    let holes = vec![hole(0.2, 0.12), hole(0.45, 0.14)];
+    keys.set(of("holes"), holes, AS_SHIPPED);
     let upper = [
         [0.0, 0.02],
         [0.1, 0.06],
@@ -277,12 +314,21 @@ fn openings(class: &Proportions, cells: usize, keys: &mut Keys) {
     ];
     for (name, points) in [("upper", upper), ("lower", lower)] {
         let points = points.map(|point| Value::from(point.map(Value::from).to_vec()));
-        keys.set(of(&format!("ballooning.{name}")), points.to_vec(), usual);
+        let key = of(&format!("ballooning.{name}"));
+        keys.set(key, points.to_vec(), AS_SHIPPED);
+    }
+    materials(keys);
+    for (name, position) in [("intake", intake_to), ("trailing_edge", 1.0)] {
+        let of = |key: &str| format!("structure.wing.tapes.{name}.{key}");
+        keys.set(of("side"), "lower", AS_SHIPPED);
+        keys.set(of("position"), position, AS_SHIPPED);
+        keys.set(of("sewn"), true, AS_SHIPPED);
+        keys.set(of("material"), "tape", AS_SHIPPED);
     }
 }
 
-/// Cloths, lines, webbing and tapes.
-fn fabrics(keys: &mut Keys) {
+/// Cloths, lines and webbing.
+fn materials(keys: &mut Keys) {
     let why = "ripstop of 38 and 41 g/m², as of the shipped wings";
     for (part, numbers) in [
         ("upper", [5e-5, 760.0, 6e8, 0.15, 8e7, 0.03]),
@@ -316,32 +362,29 @@ fn fabrics(keys: &mut Keys) {
             keys.set(of("breaking_load_n"), strength, why);
         }
     }
-    for (name, position) in [("intake", 0.03), ("trailing_edge", 1.0)] {
-        let of = |key: &str| format!("structure.wing.tapes.{name}.{key}");
-        keys.set(of("side"), "lower", why);
-        keys.set(of("position"), position, why);
-        keys.set(of("sewn"), true, why);
-        keys.set(of("material"), "tape", why);
-    }
 }
 
 /// Three rows of lines, and the brakes.
 fn rows(cells: usize, (span_m, chord_m): (f64, f64), keys: &mut Keys) {
-    // Ribs of a half count from the middle to the tip, which no line is attached to.
-    let tip = cells / 2;
+    // Ribs of a half count from 1 to the tip, which no line is attached to; 0 is one in the middle.
+    let tip = cells.div_ceil(2);
     let width = span_m / cells as f64 / chord_m;
     let spacing = |known: &[(usize, f64)]| {
         let fits = |(step, most): &&(usize, f64)| *step as f64 * width <= *most && 2 * step < tip;
         known.iter().find(fits).map_or(1, |(step, _)| *step)
     };
     let step = spacing(&SPACING);
-    // With a rib in the middle, which has no line, or with a cell there.
+    // Beside a rib in the middle, or a cell there.
     let first = if cells.is_multiple_of(2) {
         (step - 1).max(1)
     } else {
-        (step - 1) / 2
+        step.div_ceil(2)
     };
-    let ribs: Vec<usize> = (first..tip).step_by(step).collect();
+    let mut ribs: Vec<usize> = (first..tip).step_by(step).collect();
+    // A tip that hangs on nothing for two cells folds.
+    if ribs.last().is_none_or(|last| last + 1 < tip) {
+        ribs.push(tip - 1);
+    }
     let step = spacing(&BRAKE_SPACING);
     let braked: Vec<usize> = (step..tip).step_by(step).collect();
     let brakes = ("brake", 1.0, 0.0);

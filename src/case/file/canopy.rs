@@ -60,4 +60,6 @@ pub struct Lines {
     pub drag_coefficient: Option<f64>,
     /// Diameter d of `drag_coefficient` [m]; required with it, and refused without.
     pub diameter_m: Option<f64>,
+    /// Breaking load of a line [N], for margins; absent: not told.
+    pub breaking_load_n: Option<f64>,
 }

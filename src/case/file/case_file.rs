@@ -24,16 +24,16 @@ use super::time::{Coupling, Equilibrium, Gravity, Solver, Steady, Time};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct File {
+    // A design stands here for the schema: where a case is read it has been replaced by what follows from it.
     /// Version of the format: 1.
     pub version: u32,
     /// One line for reports and pictures; `untitled` if absent.
     pub title: Option<String>,
-    /// A canopy by its design, from which all other tables follow; absent: they are written. It stands here for the schema: where a case is read it
-    /// has been replaced by what follows from it.
+    /// A canopy by its design, from which all other tables follow (docs/design.md); absent: they are written.
     pub canopy: Option<CanopyDesign>,
-    /// A paraglider by span, cells and class, from which all other tables follow; absent: they are written. It stands here for the schema.
+    /// A paraglider by span, cells and class, from which all other tables follow (docs/design.md); absent: they are written.
     pub wing: Option<WingDesign>,
-    /// A mesh in a stream, from which all other tables follow; absent: they are written. It stands here for the schema.
+    /// A mesh in a stream, from which all other tables follow (docs/design.md); absent: they are written.
     pub mesh: Option<MeshDesign>,
     /// The air; absent: none.
     pub air: Option<Air>,

@@ -16,6 +16,9 @@ pub struct Wing {
     pub cells: usize,
     /// Width of the outermost cell over the middlemost one's, 0.1 to 3; 1 if absent.
     pub tip_cell_width_ratio: Option<f64>,
+    /// Distances of the right half's ribs from the middle along the arc, outwards to the tip [m]; the first is 0 where the number of cells is even,
+    /// else half the width of the cell in the middle. Absent: as `tip_cell_width_ratio` has it.
+    pub rib_places_m: Option<Vec<f64>>,
     /// Where the right half's risers are held [m].
     pub hang_point_m: [f64; 3],
     /// Stiffness of a spring along x at the nose in the middle [N/m]; absent: none, in a trim 500. Prescribed pressure turns with the

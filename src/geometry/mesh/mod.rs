@@ -3,6 +3,7 @@
 pub mod doctor;
 pub mod lep_sim;
 pub mod obj;
+pub mod openings;
 mod polygon;
 pub mod quality;
 mod stl;

@@ -122,8 +122,13 @@ pub fn rib_spans_m(cells: usize, half_span_m: f64, tip_cell_width_ratio: f64) ->
         spans.reverse();
         spans
     };
-    let mirrored = right.iter().rev().filter(|s| **s > 0.0).map(|s| -s);
-    mirrored.chain(right.iter().copied()).collect()
+    mirrored(&right)
+}
+
+/// Places on both halves, from the left tip, of those on the right one.
+fn mirrored(right: &[f64]) -> Vec<f64> {
+    let left = right.iter().rev().filter(|s| **s > 0.0).map(|s| -s);
+    left.chain(right.iter().copied()).collect()
 }
 
 /// Last row of lines before the trailing edge, per chord.
@@ -136,7 +141,10 @@ fn turning_place(plan: &Plan) -> f64 {
 /// Builds the mesh of a wing.
 pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
     let half_span_m = plan.stations.last().map_or(0.0, |s| s.span_m);
-    let spans = rib_spans_m(plan.cells, half_span_m, plan.tip_cell_width_ratio);
+    let spans = plan.rib_places_m.as_deref().map_or_else(
+        || rib_spans_m(plan.cells, half_span_m, plan.tip_cell_width_ratio),
+        mirrored,
+    );
     let right: Vec<f64> = spans.iter().copied().filter(|s| *s >= 0.0).collect();
     let right = frames::frames(&plan.stations, &right);
     let left = right

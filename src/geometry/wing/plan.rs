@@ -18,6 +18,9 @@ pub struct Plan {
     pub cells: usize,
     /// Width of the outermost cell over that of the middlemost one; between them it changes evenly.
     pub tip_cell_width_ratio: f64,
+    /// Distances of the ribs of the right half from the middle along the arc, outwards [m]: the first is 0 where the number of cells is even. `None`: they
+    /// follow from the widths.
+    pub rib_places_m: Option<Vec<f64>>,
     /// Width of a panel over the distance of its ribs, less 1: points (place on the chord, that) of the upper and the lower side. At the
     /// trailing edge, where both are sewn together, it is taken as 0, at the nose as the mean of both.
     pub ballooning: [Vec<[f64; 2]>; 2],

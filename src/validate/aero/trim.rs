@@ -82,6 +82,7 @@ fn wing(cells: usize, along_chord: usize) -> Result<BuiltWing, Stop> {
         stations,
         cells,
         tip_cell_width_ratio: 0.3,
+        rib_places_m: None,
         ballooning: [Vec::new(), Vec::new()],
         intakes: None,
         holes: Vec::new(),

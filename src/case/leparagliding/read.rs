@@ -1,0 +1,300 @@
+//! The input file of LEparagliding (`leparagliding.txt`, versions 2.x and 3.x): numbered sections of plain lines. Lengths in it are centimetres of the
+//! drawing, which the wing scale multiplies.
+
+/// Why a file cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ReadFault {
+    /// A section is not there, or ends too early.
+    #[error("section {number} ({name}) is missing, or is too short")]
+    Section {
+        /// Its number in the file.
+        number: usize,
+        /// What it holds.
+        name: &'static str,
+    },
+    /// A line of a section has too few numbers.
+    #[error("in section {number} ({name}) the line `{line}` cannot be read")]
+    Line {
+        /// Number of the section.
+        number: usize,
+        /// What it holds.
+        name: &'static str,
+        /// The line.
+        line: String,
+    },
+}
+
+/// A rib, from the middle outwards.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rib {
+    /// Place along the flat span [cm].
+    pub span: f64,
+    /// Leading and trailing edge [cm].
+    pub edges: [f64; 2],
+    /// Lean to the vertical [°].
+    pub lean_deg: f64,
+    /// Washin as written [°].
+    pub washin_deg: f64,
+    /// File of its profile.
+    pub profile: String,
+    /// Intake, per cent of the chord.
+    pub intake: [f64; 2],
+    /// Whether the cell on its inner side is open.
+    pub is_open: bool,
+    /// Length of a mini-rib on its inner side, per cent of the chord; 0 or 1: none.
+    pub mini_rib: f64,
+    /// Places of the rows A, B, C, …, per cent of the chord.
+    pub anchors: Vec<f64>,
+}
+
+/// A way from the riser up to an anchor.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Path {
+    /// Order of the line in every level above the riser, from below.
+    pub lines: Vec<usize>,
+    /// Row: 1 is A; 6 is the brakes.
+    pub row: usize,
+    /// Number of the rib in the file, from 1; of brakes it may lie between two.
+    pub rib: f64,
+}
+
+/// Lengths of upper lines, for three and for four levels: from the sail to the nodes below, the lowest last [cm].
+pub(super) type Branches = [Vec<f64>; 2];
+
+/// What a file says.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drawing {
+    pub name: String,
+    /// Of all lengths but risers and karabiners.
+    pub scale: f64,
+    /// `ds` of two skins, `ss` of one, `pc` of a parachute.
+    pub kind: String,
+    /// Washin at the tip and in the middle [°], and how it follows: 0 as written, 1 and 2 by the chord.
+    pub washin_deg: [f64; 2],
+    pub washin_rule: i64,
+    pub ribs: Vec<Rib>,
+    /// Place of the hang point, per cent of the middle chord.
+    pub calage: f64,
+    /// Lengths of risers, of lines with the drawing's scale, distance of the karabiners [cm].
+    pub riser: f64,
+    pub lines: f64,
+    pub karabiners: f64,
+    /// Paths of every riser, from the nose.
+    pub plans: Vec<Vec<Path>>,
+    /// Length of the main brake line [cm], and paths of the brakes.
+    pub brake_line: f64,
+    pub brakes: Vec<Path>,
+    /// Of lines, and of brakes.
+    pub branches: [Branches; 2],
+}
+
+/// Lines of the sections, by their numbers.
+struct Sections<'a>(Vec<(usize, Vec<&'a str>)>);
+
+/// Number of the section that a line with a star begins.
+fn heading(line: &str) -> Option<usize> {
+    let rest = line.trim_start().trim_start_matches('*').trim_start();
+    let (number, name) = rest.split_once('.')?;
+    let is_name = name.trim_start().starts_with(|c: char| c.is_alphabetic());
+    number.trim().parse().ok().filter(|_| is_name)
+}
+
+impl<'a> Sections<'a> {
+    fn new(text: &'a str) -> Self {
+        let mut all: Vec<(usize, Vec<&str>)> = Vec::new();
+        for line in text.lines() {
+            let line = line.trim();
+            if line.starts_with('*') {
+                if let Some(number) = heading(line) {
+                    all.push((number, Vec::new()));
+                }
+            } else if let (false, Some((_, lines))) = (line.is_empty(), all.last_mut()) {
+                lines.push(line);
+            }
+        }
+        Self(all)
+    }
+
+    fn get(&self, number: usize, name: &'static str) -> Result<Section<'_, 'a>, ReadFault> {
+        let found = self.0.iter().find(|(known, _)| *known == number);
+        let (_, lines) = found.ok_or(ReadFault::Section { number, name })?;
+        Ok(Section {
+            number,
+            name,
+            lines: lines.iter(),
+        })
+    }
+}
+
+/// Lines of a section that are still to be read.
+struct Section<'s, 'a> {
+    number: usize,
+    name: &'static str,
+    lines: std::slice::Iter<'s, &'a str>,
+}
+
+impl<'a> Section<'_, 'a> {
+    fn line(&mut self) -> Result<&'a str, ReadFault> {
+        let (number, name) = (self.number, self.name);
+        let line = self.lines.next().copied();
+        line.ok_or(ReadFault::Section { number, name })
+    }
+
+    fn fault(&self, line: &str) -> ReadFault {
+        ReadFault::Line {
+            number: self.number,
+            name: self.name,
+            line: line.to_owned(),
+        }
+    }
+
+    /// The numbers at the beginning of the next line, of which there are some at least.
+    fn numbers(&mut self, least: usize) -> Result<Vec<f64>, ReadFault> {
+        let line = self.line()?;
+        let found = numbers(line);
+        if found.len() < least {
+            return Err(self.fault(line));
+        }
+        Ok(found)
+    }
+
+    fn number(&mut self) -> Result<f64, ReadFault> {
+        Ok(self.numbers(1)?[0])
+    }
+
+    fn count(&mut self) -> Result<usize, ReadFault> {
+        Ok(self.number()?.max(0.0) as usize)
+    }
+
+    /// Rows that begin with a number and have some more; what is a heading is passed over.
+    fn rows(self, least: usize) -> Vec<Vec<f64>> {
+        let rows = self.lines.map(|line| numbers(line));
+        rows.filter(|row| row.len() >= least).collect()
+    }
+}
+
+/// Numbers at the beginning of a line.
+fn numbers(line: &str) -> Vec<f64> {
+    let words = line.split_whitespace();
+    words.map_while(|word| word.parse().ok()).collect()
+}
+
+fn unquoted(line: &str) -> String {
+    let line = line.trim();
+    let inner = line
+        .strip_prefix('"')
+        .and_then(|rest| rest.split('"').next());
+    inner.unwrap_or(line).trim().to_owned()
+}
+
+/// Paths, each with its number of levels, pairs of level and order, row and rib.
+fn paths(section: &mut Section, count: usize) -> Result<Vec<Path>, ReadFault> {
+    (0..count)
+        .map(|_| {
+            let row = section.numbers(7)?;
+            let levels = row[0] as usize;
+            let ends = [row[row.len() - 2], row[row.len() - 1]];
+            let orders = row[1..row.len() - 2].chunks_exact(2).take(levels);
+            // The first level is the riser.
+            let lines: Vec<usize> = orders.skip(1).map(|pair| pair[1] as usize).collect();
+            Ok(Path {
+                lines,
+                row: ends[0] as usize,
+                rib: ends[1],
+            })
+        })
+        .collect()
+}
+
+/// Of lines of three and four levels.
+fn branches(section: &mut Section) -> Result<Branches, ReadFault> {
+    let mut one = || Ok(section.numbers(2)?[1..].to_vec());
+    Ok([one()?, one()?])
+}
+
+impl Drawing {
+    pub(super) fn read(text: &str) -> Result<Self, ReadFault> {
+        let sections = Sections::new(text);
+        let mut geometry = sections.get(1, "geometry")?;
+        geometry.line()?;
+        let name = unquoted(geometry.line()?);
+        geometry.number()?;
+        let scale = geometry.number()?;
+        geometry.number()?;
+        geometry.number()?;
+        let washin = geometry.numbers(2)?;
+        let kind = unquoted(geometry.line()?);
+        // Rib, x, leading and trailing edge, x in space, z, lean, axis of the washin, washin.
+        let placed = geometry.rows(8);
+        let mut airfoils = sections.get(2, "airfoils")?;
+        let anchors = sections.get(3, "anchor points")?.rows(3);
+        let mut ribs = Vec::new();
+        for (row, anchors) in placed.iter().zip(&anchors) {
+            let line = airfoils.line()?;
+            let mut words = line.split_whitespace().skip(1);
+            let profile = words.next().unwrap_or_default().to_owned();
+            let rest: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
+            if rest.len() < 3 {
+                return Err(airfoils.fault(line));
+            }
+            ribs.push(Rib {
+                span: row[1],
+                edges: [row[2], row[3]],
+                lean_deg: row[6],
+                washin_deg: row.get(8).copied().unwrap_or(0.0),
+                profile,
+                intake: [rest[0], rest[1]],
+                is_open: rest[2] != 0.0,
+                mini_rib: rest.get(5).copied().unwrap_or(0.0),
+                anchors: anchors[2..]
+                    .iter()
+                    .take(anchors[1] as usize)
+                    .copied()
+                    .collect(),
+            });
+        }
+        if ribs.len() < 3 || ribs.len() < placed.len() {
+            let (number, name) = (3, "anchor points");
+            return Err(ReadFault::Section { number, name });
+        }
+        let mut estimate = sections.get(8, "angle of attack")?;
+        let [_, _, calage, riser, lines, karabiners] = [
+            estimate.number()?,
+            estimate.number()?,
+            estimate.number()?,
+            estimate.number()?,
+            estimate.number()?,
+            estimate.number()?,
+        ];
+        let mut suspension = sections.get(9, "suspension lines")?;
+        suspension.number()?;
+        let plans = (0..suspension.count()?)
+            .map(|_| {
+                let count = suspension.count()?;
+                paths(&mut suspension, count)
+            })
+            .collect::<Result<_, _>>()?;
+        let mut braking = sections.get(10, "brakes")?;
+        let brake_line = braking.number()?;
+        let count = braking.count()?;
+        let brakes = paths(&mut braking, count)?;
+        let mut lengths = sections.get(11, "ramification lengths")?;
+        let branches = [branches(&mut lengths)?, branches(&mut lengths)?];
+        Ok(Self {
+            name,
+            scale,
+            kind,
+            washin_deg: [washin[0], washin.get(2).copied().unwrap_or(0.0)],
+            washin_rule: washin[1] as i64,
+            ribs,
+            calage,
+            riser,
+            lines,
+            karabiners,
+            plans,
+            brake_line,
+            brakes,
+            branches,
+        })
+    }
+}
