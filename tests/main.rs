@@ -43,6 +43,7 @@ mod faults;
 mod folders;
 mod front_door;
 mod fuzz;
+mod import;
 mod interrupts;
 mod keeping;
 mod lep_sim;
@@ -144,6 +145,7 @@ fn main() -> std::process::ExitCode {
         folders::trials(),
         front_door::trials(),
         python::trials(),
+        import::trials(),
         fuzz::trials(),
         resumption::trials(),
         resolved::trials(),

@@ -87,7 +87,7 @@ pub(super) fn check_row(
     let row_key = key(&format!("rows.{name}"));
     let key = |name: &str| format!("{row_key}.{name}");
     let last = table.cells / 2 + table.cells % 2;
-    let grows = written.ribs.windows(2).all(|p| p[1] > p[0]);
+    let grows = written.positions.is_some() || written.ribs.windows(2).all(|p| p[1] > p[0]);
     // A rib in the middle belongs to both halves.
     let first = table.cells % 2;
     let inside = written.ribs.iter().all(|rib| (first..=last).contains(rib));
@@ -115,6 +115,7 @@ pub(super) fn check_row(
             "attach lines before or behind them",
         ));
     }
+    let positions = check_positions(&key("positions"), table, written)?;
     let mut carried = written.ribs.len();
     let mut height = 1.0;
     let mut levels = Vec::new();
@@ -187,10 +188,47 @@ pub(super) fn check_row(
         name: name.clone(),
         position,
         ribs: written.ribs.clone(),
+        positions,
         levels,
         riser_length_m,
         riser: material(materials, &key("riser_material"), &written.riser_material)?,
         trim_m,
         diagonals,
     })
+}
+
+/// Places of single attachments.
+fn check_positions(
+    key: &str,
+    table: &file::Wing,
+    written: &file::LineRow,
+) -> Result<Vec<f64>, Problem> {
+    let Some(positions) = &written.positions else {
+        return Ok(Vec::new());
+    };
+    let refuse = |why: String, what: &str| Err(Problem::new(key, why, what));
+    if positions.len() != written.ribs.len() {
+        return refuse(
+            format!(
+                "{key} has {} places for {} ribs",
+                positions.len(),
+                written.ribs.len()
+            ),
+            "give one place for each rib in `ribs`",
+        );
+    }
+    let mut places: Vec<(usize, f64)> = Vec::new();
+    for (rib, position) in written.ribs.iter().zip(positions) {
+        let position = within(key, *position, 0.01, 1.0)?;
+        let in_intake = (table.intakes.as_ref())
+            .is_some_and(|intakes| position > intakes.from && position < intakes.to);
+        if in_intake || places.contains(&(*rib, position)) {
+            return refuse(
+                format!("{key}: {position} of rib {rib} lies in the intakes, or is there twice"),
+                "attach every line at a place of its own, before or behind the intakes",
+            );
+        }
+        places.push((*rib, position));
+    }
+    Ok(positions.clone())
 }

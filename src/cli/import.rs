@@ -1,4 +1,4 @@
-//! `ripstop import FILE`: a wing of another program as a case.
+//! `ripstop import FILE`: a wing of another program as a case, or every wing of a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use clap::Args;
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
-use crate::case::leparagliding::{self, Published};
+use crate::case::leparagliding::{self, Imported, Published};
 use crate::case::{self, Case, Choices};
 use crate::output::{
     NOTHING, OutputError, aligned, prepare_directory, significant, write_atomically,
@@ -15,9 +15,9 @@ use crate::output::{
 
 #[derive(Debug, Args)]
 pub(super) struct ImportArguments {
-    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it.
+    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it; or a folder whose folders hold one each.
     file: PathBuf,
-    /// Folder for the case and the airfoil files.
+    /// Folder for the case and the airfoil files; of several wings each has a folder there.
     #[arg(long, value_name = "DIR", default_value = "imported")]
     out: PathBuf,
     /// Pilot, harness and all else that hangs on the risers [kg]; by the area if left out.
@@ -28,17 +28,50 @@ pub(super) struct ImportArguments {
 /// Name of the case.
 const CASE: &str = "wing.toml";
 
+/// Name of the other program's file.
+const THEIRS: &str = "leparagliding.txt";
+
 /// Digits of measures.
 const DIGITS: i32 = 4;
 
 pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
-    let bad = |why: String| Failure::Other(exit::BAD_CASE, why);
-    let told = arguments.file.display();
-    let text = read(&arguments.file).map_err(|why| bad(format!("cannot read {told}: {why}")))?;
-    let imported = leparagliding::import(&text, arguments.pilot)
+    if arguments.file.is_dir() {
+        return several(arguments);
+    }
+    let (imported, case) = one(&arguments.file, &arguments.out, arguments.pilot)?;
+    let folder = folder_of(&arguments.file);
+    emit(&format!("{}\n\n{}", imported.name, table(&case, folder)))?;
+    for line in &imported.left_out {
+        emit(&format!("not brought in: {line}\n"))?;
+    }
+    let path = arguments.out.join(CASE);
+    emit(&format!(
+        "case: {}; `ripstop run {}` trims it\n",
+        path.display(),
+        path.display()
+    ))?;
+    Ok(0)
+}
+
+fn bad(why: String) -> Failure {
+    Failure::Other(exit::BAD_CASE, why)
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or_else(|| Path::new("."))
+}
+
+/// Brings one wing in, and checks it.
+fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case), Failure> {
+    let told = file.display();
+    let text = read(file).map_err(|why| bad(format!("cannot read {told}: {why}")))?;
+    let folder = folder_of(file);
+    let thickness = |name: &str| {
+        let airfoil = read(&folder.join(name)).ok()?;
+        leparagliding::airfoil_thickness(&airfoil)
+    };
+    let imported = leparagliding::import(&text, pilot_kg, thickness)
         .map_err(|why| bad(format!("{told}: {why}")))?;
-    let folder = arguments.file.parent().unwrap_or_else(|| Path::new("."));
-    let out = &arguments.out;
     let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
     let path = out.join(CASE);
     if path.exists() {
@@ -59,15 +92,72 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
     }
     write_atomically(&path, |file| file.write_all(imported.text.as_bytes())).map_err(failed)?;
     let case = case::load(&path, &Choices::default()).map_err(Failure::Case)?;
-    emit(&format!("{}\n\n{}", imported.name, table(&case, folder)))?;
-    for line in &imported.left_out {
-        emit(&format!("not brought in: {line}\n"))?;
+    Ok((imported, case))
+}
+
+/// Brings in the wing of every folder in a folder, and tells of each in a line.
+fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
+    let told = arguments.file.display();
+    let entries = std::fs::read_dir(&arguments.file)
+        .map_err(|why| bad(format!("cannot read {told}: {why}")))?;
+    let mut folders: Vec<PathBuf> = (entries.flatten())
+        .map(|entry| entry.path())
+        .filter(|folder| folder.join(THEIRS).is_file())
+        .collect();
+    folders.sort();
+    if folders.is_empty() {
+        return Err(bad(format!(
+            "no folder in {told} holds a {THEIRS}: give the file of one wing, or a folder of such folders"
+        )));
     }
-    emit(&format!(
-        "case: {}; `ripstop run {}` trims it\n",
-        path.display(),
-        path.display()
-    ))?;
+    let head = [
+        "wing",
+        "cells",
+        "area m²",
+        "span m",
+        "projected m²",
+        "lines m",
+        "",
+    ];
+    let mut lines = vec![head.map(str::to_owned).to_vec()];
+    for folder in folders {
+        let name = folder.file_name().unwrap_or_default();
+        let found = one(
+            &folder.join(THEIRS),
+            &arguments.out.join(name),
+            arguments.pilot,
+        );
+        let name = name.to_string_lossy().into_owned();
+        let wing = found
+            .as_ref()
+            .ok()
+            .and_then(|(_, case)| Some((case, case.scene.wing()?)));
+        lines.push(match (&found, wing) {
+            (Ok(_), Some((case, wing))) => {
+                let measures = &wing.built.measures;
+                let shown = |number: f64| significant(number, DIGITS);
+                vec![
+                    name,
+                    wing.plan.cells.to_string(),
+                    shown(measures.flat_area_m2),
+                    shown(measures.flat_span_m),
+                    shown(measures.projected_area_m2),
+                    shown(leparagliding::line_length_m(case)),
+                    "brought in".to_owned(),
+                ]
+            }
+            (Err(why), _) => {
+                let why = match why {
+                    Failure::Case(error) => error.to_string(),
+                    Failure::NoDevice(why) | Failure::Other(_, why) => why.clone(),
+                };
+                let nothing = std::iter::repeat_n(NOTHING.to_owned(), head.len() - 2);
+                std::iter::once(name).chain(nothing).chain([why]).collect()
+            }
+            (Ok(_), None) => vec![name],
+        });
+    }
+    emit(&aligned(&lines))?;
     Ok(0)
 }
 

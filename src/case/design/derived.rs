@@ -168,6 +168,9 @@ fn short(value: Value) -> Value {
     match value {
         Value::Float(number) => Value::Float(rounded(number)),
         Value::Array(all) => Value::Array(all.into_iter().map(short).collect()),
+        Value::Table(table) => {
+            Value::Table(table.into_iter().map(|(k, v)| (k, short(v))).collect())
+        }
         other => other,
     }
 }

@@ -193,8 +193,10 @@ pub struct LineMaterial {
 pub struct LineRow {
     /// Place on the lower side, per chord; 1 is the trailing edge, where brakes are.
     pub position: f64,
-    /// Ribs with attachments, counted from the middle.
+    /// Ribs with attachments, counted from the middle; they grow outwards, but for a row with `positions`.
     pub ribs: Vec<usize>,
+    /// Place of every attachment on the lower side, per chord, where they are not all at `position`: a line may then lead to any rib, and several to one.
+    pub positions: Option<Vec<f64>>,
     /// Levels of lines from the attachments down.
     pub levels: Vec<LineLevel>,
     /// Length of the riser [m].

@@ -13,12 +13,10 @@ use toml::{Table, Value};
 pub use published::{Published, line_length_m};
 pub use read::ReadFault;
 
-use self::read::Drawing;
+use self::read::{CENTIMETRE_M, Drawing};
 use super::design::{Keys, commented, wing};
 use super::file::Quality;
-
-/// m of a centimetre.
-const CENTIMETRE_M: f64 = 0.01;
+use crate::geometry::profile::Profile;
 
 /// Why a wing cannot be brought in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -47,23 +45,34 @@ pub struct Imported {
     pub left_out: Vec<String>,
 }
 
-/// Reads the text of a `leparagliding.txt` and writes it as a case; `pilot_kg` hangs on the risers, 3.9 kg per m² if it is not given.
+/// Thickness over the chord below which a profile stands for an edge that is sewn flat, and the profile that stands in its place.
+const FLAT: f64 = 0.03;
+const IN_PLACE_OF_FLAT: &str = "0006";
+
+/// Reads the text of a `leparagliding.txt` and writes it as a case; `pilot_kg` hangs on the risers, 3.9 kg per m² if it is not given. `thickness`
+/// tells that of an airfoil file over its chord.
 ///
 /// # Errors
 ///
 /// Where the text lacks a section, or the wing has one skin.
-pub fn import(text: &str, pilot_kg: Option<f64>) -> Result<Imported, ImportFault> {
+pub fn import(
+    text: &str,
+    pilot_kg: Option<f64>,
+    thickness: impl Fn(&str) -> Option<f64>,
+) -> Result<Imported, ImportFault> {
     let drawing = Drawing::read(text)?;
     if drawing.kind != "ds" {
         return Err(ImportFault::Kind(drawing.kind));
     }
     let mut left_out = Vec::new();
-    let keys = keys(&drawing, pilot_kg, &mut left_out)?;
+    let is_flat = |file: &str| thickness(file).is_some_and(|share| share < FLAT);
+    let keys = keys(&drawing, pilot_kg, &is_flat, &mut left_out)?;
     let mut case = Table::from_iter([("version".to_owned(), Value::from(1))]);
     let derived = keys.put_into(&mut case);
     let mut profiles: Vec<String> = drawing.ribs.iter().map(|rib| rib.profile.clone()).collect();
     profiles.sort();
     profiles.dedup();
+    profiles.retain(|file| !is_flat(file));
     Ok(Imported {
         text: commented(&case, &derived),
         name: drawing.name,
@@ -72,21 +81,24 @@ pub fn import(text: &str, pilot_kg: Option<f64>) -> Result<Imported, ImportFault
     })
 }
 
-/// True where the first rib stands in the middle: the number of cells is even, whatever the file counts.
-fn has_middle_rib(drawing: &Drawing) -> bool {
-    drawing.ribs[0].span.abs() < 1e-6
+/// Thickness of an airfoil over its chord, by the text of its file; `None` where that cannot be read.
+#[must_use]
+pub fn airfoil_thickness(text: &str) -> Option<f64> {
+    let profile = Profile::parse(text).ok()?;
+    Some(profile.thickness())
 }
 
 fn keys(
     drawing: &Drawing,
     pilot_kg: Option<f64>,
+    is_flat: &dyn Fn(&str) -> bool,
     left_out: &mut Vec<String>,
 ) -> Result<Keys, ImportFault> {
     let scale_m = CENTIMETRE_M * drawing.scale;
     let of = |name: &str| format!("structure.wing.{name}");
     let ribs = &drawing.ribs;
     let half = ribs.len();
-    let cells = if has_middle_rib(drawing) {
+    let cells = if drawing.has_middle_rib() {
         2 * (half - 1)
     } else {
         2 * half - 1
@@ -111,12 +123,19 @@ fn keys(
     stations(drawing, scale_m, &mut keys);
     let names: BTreeMap<&str, String> = profile_names(drawing);
     for (file, name) in &names {
-        let key = of(&format!("profiles.{name}.file"));
-        keys.set(key, *file, "section 2");
+        if is_flat(file) {
+            let key = of(&format!("profiles.{name}.naca"));
+            keys.set(key, IN_PLACE_OF_FLAT, "in place of a flat one");
+            left_out.push(format!(
+                "{file} is flat, as of an edge that is sewn together: a symmetric profile of 6 % stands in its place"
+            ));
+        } else {
+            let key = of(&format!("profiles.{name}.file"));
+            keys.set(key, *file, "section 2");
+        }
     }
     openings(drawing, &mut keys);
-    let open = ribs.iter().find(|rib| rib.is_open);
-    wing::sewn_of(open.map_or(0.03, |rib| 0.01 * rib.intake[1]), &mut keys);
+    wing::sewn_of(drawing.intake().map_or(0.03, |[_, to]| to), &mut keys);
     rows::derive(drawing, scale_m, &mut keys, left_out);
     let area_m2: f64 = (1..half)
         .map(|k| (chord(k - 1) + chord(k)) * (ribs[k].span - ribs[k - 1].span))
@@ -174,7 +193,7 @@ fn stations(drawing: &Drawing, scale_m: f64, keys: &mut Keys) {
         Value::Table(station)
     };
     // A cell in the middle has no rib there.
-    let middle = (!has_middle_rib(drawing)).then(|| station(0, 0.0, 0.0));
+    let middle = (!drawing.has_middle_rib()).then(|| station(0, 0.0, 0.0));
     let others = (ribs.iter().enumerate()).map(|(number, rib)| {
         let lean_deg = if rib.span == 0.0 { 0.0 } else { rib.lean_deg };
         station(number, rib.span, lean_deg)
@@ -189,12 +208,8 @@ fn openings(drawing: &Drawing, keys: &mut Keys) {
     let of = |name: &str| format!("structure.wing.{name}");
     let ribs = &drawing.ribs;
     let why = "section 2";
-    if let Some(open) = ribs
-        .iter()
-        .find(|rib| rib.is_open && rib.intake[1] > rib.intake[0])
-    {
-        let [from, to] = open.intake.map(|place| 0.01 * place);
-        keys.set(of("intakes.from"), from.max(0.002), why);
+    if let Some([from, to]) = drawing.intake() {
+        keys.set(of("intakes.from"), from, why);
         keys.set(of("intakes.to"), to, why);
         let closed = ribs.iter().rev().take_while(|rib| !rib.is_open).count();
         keys.set(of("intakes.closed_tip_cells"), closed as i64, why);

@@ -1,6 +1,9 @@
 //! The input file of LEparagliding (`leparagliding.txt`, versions 2.x and 3.x): numbered sections of plain lines. Lengths in it are centimetres of the
 //! drawing, which the wing scale multiplies.
 
+/// m of a centimetre.
+pub(super) const CENTIMETRE_M: f64 = 0.01;
+
 /// Why a file cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ReadFault {
@@ -213,6 +216,19 @@ fn branches(section: &mut Section) -> Result<Branches, ReadFault> {
 }
 
 impl Drawing {
+    /// True where the first rib stands in the middle: the number of cells is even, whatever the file counts.
+    pub(super) fn has_middle_rib(&self) -> bool {
+        self.ribs[0].span.abs() < 1e-6
+    }
+
+    /// Intake of the open cells, over the chord; `None`: no cell is open.
+    pub(super) fn intake(&self) -> Option<[f64; 2]> {
+        let mut ribs = self.ribs.iter();
+        let open = ribs.find(|rib| rib.is_open && rib.intake[1] > rib.intake[0])?;
+        let [from, to] = open.intake.map(|place| 0.01 * place);
+        Some([from.max(0.002), to])
+    }
+
     pub(super) fn read(text: &str) -> Result<Self, ReadFault> {
         let sections = Sections::new(text);
         let mut geometry = sections.get(1, "geometry")?;

@@ -1,103 +1,124 @@
-//! Rows of lines from the paths of the file.
+//! Rows of lines from the paths of the file: one row for every riser, and the brakes.
 
 use toml::{Table, Value};
 
 use super::super::design::Keys;
-use super::read::{Drawing, Path};
-use super::{CENTIMETRE_M, has_middle_rib};
+use super::read::{CENTIMETRE_M, Drawing, Path};
 
 /// Number of the brakes among the rows of the file.
 const BRAKES: usize = 6;
 
-/// Names of the rows, by their numbers from 1.
-const NAMES: [&str; 6] = ["A", "B", "C", "D", "E", "brake"];
+/// Names of the rows, by their risers from the nose.
+const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
+
+/// Places that differ by less than this, over the chord, are one.
+const SAME_PLACE: f64 = 0.015;
 
 /// Least height of a node over the riser, and distance of nodes above each other, over the height of the row.
 const LOWEST: f64 = 0.1;
 const APART: f64 = 0.05;
 
-/// Row of the plan: its lines end at anchors of one row, whichever riser they begin at.
-struct Row<'a> {
-    number: usize,
-    /// Riser and path of every anchor, and its rib as ours count.
-    paths: Vec<(usize, &'a Path, usize)>,
+/// An attachment: rib as ours count, place over the chord, and the lines that lead there.
+struct Attachment<'a> {
+    rib: usize,
+    place: f64,
+    path: &'a Path,
 }
 
+/// Puts all rows; says what the file has and they do not.
 pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out: &mut Vec<String>) {
-    let mut strangers = 0;
-    let mut between = 0;
-    for number in 1..=NAMES.len() {
-        let mut row = Row {
-            number,
-            paths: Vec::new(),
-        };
-        let plans = drawing.plans.iter().enumerate();
-        let all = plans.flat_map(|(plan, paths)| paths.iter().map(move |path| (plan, path)));
-        let brakes = drawing.brakes.iter().map(|path| (usize::MAX, path));
-        for (plan, path) in all.chain(brakes).filter(|(_, path)| path.row == number) {
-            // Plans are numbered as their rows are.
-            strangers += usize::from(plan != usize::MAX && plan + 1 != number);
-            between += usize::from(path.rib.fract() != 0.0);
-            if let Some(rib) = our_rib(drawing, path.rib) {
-                row.paths.push((plan, path, rib));
+    let mut places: Vec<f64> = Vec::new();
+    let mut lost = 0;
+    let rows = NAMES.into_iter().zip(&drawing.plans);
+    let brakes = std::iter::once(("brake", &drawing.brakes));
+    for (name, paths) in rows.chain(brakes) {
+        let mut row: Vec<Attachment> = Vec::new();
+        for path in paths {
+            let found = attachment(drawing, path, &mut places);
+            match found.filter(|new| !row.iter().any(|known| is_same(known, new))) {
+                Some(new) => row.push(new),
+                None => lost += 1,
             }
         }
-        row.paths.sort_by_key(|(_, _, rib)| *rib);
-        row.paths.dedup_by_key(|(_, _, rib)| *rib);
-        if !row.paths.is_empty() {
-            put(drawing, &row, scale_m, keys);
+        if !row.is_empty() {
+            put(drawing, (name, &row), scale_m, keys);
         }
     }
-    if strangers > 0 {
-        left_out.push(format!(
-            "{strangers} lines lead to an anchor of another row than their riser's: here every row has its own riser"
-        ));
-    }
+    let between = drawing.brakes.iter().filter(|path| path.rib.fract() != 0.0);
+    let between = between.count();
     if between > 0 {
         left_out.push(format!(
             "{between} brake lines end between two ribs: here at the nearer one"
         ));
     }
+    if lost > 0 {
+        left_out.push(format!(
+            "{lost} lines lead to an anchor that is not there, or where another one is"
+        ));
+    }
 }
 
-/// Number of a rib as ours count; `None` of one that is not there.
-fn our_rib(drawing: &Drawing, rib: f64) -> Option<usize> {
-    let nearest = rib.round() as usize;
-    if nearest == 0 || nearest > drawing.ribs.len() {
+fn is_same(a: &Attachment, b: &Attachment) -> bool {
+    a.rib == b.rib && a.place == b.place
+}
+
+/// Where a path leads; `None` where there is no such anchor. Places are those of `known` where they are near one.
+fn attachment<'a>(
+    drawing: &Drawing,
+    path: &'a Path,
+    known: &mut Vec<f64>,
+) -> Option<Attachment<'a>> {
+    let number = path.rib.round() as usize;
+    let rib = drawing.ribs.get(number.checked_sub(1)?)?;
+    let place = if path.row == BRAKES {
+        1.0
+    } else {
+        0.01 * rib.anchors.get(path.row.checked_sub(1)?)?
+    };
+    if !(0.01..=1.0).contains(&place) {
         return None;
     }
-    Some(nearest - usize::from(has_middle_rib(drawing)))
-}
-
-/// The place of a row that most of its ribs have, over the chord.
-fn position(drawing: &Drawing, row: &Row) -> f64 {
-    if row.number == BRAKES {
-        return 1.0;
-    }
-    let first = usize::from(!has_middle_rib(drawing));
-    let ribs = row
-        .paths
+    // Cells at the tips may be closed there; the plan has one intake for all.
+    let place = match drawing.intake() {
+        Some([from, to]) if place > from && place < to => to,
+        _ => place,
+    };
+    let near = known
         .iter()
-        .map(|(_, _, rib)| &drawing.ribs[rib - first]);
-    let mut places: Vec<f64> = ribs
-        .filter_map(|rib| rib.anchors.get(row.number - 1).copied())
-        .collect();
-    places.sort_by(f64::total_cmp);
-    0.01 * places.get(places.len() / 2).copied().unwrap_or(50.0)
+        .find(|other| (place - **other).abs() < SAME_PLACE);
+    let place = near.copied().unwrap_or_else(|| {
+        known.push(place);
+        place
+    });
+    Some(Attachment {
+        rib: number - usize::from(drawing.has_middle_rib()),
+        place,
+        path,
+    })
 }
 
-fn put(drawing: &Drawing, row: &Row, scale_m: f64, keys: &mut Keys) {
-    let name = NAMES[row.number - 1];
+fn put(drawing: &Drawing, (name, row): (&str, &[Attachment]), scale_m: f64, keys: &mut Keys) {
     let of = |key: &str| format!("structure.wing.rows.{name}.{key}");
-    let is_brake = row.number == BRAKES;
-    keys.set(of("position"), position(drawing, row), "section 3");
-    let ribs: Vec<Value> = (row.paths.iter())
-        .map(|(_, _, rib)| Value::from(*rib as i64))
-        .collect();
-    let why = if is_brake { "section 10" } else { "section 9" };
+    let is_brake = name == "brake";
+    let why = if is_brake {
+        "section 10"
+    } else {
+        "sections 3 and 9"
+    };
+    // That of most of its attachments.
+    let count = |place: f64| row.iter().filter(|one| one.place == place).count();
+    let position = row.iter().map(|one| one.place);
+    let position = position.max_by_key(|place| count(*place)).unwrap_or(1.0);
+    keys.set(of("position"), position, why);
+    let ribs: Vec<Value> = row.iter().map(|one| Value::from(one.rib as i64)).collect();
     keys.set(of("ribs"), ribs, why);
-    let levels = levels(drawing, row, scale_m);
-    keys.set(of("levels"), levels, "sections 9 to 11");
+    let positions: Vec<Value> = row.iter().map(|one| Value::from(one.place)).collect();
+    keys.set(of("positions"), positions, why);
+    keys.set(
+        of("levels"),
+        levels(drawing, is_brake, row, scale_m),
+        "sections 9 to 11",
+    );
     let riser_m = if is_brake {
         0.3
     } else {
@@ -113,20 +134,23 @@ fn put(drawing: &Drawing, row: &Row, scale_m: f64, keys: &mut Keys) {
     }
 }
 
-/// Levels of lines from the sail down: where fewer lines lead to an anchor than to others of the row, the uppermost is divided.
-fn levels(drawing: &Drawing, row: &Row, scale_m: f64) -> Vec<Value> {
-    let most = row.paths.iter().map(|(_, path, _)| path.lines.len());
+/// Levels of lines from the sail down: where fewer lines lead to an attachment than to others of the row, the uppermost is divided.
+fn levels(drawing: &Drawing, is_brake: bool, row: &[Attachment], scale_m: f64) -> Vec<Value> {
+    let most = row.iter().map(|one| one.path.lines.len());
     let most = most.max().unwrap_or(1).max(1);
-    // What the line of a path is in a level from the sail, told by the orders from the riser up.
-    let key = |(plan, path, rib): &(usize, &Path, usize), level: usize| {
-        let own = path.lines.len();
-        let below = most - 1 - level;
-        let orders: Vec<usize> = path.lines.iter().take(below + 1).copied().collect();
-        // A divided line is that of its anchor alone.
-        let anchor = if below + 1 >= own { *rib } else { usize::MAX };
-        (*plan, orders, anchor)
+    // What the line of an attachment is in a level from the sail, told by the orders from the riser up.
+    let line = |number: usize, level: usize| {
+        let orders = &row[number].path.lines;
+        let count = most - level;
+        // A divided line is that of its attachment alone.
+        let own = if count >= orders.len() {
+            number
+        } else {
+            usize::MAX
+        };
+        (&orders[..count.min(orders.len())], own)
     };
-    let branches = &drawing.branches[usize::from(row.number == BRAKES)];
+    let branches = &drawing.branches[usize::from(is_brake)];
     let lengths = if most >= 3 {
         &branches[1]
     } else {
@@ -134,23 +158,18 @@ fn levels(drawing: &Drawing, row: &Row, scale_m: f64) -> Vec<Value> {
     };
     let height_m = drawing.lines * scale_m;
     let mut levels = Vec::new();
-    let mut carried: Vec<_> = row.paths.iter().collect();
+    let mut carried: Vec<usize> = (0..row.len()).collect();
     let mut above = 1.0;
     for level in 0..most - 1 {
-        let mut joins: Vec<(i64, _)> = Vec::new();
-        for path in &carried {
-            let below = key(path, level + 1);
+        // Neighbours that one line carries join; the first of them stands for it below.
+        let mut joins: Vec<(i64, usize)> = Vec::new();
+        for &number in &carried {
             match joins.last_mut() {
-                Some((count, known)) if *known == below => *count += 1,
-                _ => joins.push((1, below)),
+                Some((count, first)) if line(*first, level + 1) == line(number, level + 1) => {
+                    *count += 1;
+                }
+                _ => joins.push((1, number)),
             }
-        }
-        // The first of every group stands for it in the next level.
-        let mut next = Vec::new();
-        let mut at = 0;
-        for (count, _) in &joins {
-            next.push(carried[at]);
-            at += *count as usize;
         }
         // Lengths from the sail are written from the lowest node up.
         let from_sail = lengths.len().checked_sub(level + 1).map(|k| lengths[k]);
@@ -164,7 +183,7 @@ fn levels(drawing: &Drawing, row: &Row, scale_m: f64) -> Vec<Value> {
             ("joins".to_owned(), Value::from(counts)),
             ("height".to_owned(), Value::from(height)),
         ])));
-        carried = next;
+        carried = joins.into_iter().map(|(_, first)| first).collect();
     }
     let main = ("material".to_owned(), Value::from("main"));
     levels.push(Value::Table(Table::from_iter([main])));

@@ -22,7 +22,12 @@ impl Places {
     /// Divides both sides of the middle profile evenly along its outline, finer at the nose, with nodes where lines are attached and
     /// intakes end.
     pub fn new(plan: &Plan, fineness: Fineness) -> Result<Self, WingFault> {
-        let mut named: Vec<f64> = plan.rows.iter().map(|row| row.position).collect();
+        let rows = plan.rows.iter();
+        let mut named: Vec<f64> = rows
+            .flat_map(|row| row.attachments().map(|(_, place)| place))
+            .collect();
+        named.sort_by(f64::total_cmp);
+        named.dedup();
         if let Some(intakes) = plan.intakes {
             named.extend([intakes.from, intakes.to]);
         }

@@ -66,17 +66,16 @@ impl Builder<'_> {
     }
 
     fn add_row(&mut self, number: usize, row: &Row, half: usize, hang: u32) {
-        let j = self.places.nearest(Side::Lower, row.position);
-        let k = if row.position >= 1.0 {
-            self.fineness.along_chord
-        } else {
-            self.on_outline(Side::Lower, j)
+        let node = |(from_middle, place): (usize, f64)| {
+            let j = self.places.nearest(Side::Lower, place);
+            let k = if place >= 1.0 {
+                self.fineness.along_chord
+            } else {
+                self.on_outline(Side::Lower, j)
+            };
+            self.outlines[self.counted(from_middle)[half]][k]
         };
-        let attachments: Vec<u32> = row
-            .ribs
-            .iter()
-            .map(|&from_middle| self.outlines[self.counted(from_middle)[half]][k])
-            .collect();
+        let attachments: Vec<u32> = row.attachments().map(node).collect();
         let mean = |nodes: &[u32], builder: &Self| {
             nodes.iter().map(|&n| builder.position(n)).sum::<DVec3>() / nodes.len() as f64
         };

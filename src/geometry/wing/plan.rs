@@ -100,6 +100,8 @@ pub struct Row {
     pub position: f64,
     /// Ribs with attachments, counted from the middle (0 in the plane of symmetry if there is one), growing.
     pub ribs: Vec<usize>,
+    /// Place of every attachment where they are not all at `position`; else empty.
+    pub positions: Vec<f64>,
     /// From the attachments down.
     pub levels: Vec<Level>,
     /// From where the lines of the row meet to the hang point.
@@ -110,6 +112,15 @@ pub struct Row {
     pub trim_m: f64,
     /// Fabric from the attachments to the upper seams of both neighbouring ribs; `None`: there is none.
     pub diagonals: Option<Diagonals>,
+}
+
+impl Row {
+    /// Attachments: rib, counted from the middle, and place.
+    pub fn attachments(&self) -> impl Iterator<Item = (usize, f64)> {
+        let place = |number: usize| self.positions.get(number).copied();
+        let ribs = self.ribs.iter().enumerate();
+        ribs.map(move |(number, rib)| (*rib, place(number).unwrap_or(self.position)))
+    }
 }
 
 /// Lines from the nodes of a row down to where they join.

@@ -12,6 +12,9 @@ use crate::frame::CableKind;
 /// Least number of edges around a hole.
 const LEAST_HOLE_EDGES: usize = 8;
 
+/// Places of attachments at which diagonals have room, per chord.
+const DIAGONALS: std::ops::RangeInclusive<f64> = 0.02..=0.9;
+
 impl Builder<'_> {
     /// Rib of a number counted from the middle, on the right and on the left; both are the same in the plane of symmetry.
     pub(super) fn counted(&self, from_middle: usize) -> [usize; 2] {
@@ -178,7 +181,8 @@ impl Builder<'_> {
     pub(super) fn add_diagonals(&mut self) -> Result<(), WingFault> {
         let plan = self.plan;
         for row in &plan.rows {
-            for &from_middle in row.ribs.iter().filter(|_| row.diagonals.is_some()) {
+            let sewn = |place: f64| row.diagonals.is_some() && DIAGONALS.contains(&place);
+            for (from_middle, place) in row.attachments().filter(|(_, place)| sewn(*place)) {
                 let [right, left] = self.counted(from_middle);
                 for (rib, out) in [(right, true), (left, false)] {
                     if right == left && !out {
@@ -189,7 +193,7 @@ impl Builder<'_> {
                     let inner = if out { rib.wrapping_sub(1) } else { rib + 1 };
                     for head in [outer, inner] {
                         if head <= plan.cells {
-                            self.add_diagonal(row, rib, head)?;
+                            self.add_diagonal(row, place, [rib, head])?;
                         }
                     }
                 }
@@ -198,11 +202,16 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_diagonal(&mut self, row: &Row, rib: usize, head: usize) -> Result<(), WingFault> {
+    fn add_diagonal(
+        &mut self,
+        row: &Row,
+        place: f64,
+        [rib, head]: [usize; 2],
+    ) -> Result<(), WingFault> {
         let Some(shape) = row.diagonals else {
             return Ok(());
         };
-        let span = |side, width| self.places.around(side, row.position, width);
+        let span = |side, width| self.places.around(side, place, width);
         let feet = span(Side::Lower, shape.foot);
         let heads = span(Side::Upper, shape.head);
         let nodes_of = |rib: usize, side, [first, last]: [usize; 2]| -> Vec<u32> {
@@ -259,7 +268,7 @@ impl Builder<'_> {
             let tag = Tag {
                 part: Part::Diagonal,
                 number: rib as u32,
-                chord_place: row.position as f32,
+                chord_place: place as f32,
             };
             for nodes in strip(&last, &next) {
                 // Normals to the right on both halves do not matter: no pressure acts on diagonals.

@@ -1,0 +1,300 @@
+//! Wings of LEparagliding: our own drawing in its format, brought in, measured and flown.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices, leparagliding};
+
+use crate::command_line::ripstop;
+use crate::engines::plain;
+use crate::folders::json;
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("import::a_wing_has_the_measures_of_its_drawing", measures),
+        plain("import::lines_lead_where_they_are_drawn", lines),
+        plain("import::a_wing_flies", flies),
+        plain("import::what_cannot_be_brought_in_is_told", refused),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Ribs of a half.
+const RIBS: usize = 12;
+
+/// Flat span and chord in the middle of the drawing [cm]; the wing scale.
+const SPAN_CM: f64 = 800.0;
+const CHORD_CM: f64 = 220.0;
+const SCALE: f64 = 1.05;
+
+/// Place of a rib, and chord there [cm]: an ellipse upon a rectangle.
+fn rib(number: usize, even: bool) -> [f64; 2] {
+    let offset = if even { 0.0 } else { 0.5 };
+    let last = (RIBS - 1) as f64 + offset;
+    let x = 0.5 * SPAN_CM * (number as f64 + offset) / last;
+    let share = 2.0 * x / SPAN_CM;
+    [
+        x,
+        CHORD_CM * (0.3 + 0.7 * (1.0 - share * share).max(0.0).sqrt()),
+    ]
+}
+
+/// A drawing of ours in the format of LEparagliding 3, with what its own files have: headings, tabs, numbers without a leading digit.
+fn drawing(even: bool, kind: &str) -> String {
+    let mut text = String::from(
+        "****************\n* Input data file 3.28 version  *\n****************\n*             1. GEOMETRY                                    *\n* Brand name\n\"Ripstop\"\n* Wing name\n\"Own wing\"\n* Drawing scale\n1.\n",
+    );
+    let _ = write!(
+        text,
+        "* Wing scale\n{SCALE}\n* Number of cells\n\t{}\n* Number of ribs\n\t{}\n* Alpha wingtip, parameter\n2.0\t1\n* Paraglider type and parameter\n\"{kind}\" \t1\n* Rib geometric parameters\nRib\tx-rib\ty-LE\n",
+        2 * RIBS - 1,
+        2 * RIBS
+    );
+    for number in 0..RIBS {
+        let [x, chord] = rib(number, even);
+        let lean = 50.0 * (2.0 * x / SPAN_CM).powf(1.4);
+        let front = 0.4 * (CHORD_CM - chord);
+        let back = front + chord;
+        let _ = writeln!(
+            text,
+            " {}\t{x:.2}\t{front:.2}   {back:.2}\t{x:.2}\t.00 {lean:.2} 33.33 .00\t0.00 50.0",
+            number + 1
+        );
+    }
+    text += "*************\n*             2. AIRFOILS       \t *\n* Airfoil name, intake in, intake out , open , disp, rweight\n";
+    for number in 0..RIBS {
+        let file = if number + 1 == RIBS {
+            "edge.txt"
+        } else {
+            "own.txt"
+        };
+        let open = u8::from(number + 2 < RIBS);
+        let _ = writeln!(text, "{}\t{file}\t1.0\t3.0\t{open}\t0\t1\t15", number + 1);
+    }
+    text += "*************\n*            3. ANCHOR POINTS   *\n* Airf Anch A B C D E F\n";
+    for number in 0..RIBS {
+        let _ = writeln!(text, "{}\t3\t10\t35 \t65.5 0 0\t100", number + 1);
+    }
+    text += "***\n*          4. AIRFOIL HOLES  *\n1\n1\n12\n0\n***\n*           5. SKIN TENSION *\nExtrados\n0. 0.3\n***\n*  8. Global AoA estimation *\n* Finesse GR\n8.0\n* Center of pressure\n30.\n* Calage %\n42\n* Risers lenght cm\n45\n* Line lenght cm\n480\n* Karabiners cm\n42\n";
+    text += "***\n*          9. SUSPENSION LINES DESCRIPTION *\n3\n3\n";
+    // Attached at every second rib; of an even number of cells the first is that in the middle. The last line of B leads to an anchor of A.
+    for row in 1..=3 {
+        let ends: Vec<usize> = (1..RIBS).step_by(2).collect();
+        let _ = writeln!(text, "{}", ends.len() + usize::from(row == 2));
+        for (number, end) in ends.iter().enumerate() {
+            let _ = writeln!(
+                text,
+                "3\t1 1\t2 {}\t3 {}\t0 0\t{row} {end}",
+                number / 3 + 1,
+                number + 1
+            );
+        }
+        if row == 2 {
+            let _ = writeln!(text, "2\t1 1\t2 3\t0 0\t0 0\t1 {}", RIBS);
+        }
+    }
+    text += "***\n*       10. BRAKES *\n250\n4\n";
+    for (number, end) in ["3", "5.4", "8", "11"].iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "3 1 1 2 {} 3 {} 0 0 6 {end}",
+            number / 2 + 1,
+            number + 1
+        );
+    }
+    text += "* Brake distribution\n0 25 50 80 100\n0 0 0 0 0\n***\n*       11. Ramification lengths *\n3\t150\n4\t200\t80\n3\t120\n4\t180\t80\n***\n*  12. H V and VH ribs *\n0\n";
+    text
+}
+
+/// A profile as LEparagliding has it: numbers of points before the coordinates.
+fn airfoil(thickness: f64) -> String {
+    let half = |x: f64| {
+        let polynomial = 0.2969 * x.sqrt() - 0.126 * x - 0.3516 * x * x + 0.2843 * x.powi(3);
+        5.0 * thickness * (polynomial - 0.1036 * x.powi(4))
+    };
+    let places: Vec<f64> = (0..=40)
+        .map(|k| 0.5 * (1.0 - (std::f64::consts::PI * f64::from(k) / 40.0).cos()))
+        .collect();
+    let mut text = String::from("own\n 81\n 41\n 4\n 37\n");
+    for x in places.iter().rev() {
+        let _ = writeln!(text, " {x:.6}     {:.6}", half(*x));
+    }
+    for x in &places[1..] {
+        let _ = writeln!(text, " {x:.6}     {:.6}", -half(*x));
+    }
+    text
+}
+
+fn put(folder: &Path, even: bool, kind: &str) {
+    std::fs::create_dir_all(folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("leparagliding.txt", &drawing(even, kind));
+    write("own.txt", &airfoil(0.17));
+    write("edge.txt", &airfoil(0.0));
+}
+
+fn measures() {
+    for even in [true, false] {
+        let folder = tempfile::tempdir().unwrap();
+        put(folder.path(), even, "ds");
+        let area_cm2: f64 = (1..RIBS)
+            .map(|k| {
+                let ([x, chord], [before, other]) = (rib(k, even), rib(k - 1, even));
+                (x - before) * (chord + other)
+            })
+            .sum::<f64>()
+            + 2.0 * rib(0, even)[0] * rib(0, even)[1];
+        let area_m2 = 1e-4 * SCALE * SCALE * area_cm2;
+        // What the other program would have found, told as it does.
+        let text = format!("Flat area =  {area_m2:.4} m2  1. ft2\nFlat span =  8.40 m  1. ft\n");
+        std::fs::write(folder.path().join("lep-out.txt"), text).unwrap();
+        let out = folder.path().join("out");
+        let file = folder.path().join("leparagliding.txt");
+        let output = ripstop(&[
+            "import",
+            file.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(output.code, 0, "{}", output.errors);
+        let case = case::load(&out.join("wing.toml"), &Choices::default()).unwrap();
+        let wing = case.scene.wing().unwrap();
+        assert_eq!(wing.plan.cells, 2 * RIBS - if even { 2 } else { 1 });
+        let found = &wing.built.measures;
+        assert!(
+            (found.flat_area_m2 / area_m2 - 1.0).abs() < 1e-3,
+            "{found:?}"
+        );
+        assert!((found.flat_span_m / 8.4 - 1.0).abs() < 1e-3, "{found:?}");
+        for told in [
+            "flat area",
+            "edge.txt is flat",
+            "1 brake lines end between two ribs",
+        ] {
+            assert!(output.printed.contains(told), "{told}: {}", output.printed);
+        }
+        // It lies there already.
+        let again = ripstop(&[
+            "import",
+            file.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(again.code, 2);
+        assert!(
+            again.errors.contains("is there already"),
+            "{}",
+            again.errors
+        );
+    }
+}
+
+fn lines() {
+    let folder = tempfile::tempdir().unwrap();
+    put(folder.path(), true, "ds");
+    let imported = leparagliding::import(&drawing(true, "ds"), Some(80.0), |_| None).unwrap();
+    let case = case::parse(
+        "wing.toml",
+        &imported.text,
+        folder.path(),
+        &Choices::default(),
+    );
+    let case = case.unwrap_or_else(|told| panic!("{told}"));
+    let rows = &case.scene.wing().unwrap().plan.rows;
+    let [a, b, c, brake] = &rows[..] else {
+        panic!("{} rows", rows.len());
+    };
+    // The rib in the middle has a line of each half; the riser of B carries one to an anchor of A at the tip.
+    assert_eq!(a.ribs, [0, 2, 4, 6, 8, 10]);
+    assert_eq!(b.ribs, [0, 2, 4, 6, 8, 10, 11]);
+    let places: Vec<f64> = b.attachments().map(|(_, place)| place).collect();
+    assert_eq!(places[..6], [0.35; 6]);
+    assert!((places[6] - 0.1).abs() < 1e-9 && (c.position - 0.655).abs() < 1e-9);
+    assert_eq!(a.levels[0].joins, [3, 3]);
+    assert_eq!(b.levels[0].joins, [3, 3, 1]);
+    assert_eq!(brake.ribs, [2, 4, 7, 10]);
+    assert_eq!(brake.levels[0].joins, [2, 2]);
+    // Upper lines of 1.5 m, of which the drawing says so.
+    let height = 1.0 - 1.5 / 4.8;
+    assert!((a.levels[0].height - height).abs() < 1e-9);
+}
+
+fn flies() {
+    let folder = tempfile::tempdir().unwrap();
+    put(folder.path(), true, "ds");
+    let [out, run] = ["out", "run"].map(|name| folder.path().join(name));
+    let file = folder.path().join("leparagliding.txt");
+    let output = ripstop(&[
+        "import",
+        file.to_str().unwrap(),
+        "--pilot",
+        "60",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    let output = ripstop(&[
+        "run",
+        out.join("wing.toml").to_str().unwrap(),
+        "--set",
+        "structure.wing.mesh.along_chord=16",
+        "--set",
+        "structure.wing.mesh.across_cell=2",
+        "--set",
+        "equilibrium.trim.panels_per_side=10",
+        "--out",
+        run.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}{}", output.printed, output.errors);
+    let summary = json(&run.join("summary.json"));
+    let value = |name: &str| summary["results"][name]["value"].as_f64().unwrap();
+    assert!(
+        (7.0..15.0).contains(&value("speed_m_s")),
+        "{}",
+        output.printed
+    );
+    assert!(
+        (3.0..10.0).contains(&value("glide_ratio")),
+        "{}",
+        output.printed
+    );
+    assert!(value("riser_balance_error") < 0.01);
+}
+
+fn refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let import = |even: bool, kind: &str, spoil: &dyn Fn(&Path)| {
+        let at = folder.path().join(format!("{even}{kind}"));
+        put(&at, even, kind);
+        spoil(&at);
+        let out = at.join("out");
+        let file = at.join("leparagliding.txt");
+        ripstop(&[
+            "import",
+            file.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ])
+    };
+    let one_skin = import(true, "ss", &|_| ());
+    let no_airfoil = import(true, "ds", &|at| {
+        std::fs::remove_file(at.join("own.txt")).unwrap()
+    });
+    let cut_short = import(false, "ds", &|at| {
+        let path = at.join("leparagliding.txt");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let end = text.find("10. BRAKES").unwrap();
+        std::fs::write(&path, &text[..end]).unwrap();
+    });
+    for (output, told) in [
+        (one_skin, "only \"ds\""),
+        (no_airfoil, "own.txt"),
+        (cut_short, "section 10 (brakes)"),
+    ] {
+        assert_eq!(output.code, 2, "{}", output.errors);
+        assert!(output.errors.contains(told), "{told}: {}", output.errors);
+    }
+}
