@@ -10,7 +10,7 @@ use super::problem::Problem;
 use super::refinement::written;
 use super::usual;
 use super::usual_box;
-use super::values::{absent, positive, readable, within};
+use super::values::{absent, at_once, positive, readable, within};
 use crate::lattice::eddy_viscosity::{EddyViscosity, EddyViscosityModel, UPDATE_EVERY};
 use crate::lattice::grid::{InletProfile, Sides};
 use crate::lattice::nest::{self, Level, Refinement};
@@ -234,7 +234,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                 .size_m
                 .ok_or_else(|| usual_box::unknown_size(&key("size_m")))?;
             for size in size_m {
-                positive(&key("size_m"), size)?;
+                at_once(|| positive(&key("size_m"), size))?;
             }
             if cell_size_m > 0.5 * size_m[0] {
                 let key = if resolution.cell_size_m.is_some() {
@@ -263,7 +263,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
                     )
                 })
                 .transpose()?;
-            positive(&key("start_time_s"), tunnel.start_time_s)?;
+            at_once(|| positive(&key("start_time_s"), tunnel.start_time_s))?;
             let sides = check_sides(air, air.descent.is_some())?;
             let (cells, across_m) = (outermost(size_m), cell_size_m * across);
             let flow = Flow::WindTunnel {

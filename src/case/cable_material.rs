@@ -3,7 +3,7 @@
 use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::positive;
+use super::values::{at_once, positive};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 /// Checks the material written in the table `key`.
@@ -38,7 +38,7 @@ pub(super) fn check_material(key: &str, material: &file::CableMaterial) -> Resul
     };
     let damping_n_s = usual::or(key("damping_n_s"), material.damping_n_s, 0.0);
     if damping_n_s != 0.0 {
-        positive(&key("damping_n_s"), damping_n_s)?;
+        at_once(|| positive(&key("damping_n_s"), damping_n_s))?;
     }
     Ok(Cable {
         area_m2,

@@ -6,7 +6,7 @@ use super::air::Air;
 use super::body::{Body, BodyKind};
 use super::file::{self, File};
 use super::problem::Problem;
-use super::values::{positive, readable, within};
+use super::values::{at_once, positive, readable, within};
 use super::wing::{FrictionName, Tunnel, Wing};
 use super::{plate, rims, usual};
 use crate::cloth::Structure;
@@ -279,7 +279,7 @@ fn check_fabric_coupling(
         ));
     }
     if let Some(factor) = written.mass_factor {
-        positive("coupling.mass_factor", factor)?;
+        at_once(|| positive("coupling.mass_factor", factor))?;
         for mass in &mut body.structure.masses_kg {
             *mass *= factor;
         }

@@ -5,7 +5,7 @@ use super::file::{self, File, Structure};
 use super::permeability;
 use super::problem::Problem;
 use super::usual;
-use super::values::{absent, positive, within};
+use super::values::{absent, at_once, positive, within};
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 
@@ -116,7 +116,7 @@ fn check_initial_strain(key: &str, written: Option<[f64; 2]>) -> Result<[f64; 2]
     let strain = usual::or(key, written, [0.0; 2]);
     let [least, most] = INITIAL_STRAIN;
     for value in strain {
-        within(key, value, least, most)?;
+        at_once(|| within(key, value, least, most))?;
     }
     Ok(strain)
 }

@@ -3,7 +3,7 @@
 use super::file::{self, BoxSide, Inlet};
 use super::problem::Problem;
 use super::usual;
-use super::values::{positive, readable, within};
+use super::values::{at_once, positive, readable, within};
 use crate::lattice::grid::{Faces, InletProfile, Sides, Wall};
 
 /// Exponent of the power law of a turbulent boundary layer (Prandtl; Schlichting).
@@ -39,7 +39,7 @@ pub(super) fn check_inlet(
             const TABLE: &str = "air.faces.inlet.boundary_layer";
             let thickness_m = positive(&format!("{TABLE}.thickness_m"), layer.thickness_m)?;
             let exponent = usual::or(format!("{TABLE}.exponent"), layer.exponent, USUAL_EXPONENT);
-            within(&format!("{TABLE}.exponent"), exponent, 0.01, 1.0)?;
+            at_once(|| within(&format!("{TABLE}.exponent"), exponent, 0.01, 1.0))?;
             let sides = usual::or(format!("{TABLE}.sides"), layer.sides.clone(), sticky(sides));
             if sides.is_empty() {
                 return Err(Problem::new(
@@ -72,8 +72,8 @@ pub(super) fn check_inlet(
                 ));
             }
             for [distance_m, ratio] in points {
-                within(KEY, *distance_m, 0.0, FARTHEST_M)?;
-                within(KEY, *ratio, 0.0, LARGEST_RATIO)?;
+                at_once(|| within(KEY, *distance_m, 0.0, FARTHEST_M))?;
+                at_once(|| within(KEY, *ratio, 0.0, LARGEST_RATIO))?;
             }
             InletProfile::new(cells, |y, z| {
                 let place_m = match table.along {

@@ -3,7 +3,7 @@
 use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::{positive, within};
+use super::values::{at_once, positive, within};
 use crate::fabric::permeability::{NAMED_FABRICS, Permeability};
 
 /// Checks the table at `key`; `thickness_m` is what Ergun's law takes without a thickness of its own, the density that of the air.
@@ -81,10 +81,10 @@ pub(super) fn check(
 
 fn check_points(key: &str, pressures: &[f64], speeds: &[f64]) -> Result<Permeability, Problem> {
     for pressure in pressures {
-        positive(&format!("{key}.pressures_pa"), *pressure)?;
+        at_once(|| positive(&format!("{key}.pressures_pa"), *pressure))?;
     }
     for speed in speeds {
-        positive(&format!("{key}.air_speeds_m_s"), *speed)?;
+        at_once(|| positive(&format!("{key}.air_speeds_m_s"), *speed))?;
     }
     match (pressures, speeds) {
         ([pressure], [speed]) => Ok(Permeability::from_point([*pressure, *speed])),

@@ -5,7 +5,7 @@ use super::body::{Body, BodyKind};
 use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::{direction, positive, readable, vector};
+use super::values::{at_once, direction, positive, readable, vector};
 use crate::fabric::Fabric;
 use crate::geometry::plate::{self, Plate};
 
@@ -26,7 +26,7 @@ fn key(name: &str) -> String {
 
 pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Problem> {
     for size in written.size_m {
-        positive(&key("size_m"), size)?;
+        at_once(|| positive(&key("size_m"), size))?;
     }
     let [along_count, across_count] = written.divisions;
     if !(2..=DIVISION_LIMIT).contains(&along_count) || !(1..=DIVISION_LIMIT).contains(&across_count)

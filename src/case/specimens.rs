@@ -6,7 +6,7 @@ use super::body::{Airbag, Body, BodyKind, Coupon, HangingCable};
 use super::cable_material::check_material;
 use super::file;
 use super::problem::Problem;
-use super::values::{positive, vector, within};
+use super::values::{at_once, positive, vector, within};
 use crate::fabric::Fabric;
 use crate::geometry::{airbag, cable, coupon, fabric_surface, sheet, surfaces};
 
@@ -131,7 +131,7 @@ pub(super) fn check_sheet(written: &file::Sheet, fabric: &Fabric) -> Result<Body
     const KEY: &str = "structure.sheet";
     let key = |name: &str| format!("{KEY}.{name}");
     for size in written.size_m {
-        positive(&key("size_m"), size)?;
+        at_once(|| positive(&key("size_m"), size))?;
     }
     let [across, down] = written.divisions;
     let in_range = |n: usize| (1..=5_000).contains(&n);

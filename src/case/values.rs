@@ -43,6 +43,14 @@ pub(super) fn all_told<T>(
     }
 }
 
+/// Makes a check of a value that is then taken as it is written: a wrong one ends the whole check at once.
+pub(super) fn at_once<T>(check: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
+    let outer = WRONG.replace(None);
+    let result = check();
+    WRONG.replace(outer);
+    result
+}
+
 /// A wrong value: where all are to be told the check goes on with a value that is allowed.
 fn wrong<T>(problem: Problem, allowed: T) -> Result<T, Problem> {
     WRONG.with_borrow_mut(|all| match all {
@@ -187,7 +195,7 @@ pub(super) fn points(
         ));
     }
     for point in table {
-        within(key, point[1], low, high)?;
+        at_once(|| within(key, point[1], low, high))?;
     }
     Ok(table.to_vec())
 }

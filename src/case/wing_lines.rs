@@ -230,5 +230,5 @@ fn check_positions(
         }
         places.push((*rib, position));
     }
-    Ok(positions.clone())
+    Ok(places.into_iter().map(|(_, place)| place).collect())
 }

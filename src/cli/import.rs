@@ -73,22 +73,42 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
     let imported = leparagliding::import(&text, pilot_kg, thickness)
         .map_err(|why| bad(format!("{told}: {why}")))?;
     let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
-    let path = out.join(CASE);
-    if path.exists() {
-        return Err(bad(format!(
-            "{} is there already and would be lost: give another folder (--out), or remove it",
-            path.display()
-        )));
-    }
-    prepare_directory(out).map_err(failed)?;
+    // All airfoils are read before anything is written.
+    let mut files = Vec::new();
     for name in &imported.profiles {
+        let is_name = Path::new(name).components().count() == 1
+            && Path::new(name)
+                .file_name()
+                .is_some_and(|own| own == name.as_str());
+        if !is_name {
+            return Err(bad(format!(
+                "{told} names the airfoil {name}: it must lie beside it, under a plain name"
+            )));
+        }
         let airfoil = std::fs::read(folder.join(name)).map_err(|why| {
             bad(format!(
                 "cannot read the airfoil {}: {why}; {told} names it",
                 folder.join(name).display()
             ))
         })?;
-        write_atomically(&out.join(name), |file| file.write_all(&airfoil)).map_err(failed)?;
+        files.push((out.join(name), airfoil));
+    }
+    let path = out.join(CASE);
+    // What is wrong with the case is told before it is there.
+    case::parse(CASE, &imported.text, folder, &Choices::default()).map_err(Failure::Case)?;
+    let is_other = |(path, text): &&(PathBuf, Vec<u8>)| {
+        path.exists() && std::fs::read(path).ok().as_ref() != Some(text)
+    };
+    let there = files.iter().find(is_other).map(|(path, _)| path);
+    if let Some(there) = there.or_else(|| path.exists().then_some(&path)) {
+        return Err(bad(format!(
+            "{} is there already and would be lost: give another folder (--out), or remove it",
+            there.display()
+        )));
+    }
+    prepare_directory(out).map_err(failed)?;
+    for (path, airfoil) in &files {
+        write_atomically(path, |file| file.write_all(airfoil)).map_err(failed)?;
     }
     write_atomically(&path, |file| file.write_all(imported.text.as_bytes())).map_err(failed)?;
     let case = case::load(&path, &Choices::default()).map_err(Failure::Case)?;
@@ -120,6 +140,7 @@ fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
         "",
     ];
     let mut lines = vec![head.map(str::to_owned).to_vec()];
+    let (mut notes, mut failures) = (Vec::new(), 0);
     for folder in folders {
         let name = folder.file_name().unwrap_or_default();
         let found = one(
@@ -156,8 +177,20 @@ fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
             }
             (Ok(_), None) => vec![name],
         });
+        match found {
+            Ok((imported, _)) => notes.push((imported.name.clone(), imported)),
+            Err(_) => failures += 1,
+        }
     }
     emit(&aligned(&lines))?;
+    for (name, imported) in &notes {
+        for line in &imported.left_out {
+            emit(&format!("{name}: not brought in: {line}\n"))?;
+        }
+    }
+    if failures > 0 {
+        return Err(bad(format!("{failures} wings could not be brought in")));
+    }
     Ok(0)
 }
 

@@ -1,5 +1,8 @@
 //! What a file says of where it is from: program, case, and what was changed in it.
 
+/// The mark of a PNG file.
+const PNG_MARK: &[u8] = b"\x89PNG\r\n\x1a\n";
+
 /// First bytes of a PNG file: its mark and the chunk of its size, which comes first.
 const PNG_HEAD_BYTES: usize = 33;
 
@@ -32,7 +35,8 @@ impl Provenance {
     /// A PNG file with the texts `Software`, `Source` and `Comment`; what is no PNG file stays as it is.
     #[must_use]
     pub fn put_into_png(&self, png: &[u8]) -> Vec<u8> {
-        let Some((head, rest)) = png.split_at_checked(PNG_HEAD_BYTES) else {
+        let head = png.split_at_checked(PNG_HEAD_BYTES);
+        let Some((head, rest)) = head.filter(|_| png.starts_with(PNG_MARK)) else {
             return png.to_vec();
         };
         let texts = self.named(["Software", "Source", "Comment"]);
@@ -96,6 +100,8 @@ mod tests {
         assert!(texts.eq(expected.map(|(name, text)| (name, text.clone()))));
         let nothing = Provenance::default();
         assert_eq!(&nothing.put_into_png(plain.get_ref()), plain.get_ref());
-        assert_eq!(provenance.put_into_png(b"short"), b"short");
+        for other in [&b"short"[..], &[7; 100]] {
+            assert_eq!(provenance.put_into_png(other), other);
+        }
     }
 }

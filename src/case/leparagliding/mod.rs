@@ -25,7 +25,7 @@ pub enum ImportFault {
     #[error("{0}")]
     Read(#[from] ReadFault),
     /// The pilot does not suit the wing.
-    #[error("{0}")]
+    #[error("the mass of the pilot (--pilot) does not suit the area of the wing: {0}")]
     Pilot(String),
     /// It is no wing of two skins.
     #[error("the wing is of type \"{0}\"; only \"ds\", of two skins, can be brought in")]
@@ -144,7 +144,7 @@ fn keys(
         * scale_m
         + 2.0 * chord(0) * ribs[0].span * scale_m * scale_m;
     wing::trim_of((area_m2, pilot_kg), 0.0, Quality::Normal, &mut keys)
-        .map_err(|problem| ImportFault::Pilot(problem.message))?;
+        .map_err(|problem| ImportFault::Pilot(problem.help))?;
     left_out.push(
         "skin tension, holes of ribs, diagonals as drawn, rods, and materials: usual ones stand in their place".to_owned(),
     );
@@ -171,6 +171,7 @@ fn stations(drawing: &Drawing, scale_m: f64, keys: &mut Keys) {
     let [tip_deg, middle_deg] = drawing.washin_deg;
     let twist_deg = |number: usize| match drawing.washin_rule {
         0 => ribs[number].washin_deg,
+        // As `lep-out.txt` lists it: by the chord, and at the tip what is asked for.
         _ if number + 1 == ribs.len() => tip_deg,
         rule => {
             let middle_deg = if rule == 2 { middle_deg } else { 0.0 };

@@ -15,6 +15,9 @@ pub enum ReadFault {
         /// What it holds.
         name: &'static str,
     },
+    /// A length is not positive.
+    #[error("{0} is not positive")]
+    Length(&'static str),
     /// A line of a section has too few numbers.
     #[error("in section {number} ({name}) the line `{line}` cannot be read")]
     Line {
@@ -84,8 +87,7 @@ pub(super) struct Drawing {
     pub karabiners: f64,
     /// Paths of every riser, from the nose.
     pub plans: Vec<Vec<Path>>,
-    /// Length of the main brake line [cm], and paths of the brakes.
-    pub brake_line: f64,
+    /// Paths of the brakes.
     pub brakes: Vec<Path>,
     /// Of lines, and of brakes.
     pub branches: [Branches; 2],
@@ -179,7 +181,8 @@ impl<'a> Section<'_, 'a> {
 /// Numbers at the beginning of a line.
 fn numbers(line: &str) -> Vec<f64> {
     let words = line.split_whitespace();
-    words.map_while(|word| word.parse().ok()).collect()
+    let number = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
+    words.map_while(number).collect()
 }
 
 fn unquoted(line: &str) -> String {
@@ -242,11 +245,21 @@ impl Drawing {
         let kind = unquoted(geometry.line()?);
         // Rib, x, leading and trailing edge, x in space, z, lean, axis of the washin, washin.
         let placed = geometry.rows(8);
+        if scale <= 0.0 {
+            return Err(ReadFault::Length("the wing scale, section 1,"));
+        }
         let mut airfoils = sections.get(2, "airfoils")?;
         let anchors = sections.get(3, "anchor points")?.rows(3);
         let mut ribs = Vec::new();
         for (row, anchors) in placed.iter().zip(&anchors) {
             let line = airfoils.line()?;
+            // Ribs are numbered alike in all three sections.
+            if numbers(line).first() != row.first() || anchors.first() != row.first() {
+                return Err(airfoils.fault(line));
+            }
+            if row[3] <= row[2] {
+                return Err(ReadFault::Length("the chord of a rib, section 1,"));
+            }
             let mut words = line.split_whitespace().skip(1);
             let profile = words.next().unwrap_or_default().to_owned();
             let rest: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
@@ -282,6 +295,9 @@ impl Drawing {
             estimate.number()?,
             estimate.number()?,
         ];
+        if lines <= 0.0 || riser <= 0.0 || karabiners <= 0.0 {
+            return Err(ReadFault::Length("a length of section 8"));
+        }
         let mut suspension = sections.get(9, "suspension lines")?;
         suspension.number()?;
         let plans = (0..suspension.count()?)
@@ -291,7 +307,7 @@ impl Drawing {
             })
             .collect::<Result<_, _>>()?;
         let mut braking = sections.get(10, "brakes")?;
-        let brake_line = braking.number()?;
+        braking.number()?;
         let count = braking.count()?;
         let brakes = paths(&mut braking, count)?;
         let mut lengths = sections.get(11, "ramification lengths")?;
@@ -308,7 +324,6 @@ impl Drawing {
             lines,
             karabiners,
             plans,
-            brake_line,
             brakes,
             branches,
         })

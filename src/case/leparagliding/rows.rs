@@ -14,6 +14,9 @@ const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
 /// Places that differ by less than this, over the chord, are one.
 const SAME_PLACE: f64 = 0.015;
 
+/// Places of rows at which diagonals have room, over the chord.
+const DIAGONALS: std::ops::RangeInclusive<f64> = 0.02..=0.9;
+
 /// Least height of a node over the riser, and distance of nodes above each other, over the height of the row.
 const LOWEST: f64 = 0.1;
 const APART: f64 = 0.05;
@@ -22,19 +25,22 @@ const APART: f64 = 0.05;
 struct Attachment<'a> {
     rib: usize,
     place: f64,
+    /// It is not quite where it is drawn.
+    is_moved: bool,
     path: &'a Path,
 }
 
 /// Puts all rows; says what the file has and they do not.
 pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out: &mut Vec<String>) {
     let mut places: Vec<f64> = Vec::new();
-    let mut lost = 0;
+    let (mut lost, mut moved) = (0, 0);
     let rows = NAMES.into_iter().zip(&drawing.plans);
     let brakes = std::iter::once(("brake", &drawing.brakes));
     for (name, paths) in rows.chain(brakes) {
         let mut row: Vec<Attachment> = Vec::new();
         for path in paths {
             let found = attachment(drawing, path, &mut places);
+            moved += usize::from(found.as_ref().is_some_and(|one| one.is_moved));
             match found.filter(|new| !row.iter().any(|known| is_same(known, new))) {
                 Some(new) => row.push(new),
                 None => lost += 1,
@@ -50,6 +56,15 @@ pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out:
         left_out.push(format!(
             "{between} brake lines end between two ribs: here at the nearer one"
         ));
+    }
+    if moved > 0 {
+        left_out.push(format!(
+            "{moved} lines end elsewhere by up to 1.5 % of the chord, or at the rear edge of the intake: places near each other are one here"
+        ));
+    }
+    let risers = drawing.plans.len();
+    if risers > NAMES.len() {
+        left_out.push(format!("{} of {risers} risers", risers - NAMES.len()));
     }
     if lost > 0 {
         left_out.push(format!(
@@ -78,6 +93,7 @@ fn attachment<'a>(
     if !(0.01..=1.0).contains(&place) {
         return None;
     }
+    let drawn = place;
     // Cells at the tips may be closed there; the plan has one intake for all.
     let place = match drawing.intake() {
         Some([from, to]) if place > from && place < to => to,
@@ -93,6 +109,7 @@ fn attachment<'a>(
     Some(Attachment {
         rib: number - usize::from(drawing.has_middle_rib()),
         place,
+        is_moved: (place - drawn).abs() > 1e-9,
         path,
     })
 }
@@ -128,7 +145,7 @@ fn put(drawing: &Drawing, (name, row): (&str, &[Attachment]), scale_m: f64, keys
     keys.set(of("riser_material"), "webbing", "usual");
     if is_brake {
         keys.set(of("trim_m"), 0.1, "brakes hang loose");
-    } else {
+    } else if DIAGONALS.contains(&position) {
         keys.set(of("diagonals.foot"), 0.02, "usual");
         keys.set(of("diagonals.head"), 0.1, "usual");
     }
@@ -175,7 +192,7 @@ fn levels(drawing: &Drawing, is_brake: bool, row: &[Attachment], scale_m: f64) -
         let from_sail = lengths.len().checked_sub(level + 1).map(|k| lengths[k]);
         let usual = 1.0 - (level + 1) as f64 / most as f64;
         let height = from_sail.map_or(usual, |length| 1.0 - length * scale_m / height_m);
-        let height = height.clamp(LOWEST, above - APART);
+        let height = height.min(above - APART).max(LOWEST);
         above = height;
         let counts: Vec<Value> = joins.iter().map(|(count, _)| Value::from(*count)).collect();
         levels.push(Value::Table(Table::from_iter([

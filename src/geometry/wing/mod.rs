@@ -133,7 +133,8 @@ fn mirrored(right: &[f64]) -> Vec<f64> {
 
 /// Last row of lines before the trailing edge, per chord.
 fn turning_place(plan: &Plan) -> f64 {
-    let before = plan.rows.iter().map(|row| row.position);
+    let rows = plan.rows.iter();
+    let before = rows.flat_map(|row| row.attachments().map(|(_, place)| place));
     let last = before.filter(|x| *x < 0.95).fold(0.0, f64::max);
     if last > 0.0 { last } else { 0.75 }
 }
