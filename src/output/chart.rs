@@ -65,7 +65,10 @@ impl Chart {
             if !series.name.is_empty() {
                 line = line.with_legend(series.name.clone());
             }
-            plots.push(line.into());
+            // Between rows, or other things with names, lies nothing; a legend needs the line.
+            if self.categories.is_empty() || !series.name.is_empty() {
+                plots.push(line.into());
+            }
             if series.markers {
                 let mut markers = ScatterPlot::new()
                     .with_data(points)

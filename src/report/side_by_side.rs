@@ -24,12 +24,14 @@ impl Difference {
         (first != 0.0).then(|| (other - first) / first.abs())
     }
 
-    /// Whether a run differs from the first by more than both intervals in quadrature; `None` without intervals.
+    /// Whether a run differs from the first by more than both intervals in quadrature; `None` without intervals, and where the set-up of either does not
+    /// support the result: it has another error, which is not known.
     #[must_use]
     pub fn beyond_intervals(&self, run: usize) -> Option<bool> {
         let of = |run: usize| {
             let quantity = self.values.get(run)?.as_ref()?;
-            Some((quantity.value?, quantity.confidence?))
+            let supported = quantity.unresolved.is_none();
+            Some((quantity.value?, quantity.confidence.filter(|_| supported)?))
         };
         let ((first, a), (other, b)) = (of(0)?, of(run)?);
         Some((other - first).abs() > a.hypot(b))
@@ -97,6 +99,11 @@ mod tests {
         let far = row(of(0.80, 0.03), of(0.85, 0.03));
         assert_eq!(far.beyond_intervals(1), Some(true));
         assert_eq!(row(of(0.8, 0.1), None).relative(1), None);
+        let mut unsupported = far;
+        if let Some(Some(second)) = unsupported.values.get_mut(1) {
+            second.mark_unresolved("two cells");
+        }
+        assert_eq!(unsupported.beyond_intervals(1), None);
         assert_eq!(
             row(Some(Quantity::new(1.0)), of(2.0, 0.1)).beyond_intervals(1),
             None
