@@ -95,7 +95,8 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
     }
     let path = out.join(CASE);
     // What is wrong with the case is told before it is there.
-    case::parse(CASE, &imported.text, folder, &Choices::default()).map_err(Failure::Case)?;
+    let case = case::parse(CASE, &imported.text, folder, &Choices::default());
+    let case = case.map_err(Failure::Case)?;
     let is_other = |(path, text): &&(PathBuf, Vec<u8>)| {
         path.exists() && std::fs::read(path).ok().as_ref() != Some(text)
     };
@@ -111,7 +112,6 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
         write_atomically(path, |file| file.write_all(airfoil)).map_err(failed)?;
     }
     write_atomically(&path, |file| file.write_all(imported.text.as_bytes())).map_err(failed)?;
-    let case = case::load(&path, &Choices::default()).map_err(Failure::Case)?;
     Ok((imported, case))
 }
 

@@ -41,7 +41,7 @@ pub(super) fn line(
     let cord = named((table, "lines"), written, &CORDS, |cord| cord.name)?;
     let cord = *cord.unwrap_or(usual);
     let why = format!(
-        "{}, {:.0} N: {:.1} times its share of C_x C_D ½ ρ U² S_0 = {load_n:.0} N",
+        "{}, {:.0} N: {:.1} times its share of an opening load of {load_n:.0} N",
         cord.name,
         cord.strength_n(),
         cord.strength_n() * count / load_n

@@ -108,3 +108,33 @@ impl Scales {
         0.5 * self.density_kg_m3 * speed_m_s * speed_m_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest load of a canopy whose area grows as the square of time, by steps of its equation of motion, over that at constant speed.
+    #[test]
+    fn the_reduction_is_that_of_the_equation_of_motion() {
+        for (payload_kg, speed_m_s) in [(10.0, 20.0), (100.0, 30.0), (2e3, 50.0), (1e6, 50.0)] {
+            let design: CanopyDesign = toml::from_str(&format!(
+                "type = \"flat_circular\"\ndiameter_m = 10.0\npayload_kg = {payload_kg}\nspeed_m_s = {speed_m_s:?}"
+            ))
+            .unwrap();
+            let scales = Scales::new(&design).unwrap();
+            let drag_coefficient = 0.75;
+            let (filling_s, steps) = (FILLING * scales.diameter_m / speed_m_s, 100_000);
+            let full = 0.5 * scales.density_kg_m3 * drag_coefficient * scales.area_m2;
+            let (mut speed, mut largest): (f64, f64) = (speed_m_s, 0.0);
+            for step in 0..steps {
+                let share = (f64::from(step) + 0.5) / f64::from(steps);
+                let load = full * share * share * speed * speed;
+                largest = largest.max(load);
+                speed -= load / payload_kg * filling_s / f64::from(steps);
+            }
+            let expected = largest / (full * speed_m_s * speed_m_s);
+            let found = scales.opening_load_reduction(drag_coefficient);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+    }
+}
