@@ -77,7 +77,8 @@
 //! | [`output`], [`render`] | files, pictures | frame |
 //! | [`checkpoint`] | the file that a run resumes from | output |
 //! | [`ledger`] | what a folder holds and who works in it: `run.json` and the lock | output |
-//! | [`report`] | one page of a finished run, of a sweep, or of several runs side by side, from their folders | ledger, measure, output, sweep |
+//! | [`polar`] | forces of a wing by itself over the angle of attack | aero, case |
+//! | [`report`] | one page of a finished run, of a sweep, of a polar, or of several runs side by side, from their folders | ledger, measure, output, sweep |
 //! | [`run`] | a whole run into one folder, its log and its faults | all |
 //! | [`sweep`] | which runs a sweep has, its tables and charts, what its lattices tell | measure, output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, output, gpu |
@@ -135,6 +136,7 @@ pub mod lines;
 pub mod measure;
 pub mod output;
 pub mod plan;
+pub mod polar;
 pub mod render;
 pub mod report;
 pub mod rigid;

@@ -12,8 +12,18 @@
 //! there is, give its whole dependence; α_e of all strips then follows by Newton's method with damping. Mukherjee & Gopalarathnam (2006, J.
 //! Aircraft 43) turn the mean line behind two hinges instead, and meet the polar's moment as well; this does not.
 //!
-//! Past the highest lift a section has two angles for a lift, and the equations more than one solution. The one that follows from smaller
-//! angles is taken; where there is none, [`ViscousFlow::residual`] says so.
+//! Past the highest lift a section has two angles for a lift, and the equations have more than one solution. Two are told apart, and neither depends
+//! on what was solved before: the [`Branch::Attached`] one, followed from the stream without lift up to the one asked for, and the [`Branch::Separated`] one, which
+//! begins where no strip feels the others. Where a wing has only one of them, both are the same. The way there is pseudo-transient: α_e follows the lift that
+//! the wing has over that of the polar,
+//!
+//! ```text
+//! dα_e/dt = 2 Γ(Δ)/(V c) − C_l(α_e) + a μ ∂²α_e/∂k²
+//! ```
+//!
+//! in implicit steps that grow as the difference falls, so that it ends in a solution that is stable. Where the polar falls, neighbouring strips would stall in
+//! turns, however many there are; μ, over the number k of the strip, is just large enough to forbid that (an artificial viscosity as Chattot, AIAA 2004-220, has it), and nothing
+//! elsewhere. Our departure: its size follows from the downwash of two strips in turns, π c |C_l′|/(32 w) for strips of width w.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
@@ -27,11 +37,30 @@ use super::surface::PanelSurface;
 /// Largest difference of lift coefficients that counts as agreement.
 pub const AGREEMENT: f64 = 1e-6;
 
-/// Newton steps per stream.
-const STEPS: usize = 60;
+/// Steps per stream.
+const STEPS: usize = 400;
 
 /// No angle changes more per step [rad].
 const STEP_LIMIT_RAD: f64 = 0.03;
+
+/// Longest piece of the way from the stream without lift [rad].
+const PIECE_RAD: f64 = 0.0175;
+
+/// First pseudo-time step, and the bounds of the others.
+const FIRST_STEP: f64 = 1.0;
+const STEP_BOUNDS: [f64; 2] = [1e-3, 1e8];
+
+/// Share of π c |C_l′|/(32 w) by which the artificial viscosity is more than just enough.
+const VISCOSITY_MARGIN: f64 = 2.5;
+
+/// Which of the solutions past the highest lift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Branch {
+    /// That which follows from the stream without lift as the angle grows.
+    Attached,
+    /// That which follows from sections which do not feel each other.
+    Separated,
+}
 
 /// What a strip's section does.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +91,7 @@ pub struct ViscousFlow {
     pub turned_rad: Vec<f64>,
     /// Drag of the sections [N]; of a symmetric wing both halves.
     pub profile_drag_n: f64,
-    /// Largest difference of a strip's lift coefficient from its polar's; beyond [`AGREEMENT`] there is no solution near.
+    /// Largest difference of a strip's lift coefficient from its polar's, artificial viscosity included; beyond [`AGREEMENT`] nothing was found.
     pub residual: f64,
     /// Whether every section is at an angle that its polar covers.
     pub is_covered: bool,
@@ -99,83 +128,175 @@ impl<'a> Decambering<'a> {
         })
     }
 
-    /// Flows under several streams [m/s], each started from the one before: give them in steps of a few degrees, smallest angle first.
+    /// The flow under each of several streams [m/s], on its own.
     pub fn solve(
         &self,
         streams_m_s: &[DVec3],
+        branch: Branch,
         density_kg_m3: f64,
     ) -> Result<Vec<ViscousFlow>, AeroError> {
         // The streams are checked there.
         let inviscid = self.flow.solve(streams_m_s)?;
-        let mut last: Option<Vec<f64>> = None;
         Ok(inviscid
             .iter()
             .map(|flow| {
-                let viscous = self.solve_one(flow, last.take(), density_kg_m3);
-                last = Some(viscous.effective_rad.clone());
-                viscous
+                let (effective, residual) = match branch {
+                    Branch::Attached => self.attached(flow),
+                    Branch::Separated => {
+                        self.settled(flow.stream_m_s, self.geometric_rad(flow.stream_m_s))
+                    }
+                };
+                self.finish(flow, effective, residual, density_kg_m3)
             })
             .collect())
     }
 
-    fn solve_one(
-        &self,
-        inviscid: &Flow,
-        start: Option<Vec<f64>>,
-        density_kg_m3: f64,
-    ) -> ViscousFlow {
+    fn attached(&self, inviscid: &Flow) -> (Vec<f64>, f64) {
+        let stream = inviscid.stream_m_s;
         let surface = self.flow.surface();
-        let strips = surface.spanwise;
-        let speed = inviscid.stream_m_s.length();
-        let chords: Vec<f64> = (0..strips).map(|j| surface.chord_m(j)).collect();
-        let mut effective = start.unwrap_or_else(|| {
-            inviscid
-                .section_lift_coefficients(surface)
-                .iter()
-                .zip(&self.sections)
-                .map(|(lift, s)| {
-                    (lift / s.flow.slope_per_rad).clamp(-1.0, 1.0).asin() + s.flow.zero_lift_rad
-                })
-                .collect()
-        });
-        let residual_of = |effective: &[f64]| -> (Vec<f64>, f64) {
-            let onset = self.onset(inviscid.stream_m_s, effective);
-            let residual: Vec<f64> = (0..strips)
-                .map(|j| {
-                    let lift = 2.0 * self.circulation(j, &onset) / (speed * chords[j]);
-                    lift - self.sections[j].polar.lift(effective[j]).0
-                })
-                .collect();
-            let largest = residual.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-            (residual, largest)
+        let start = inviscid
+            .section_lift_coefficients(surface)
+            .iter()
+            .zip(&self.sections)
+            .map(|(lift, s)| {
+                (lift / s.flow.slope_per_rad).clamp(-1.0, 1.0).asin() + s.flow.zero_lift_rad
+            })
+            .collect();
+        let at_once = self.settled(stream, start);
+        // Where all polars rise there is only one solution.
+        let is_only = at_once
+            .0
+            .iter()
+            .zip(&self.sections)
+            .all(|(&angle, s)| s.polar.is_below_stall(angle) && s.polar.lift(angle).1 > 0.0);
+        if at_once.1 < AGREEMENT && is_only {
+            return at_once;
+        }
+        let (from, to) = (self.without_lift_rad(), stream.z.atan2(stream.x));
+        let pieces = ((to - from).abs() / PIECE_RAD).ceil().max(1.0);
+        let in_plane = stream.x.hypot(stream.z);
+        let mut last: Option<(Vec<f64>, f64)> = None;
+        for piece in 0..=pieces as usize {
+            let angle = from + (to - from) * piece as f64 / pieces;
+            let on_the_way = DVec3::new(in_plane * angle.cos(), stream.y, in_plane * angle.sin());
+            let start = last.map_or_else(
+                || self.sections.iter().map(|s| s.flow.zero_lift_rad).collect(),
+                |(effective, _)| effective,
+            );
+            last = Some(self.settled(on_the_way, start));
+        }
+        last.unwrap_or(at_once)
+    }
+
+    /// Angle of the stream to the x axis at which the wing as a whole has no lift in potential flow [rad].
+    fn without_lift_rad(&self) -> f64 {
+        let strips = self.sections.len();
+        let lift = |axis: usize| -> f64 {
+            (0..strips * strips)
+                .map(|at| self.response_m[axis][at] * self.flow.surface().span_m(at / strips).y)
+                .sum()
         };
-        let (mut residual, mut largest) = residual_of(&effective);
+        -(lift(0) / lift(2)).atan()
+    }
+
+    /// Angle of every strip's chord to a stream, in the plane across its span [rad].
+    fn geometric_rad(&self, stream: DVec3) -> Vec<f64> {
+        let surface = self.flow.surface();
+        (0..self.sections.len())
+            .map(|j| {
+                let at = |i: usize| surface.node_m(i, j).midpoint(surface.node_m(i, j + 1));
+                let chord = (at(0) - at(surface.chordwise / 2)).normalize_or_zero();
+                let up = chord.cross(surface.span_m(j)).normalize_or_zero();
+                stream.dot(up).atan2(stream.dot(chord))
+            })
+            .collect()
+    }
+
+    /// Effective angles that the pseudo-transient comes to from a start, and the largest difference left.
+    fn settled(&self, stream: DVec3, start: Vec<f64>) -> (Vec<f64>, f64) {
+        let first = self.settled_once(stream, start);
+        // Viscosity of the way here is not that of this place.
+        let again = self.settled_once(stream, first.0.clone());
+        if again.1 < AGREEMENT { again } else { first }
+    }
+
+    fn settled_once(&self, stream: DVec3, start: Vec<f64>) -> (Vec<f64>, f64) {
+        let mut effective = start;
+        let mut viscosities = vec![0.0; effective.len()];
+        let mut time_step = FIRST_STEP;
+        let mut largest = f64::INFINITY;
         for _ in 0..STEPS {
+            // It never falls on the way: polars have kinks, at which it would come and go.
+            for (known, needed) in viscosities.iter_mut().zip(self.viscosities(&effective)) {
+                *known = needed.max(*known);
+            }
+            let residual = self.residual(stream, &effective, &viscosities);
+            largest = largest_of(&residual);
             if largest < AGREEMENT {
                 break;
             }
-            let step = self.newton_step(inviscid.stream_m_s, &effective, &residual, &chords);
-            let longest = step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+            let step = self.implicit_step(stream, (&effective, &viscosities), &residual, time_step);
+            let longest = largest_of(&step);
             if !longest.is_finite() {
                 break;
             }
-            let mut length = (STEP_LIMIT_RAD / longest).min(1.0);
-            // Polars have kinks: a shorter step is tried a few times, then the last is taken to get across.
-            for halving in 0..6 {
-                let trial: Vec<f64> = effective
-                    .iter()
-                    .zip(&step)
-                    .map(|(angle, step)| angle + length * step)
-                    .collect();
-                let (trial_residual, trial_largest) = residual_of(&trial);
-                if trial_largest < largest || halving == 5 {
-                    (effective, residual, largest) = (trial, trial_residual, trial_largest);
-                    break;
-                }
-                length *= 0.5;
+            let length = (STEP_LIMIT_RAD / longest).min(1.0);
+            let trial: Vec<f64> = effective
+                .iter()
+                .zip(&step)
+                .map(|(angle, step)| angle + length * step)
+                .collect();
+            let is_worse = largest_of(&self.residual(stream, &trial, &viscosities)) > largest;
+            let factor = if is_worse { 0.25 } else { 2.0 };
+            time_step = (time_step * factor).clamp(STEP_BOUNDS[0], STEP_BOUNDS[1]);
+            // Over a highest lift the difference may have to grow; with small steps it may.
+            if !is_worse || time_step < 0.1 * FIRST_STEP {
+                effective = trial;
             }
         }
-        self.finish(inviscid, effective, largest, density_kg_m3)
+        (effective, largest)
+    }
+
+    /// What drives the effective angles.
+    fn residual(&self, stream: DVec3, effective: &[f64], viscosities: &[f64]) -> Vec<f64> {
+        let surface = self.flow.surface();
+        let onset = self.onset(stream, effective);
+        let speed = stream.length();
+        (0..effective.len())
+            .map(|j| {
+                let lift = 2.0 * self.circulation(j, &onset) / (speed * surface.chord_m(j));
+                let [before, after] = self.beside(j);
+                let bend = effective[before] - 2.0 * effective[j] + effective[after];
+                lift - self.sections[j].polar.lift(effective[j]).0 + viscosities[j] * bend
+            })
+            .collect()
+    }
+
+    /// The strips beside one; at a plane of symmetry and at tips the strip itself.
+    fn beside(&self, strip: usize) -> [usize; 2] {
+        [
+            strip.saturating_sub(1),
+            (strip + 1).min(self.sections.len() - 1),
+        ]
+    }
+
+    /// a μ of every strip: what it or a strip beside it needs, so that none is forbidden to stall beside one that has.
+    fn viscosities(&self, effective: &[f64]) -> Vec<f64> {
+        let surface = self.flow.surface();
+        let falls: Vec<f64> = effective
+            .iter()
+            .zip(&self.sections)
+            .map(|(&angle, section)| (-section.polar.lift(angle).1).max(0.0))
+            .collect();
+        (0..effective.len())
+            .map(|j| {
+                let [before, after] = self.beside(j);
+                let steepest = falls[before].max(falls[j]).max(falls[after]);
+                let slenderness = surface.chord_m(j) / surface.span_m(j).length();
+                let enough = std::f64::consts::PI / 32.0 * steepest * slenderness;
+                VISCOSITY_MARGIN * self.sections[j].flow.slope_per_rad * enough
+            })
+            .collect()
     }
 
     fn finish(
@@ -255,38 +376,50 @@ impl<'a> Decambering<'a> {
         DVec3::from_array(std::array::from_fn(|axis| self.response_m[axis][at]))
     }
 
-    /// −J⁻¹ r with J the derivative of the residual by the effective angles.
-    fn newton_step(
+    /// (1/Δt − J)⁻¹ r with J the derivative of what drives the effective angles.
+    fn implicit_step(
         &self,
         stream: DVec3,
-        effective: &[f64],
+        (effective, viscosities): (&[f64], &[f64]),
         residual: &[f64],
-        chords: &[f64],
+        time_step: f64,
     ) -> Vec<f64> {
         let strips = effective.len();
         let speed = stream.length();
+        let surface = self.flow.surface();
         // By how much a strip's stream changes with its angle.
         let change: Vec<DVec3> = (0..strips)
             .map(|k| {
                 let (turned, slope) = self.turned(k, effective[k]);
                 let (sin, cos) = turned.sin_cos();
-                let span = self.flow.surface().span_m(k).normalize_or_zero();
+                let span = surface.span_m(k).normalize_or_zero();
                 let across = stream - span * span.dot(stream);
                 slope * (stream.cross(span) * cos - across * sin)
             })
             .collect();
-        let jacobian = Mat::from_fn(strips, strips, |j, k| {
-            let lift = 2.0 * self.response(j * strips + k).dot(change[k]) / (speed * chords[j]);
+        let mut matrix = Mat::from_fn(strips, strips, |j, k| {
+            let lift =
+                2.0 * self.response(j * strips + k).dot(change[k]) / (speed * surface.chord_m(j));
             if j == k {
-                lift - self.sections[j].polar.lift(effective[j]).1
+                1.0 / time_step + self.sections[j].polar.lift(effective[j]).1 - lift
             } else {
-                lift
+                -lift
             }
         });
+        for (j, &viscosity) in viscosities.iter().enumerate() {
+            matrix[(j, j)] += 2.0 * viscosity;
+            for beside in self.beside(j) {
+                matrix[(j, beside)] -= viscosity;
+            }
+        }
         let side = MatRef::from_column_major_slice(residual, strips, 1);
-        let step = jacobian.partial_piv_lu().solve(side);
-        (0..strips).map(|j| -step[(j, 0)]).collect()
+        let step = matrix.partial_piv_lu().solve(side);
+        (0..strips).map(|j| step[(j, 0)]).collect()
     }
+}
+
+fn largest_of(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |m: f64, n| m.max(n.abs()))
 }
 
 impl ViscousFlow {
@@ -362,7 +495,9 @@ mod tests {
                 4
             ];
             let viscous = Decambering::new(&flow, sections).unwrap();
-            let results = viscous.solve(&[stream(2.0), stream(6.0)], 1.2).unwrap();
+            let results = viscous
+                .solve(&[stream(2.0), stream(6.0)], Branch::Attached, 1.2)
+                .unwrap();
             for (result, angle) in results.iter().zip([2.0, 6.0]) {
                 assert!(
                     result.residual < AGREEMENT && result.is_covered,
@@ -383,7 +518,8 @@ mod tests {
                 }
                 // 0.01 × area.
                 let area = 2.0 * half_span;
-                assert!((result.profile_drag_n / (0.01 * 240.0 * area) - 1.0).abs() < 1e-9);
+                // The chord is that of the nodes.
+                assert!((result.profile_drag_n / (0.01 * 240.0 * area) - 1.0).abs() < 1e-3);
             }
         }
     }
@@ -412,15 +548,63 @@ mod tests {
         ];
         let viscous = Decambering::new(&flow, sections).unwrap();
         let streams: Vec<DVec3> = (0..=26).map(|a| stream(f64::from(a))).collect();
-        let lifts: Vec<f64> = viscous
-            .solve(&streams, 1.2)
-            .unwrap()
-            .iter()
-            .map(|result| result.lift_and_drags_n(&surface, 1.2)[0] / (240.0 * 8.0))
-            .collect();
-        let highest = lifts.iter().copied().fold(0.0, f64::max);
-        assert!((1.0..1.2).contains(&highest), "{lifts:?}");
-        assert!(lifts[24] < highest - 0.02, "{lifts:?}");
+        let lifts = |branch: Branch, streams: &[DVec3]| -> Vec<f64> {
+            let results = viscous.solve(streams, branch, 1.2).unwrap();
+            let of = |result: &ViscousFlow| {
+                assert!(result.residual < AGREEMENT, "{}", result.residual);
+                result.lift_and_drags_n(&surface, 1.2)[0] / (240.0 * 8.0)
+            };
+            results.iter().map(of).collect()
+        };
+        let all = lifts(Branch::Attached, &streams);
+        let highest = all.iter().copied().fold(0.0, f64::max);
+        assert!((1.0..1.2).contains(&highest), "{all:?}");
+        assert!(all[24] < highest - 0.02, "{all:?}");
+        // Alone, or in a sweep that begins anywhere: the same.
+        for degrees in [4, 14, 22] {
+            let alone = lifts(Branch::Attached, &streams[degrees..=degrees]);
+            assert!((alone[0] - all[degrees]).abs() < 1e-9, "{degrees}");
+        }
+        let other = lifts(Branch::Separated, &streams);
+        assert!(
+            (other[4] - all[4]).abs() < 1e-6,
+            "one solution at small angles"
+        );
+    }
+
+    /// A section that loses half of its lift at once has two branches over some degrees, and sweeps that begin there or elsewhere agree.
+    #[test]
+    fn a_sudden_stall_has_two_branches() {
+        let (wing, profile) = rectangle(4.0);
+        let surface = wing.divided(10, 0.8).unwrap().panels(10).unwrap();
+        let flow = PotentialFlow::new(&surface, DVec3::X, MEMORY_LIMIT).unwrap();
+        let section = SectionFlow::of(&profile).unwrap();
+        let polar = polar_of(|angle| {
+            let degrees = angle.to_degrees();
+            (0.1 * degrees + 0.2).min((1.4 - 0.3 * (degrees - 12.0)).max(0.7))
+        });
+        let sections = vec![
+            Section {
+                polar: &polar,
+                flow: section
+            };
+            10
+        ];
+        let viscous = Decambering::new(&flow, sections).unwrap();
+        let lift = |branch: Branch, degrees: f64| {
+            let result = viscous.solve(&[stream(degrees)], branch, 1.2).unwrap();
+            assert!(result[0].residual < AGREEMENT, "{branch:?} {degrees}");
+            result[0].lift_and_drags_n(&surface, 1.2)[0] / (240.0 * 8.0)
+        };
+        for degrees in [5.0, 10.0] {
+            let [one, other] = [Branch::Attached, Branch::Separated].map(|b| lift(b, degrees));
+            assert!((one - other).abs() < 1e-5, "{degrees}: {one} {other}");
+        }
+        // Downwash keeps the wing below the stall of its sections, once it lifts; separated, there is less of it.
+        let [one, other] = [Branch::Attached, Branch::Separated].map(|b| lift(b, 15.0));
+        assert!(one > 1.2 && other < 1.0, "{one} {other}");
+        let [one, other] = [Branch::Attached, Branch::Separated].map(|b| lift(b, 24.0));
+        assert!(one < 0.9 && other < 0.9, "{one} {other}");
     }
 
     #[test]

@@ -3,9 +3,12 @@
 //! With n the normal and r the distance, of a panel A at a point P
 //!
 //! ```text
-//! source   S = 1/(4π) ∫_A 1/r dA           (potential −S of a unit source)
-//! doublet  D = 1/(4π) ∫_A n·(P − Q)/r³ dA   (solid angle over 4π; +½ just above the panel, −½ just below)
+//! source   S = 1/(4π) ∫_A 1/r dA              (potential −S of a unit source)
+//! doublet  D = 1/(4π) ∫_A n·(P − Q)/r³ dA      (solid angle over 4π; +½ just above the panel, −½ just below)
+//! slope    M = 1/(4π) ∫_A ξ n·(P − Q)/r³ dA    (doublet that grows along the chord, ξ = e·(Q − centre))
 //! ```
+//!
+//! With ξ = e·(P − centre) − e·(P − Q), and (P − Q)/r³ the gradient of 1/r by Q, M of a plane triangle is its solid angle and integrals of 1/r along its edges, as S is.
 //!
 //! A panel is a quadrilateral with the mean of its corners as apex of four plane triangles, so that neighbours share their edges and a closed
 //! body has no gaps, however twisted its panels are. Near by, D is the triangles' solid angle (van Oosterom & Strackee, IEEE Trans. Biomed.
@@ -38,6 +41,23 @@ pub struct Panel {
     pub diameter_m: f64,
     /// Gauss points of the bilinear panel [m], and ∫ n dA of each share [m²].
     gauss: [(DVec3, DVec3); 4],
+    /// Unit vector from the middle of the side between the last and the first corner to that of the side opposite: along the chord.
+    pub along: DVec3,
+    /// ∫ ξ n dA [m³].
+    slope_area_m3: DVec3,
+    /// ∫ ξ² dA over the area [m²].
+    square_m2: f64,
+}
+
+/// What a panel does at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Influence {
+    /// Doublet integral D.
+    pub doublet: f64,
+    /// Doublet integral M of a strength that grows along the chord [m].
+    pub doublet_slope_m: f64,
+    /// Source integral S [m].
+    pub source_m: f64,
 }
 
 impl Panel {
@@ -58,38 +78,61 @@ impl Panel {
             .map(DVec3::length)
             .into_iter()
             .fold(0.0, f64::max);
+        let centre_m = 0.25 * (a + b + c + d);
+        let along = (b + c - a - d).normalize_or_zero();
+        let size_m2: f64 = gauss.iter().map(|(_, area)| area.length()).sum();
+        let squares: f64 = gauss
+            .iter()
+            .map(|(at, area)| area.length() * along.dot(*at - centre_m).powi(2))
+            .sum();
         Self {
             corners_m,
-            centre_m: 0.25 * (a + b + c + d),
+            centre_m,
             area_m2,
-            size_m2: gauss.iter().map(|(_, area)| area.length()).sum(),
+            size_m2,
             normal: area_m2.normalize_or_zero(),
             diameter_m,
             gauss,
+            along,
+            slope_area_m3: gauss
+                .iter()
+                .map(|(at, area)| *area * along.dot(*at - centre_m))
+                .sum(),
+            square_m2: squares / size_m2.max(f64::MIN_POSITIVE),
         }
     }
 
-    /// Doublet and source integral (D, S) at a point; S in metres.
+    /// Doublet, slope and source integrals at a point.
     #[must_use]
-    pub fn influence(&self, point_m: DVec3) -> (f64, f64) {
+    pub fn influence(&self, point_m: DVec3) -> Influence {
         let off = point_m - self.centre_m;
         let square = off.length_squared();
         let size = self.diameter_m * self.diameter_m;
         if square > ONE_POINT * ONE_POINT * size {
             let inverse = 1.0 / square.sqrt();
-            (
-                OVER_4_PI * self.area_m2.dot(off) * inverse * inverse * inverse,
-                OVER_4_PI * self.size_m2 * inverse,
-            )
+            let doublet = OVER_4_PI * self.area_m2.dot(off) * inverse * inverse * inverse;
+            Influence {
+                doublet,
+                // How the normal turns along the chord, and ∂/∂ξ of n·(P − Q)/r³, over which ξ² is the weight.
+                doublet_slope_m: OVER_4_PI * self.slope_area_m3.dot(off) * inverse.powi(3)
+                    + 3.0 * self.along.dot(off) / square * self.square_m2 * doublet,
+                source_m: OVER_4_PI * self.size_m2 * inverse,
+            }
         } else if square > FOUR_POINTS * FOUR_POINTS * size {
-            let (mut doublet, mut source) = (0.0, 0.0);
+            let (mut doublet, mut slope, mut source) = (0.0, 0.0, 0.0);
             for (at, area) in &self.gauss {
                 let off = point_m - *at;
                 let inverse = 1.0 / off.length();
-                doublet += area.dot(off) * inverse * inverse * inverse;
+                let share = area.dot(off) * inverse * inverse * inverse;
+                doublet += share;
+                slope += share * self.along.dot(*at - self.centre_m);
                 source += area.length() * inverse;
             }
-            (OVER_4_PI * doublet, OVER_4_PI * source)
+            Influence {
+                doublet: OVER_4_PI * doublet,
+                doublet_slope_m: OVER_4_PI * slope,
+                source_m: OVER_4_PI * source,
+            }
         } else {
             self.exact(point_m)
         }
@@ -97,7 +140,7 @@ impl Panel {
 
     /// The exact integrals over the four triangles.
     #[must_use]
-    pub fn exact(&self, point_m: DVec3) -> (f64, f64) {
+    pub fn exact(&self, point_m: DVec3) -> Influence {
         let apex = self.centre_m - point_m;
         let apex_length = apex.length();
         let corners = self.corners_m.map(|corner| corner - point_m);
@@ -105,7 +148,7 @@ impl Panel {
         // ∫ 1/r along the spokes and along the rim.
         let spokes: [f64; 4] =
             std::array::from_fn(|k| line_integral(apex, corners[k], apex_length, lengths[k]));
-        let (mut angle, mut source) = (0.0, 0.0);
+        let (mut angle, mut slope, mut source) = (0.0, 0.0, 0.0);
         for k in 0..4 {
             let next = (k + 1) % 4;
             let (a, b) = (corners[k], corners[next]);
@@ -120,14 +163,24 @@ impl Panel {
             let seen = solid_angle([apex, a, b], [apex_length, lengths[k], lengths[next]]);
             let height = -normal.dot(apex);
             let sides = [(apex, a, spokes[k]), (a, b, rim), (b, apex, spokes[next])];
+            // ∮ 1/r along the rim of the triangle, times its normal in the plane.
+            let mut rims = DVec3::ZERO;
             for (from, to, integral) in sides {
+                let outwards = (to - from).cross(normal) * integral;
                 // In-plane distance of the edge from the point, times the integral of 1/r along it.
-                source += (to - from).cross(normal).dot(from) * integral;
+                source += outwards.dot(from);
+                rims += outwards;
             }
             source -= height * seen;
             angle += seen;
+            let place = -self.along.dot(apex) - height * self.along.dot(normal);
+            slope += place * seen - height * self.along.dot(rims);
         }
-        (OVER_4_PI * angle, OVER_4_PI * source)
+        Influence {
+            doublet: OVER_4_PI * angle,
+            doublet_slope_m: OVER_4_PI * slope,
+            source_m: OVER_4_PI * source,
+        }
     }
 }
 
@@ -178,9 +231,9 @@ mod tests {
     }
 
     /// Integrals over many small pieces of the four triangles.
-    fn by_pieces(panel: &Panel, point: DVec3) -> (f64, f64) {
+    fn by_pieces(panel: &Panel, point: DVec3) -> [f64; 3] {
         const PIECES: usize = 200;
-        let (mut doublet, mut source) = (0.0, 0.0);
+        let (mut doublet, mut slope, mut source) = (0.0, 0.0, 0.0);
         for k in 0..4 {
             let a = panel.centre_m;
             let (e, f) = (panel.corners_m[k] - a, panel.corners_m[(k + 1) % 4] - a);
@@ -193,12 +246,22 @@ mod tests {
                     let q = a + u * ((1.0 - v) * e + v * f);
                     let weight = u / (PIECES * PIECES) as f64;
                     let r = point - q;
-                    doublet += weight * area.dot(r) / r.length().powi(3);
+                    let share = weight * area.dot(r) / r.length().powi(3);
+                    doublet += share;
+                    slope += share * panel.along.dot(q - panel.centre_m);
                     source += weight * area.length() / r.length();
                 }
             }
         }
-        (OVER_4_PI * doublet, OVER_4_PI * source)
+        [doublet, slope, source].map(|sum| OVER_4_PI * sum)
+    }
+
+    fn numbers(influence: Influence) -> [f64; 3] {
+        [
+            influence.doublet,
+            influence.doublet_slope_m,
+            influence.source_m,
+        ]
     }
 
     #[test]
@@ -210,9 +273,10 @@ mod tests {
             DVec3::new(1.8, -0.4, 0.3),
             DVec3::new(-2.0, 1.0, 0.1),
         ] {
-            let (exact, pieces) = (panel.exact(point), by_pieces(&panel, point));
-            assert!((exact.0 - pieces.0).abs() < 1e-5, "{exact:?} {pieces:?}");
-            assert!((exact.1 - pieces.1).abs() < 1e-5, "{exact:?} {pieces:?}");
+            let (exact, pieces) = (numbers(panel.exact(point)), by_pieces(&panel, point));
+            for (exact, piece) in exact.iter().zip(pieces) {
+                assert!((exact - piece).abs() < 1e-5, "{exact:?} {pieces:?}");
+            }
         }
     }
 
@@ -224,15 +288,14 @@ mod tests {
         for (range, limit) in [(FOUR_POINTS, 1e-3), (ONE_POINT, 3e-3)] {
             for direction in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.6, -0.48, 0.64)] {
                 let point = panel.centre_m + 1.001 * range * panel.diameter_m * direction;
-                let (near, far) = (panel.exact(point), panel.influence(point));
+                let [near, far] = [panel.exact(point), panel.influence(point)].map(numbers);
                 assert!(near != far);
                 let dipole =
                     OVER_4_PI * panel.area_m2.length() / (range * panel.diameter_m).powi(2);
-                assert!(
-                    (near.0 - far.0).abs() < limit * dipole.abs(),
-                    "{near:?} {far:?}"
-                );
-                assert!((near.1 / far.1 - 1.0).abs() < limit, "{near:?} {far:?}");
+                for (near, far) in near.iter().zip(far).take(2) {
+                    assert!((near - far).abs() < limit * dipole, "{near:?} {far:?}");
+                }
+                assert!((near[2] / far[2] - 1.0).abs() < limit, "{near:?} {far:?}");
             }
         }
     }
@@ -259,18 +322,18 @@ mod tests {
         .into_iter()
         .map(|face: [usize; 4]| Panel::new(face.map(corner)))
         .collect();
-        let seen = |point| -> f64 { box_panels.iter().map(|p| p.exact(point).0).sum() };
+        let seen = |point| -> f64 { box_panels.iter().map(|p| p.exact(point).doublet).sum() };
         assert!((seen(DVec3::new(0.4, 0.5, 0.6)) + 1.0).abs() < 1e-12);
         assert!(seen(DVec3::new(0.4, 0.5, 1.6)).abs() < 1e-12);
         let top = &box_panels[5];
         for side in [-1.0, 1.0] {
-            let (doublet, _) = top.exact(top.centre_m + side * 1e-7 * DVec3::Z);
+            let doublet = top.exact(top.centre_m + side * 1e-7 * DVec3::Z).doublet;
             assert!((doublet - 0.5 * side).abs() < 0.15, "{doublet}");
         }
         let plane = Panel::new([DVec3::ZERO, DVec3::X, DVec3::ONE - DVec3::Z, DVec3::Y]);
-        assert!((plane.exact(plane.centre_m - 1e-9 * DVec3::Z).0 + 0.5).abs() < 1e-6);
+        assert!((plane.exact(plane.centre_m - 1e-9 * DVec3::Z).doublet + 0.5).abs() < 1e-6);
         let strip = doublet_of_strip(plane.corners_m, DVec3::new(0.2, 0.3, 0.4));
-        assert!((strip - plane.exact(DVec3::new(0.2, 0.3, 0.4)).0).abs() < 1e-14);
+        assert!((strip - plane.exact(DVec3::new(0.2, 0.3, 0.4)).doublet).abs() < 1e-14);
     }
 
     /// A corner without an edge changes nothing: a triangle given as a quadrilateral.
@@ -281,7 +344,8 @@ mod tests {
         let whole = Panel::new([a, b, c, c]).exact(point);
         let halves = [[a, b, 0.5 * (b + c), a], [a, 0.5 * (b + c), c, c]]
             .map(|corners| Panel::new(corners).exact(point));
-        assert!((whole.0 - halves[0].0 - halves[1].0).abs() < 1e-12);
-        assert!((whole.1 - halves[0].1 - halves[1].1).abs() < 1e-12);
+        let [first, second] = halves;
+        assert!((whole.doublet - first.doublet - second.doublet).abs() < 1e-12);
+        assert!((whole.source_m - first.source_m - second.source_m).abs() < 1e-12);
     }
 }

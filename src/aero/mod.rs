@@ -5,6 +5,7 @@
 //! `docs/low-order-aerodynamics.md` has the equations in order, what they cost and what they cannot do.
 
 pub mod belloc;
+mod chordwise;
 pub mod decambering;
 mod dense;
 pub mod drag;

@@ -15,6 +15,9 @@ const SECTION_HALF_SPAN: f64 = 1e3;
 /// Panels per side for the potential flow of a section.
 const SECTION_PANELS_PER_SIDE: usize = 60;
 
+/// Angle over which the lift becomes level beyond the ends of a polar [rad].
+const LEVEL_RAD: f64 = 0.02;
+
 /// One angle of a polar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolarPoint {
@@ -26,11 +29,14 @@ pub struct PolarPoint {
     pub drag: f64,
 }
 
-/// Lift and drag of a section with viscosity, linear between its points. Beyond the last point the lift stays and the drag grows like that of a
+/// Lift and drag of a section with viscosity. Between its points drag is linear and lift a monotone cubic (Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984), whose slope does
+/// not jump and whose extremes are those of the points. Beyond the last point the lift becomes level within some degrees and the drag grows like that of a
 /// flat plate held up to the stream, by 2 (sin² α − sin² α_last) (Hoerner, Fluid-Dynamic Drag, 1965, section 3-16: 2.0 at a right angle).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polar {
     points: Vec<PolarPoint>,
+    /// Slope of the lift at every point [1/rad].
+    slopes: Vec<f64>,
 }
 
 impl Polar {
@@ -52,7 +58,27 @@ impl Polar {
         if points.windows(2).any(|p| p[1].angle_rad <= p[0].angle_rad) {
             return wrong("angles have to ascend");
         }
-        Ok(Self { points })
+        Ok(Self::through(points))
+    }
+
+    fn through(points: Vec<PolarPoint>) -> Self {
+        let step = |k: usize| points[k + 1].angle_rad - points[k].angle_rad;
+        let secant = |k: usize| (points[k + 1].lift - points[k].lift) / step(k);
+        let last = points.len() - 1;
+        let slopes = (0..=last)
+            .map(|k| {
+                if k == 0 || k == last {
+                    return secant(k.min(last - 1));
+                }
+                let (before, after) = (secant(k - 1), secant(k));
+                if before * after <= 0.0 {
+                    return 0.0;
+                }
+                let share = (step(k - 1) + 2.0 * step(k)) / (3.0 * (step(k - 1) + step(k)));
+                before * after / (share * after + (1.0 - share) * before)
+            })
+            .collect();
+        Self { points, slopes }
     }
 
     /// A polar for a paraglider's section with an open intake, where nothing better is known, from the section's own lift in potential flow.
@@ -126,34 +152,57 @@ impl Polar {
             lift: mix(self.lift(angle_rad).0, other.lift(angle_rad).0),
             drag: mix(self.drag(angle_rad), other.drag(angle_rad)),
         });
-        Self {
-            points: points.collect(),
-        }
+        Self::through(points.collect())
     }
 
     /// Lift coefficient and its slope per radian.
     #[must_use]
     pub fn lift(&self, angle_rad: f64) -> (f64, f64) {
-        match self.segment(angle_rad) {
-            Some((a, b, t)) => (
-                a.lift + t * (b.lift - a.lift),
-                (b.lift - a.lift) / (b.angle_rad - a.angle_rad),
-            ),
-            None => (self.nearest(angle_rad).lift, 0.0),
-        }
+        let Some((k, t)) = self.segment(angle_rad) else {
+            let (end, slope) = self.nearest(angle_rad);
+            let beyond = angle_rad - end.angle_rad;
+            let left = (-beyond.abs() / LEVEL_RAD).exp();
+            let gained = slope * LEVEL_RAD.copysign(beyond) * (1.0 - left);
+            return (end.lift + gained, slope * left);
+        };
+        let (a, b) = (self.points[k], self.points[k + 1]);
+        let step = b.angle_rad - a.angle_rad;
+        let rise = b.lift - a.lift;
+        let [from, to] = [self.slopes[k], self.slopes[k + 1]].map(|slope| slope * step);
+        // Hermite's cubic.
+        let (second, third) = (3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise);
+        (
+            a.lift + t * (from + t * (second + t * third)),
+            (from + t * (2.0 * second + 3.0 * t * third)) / step,
+        )
     }
 
     /// Drag coefficient.
     #[must_use]
     pub fn drag(&self, angle_rad: f64) -> f64 {
         match self.segment(angle_rad) {
-            Some((a, b, t)) => a.drag + t * (b.drag - a.drag),
+            Some((k, t)) => {
+                let [a, b] = [k, k + 1].map(|k| self.points[k].drag);
+                a + t * (b - a)
+            }
             None => {
-                let last = self.nearest(angle_rad);
+                let (last, _) = self.nearest(angle_rad);
                 let more = angle_rad.sin().powi(2) - last.angle_rad.sin().powi(2);
                 last.drag + 2.0 * more.max(0.0)
             }
         }
+    }
+
+    /// Whether an angle lies between those of the lowest and of the highest lift.
+    #[must_use]
+    pub fn is_below_stall(&self, angle_rad: f64) -> bool {
+        let by_lift = |a: &&PolarPoint, b: &&PolarPoint| a.lift.total_cmp(&b.lift);
+        let [lowest, highest] = [
+            self.points.iter().min_by(by_lift),
+            self.points.iter().max_by(by_lift),
+        ];
+        lowest.is_some_and(|p| p.angle_rad <= angle_rad)
+            && highest.is_some_and(|p| angle_rad <= p.angle_rad)
     }
 
     /// Whether the polar reaches that far.
@@ -162,22 +211,27 @@ impl Polar {
         self.segment(angle_rad).is_some()
     }
 
-    fn segment(&self, angle_rad: f64) -> Option<(PolarPoint, PolarPoint, f64)> {
-        let pair = self
-            .points
-            .windows(2)
-            .find(|p| p[0].angle_rad <= angle_rad && angle_rad <= p[1].angle_rad)?;
-        let t = (angle_rad - pair[0].angle_rad) / (pair[1].angle_rad - pair[0].angle_rad);
-        Some((pair[0], pair[1], t))
+    /// The point before an angle, and the share of the way to the next.
+    fn segment(&self, angle_rad: f64) -> Option<(usize, f64)> {
+        let place = |k: usize| self.points[k].angle_rad;
+        let last = self.points.len() - 1;
+        if !(place(0)..=place(last)).contains(&angle_rad) {
+            return None;
+        }
+        let after = self.points.partition_point(|p| p.angle_rad <= angle_rad);
+        let k = after.clamp(1, last) - 1;
+        Some((k, (angle_rad - place(k)) / (place(k + 1) - place(k))))
     }
 
-    fn nearest(&self, angle_rad: f64) -> PolarPoint {
-        let last = self.points[self.points.len() - 1];
-        if angle_rad > last.angle_rad {
+    /// The end of the polar beyond which an angle lies, and the slope of the lift there.
+    fn nearest(&self, angle_rad: f64) -> (PolarPoint, f64) {
+        let last = self.points.len() - 1;
+        let k = if angle_rad > self.points[last].angle_rad {
             last
         } else {
-            self.points[0]
-        }
+            0
+        };
+        (self.points[k], self.slopes[k])
     }
 }
 
@@ -237,11 +291,24 @@ mod tests {
             point(20.0, 0.9, 0.1),
         ])
         .unwrap();
-        let (lift, slope) = polar.lift(5f64.to_radians());
-        assert!((lift - 0.6).abs() < 1e-12 && (slope.to_radians() - 0.1).abs() < 1e-12);
+        // At a point the lift is the point's; between them it is steady, with the slope that it says, and highest at the highest point.
+        for degrees in [0.0, 3.0, 5.0, 9.99, 10.0, 10.01, 17.0] {
+            let at = |degrees: f64| polar.lift(degrees.to_radians());
+            let (lift, slope) = at(degrees);
+            let (next, _) = at(degrees + 1e-4);
+            assert!(
+                (next - lift - slope * 1e-4f64.to_radians()).abs() < 1e-8,
+                "{degrees}"
+            );
+            assert!(lift <= 1.1);
+        }
+        assert_eq!(polar.lift(10f64.to_radians()), (1.1, 0.0));
         assert!((polar.drag(15f64.to_radians()) - 0.06).abs() < 1e-12);
         let far = 40f64.to_radians();
-        assert_eq!(polar.lift(far), (0.9, 0.0));
+        // A fall of 0.02 per degree becomes level over 0.02 rad.
+        let level = 0.9 - 0.02 * 0.02f64.to_degrees();
+        let (lift, slope) = polar.lift(far);
+        assert!((lift - level).abs() < 1e-4 && slope.abs() < 1e-4, "{lift}");
         assert!(!polar.covers(far) && polar.drag(far) > 0.5);
         for (points, part) in [
             (vec![point(0.0, 0.0, 0.0)], "two"),
@@ -290,7 +357,7 @@ mod tests {
         for step in 0..250 {
             let angle = 0.001 * f64::from(step);
             let (lift, slope) = polar.lift(angle);
-            assert!(slope < 0.881 * 6.9 && (polar.lift(angle + 1e-4).0 - lift).abs() < 1e-3);
+            assert!(slope < 0.89 * 6.9 && (polar.lift(angle + 1e-4).0 - lift).abs() < 1e-3);
             highest = highest.max(lift);
         }
         assert!((highest - 1.3).abs() < 0.01, "{highest}");

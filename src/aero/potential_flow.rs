@@ -12,6 +12,9 @@
 //! centres of the two panels included, as in propeller panel methods; both sides leave the edge at the same speed, so their centres'
 //! distances from it cancel.
 //!
+//! Doublets are linear along the chord: φ over a panel is φ_j + ξ φ′_j, its slope φ′_j from the centres of the neighbours ([`super::chordwise`]). Unknowns stay one per
+//! panel, and errors of lift at 20 panels per side fall from 2–4 % to 0.3 % (constant doublets are of first order at noses and trailing edges).
+//!
 //! The matrix depends on the surface and on the wake's direction alone: any number of onset flows, which may differ from strip to strip, are
 //! solved from one factorisation.
 
@@ -19,6 +22,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::AeroError;
+use super::chordwise;
 use super::dense::Factors;
 use super::forces::{self, Forces};
 use super::surface::{PanelSurface, mirrored};
@@ -27,6 +31,9 @@ use super::wake::{TrefftzForces, Wake, trefftz};
 
 /// How far inside the surface the equations hold, over a panel's width.
 const INSIDE: f64 = 1e-6;
+
+/// Centres from which the slope of the potential along a panel is taken.
+const SLOPE_POINTS: usize = 3;
 
 /// Memory allowed without a setting of its own [bytes].
 pub const MEMORY_LIMIT: u64 = 4 << 30;
@@ -107,18 +114,27 @@ impl<'a> PotentialFlow<'a> {
                 } else {
                     surface.caps[group - surface.spanwise].first
                 };
-                for (k, column) in columns.chunks_mut(size).enumerate() {
+                // Strengths of a strip's panels grow along the chord as those of their neighbours do; a cap's panels are constant.
+                let slopes = if group < surface.spanwise {
+                    chordwise::derivatives(surface, group, SLOPE_POINTS)
+                } else {
+                    Vec::new()
+                };
+                for k in 0..columns.len() / size {
                     let panel = &surface.panels[first + k];
-                    for ((entry, sum), &point) in column.iter_mut().zip(&mut *sources).zip(&points)
-                    {
-                        let (mut doublet, mut source) = panel.influence(point);
+                    for (i, (sum, &point)) in sources.iter_mut().zip(&points).enumerate() {
+                        let mut here = panel.influence(point);
                         if surface.is_symmetric {
                             let image = panel.influence(mirrored(point));
-                            doublet += image.0;
-                            source += image.1;
+                            here.doublet += image.doublet;
+                            here.doublet_slope_m += image.doublet_slope_m;
+                            here.source_m += image.source_m;
                         }
-                        *entry = doublet;
-                        *sum += source * panel.normal;
+                        columns[k * size + i] += here.doublet;
+                        for &(neighbour, weight) in slopes.get(k).into_iter().flatten() {
+                            columns[neighbour * size + i] += weight * here.doublet_slope_m;
+                        }
+                        *sum += here.source_m * panel.normal;
                     }
                 }
             });

@@ -1,14 +1,18 @@
 //! Velocity along a surface from the potential of its panels.
 //!
-//! The tangential velocity is the onset flow's, the surface gradient of φ added. The gradient comes from the neighbours' centres: chord-wise
-//! and span-wise derivatives over the distance by parabolas through three centres, one-sided at trailing edges and tips, and from them the
-//! vector in the panel's plane that has both (Katz & Plotkin 2001, section 12.3, with central differences over distances in place of panel
-//! numbers). Panels of caps take the chord-wise derivative alone: around the
+//! The tangential velocity is the onset flow's, the surface gradient of φ added. The gradient comes from the neighbours' centres: the
+//! chord-wise derivative by five of them over the length of the strip's polygon, the span-wise one over the distance by a parabola through three, one-sided at
+//! trailing edges and tips, and from them the vector in the panel's plane that has both (Katz & Plotkin 2001, section 12.3, with differences over
+//! lengths in place of panel numbers). Panels of caps take the chord-wise derivative alone: around the
 //! edges of a tip potential flow would be infinitely fast, where air separates.
 
 use glam::DVec3;
 
+use super::chordwise;
 use super::surface::{Cap, PanelSurface, mirrored};
+
+/// Centres from which the derivative along the chord is taken.
+const CHORDWISE_POINTS: usize = 5;
 
 /// A value with its place.
 type Sample = (DVec3, f64);
@@ -20,8 +24,16 @@ pub(super) fn on_surface(surface: &PanelSurface, potential: &[f64], onset: &[DVe
         let velocity = onset[surface.strip_of(panel)] + gradient;
         velocity - normal * normal.dot(velocity)
     };
-    let mut velocities: Vec<DVec3> = (0..surface.spanwise * surface.chordwise)
-        .map(|panel| tangential(panel, in_strip(surface, potential, panel)))
+    let mut velocities: Vec<DVec3> = (0..surface.spanwise)
+        .flat_map(|strip| {
+            let weights = chordwise::derivatives(surface, strip, CHORDWISE_POINTS);
+            let first = strip * surface.chordwise;
+            let panels = weights.into_iter().enumerate();
+            panels.map(move |(i, weights)| {
+                let panel = first + i;
+                tangential(panel, in_strip(surface, potential, panel, &weights))
+            })
+        })
         .collect();
     for cap in &surface.caps {
         for k in 0..surface.chordwise / 2 {
@@ -36,25 +48,19 @@ fn sample(surface: &PanelSurface, potential: &[f64], panel: usize) -> Sample {
     (surface.panels[panel].centre_m, potential[panel])
 }
 
-/// Surface gradient at a panel of a strip.
-fn in_strip(surface: &PanelSurface, potential: &[f64], panel: usize) -> DVec3 {
+/// Surface gradient at a panel of a strip, with the weights of its derivative along the chord.
+fn in_strip(
+    surface: &PanelSurface,
+    potential: &[f64],
+    panel: usize,
+    weights: &chordwise::Weights,
+) -> DVec3 {
     let count = surface.chordwise;
     let (strip, i) = (panel / count, panel % count);
     let at = |i: usize, strip: usize| sample(surface, potential, strip * count + i);
     let here = at(i, strip);
-    let (along, along_slope) = if !surface.has_trailing_edge {
-        central(
-            at((i + count - 1) % count, strip),
-            here,
-            at((i + 1) % count, strip),
-        )
-    } else if i == 0 {
-        one_sided(here, at(1, strip), at(2, strip))
-    } else if i == count - 1 {
-        backwards(one_sided(here, at(i - 1, strip), at(i - 2, strip)))
-    } else {
-        central(at(i - 1, strip), here, at(i + 1, strip))
-    };
+    let along = surface.panels[panel].along;
+    let along_slope = weights.iter().map(|(k, w)| w * at(*k, strip).1).sum();
     let last = surface.spanwise - 1;
     let before = if strip > 0 {
         Some(at(i, strip - 1))

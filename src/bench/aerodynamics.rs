@@ -12,7 +12,7 @@ use kuva::prelude::{Layout, LinePlot, Plot, ScatterPlot};
 use super::{Stop, Watch, go_on, plots, write_rows};
 use crate::aero::AeroError;
 use crate::aero::belloc;
-use crate::aero::decambering::{Decambering, Section};
+use crate::aero::decambering::{Branch, Decambering, Section};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 
 /// Panels per side of a section and strips per half span, finest last.
@@ -154,7 +154,7 @@ fn polar() -> Result<Vec<Angle>, Stop> {
         .map(|a| belloc::stream_m_s(a.to_radians()))
         .collect();
     let inviscid = flow.solve(&streams)?;
-    let viscous = Decambering::new(&flow, sections)?.solve(&streams, 1.0)?;
+    let viscous = Decambering::new(&flow, sections)?.solve(&streams, Branch::Attached, 1.0)?;
     Ok(degrees
         .into_iter()
         .zip(inviscid.iter().zip(&viscous))

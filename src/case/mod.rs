@@ -4,6 +4,7 @@
 //! its checks; [`scene`], which puts them together; [`load`], from the text to the checked case.
 
 mod air;
+pub mod bare_wing;
 mod bodies;
 mod body;
 mod cable_material;

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 pub use super::air::{Air, Flow};
+pub use super::bare_wing::{BareProfile, BareWing};
 pub use super::bodies::{MARKER_MOTION_LIMIT, RigidBody, Shape};
 pub use super::body::{
     Airbag, Body, BodyKind, Canopy, Coupon, HangingCable, ImportedWing, LoadingPressure,
@@ -27,8 +28,8 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
-    air, bodies, comparison, coupling, descent, equilibrium, output, refinement, rigging, shift,
-    solver, steady, structure, supports, time, unused, usual, usual_box,
+    air, bare_wing, bodies, comparison, coupling, descent, equilibrium, output, refinement,
+    rigging, shift, solver, steady, structure, supports, time, unused, usual, usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
@@ -38,6 +39,8 @@ use crate::geometry::plate::Plate;
 pub struct Scene {
     /// One line for reports and pictures.
     pub title: String,
+    /// A wing by itself; then there is nothing to simulate.
+    pub bare_wing: Option<BareWing>,
     /// The air.
     pub air: Option<Air>,
     /// Fabric and cables, with what is known of their kind.
@@ -119,6 +122,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .map(|g| vector("gravity.acceleration_m_s2", g.acceleration_m_s2))
         .transpose()?;
     unused::refuse(file)?;
+    let bare_wing = bare_wing::check(file, folder)?;
     let file = &*usual_box::complete(file);
     let mut files = FromFiles::new(folder);
     let mut body = structure::check(file, &mut files, gravity_m_s2)?;
@@ -127,7 +131,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         .as_ref()
         .map(|air| air::check_air(file, air, body.as_ref()))
         .transpose()?;
-    if air.is_none() && body.is_none() && file.bodies.is_empty() {
+    if air.is_none() && body.is_none() && file.bodies.is_empty() && bare_wing.is_none() {
         return Err(Problem::new(
             "version",
             "the case holds neither air nor a structure: there is nothing to simulate",
@@ -157,7 +161,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         carried.is_some(),
     )?;
     let equilibrium = equilibrium::check(file)?;
-    if time.is_none() && equilibrium.is_none() {
+    if time.is_none() && equilibrium.is_none() && bare_wing.is_none() {
         return Err(absent(
             "time",
             "a run needs [time], or [equilibrium] for a structure without air",
@@ -175,6 +179,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
     let title = usual::or("title", file.title.clone(), "untitled".to_owned());
     Ok(Scene {
         title,
+        bare_wing,
         air,
         body,
         meshes: files.meshes,

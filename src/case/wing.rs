@@ -42,6 +42,8 @@ pub struct Wing {
     pub load_test: Option<LoadTest>,
     /// Panels are to fly as they were designed; `None`: they are as the plan says.
     pub panel_shaping: Option<PanelShaping>,
+    /// Whether a speed bar shortens risers.
+    pub has_speed_bar: bool,
     /// How it stands in the wind; `None` without air.
     pub tunnel: Option<Tunnel>,
     /// Risers that are hauled in.
@@ -155,6 +157,7 @@ pub(super) fn check(
             line_diameters_m: built.line_kinds.iter().map(diameter).collect(),
             load_test: None,
             panel_shaping: None,
+            has_speed_bar: table.speed_bar.is_some(),
             tunnel: None,
             pulls: Vec::new(),
             built,

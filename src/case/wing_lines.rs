@@ -173,13 +173,18 @@ pub(super) fn check_row(
         ));
     }
     let riser_length_m = positive(&key("riser_length_m"), written.riser_length_m)?;
-    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0);
+    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0) - by_speed_bar_m(table, name)?;
     if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
         return Err(Problem::new(
             key("trim_m"),
             format!(
-                "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m",
-                key("trim_m")
+                "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m{}",
+                key("trim_m"),
+                if table.speed_bar.is_some() {
+                    " (what the speed bar takes is in it)"
+                } else {
+                    ""
+                }
             ),
             "shorten it by less than nine tenths",
         ));
@@ -195,6 +200,29 @@ pub(super) fn check_row(
         trim_m,
         diagonals,
     })
+}
+
+/// By how much the speed bar shortens the riser of a row [m].
+fn by_speed_bar_m(table: &file::Wing, row: &str) -> Result<f64, Problem> {
+    let Some(bar) = &table.speed_bar else {
+        return Ok(0.0);
+    };
+    let bar_key = |name: &str| key(&format!("speed_bar.{name}"));
+    let unknown = bar
+        .shortening_m
+        .keys()
+        .find(|name| !table.rows.contains_key(*name));
+    if let Some(unknown) = unknown {
+        return Err(Problem::new(
+            bar_key("shortening_m"),
+            format!("there is no row `{unknown}` that the speed bar could shorten"),
+            "name rows of [structure.wing.rows]",
+        ));
+    }
+    let used = usual::or(bar_key("used"), bar.used, 0.0);
+    let used = within(&bar_key("used"), used, 0.0, 1.0)?;
+    let full = bar.shortening_m.get(row).copied().unwrap_or(0.0);
+    Ok(used * within(&bar_key("shortening_m"), full, 0.0, 1.0)?)
 }
 
 /// Places of single attachments.

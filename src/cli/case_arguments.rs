@@ -14,7 +14,7 @@ use crate::measure;
 use crate::plan::{MemoryRefusal, Plan, Precision, Sizes, free_memory};
 
 /// How a case is read; shared by the commands that take one.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct CaseArguments {
     /// Case file (TOML).
     case: PathBuf,
@@ -92,8 +92,23 @@ impl CaseArguments {
         }
     }
 
+    /// CPU threads; 0 takes all cores.
+    pub(super) fn thread_count(&self) -> usize {
+        self.threads.into()
+    }
+
     /// Plans a case, and refuses what does not fit.
     pub(super) fn plan(&self, case: Case) -> Result<Prepared, Failure> {
+        if case.scene.bare_wing.is_some() {
+            return Err(Failure::Case(case.error(Problem::new(
+                "aero",
+                format!(
+                    "in {}: there is nothing to run: the case holds a wing by itself",
+                    case.name
+                ),
+                "`ripstop polar CASE.toml` computes its forces over the angle of attack",
+            ))));
+        }
         threads::start(self.threads.into())?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())

@@ -78,7 +78,7 @@ const F16_ON_CPU: &str =
     "--precision f16-storage needs a device (--engine gpu): the CPU gains nothing from 16 bits";
 
 /// Choice of engines.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct EngineArguments {
     /// Engine for the air.
     #[arg(long, value_enum, default_value = "auto")]

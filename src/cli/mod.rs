@@ -1,6 +1,7 @@
 //! The command line: one file per command, exit codes in one place.
 
 mod answer;
+mod bare_polar;
 mod bench;
 mod case_arguments;
 mod check;
@@ -13,6 +14,7 @@ mod import;
 mod log;
 mod new;
 mod pages;
+mod polar;
 mod profile;
 mod progress;
 mod report;
@@ -21,6 +23,7 @@ mod schema;
 mod signals;
 mod sweep;
 mod threads;
+mod trim_polar;
 mod validate;
 
 use std::process::ExitCode;
@@ -51,6 +54,8 @@ enum Command {
     Restart(run::RestartArguments),
     /// Run a case once for each value of some of its keys, and set the results side by side.
     Sweep(sweep::SweepArguments),
+    /// Forces of a wing over its angle of attack, or speed, sink and line loads of a glider over brake, bar and mass.
+    Polar(polar::PolarArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
     Check(check::CheckArguments),
     /// Write the page of a finished run, report.html, anew.
@@ -105,6 +110,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Restart(arguments) => run::restart(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
+        Command::Polar(arguments) => polar::polar(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Report(arguments) => report::report(arguments),
         Command::Compare(arguments) => report::compare(arguments),

@@ -33,7 +33,7 @@ const USUAL_HISTORIES: [&str; 2] = ["projected_diameter_ratio", "drag_coefficien
 #[derive(Debug, Args)]
 pub(super) struct SweepArguments {
     #[command(flatten)]
-    case: CaseArguments,
+    pub(super) case: CaseArguments,
     /// Key and its values; may be given several times, and then every combination runs. Keys that belong together vary together:
     /// "a=1,2; b=3,4" makes two runs. The value `absent` removes a key or table, `as_written` leaves it.
     #[arg(
@@ -41,28 +41,33 @@ pub(super) struct SweepArguments {
         value_name = "KEY.PATH=A,B,C",
         required_unless_present = "ensemble"
     )]
-    vary: Vec<Vary>,
+    pub(super) vary: Vec<Vary>,
     /// Starts of every run, each with all that stands in the air moved by other parts of a cell; extremes get an interval from them.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=64))]
-    ensemble: Option<u8>,
+    pub(super) ensemble: Option<u8>,
     /// Result for the table and a chart; may be given several times.
     #[arg(long, value_name = "NAME")]
-    result: Vec<String>,
+    pub(super) result: Vec<String>,
     /// Column of history.csv for a chart of all runs over time; may be given several times.
     #[arg(long, value_name = "COLUMN")]
-    history: Vec<String>,
+    pub(super) history: Vec<String>,
     /// Folder for the table, the charts, and a folder for each run. Runs found there that are done are kept.
     #[arg(long, default_value = "sweep")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Begin runs anew whose folders hold another case's, as after a change of the case file.
     #[arg(long)]
-    overwrite: bool,
+    pub(super) overwrite: bool,
     /// Seconds of wall time between checkpoints of a run.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
-    checkpoint_every: f64,
+    pub(super) checkpoint_every: f64,
 }
 
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
+    sweep_of(arguments, None)
+}
+
+/// A sweep that shows what is chosen; `None`: by its arguments.
+pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Result<u8, Failure> {
     let usage = |why: String| Failure::Other(exit::BAD_CASE, format!("--vary: {why}"));
     let starts = arguments.ensemble.map(|n| Vary::ensemble(n.into()));
     let varies: Vec<Vary> = arguments.vary.iter().cloned().chain(starts).collect();
@@ -75,7 +80,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     let Some(first) = cases.first() else {
         return Err(usage("there is no run".to_owned()));
     };
-    let chosen = choose(arguments, first)?;
+    let chosen = chosen.map_or_else(|| choose(arguments, first), Ok)?;
     prepare_directory(&arguments.out).map_err(output_failed)?;
     let earlier = Sweep::read(&arguments.out);
     let mut sweep = Sweep {
@@ -154,6 +159,7 @@ fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
     });
     let mut chosen = Chosen {
         results: arguments.result.clone(),
+        pairs: Vec::new(),
         histories: histories.collect::<Result<_, _>>()?,
     };
     if chosen.results.is_empty() && case.scene.equilibrium.is_some() {

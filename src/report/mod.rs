@@ -1,15 +1,17 @@
-//! `report.html`: one self-contained page of a finished run, of a sweep, or of several runs side by side, from the files in their folders.
+//! `report.html`: one self-contained page of a finished run, of a sweep, of a polar, or of several runs side by side, from the files in their folders.
 
 mod charts;
 mod folder;
 mod page;
 mod parts;
+mod polar;
 mod side_by_side;
 mod sweep;
 
 use std::path::Path;
 
 pub use folder::{Finished, FolderError, names};
+pub use polar::{PageTable, PolarPage};
 pub use side_by_side::{Difference, differences};
 
 use crate::output::{OutputError, write_atomically};
@@ -37,6 +39,18 @@ pub fn write(run: &Finished) -> Result<(), OutputError> {
 /// When the page cannot be written.
 pub fn write_sweep(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), OutputError> {
     let page = sweep::page_of(folder, sweep, chosen);
+    write_atomically(&folder.join(FILE_NAME), |out| {
+        out.write_all(page.as_bytes())
+    })
+}
+
+/// Writes the page of a polar into a folder.
+///
+/// # Errors
+///
+/// When the page cannot be written.
+pub fn write_polar(folder: &Path, polar: &PolarPage) -> Result<(), OutputError> {
+    let page = polar::page_of(polar);
     write_atomically(&folder.join(FILE_NAME), |out| {
         out.write_all(page.as_bytes())
     })

@@ -15,6 +15,8 @@ use crate::output::{
 pub struct Chosen {
     /// Results of the table and of a chart each.
     pub results: Vec<String>,
+    /// Results of which the second is drawn over the first.
+    pub pairs: Vec<[String; 2]>,
     /// Columns of `history.csv` for a chart each.
     pub histories: Vec<ReadOut>,
 }
@@ -103,7 +105,7 @@ pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), Output
     Ok(())
 }
 
-/// Charts of what is shown of a sweep in `folder`, with the names of their files: results over the first leading key, histories over time.
+/// Charts of what is shown of a sweep in `folder`, with the names of their files: results over each other and over the first leading key, histories over time.
 #[must_use]
 pub fn charts(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Vec<(String, Chart)> {
     let results = (chosen.results.iter()).map(|name| (format!("sweep_{name}"), chart(sweep, name)));
@@ -111,7 +113,11 @@ pub fn charts(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Vec<(String, Cha
         let chart = histories(folder, sweep, column);
         (format!("sweep_history_{}", column.name), chart)
     });
-    results.chain(histories).collect()
+    let pairs = chosen.pairs.iter().map(|pair| {
+        let name = format!("sweep_{}_over_{}", pair[1], pair[0]);
+        (name, over_each_other(sweep, pair))
+    });
+    pairs.chain(results).chain(histories).collect()
 }
 
 fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {
@@ -151,6 +157,52 @@ fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {
     })
 }
 
+/// One result against another, one series for each combination of the keys but the first leading one.
+fn over_each_other(sweep: &Sweep, pair: &[String; 2]) -> Chart {
+    let mut series: Vec<Series> = Vec::new();
+    let mut labels = pair.clone();
+    for run in sweep.runs.iter().filter(|run| run.status == Status::Done) {
+        let found = pair.each_ref().map(|name| run.results.get(name));
+        let [Some(x), Some(y)] = found else { continue };
+        let (Some(at), Some(value)) = (x.value, y.value) else {
+            continue;
+        };
+        labels = [with_unit(&pair[0], &x.unit), with_unit(&pair[1], &y.unit)];
+        own_series(&mut series, sweep.series(run))
+            .points
+            .push([at, value]);
+    }
+    Chart {
+        title: sweep.title.clone(),
+        labels,
+        categories: Vec::new(),
+        series,
+    }
+}
+
+/// The series of a name, a new one where there is none.
+fn own_series(series: &mut Vec<Series>, name: String) -> &mut Series {
+    let known = series.iter().position(|s| s.name == name);
+    let index = known.unwrap_or(series.len());
+    if known.is_none() {
+        series.push(Series {
+            name,
+            points: Vec::new(),
+            bars: Vec::new(),
+            markers: true,
+        });
+    }
+    &mut series[index]
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit == "1" || unit.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{name} [{unit}]")
+    }
+}
+
 /// One result against the first leading key, one series for each combination of the others.
 fn chart(sweep: &Sweep, name: &str) -> Chart {
     let key = sweep.leading_keys.first().map_or("", String::as_str);
@@ -179,31 +231,14 @@ fn chart(sweep: &Sweep, name: &str) -> Chart {
             continue;
         };
         unit.clone_from(&quantity.unit);
-        let own = sweep.series(run);
-        let index = series
-            .iter()
-            .position(|s| s.name == own)
-            .unwrap_or_else(|| {
-                series.push(Series {
-                    name: own,
-                    points: Vec::new(),
-                    bars: Vec::new(),
-                    markers: true,
-                });
-                series.len() - 1
-            });
-        series[index].points.push([place(run), value]);
+        let own = own_series(&mut series, sweep.series(run));
+        own.points.push([place(run), value]);
         let half = quantity.confidence.or(quantity.sampling_error);
-        series[index].bars.push(half.unwrap_or(0.0));
+        own.bars.push(half.unwrap_or(0.0));
     }
-    let label = if unit == "1" || unit.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{name} [{unit}]")
-    };
     Chart {
         title: sweep.title.clone(),
-        labels: [key.to_owned(), label],
+        labels: [key.to_owned(), with_unit(name, &unit)],
         categories,
         series,
     }

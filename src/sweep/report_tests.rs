@@ -44,6 +44,7 @@ fn ratio() -> ReadOut {
 #[test]
 fn the_table_has_a_row_for_each_run_and_says_what_failed() {
     let chosen = Chosen {
+        pairs: Vec::new(),
         results: vec!["drag_coefficient".to_owned(), "fill_time_s".to_owned()],
         histories: Vec::new(),
     };
@@ -72,6 +73,7 @@ fn files_hold_all_runs_and_read_back() {
         std::fs::write(own.join("history.csv"), text).unwrap();
     }
     let chosen = Chosen {
+        pairs: Vec::new(),
         results: vec!["drag_coefficient".to_owned(), "unknown".to_owned()],
         histories: vec![ratio()],
     };

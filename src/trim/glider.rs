@@ -9,7 +9,7 @@ use super::balance::{self, Balance, Sums, Weights, stream, turned};
 use super::outer::OuterPressure;
 use super::skin::Skin;
 use super::{Settings, TrimError};
-use crate::aero::decambering::{Decambering, Section, ViscousFlow};
+use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section, ViscousFlow};
 use crate::aero::drag::{self, DragArea, LineSegment};
 use crate::aero::polar::{Polar, SectionFlow};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
@@ -272,6 +272,12 @@ impl<'a> Glider<'a> {
             let moved = (balance.stream_rad - start).abs();
             if moved < WAKE_TOLERANCE_RAD || wakes_left == 0 {
                 let sample = sample(balance.stream_rad)?;
+                if sample.viscous.residual > AGREEMENT {
+                    return Err(TrimError::SectionsDisagree {
+                        angle_deg: balance.stream_rad.to_degrees(),
+                        residual: sample.viscous.residual,
+                    });
+                }
                 return Ok(self.flight(positions_m, &surface, (balance, weights), sample));
             }
             start = balance.stream_rad;
@@ -288,7 +294,9 @@ impl<'a> Glider<'a> {
         // A stream of 1 m/s of air of 1 kg/m³.
         const DYNAMIC_PA: f64 = 0.5;
         let along = stream(angle_rad);
-        let viscous = decambering.solve(&[along], 1.0)?.remove(0);
+        let viscous = decambering
+            .solve(&[along], Branch::Attached, 1.0)?
+            .remove(0);
         let coefficients = viscous.flow.pressure_coefficients(surface);
         let outer = OuterPressure::new(&self.skin, surface, &coefficients);
         let inside = self

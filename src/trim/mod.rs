@@ -103,4 +103,14 @@ pub enum TrimError {
         /// Angle [°].
         angle_deg: f64,
     },
+    /// Sections and wing do not agree on their lift.
+    #[error(
+        "at {angle_deg:.1} degrees between stream and wing the sections have no lift that agrees with the wing's (C_l differs by {residual:.1e}): the wing is beyond its stall, or a polar of [equilibrium.trim.polars] jumps"
+    )]
+    SectionsDisagree {
+        /// Angle [°].
+        angle_deg: f64,
+        /// Largest difference of lift coefficients.
+        residual: f64,
+    },
 }

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::air::{Air, Resolution};
+use super::bare_wing::Aero;
 use super::bodies::Body;
 use super::canopy::Lines;
 use super::comparison::ComparisonTable;
@@ -35,6 +36,8 @@ pub struct File {
     pub wing: Option<WingDesign>,
     /// A mesh in a stream, from which all other tables follow (docs/design.md); absent: they are written.
     pub mesh: Option<MeshDesign>,
+    /// A wing by itself, for `ripstop polar`; absent: none.
+    pub aero: Option<Aero>,
     /// The air; absent: none.
     pub air: Option<Air>,
     /// Lattice of the air; required with it.

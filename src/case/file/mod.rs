@@ -2,6 +2,7 @@
 //! the keys (`docs/case-files.md`, the JSON schema).
 
 mod air;
+mod bare_wing;
 mod bodies;
 mod canopy;
 mod case_file;
@@ -20,6 +21,7 @@ mod wing;
 mod wing_run;
 
 pub use air::*;
+pub use bare_wing::*;
 pub use bodies::*;
 pub use canopy::*;
 pub use case_file::File;

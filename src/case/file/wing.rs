@@ -43,6 +43,8 @@ pub struct Wing {
     pub line_materials: BTreeMap<String, LineMaterial>,
     /// Rows of lines, by name, from the nose to the brakes.
     pub rows: BTreeMap<String, LineRow>,
+    /// Speed bar, which shortens risers; absent: none.
+    pub speed_bar: Option<SpeedBar>,
     /// Tapes along the span, by name: cables that share nodes with the fabric. Absent: none.
     #[serde(default)]
     pub tapes: BTreeMap<String, Tape>,
@@ -209,6 +211,16 @@ pub struct LineRow {
     pub diagonals: Option<Diagonals>,
     /// How its risers are pulled in; absent: not at all.
     pub pull: Option<Pull>,
+}
+
+/// A speed bar: pulleys that shorten the risers of the front rows.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedBar {
+    /// By how much it shortens the riser of each row at full travel [m], by the row's name.
+    pub shortening_m: BTreeMap<String, f64>,
+    /// Share of the travel that the pilot has taken, 0 to 1; 0 if absent. `ripstop polar --bar` varies it.
+    pub used: Option<f64>,
 }
 
 /// How risers are pulled in over time; needs `[time]`.

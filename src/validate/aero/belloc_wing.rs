@@ -7,7 +7,7 @@ use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::aligned_flow;
 use crate::aero::belloc;
-use crate::aero::decambering::{AGREEMENT, Decambering, Section};
+use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::vortex_lattice::VortexLattice;
 
@@ -115,7 +115,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         };
         strips
     ];
-    let viscous = Decambering::new(&flow, sections)?.solve(&streams, 1.0)?;
+    let viscous = Decambering::new(&flow, sections)?.solve(&streams, Branch::Attached, 1.0)?;
     let forces: Vec<[f64; 3]> = viscous
         .iter()
         .map(|flow| flow.lift_and_drags_n(&surface, 1.0).map(|f| f / dynamic))

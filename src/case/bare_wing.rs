@@ -1,0 +1,404 @@
+//! Checks of `[aero.wing]`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::file::{self, File};
+use super::problem::Problem;
+use super::usual;
+use super::values::{positive, vector, within};
+use crate::aero::polar::{Polar, PolarPoint};
+use crate::aero::surface::{Station, Wing};
+use crate::geometry::profile::{Profile, ProfileError};
+
+const KEY: &str = "aero.wing";
+
+/// Most angles of one sweep.
+const MOST_ANGLES: usize = 400;
+
+/// Steepest stream for which wakes that leave a wing in a plane mean anything [°].
+const STEEPEST_DEG: f64 = 60.0;
+
+/// A wing by itself.
+#[derive(Debug, Clone)]
+pub struct BareWing {
+    /// Its sections.
+    pub wing: Wing,
+    /// Number of the profile of every station.
+    pub station_profiles: Vec<usize>,
+    /// Profiles.
+    pub profiles: Vec<BareProfile>,
+    /// Speed of the air [m/s].
+    pub speed_m_s: f64,
+    /// Density of the air [kg/m³].
+    pub density_kg_m3: f64,
+    /// Kinematic viscosity of the air [m²/s].
+    pub viscosity_m2_s: f64,
+    /// Angles of attack, growing [°].
+    pub angles_deg: Vec<f64>,
+    /// Angle of sideslip [°].
+    pub sideslip_deg: f64,
+    /// Area of the coefficients [m²].
+    pub reference_area_m2: f64,
+    /// Length of the coefficients of moments [m].
+    pub reference_chord_m: f64,
+    /// Point that moments are about [m].
+    pub moment_point_m: DVec3,
+    /// Panels along each side of a section.
+    pub panels_per_side: usize,
+    /// Strips along the span, of the half of a symmetric wing.
+    pub strips: usize,
+    /// How much narrower strips become towards tips.
+    pub tip_clustering: f64,
+}
+
+/// A profile of a wing by itself.
+#[derive(Debug, Clone)]
+pub struct BareProfile {
+    /// Its name.
+    pub name: String,
+    /// Its outline.
+    pub outline: Arc<Profile>,
+    /// Its polar; `None`: to be computed.
+    pub polar: Option<Polar>,
+}
+
+fn key(name: &str) -> String {
+    format!("{KEY}.{name}")
+}
+
+/// Checks the table, if there is one; files are looked up relative to `folder`.
+pub(super) fn check(file: &File, folder: &Path) -> Result<Option<BareWing>, Problem> {
+    let Some(file::Aero { wing: written }) = &file.aero else {
+        return Ok(None);
+    };
+    refuse_others(file)?;
+    let profiles = written
+        .profiles
+        .iter()
+        .map(|(name, profile)| check_profile(name, profile, folder))
+        .collect::<Result<Vec<_>, _>>()?;
+    let station_profiles = written
+        .stations
+        .iter()
+        .map(|station| {
+            let names = written.profiles.keys();
+            let mut numbered = names.enumerate();
+            let found = numbered.find(|(_, name)| **name == station.profile);
+            found.map(|(number, _)| number).ok_or_else(|| {
+                Problem::new(
+                    key("stations"),
+                    format!(
+                        "a station names the profile `{}`, which is not there",
+                        station.profile
+                    ),
+                    "name one of [aero.wing.profiles]",
+                )
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let is_symmetric = usual::or(key("symmetric"), written.symmetric, true);
+    let chord_fraction = usual::or(key("chord_fraction"), written.chord_fraction, 0.25);
+    let mut wing = Wing {
+        stations: stations(written, &station_profiles, &profiles)?,
+        chord_fraction: within(&key("chord_fraction"), chord_fraction, 0.0, 1.0)?,
+        is_symmetric,
+    };
+    let rolls: Vec<Option<f64>> = written.stations.iter().map(|s| s.roll_deg).collect();
+    let told = |why| {
+        Problem::new(
+            key("stations"),
+            format!("{KEY}: {why}"),
+            "give at least two stations along the span, with chords of more than 0 except at tips",
+        )
+    };
+    wing.check().map_err(told)?;
+    wing.roll_along_span();
+    for (station, roll) in wing.stations.iter_mut().zip(rolls) {
+        if let Some(roll) = roll {
+            station.roll_rad = roll.to_radians();
+        }
+    }
+    let mean = MeanChord::of(&wing);
+    let number = |name: &str, value: Option<f64>, usual: f64| {
+        let value = usual::or(key(name), value, usual);
+        positive(&key(name), value)
+    };
+    let whole = |name: &str, value: Option<usize>, usual: usize, low: usize, high: usize| {
+        let value = usual::or(key(name), value, usual);
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let key = key(name);
+        Err(Problem::new(
+            &key,
+            format!("{key} = {value} is out of range"),
+            format!("allowed are {low} to {high}"),
+        ))
+    };
+    let moment_point_m = usual::or(
+        key("moment_point_m"),
+        written.moment_point_m,
+        mean.quarter_m.to_array(),
+    );
+    let clustering = usual::or(key("tip_clustering"), written.tip_clustering, 0.8);
+    let sideslip = usual::or(key("sideslip_deg"), written.sideslip_deg, 0.0);
+    Ok(Some(BareWing {
+        speed_m_s: positive(&key("speed_m_s"), written.speed_m_s)?,
+        density_kg_m3: number("air_density_kg_m3", written.air_density_kg_m3, 1.225)?,
+        viscosity_m2_s: number(
+            "kinematic_viscosity_m2_s",
+            written.kinematic_viscosity_m2_s,
+            1.46e-5,
+        )?,
+        angles_deg: angles(written)?,
+        sideslip_deg: within(&key("sideslip_deg"), sideslip, -30.0, 30.0)?,
+        reference_area_m2: number(
+            "reference_area_m2",
+            written.reference_area_m2,
+            wing.flat_area_m2(),
+        )?,
+        reference_chord_m: number("reference_chord_m", written.reference_chord_m, mean.chord_m)?,
+        moment_point_m: vector(&key("moment_point_m"), moment_point_m)?,
+        panels_per_side: whole("panels_per_side", written.panels_per_side, 20, 4, 200)?,
+        strips: whole("strips", written.strips, 24, 2, 400)?,
+        tip_clustering: within(&key("tip_clustering"), clustering, 0.0, 1.0)?,
+        wing,
+        station_profiles,
+        profiles,
+    }))
+}
+
+/// A wing by itself leaves nothing to simulate.
+fn refuse_others(file: &File) -> Result<(), Problem> {
+    let others = [
+        ("air", file.air.is_some()),
+        ("structure", file.structure.is_some()),
+        ("bodies", !file.bodies.is_empty()),
+        ("time", file.time.is_some()),
+        ("equilibrium", file.equilibrium.is_some()),
+        ("payload", file.payload.is_some()),
+        ("coupling", file.coupling.is_some()),
+        ("output", file.output.is_some()),
+        ("comparison", !file.comparison.is_empty()),
+    ];
+    match others.iter().find(|(_, present)| *present) {
+        None => Ok(()),
+        Some((table, _)) => Err(Problem::new(
+            *table,
+            format!(
+                "[aero] is a wing by itself, for `ripstop polar`: nothing would read [{table}]"
+            ),
+            "remove it, or [aero]; a wing of fabric is [structure.wing]",
+        )),
+    }
+}
+
+fn stations(
+    written: &file::BareWing,
+    numbers: &[usize],
+    profiles: &[BareProfile],
+) -> Result<Vec<Station>, Problem> {
+    written
+        .stations
+        .iter()
+        .zip(numbers)
+        .map(|(station, number)| {
+            let twist = station.twist_deg.unwrap_or(0.0);
+            Ok(Station {
+                position_m: vector(&key("stations"), station.position_m)?,
+                chord_m: within(&key("stations"), station.chord_m, 0.0, 1e4)?,
+                twist_rad: within(&key("stations"), twist, -90.0, 90.0)?.to_radians(),
+                roll_rad: 0.0,
+                profile: Arc::clone(&profiles[*number].outline),
+            })
+        })
+        .collect()
+}
+
+fn angles(written: &file::BareWing) -> Result<Vec<f64>, Problem> {
+    let key = key("angles_deg");
+    let [from, to, step] = usual::or(&key, written.angles_deg, [-6.0, 20.0, 1.0]);
+    let count = ((to - from) / step + 1e-9).floor() + 1.0;
+    let steep = from.abs().max(to.abs());
+    if step > 0.0 && to >= from && count <= MOST_ANGLES as f64 && steep <= STEEPEST_DEG {
+        return Ok((0..count as usize)
+            .map(|k| from + step * k as f64)
+            .collect());
+    }
+    Err(Problem::new(
+        &key,
+        format!("{key} = [{from}, {to}, {step}] is no sweep"),
+        format!(
+            "give from, to and a step greater than 0, between -{STEEPEST_DEG} and {STEEPEST_DEG} degrees and at most {MOST_ANGLES} angles, e.g. [-6.0, 20.0, 1.0]"
+        ),
+    ))
+}
+
+fn check_profile(
+    name: &str,
+    written: &file::BareProfile,
+    folder: &Path,
+) -> Result<BareProfile, Problem> {
+    let key = key(&format!("profiles.{name}"));
+    let outline = match (&written.naca, &written.file) {
+        (Some(digits), None) => Profile::naca(digits).map_err(|why| {
+            Problem::new(&key, why.to_string(), "e.g. naca = \"23015\"")
+        })?,
+        (None, Some(file)) => Profile::read(&folder.join(file)).map_err(|why: ProfileError| {
+            Problem::new(
+                format!("{key}.file"),
+                format!("cannot read the profile {}: {why}", folder.join(file).display()),
+                "give a file in Selig's format, relative to the case file: a title, then x/c and y/c per line from the upper trailing edge around the nose to the lower one",
+            )
+        })?,
+        _ => {
+            return Err(Problem::new(
+                &key,
+                "a profile needs exactly one of `naca` and `file`",
+                "give naca = \"23015\", or file = \"profile.dat\" with coordinates in Selig's format",
+            ));
+        }
+    };
+    let polar = match (&written.polar, &written.polar_file) {
+        (None, None) => None,
+        (Some(rows), None) => Some(polar_of(&format!("{key}.polar"), rows)?),
+        (None, Some(file)) => {
+            let key = format!("{key}.polar_file");
+            let path = folder.join(file);
+            let text = std::fs::read_to_string(&path).map_err(|why| {
+                Problem::new(
+                    &key,
+                    format!("cannot read the polar {}: {why}", path.display()),
+                    "give a file relative to the case file",
+                )
+            })?;
+            Some(polar_of(&key, &rows_of_xfoil(&text))?)
+        }
+        (Some(_), Some(_)) => {
+            return Err(Problem::new(
+                &key,
+                "a profile needs at most one of `polar` and `polar_file`",
+                "remove one; without both the polar is computed",
+            ));
+        }
+    };
+    Ok(BareProfile {
+        name: name.to_owned(),
+        outline: Arc::new(outline),
+        polar,
+    })
+}
+
+fn polar_of(key: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
+    let points = rows.iter().map(|&[degrees, lift, drag]| PolarPoint {
+        angle_rad: degrees.to_radians(),
+        lift,
+        drag,
+    });
+    Polar::new(points.collect()).map_err(|why| {
+        Problem::new(
+            key,
+            why.to_string(),
+            "give rows [angle in degrees, lift coefficient, drag coefficient] with growing angles",
+        )
+    })
+}
+
+/// Angle, lift and drag of a file as XFOIL writes it: a head, a line of dashes, then rows of numbers; angles of repeated points are taken once.
+fn rows_of_xfoil(text: &str) -> Vec<[f64; 3]> {
+    let mut rows: Vec<[f64; 3]> = text
+        .lines()
+        .filter_map(|line| {
+            let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
+            match *numbers.ok()? {
+                [angle, lift, drag, _, _, ..] => Some([angle, lift, drag]),
+                _ => None,
+            }
+        })
+        .collect();
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    rows.dedup_by(|a, b| a[0] == b[0]);
+    rows
+}
+
+/// Mean aerodynamic chord: ∫ c² ds/∫ c ds, and where its quarter lies.
+struct MeanChord {
+    chord_m: f64,
+    quarter_m: DVec3,
+}
+
+impl MeanChord {
+    fn of(wing: &Wing) -> Self {
+        // Pieces are short against what is linear between stations.
+        const PIECES: usize = 64;
+        let (mut area, mut square, mut quarter) = (0.0, 0.0, DVec3::ZERO);
+        for pair in wing.stations.windows(2) {
+            let step = pair[1].position_m - pair[0].position_m;
+            let length = step.y.hypot(step.z) / PIECES as f64;
+            for piece in 0..PIECES {
+                let t = (piece as f64 + 0.5) / PIECES as f64;
+                let chord = pair[0].chord_m + t * (pair[1].chord_m - pair[0].chord_m);
+                let back = DVec3::X * ((0.25 - wing.chord_fraction) * chord);
+                let at = pair[0].position_m.lerp(pair[1].position_m, t) + back;
+                area += chord * length;
+                square += chord * chord * length;
+                quarter += chord * length * at;
+            }
+        }
+        let mut quarter_m = quarter / area;
+        if wing.is_symmetric {
+            quarter_m.y = 0.0;
+        }
+        Self {
+            chord_m: square / area,
+            quarter_m,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polars_of_xfoil_are_read() {
+        let text = "
+       XFOIL         Version 6.99
+ Calculated polar for: NACA 0012
+ xtrf =   1.000 (top)        1.000 (bottom)
+ Mach =   0.000     Re =     1.000 e 6     Ncrit =   9.000
+
+   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr
+  ------ -------- --------- --------- -------- -------- --------
+   1.000   0.1100   0.00550   0.00100   0.0000   0.5000   0.8000
+   0.000   0.0000   0.00540   0.00100   0.0000   0.6500   0.6500
+   1.000   0.1100   0.00550   0.00100   0.0000   0.5000   0.8000
+";
+        assert_eq!(
+            rows_of_xfoil(text),
+            [[0.0, 0.0, 0.0054], [1.0, 0.11, 0.0055]]
+        );
+    }
+
+    /// Of a straight taper with the ratio λ the mean chord is 2/3 c (1 + λ + λ²)/(1 + λ).
+    #[test]
+    fn the_mean_chord_is_that_of_a_taper() {
+        let station = |y: f64, chord_m: f64| Station {
+            position_m: DVec3::new(0.25 * chord_m, y, 0.0),
+            chord_m,
+            twist_rad: 0.0,
+            roll_rad: 0.0,
+            profile: Arc::new(Profile::naca("0012").unwrap()),
+        };
+        let mean = MeanChord::of(&Wing {
+            stations: vec![station(0.0, 2.0), station(3.0, 1.0)],
+            chord_fraction: 0.25,
+            is_symmetric: true,
+        });
+        assert!((mean.chord_m - 4.0 / 3.0 * 1.75 / 1.5).abs() < 1e-4);
+        assert!((mean.quarter_m.x - 0.25 * mean.chord_m).abs() < 1e-4);
+    }
+}

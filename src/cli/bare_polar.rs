@@ -1,0 +1,407 @@
+//! The polar of a wing by itself: `[aero.wing]`.
+
+use super::exit;
+use super::failure::Failure;
+use super::log::emit;
+use super::polar::PolarArguments;
+use super::threads;
+use crate::case::Case;
+use crate::case::bare_wing::BareWing;
+use crate::output::{
+    Chart, OutputError, Provenance, Series, aligned, prepare_directory, significant, write_table,
+};
+use crate::polar::{self, Coefficients, Numbers, Point, Polar};
+use crate::report::{self, PageTable, PolarPage};
+
+/// Columns of `polar.csv`, with their unit where they have one.
+const COLUMNS: [&str; 18] = [
+    "angle_of_attack_deg",
+    "lift_coefficient",
+    "drag_coefficient",
+    "induced_drag_coefficient",
+    "profile_drag_coefficient",
+    "pitching_moment_coefficient",
+    "side_force_coefficient",
+    "rolling_moment_coefficient",
+    "yawing_moment_coefficient",
+    "lift_to_drag_ratio",
+    "lift_n",
+    "drag_n",
+    "stalled_area_share",
+    "sections_covered",
+    "separated_lift_coefficient",
+    "separated_drag_coefficient",
+    "separated_pitching_moment_coefficient",
+    "section_residual",
+];
+
+/// Columns of `span.csv`.
+const SPAN_COLUMNS: [&str; 11] = [
+    "angle_of_attack_deg",
+    "x_m",
+    "y_m",
+    "z_m",
+    "chord_m",
+    "width_m",
+    "reynolds_number",
+    "lift_coefficient",
+    "drag_coefficient",
+    "effective_angle_deg",
+    "stalled",
+];
+
+/// Angles whose span-wise loads are drawn, at most.
+const DRAWN_SPANS: usize = 5;
+
+pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failure> {
+    let Some(wing) = &case.scene.bare_wing else {
+        return Ok(0);
+    };
+    threads::start(arguments.case.thread_count())?;
+    prepare_directory(&arguments.out).map_err(|error| failed(&error))?;
+    let began = std::time::Instant::now();
+    let found = polar::solve(wing)
+        .map_err(|why| Failure::Other(exit::BAD_CASE, format!("{}: {why}", case.name)))?;
+    let numbers = polar::numbers(&found);
+    write(arguments, case, wing, &found, &numbers).map_err(|error| failed(&error))?;
+    let mut text = format!("{}\n{}\n\n", case.scene.title, line(wing, &found));
+    text += &aligned(&table(&found));
+    text.push('\n');
+    let rows: Vec<Vec<String>> = told(wing, &numbers).into_iter().map(Vec::from).collect();
+    text += &aligned(&rows);
+    for note in notes(&found) {
+        text += &format!("note: {note}\n");
+    }
+    text += &format!(
+        "{:.1} s; tables, charts and page: {}\n",
+        began.elapsed().as_secs_f64(),
+        arguments.out.display()
+    );
+    emit(&text)?;
+    let missed = found
+        .points
+        .iter()
+        .filter(|point| point.coefficients.is_none());
+    Ok(if missed.count() == found.points.len() {
+        exit::DIVERGED
+    } else {
+        0
+    })
+}
+
+fn failed(error: &OutputError) -> Failure {
+    Failure::Other(exit::OUTPUT_FAILED, error.to_string())
+}
+
+/// How it was computed.
+fn line(wing: &BareWing, found: &Polar) -> String {
+    let halves = if wing.wing.is_symmetric {
+        "half of "
+    } else {
+        ""
+    };
+    let sideslip = if wing.sideslip_deg == 0.0 {
+        String::new()
+    } else {
+        format!(", sideslip {} deg", wing.sideslip_deg)
+    };
+    let reynolds = found
+        .points
+        .iter()
+        .flat_map(|p| &p.strips)
+        .map(|s| s.reynolds);
+    let (low, high) = reynolds.fold((f64::INFINITY, 0.0f64), |(low, high), r| {
+        (low.min(r), high.max(r))
+    });
+    format!(
+        "area {} m2, span {} m, mean chord {} m; {} m/s{sideslip}, Reynolds number {} to {}; {} panels on {halves}the wing",
+        significant(wing.reference_area_m2, 4),
+        significant(wing.wing.projected_span_m(), 4),
+        significant(wing.reference_chord_m, 4),
+        wing.speed_m_s,
+        significant(low, 3),
+        significant(high, 3),
+        found.panels
+    )
+}
+
+/// Numbers that are read off, with their meaning.
+fn told(wing: &BareWing, numbers: &Numbers) -> Vec<[String; 2]> {
+    let missing = "not in this sweep".to_owned();
+    let at = |pair: Option<(f64, f64)>| {
+        pair.map_or_else(
+            || missing.clone(),
+            |(value, angle)| format!("{} at {} deg", significant(value, 4), significant(angle, 3)),
+        )
+    };
+    let one = |value: Option<f64>, unit: &str| {
+        value.map_or_else(
+            || missing.clone(),
+            |v| format!("{}{unit}", significant(v, 4)),
+        )
+    };
+    let span = wing.wing.projected_span_m();
+    vec![
+        [
+            "lift slope, straight part".to_owned(),
+            one(numbers.lift_slope_per_deg, " per deg"),
+        ],
+        [
+            "angle without lift".to_owned(),
+            one(numbers.zero_lift_deg, " deg"),
+        ],
+        [
+            "highest lift coefficient".to_owned(),
+            at(numbers.highest_lift),
+        ],
+        ["least drag coefficient".to_owned(), at(numbers.least_drag)],
+        ["highest lift over drag".to_owned(), at(numbers.best_glide)],
+        [
+            "neutral point behind the reference point".to_owned(),
+            one(
+                numbers
+                    .moment_slope
+                    .map(|slope| -slope * wing.reference_chord_m),
+                " m",
+            ),
+        ],
+        [
+            "aspect ratio, projected span".to_owned(),
+            significant(span * span / wing.reference_area_m2, 4),
+        ],
+    ]
+}
+
+fn notes(found: &Polar) -> Vec<String> {
+    let mut notes = Vec::new();
+    let angles = |is: &dyn Fn(&&Point) -> bool| -> Option<String> {
+        let all: Vec<String> = found
+            .points
+            .iter()
+            .filter(is)
+            .map(|p| significant(p.angle_deg, 3))
+            .collect();
+        (!all.is_empty()).then(|| all.join(", "))
+    };
+    if let Some(all) = angles(&|p| p.coefficients.is_none()) {
+        notes.push(format!(
+            "sections and wing do not agree at {all} deg: there are no coefficients"
+        ));
+    }
+    if let Some(all) = angles(&|p| p.coefficients.is_some() && !p.is_covered) {
+        notes.push(format!("sections are at angles that their polars do not reach at {all} deg: lift there stays as at the polar's end"));
+    }
+    if let Some(all) = angles(&|p| p.separated.is_some()) {
+        notes.push(format!(
+            "a second, separated solution is there at {all} deg: a wing that has stalled follows it"
+        ));
+    }
+    notes
+}
+
+const HEAD: [&str; 8] = [
+    "angle [deg]",
+    "C_L",
+    "C_D",
+    "C_D induced",
+    "C_m",
+    "L/D",
+    "stalled",
+    "separated C_L",
+];
+
+fn table(found: &Polar) -> Vec<Vec<String>> {
+    let row = |point: &Point| {
+        let number = |value: f64| format!("{value:.4}");
+        let of = |value: &dyn Fn(&Coefficients) -> f64| {
+            point
+                .coefficients
+                .as_ref()
+                .map_or_else(String::new, |c| number(value(c)))
+        };
+        vec![
+            significant(point.angle_deg, 4),
+            of(&|c| c.lift),
+            of(&Coefficients::drag),
+            of(&|c| c.induced_drag),
+            of(&|c| c.pitching_moment),
+            point
+                .coefficients
+                .as_ref()
+                .map_or_else(String::new, |c| format!("{:.2}", c.lift / c.drag())),
+            format!("{:.0} %", 100.0 * point.stalled_share),
+            point
+                .separated
+                .as_ref()
+                .map_or_else(String::new, |c| number(c.lift)),
+        ]
+    };
+    std::iter::once(HEAD.map(str::to_owned).to_vec())
+        .chain(found.points.iter().map(row))
+        .collect()
+}
+
+fn write(
+    arguments: &PolarArguments,
+    case: &Case,
+    wing: &BareWing,
+    found: &Polar,
+    numbers: &Numbers,
+) -> Result<(), OutputError> {
+    let folder = &arguments.out;
+    write_table(
+        &folder.join("polar.csv"),
+        &COLUMNS,
+        found.points.iter().map(|p| row(wing, p)),
+    )?;
+    let strips = found.points.iter().flat_map(|point| {
+        point.strips.iter().map(|s| {
+            [
+                point.angle_deg,
+                s.place_m.x,
+                s.place_m.y,
+                s.place_m.z,
+                s.chord_m,
+                s.width_m,
+                s.reynolds,
+                s.lift,
+                s.drag,
+                s.effective_rad.to_degrees(),
+                f64::from(u8::from(!s.is_below_stall)),
+            ]
+        })
+    });
+    write_table(&folder.join("span.csv"), &SPAN_COLUMNS, strips)?;
+    let charts = charts(found);
+    let provenance = Provenance {
+        program: format!("ripstop {}", env!("CARGO_PKG_VERSION")),
+        source: case.name.clone(),
+        case: case.text.clone(),
+    };
+    for (name, chart) in &charts {
+        chart.write(&folder.join(name), &provenance)?;
+    }
+    report::write_polar(
+        folder,
+        &PolarPage {
+            title: case.scene.title.clone(),
+            line: line(wing, found),
+            numbers: told(wing, numbers),
+            charts: charts.into_iter().map(|(_, chart)| chart).collect(),
+            tables: vec![PageTable {
+                heading: "All angles".to_owned(),
+                rows: table(found),
+            }],
+            notes: notes(found),
+            case: case.text.clone(),
+        },
+    )
+}
+
+fn row(wing: &BareWing, point: &Point) -> [f64; 18] {
+    let nothing = f64::NAN;
+    let of =
+        |value: &dyn Fn(&Coefficients) -> f64| point.coefficients.as_ref().map_or(nothing, value);
+    let other =
+        |value: &dyn Fn(&Coefficients) -> f64| point.separated.as_ref().map_or(nothing, value);
+    let area = 0.5 * wing.density_kg_m3 * wing.speed_m_s.powi(2) * wing.reference_area_m2;
+    [
+        point.angle_deg,
+        of(&|c| c.lift),
+        of(&Coefficients::drag),
+        of(&|c| c.induced_drag),
+        of(&|c| c.profile_drag),
+        of(&|c| c.pitching_moment),
+        of(&|c| c.side_force),
+        of(&|c| c.rolling_moment),
+        of(&|c| c.yawing_moment),
+        of(&|c| c.lift / c.drag()),
+        of(&|c| area * c.lift),
+        of(&|c| area * c.drag()),
+        point.stalled_share,
+        f64::from(u8::from(point.is_covered)),
+        other(&|c| c.lift),
+        other(&Coefficients::drag),
+        other(&|c| c.pitching_moment),
+        point.residual,
+    ]
+}
+
+/// Charts by the names of their files.
+fn charts(found: &Polar) -> Vec<(&'static str, Chart)> {
+    type Axes<'a> = &'a dyn Fn(&Point, &Coefficients) -> [f64; 2];
+    let drawn = |labels: [&str; 2], axes: Axes| {
+        let series = |name: &str, of: &dyn Fn(&Point) -> Option<Coefficients>| Series {
+            name: name.to_owned(),
+            points: (found.points.iter())
+                .filter_map(|p| Some(axes(p, &of(p)?)))
+                .collect(),
+            bars: Vec::new(),
+            markers: true,
+        };
+        Chart {
+            title: String::new(),
+            labels: labels.map(str::to_owned),
+            categories: Vec::new(),
+            series: vec![
+                series("from small angles", &|p| p.coefficients),
+                series("separated", &|p| p.separated),
+            ]
+            .into_iter()
+            .filter(|series| !series.points.is_empty())
+            .collect(),
+        }
+    };
+    let angle = "angle of attack [deg]";
+    vec![
+        (
+            "lift",
+            drawn([angle, "lift coefficient"], &|p, c| [p.angle_deg, c.lift]),
+        ),
+        (
+            "drag_polar",
+            drawn(["drag coefficient", "lift coefficient"], &|_, c| {
+                [c.drag(), c.lift]
+            }),
+        ),
+        (
+            "glide",
+            drawn([angle, "lift over drag"], &|p, c| {
+                [p.angle_deg, c.lift / c.drag()]
+            }),
+        ),
+        (
+            "moment",
+            drawn([angle, "pitching moment coefficient"], &|p, c| {
+                [p.angle_deg, c.pitching_moment]
+            }),
+        ),
+        ("span", span_chart(found)),
+    ]
+}
+
+/// Lift coefficients of the strips along the span at a few angles.
+fn span_chart(found: &Polar) -> Chart {
+    let agreed: Vec<&Point> = found
+        .points
+        .iter()
+        .filter(|p| p.coefficients.is_some())
+        .collect();
+    let step = agreed.len().div_ceil(DRAWN_SPANS).max(1);
+    let series = agreed.iter().step_by(step).map(|point| Series {
+        name: format!("{} deg", significant(point.angle_deg, 3)),
+        points: point.strips.iter().map(|s| [s.place_m.y, s.lift]).collect(),
+        bars: Vec::new(),
+        markers: false,
+    });
+    Chart {
+        title: String::new(),
+        labels: [
+            "distance from the plane of symmetry [m]",
+            "lift coefficient of the section",
+        ]
+        .map(str::to_owned),
+        categories: Vec::new(),
+        series: series.collect(),
+    }
+}
