@@ -58,6 +58,7 @@ mod out_of_memory;
 mod permeability;
 mod phases;
 mod plates;
+mod polar;
 mod python;
 mod ram_air;
 mod read_outs;
@@ -144,6 +145,7 @@ fn main() -> std::process::ExitCode {
         checkpoint::trials(),
         folders::trials(),
         front_door::trials(),
+        polar::trials(),
         python::trials(),
         import::trials(),
         fuzz::trials(),

@@ -1,7 +1,7 @@
 //! Shipped cases, embedded so that an installed binary can write them.
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 25] = [
+pub const SHIPPED: [(&str, &str); 26] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -81,6 +81,10 @@ pub const SHIPPED: [(&str, &str); 25] = [
         include_str!("../../cases/designs/ringslot-drop.toml"),
     ),
     ("sphere", include_str!("../../cases/sphere.toml")),
+    (
+        "tapered-wing",
+        include_str!("../../cases/tapered-wing.toml"),
+    ),
     (
         "taylor-green",
         include_str!("../../cases/taylor-green.toml"),

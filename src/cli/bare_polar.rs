@@ -10,7 +10,7 @@ use crate::case::bare_wing::BareWing;
 use crate::output::{
     Chart, OutputError, Provenance, Series, aligned, prepare_directory, significant, write_table,
 };
-use crate::polar::{self, Coefficients, Numbers, Point, Polar};
+use crate::polar::{self, Coefficients, Numbers, Point, Polar, memory_bytes};
 use crate::report::{self, PageTable, PolarPage};
 
 /// Columns of `polar.csv`, with their unit where they have one.
@@ -91,6 +91,84 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
 
 fn failed(error: &OutputError) -> Failure {
     Failure::Other(exit::OUTPUT_FAILED, error.to_string())
+}
+
+/// What `ripstop check` prints of a wing by itself.
+pub(super) fn outlook(case: &Case, wing: &BareWing) -> String {
+    let side = 2 * wing.panels_per_side * wing.strips + wing.panels_per_side;
+    let doubled = wing.wing.is_symmetric && wing.sideslip_deg != 0.0;
+    let panels = if doubled { 2 * side } else { side };
+    let strips = if doubled {
+        2 * wing.strips
+    } else {
+        wing.strips
+    };
+    let chords = wing.wing.stations.iter().map(|s| s.chord_m);
+    let longest = chords.fold(0.0, f64::max);
+    let mut rows = vec![
+        [
+            "wing".to_owned(),
+            format!(
+                "{} stations, area {} m2, projected span {} m, mean chord {} m",
+                wing.wing.stations.len(),
+                significant(wing.reference_area_m2, 4),
+                significant(wing.wing.projected_span_m(), 4),
+                significant(wing.reference_chord_m, 4)
+            ),
+        ],
+        [
+            "moments".to_owned(),
+            format!("about {:.4?} m", wing.moment_point_m.to_array()),
+        ],
+        [
+            "air".to_owned(),
+            format!(
+                "{} m/s, {} kg/m3; Reynolds number {} on the longest chord",
+                wing.speed_m_s,
+                wing.density_kg_m3,
+                significant(wing.speed_m_s * longest / wing.viscosity_m2_s, 3)
+            ),
+        ],
+        [
+            "panels".to_owned(),
+            format!(
+                "{} per side, {} strips: {panels} unknowns, {:.0} MB",
+                wing.panels_per_side,
+                strips,
+                memory_bytes(panels, strips) as f64 / 1e6
+            ),
+        ],
+        [
+            "angles".to_owned(),
+            format!(
+                "{} from {} to {} deg, sideslip {} deg",
+                wing.angles_deg.len(),
+                significant(wing.angles_deg[0], 3),
+                significant(wing.angles_deg[wing.angles_deg.len() - 1], 3),
+                significant(wing.sideslip_deg, 3)
+            ),
+        ],
+    ];
+    for profile in &wing.profiles {
+        let polar = if profile.polar.is_some() {
+            "polar as given"
+        } else {
+            "polar computed at the Reynolds numbers of its strips"
+        };
+        rows.push([
+            format!("profile {}", profile.name),
+            format!(
+                "{} % thick; {polar}",
+                significant(100.0 * profile.outline.thickness(), 3)
+            ),
+        ]);
+    }
+    let rows: Vec<Vec<String>> = rows.into_iter().map(Vec::from).collect();
+    format!(
+        "{}\n{}no air is simulated: `ripstop polar` computes it\n",
+        case.scene.title,
+        aligned(&rows)
+    )
 }
 
 /// How it was computed.

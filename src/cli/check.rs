@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::bare_polar;
 use super::case_arguments::CaseArguments;
 use super::failure::Failure;
 use super::log::emit;
@@ -31,6 +32,13 @@ pub(super) struct CheckArguments {
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
+    let loaded = arguments.case.load(&[]);
+    if let Ok(case) = &loaded
+        && let Some(wing) = &case.scene.bare_wing
+    {
+        emit(&bare_polar::outlook(case, wing))?;
+        return Ok(0);
+    }
     let prepared = match arguments.case.prepare() {
         Ok(prepared) => prepared,
         Err(failure) => {

@@ -10,6 +10,7 @@ mod numbers;
 mod sections;
 mod solve;
 
+pub use crate::aero::potential_flow::memory_bytes;
 pub use numbers::{Numbers, numbers};
 pub use sections::{SectionsOfWing, sections};
 pub use solve::{Coefficients, Point, Polar, StripLoad, solve};

@@ -10,6 +10,9 @@ use crate::aero::polar::{Polar, SectionFlow};
 use crate::aero::surface::Wing;
 use crate::case::bare_wing::BareWing;
 
+/// Thinnest profile that panels of two sides make sense of, over the chord.
+const LEAST_THICKNESS: f64 = 0.005;
+
 /// Polars and potential flow of every strip, and the wing cut into them.
 #[derive(Debug)]
 pub struct SectionsOfWing {
@@ -35,6 +38,17 @@ struct Place {
 ///
 /// When the wing makes no surface.
 pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
+    for profile in &case.profiles {
+        let thickness = profile.outline.thickness();
+        if thickness < LEAST_THICKNESS {
+            return Err(AeroError::Surface(format!(
+                "profile {} is {:.2} % thick: panels of both sides cannot be told apart below {:.1} %; a single skin is computed with the thickness of its leading edge, 1 % or more",
+                profile.name,
+                100.0 * thickness,
+                100.0 * LEAST_THICKNESS
+            )));
+        }
+    }
     let wing = case.wing.divided(case.strips, case.tip_clustering)?;
     let places = places(case, &wing);
     let flows: Vec<SectionFlow> = (case.profiles.par_iter())

@@ -182,6 +182,7 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     openings(class, cells, &mut keys);
     sewn_of(INTAKES[1], &mut keys);
     rows(cells, (span_m, chord_m), &mut keys);
+    speed_bar(&mut keys);
     let quality = design.quality.unwrap_or(Quality::Normal);
     trim_of((area_m2, pilot), altitude, quality, &mut keys)?;
     Ok(keys)
@@ -416,6 +417,18 @@ fn rows(cells: usize, (span_m, chord_m): (f64, f64), keys: &mut Keys) {
             keys.set(of("diagonals.head"), diagonal, "usual");
         }
     }
+}
+
+/// By how much the bar shortens risers at full travel [m], row by row.
+const SPEED_BAR: [(&str, f64); 2] = [("A", 0.15), ("B", 0.1)];
+
+fn speed_bar(keys: &mut Keys) {
+    let shortening = SPEED_BAR.map(|(row, length)| (row.to_owned(), Value::from(length)));
+    keys.set(
+        "structure.wing.speed_bar.shortening_m",
+        Value::Table(Table::from_iter(shortening)),
+        "15 cm at the A risers, two thirds of it at the B risers, as the trade has it",
+    );
 }
 
 /// Levels of lines from so many attachments down to the riser.
