@@ -205,6 +205,7 @@ const ALLOWED: [(&str, &[&str]); 34] = [
             "measure",
             "output",
             "plan",
+            "polar",
             "rigid",
             "run",
             "simulation",

@@ -15,6 +15,7 @@ pub fn trials() -> Vec<Trial> {
         plain("import::a_wing_has_the_measures_of_its_drawing", measures),
         plain("import::lines_lead_where_they_are_drawn", lines),
         plain("import::a_wing_flies", flies),
+        plain("import::a_wing_of_xflr5_has_its_measures", of_xflr5),
         plain("import::what_cannot_be_brought_in_is_told", refused),
     ]
     .into_iter()
@@ -297,4 +298,61 @@ fn refused() {
         assert_eq!(output.code, 2, "{}", output.errors);
         assert!(output.errors.contains(told), "{told}: {}", output.errors);
     }
+}
+
+/// A wing of ours as XFLR5 writes it: developed span 4 m, the outer half leaning by 30 degrees, twist and sweep; one profile by its family, one from a file.
+fn of_xflr5() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let file = at("arched.xwimp");
+    let text = "Arched wing\n0.0 1.2 0.0 0.0 0.0 13 19 1 0 NACA/_/2412 NACA/_/2412\n\
+                1.0 1.0 0.1 30.0 -1.5 13 19 1 0 NACA/_/2412 NACA/_/2412\n\
+                2.0 0.5 0.4 30.0 -3.0 13 5 1 -2 thin/_/tip thin/_/tip\n";
+    std::fs::write(&file, text).unwrap();
+    let out = at("out");
+    let arguments = [
+        "import",
+        file.to_str().unwrap(),
+        "--speed",
+        "14",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let missing = ripstop(&arguments);
+    assert_eq!(missing.code, 2);
+    assert!(
+        missing.errors.contains("thin tip.dat"),
+        "{}",
+        missing.errors
+    );
+    assert!(!out.exists(), "half an import is left");
+    let tip = "tip\n1.0 0.0\n0.6 0.03\n0.2 0.045\n0.05 0.03\n0.0 0.0\n0.05 -0.03\n0.2 -0.045\n0.6 -0.03\n1.0 0.0\n";
+    std::fs::write(at("thin tip.dat"), tip).unwrap();
+    let output = ripstop(&arguments);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    let path = out.join("wing.toml");
+    let case = case::load(&path, &Choices::default()).unwrap();
+    let wing = case.scene.bare_wing.unwrap();
+    assert_eq!(wing.speed_m_s, 14.0);
+    // 2 (1.1 + 0.75) m², and 1 + cos 30° on each side.
+    assert!(
+        (wing.reference_area_m2 - 3.7).abs() < 1e-9,
+        "{}",
+        wing.reference_area_m2
+    );
+    let span = 2.0 * (1.0 + 30f64.to_radians().cos());
+    assert!((wing.wing.projected_span_m() - span).abs() < 1e-5);
+    let last = &wing.wing.stations[2];
+    // Positions are those of the quarter chord, about which XFLR5 twists.
+    assert!((last.position_m.x - 0.525).abs() < 1e-9 && (last.position_m.z - 0.5).abs() < 1e-5);
+    assert!((last.twist_rad.to_degrees() + 3.0).abs() < 1e-9);
+    let broken = at("broken.xwimp");
+    std::fs::write(
+        &broken,
+        "Wing\n0.0 1.0 0.0 0.0 0.0 13 19 1 0 a a\n1.0 1.0 x\n",
+    )
+    .unwrap();
+    let output = ripstop(&["import", broken.to_str().unwrap()]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("line 3"), "{}", output.errors);
 }

@@ -48,8 +48,18 @@ fn polar(file: &str, more: &[&str]) -> BTreeMap<String, Vec<f64>> {
     let output = ripstop(&arguments);
     assert_eq!(output.code, 0, "{}", output.errors);
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("</html>") && page.contains("<svg"), "no charts");
-    for name in ["span.csv", "lift.svg", "lift.png", "drag_polar.svg", "moment.svg", "glide.svg"] {
+    assert!(
+        page.contains("</html>") && page.contains("<svg"),
+        "no charts"
+    );
+    for name in [
+        "span.csv",
+        "lift.svg",
+        "lift.png",
+        "drag_polar.svg",
+        "moment.svg",
+        "glide.svg",
+    ] {
         assert!(out.join(name).exists(), "{name}");
     }
     columns(&out.join("polar.csv"))
@@ -75,7 +85,10 @@ fn a_measured_wing_stalls() {
     assert!(found["section_residual"].iter().all(|r| *r < 1e-6));
     let at = |angle: f64| lifts[angles.iter().position(|a| *a == angle).unwrap()];
     let near = |value: f64, measured: f64, band: f64, what: &str| {
-        assert!((value / measured - 1.0).abs() < band, "{what}: {value}, measured {measured}");
+        assert!(
+            (value / measured - 1.0).abs() < band,
+            "{what}: {value}, measured {measured}"
+        );
     };
     // Digitised from the report: 0.0819 per degree, 1.538 at 19.3 degrees, 0.0088.
     near((at(8.0) - at(-2.0)) / 10.0, 0.0819, 0.1, "slope");
@@ -83,7 +96,10 @@ fn a_measured_wing_stalls() {
     near(highest, 1.538, 0.1, "highest lift");
     let angle = angles[lifts.iter().position(|l| *l == highest).unwrap()];
     near(angle, 19.3, 0.1, "its angle");
-    let least = found["drag_coefficient"].iter().copied().fold(f64::INFINITY, f64::min);
+    let least = found["drag_coefficient"]
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     near(least, 0.0088, 0.2, "least drag");
     // Beyond it the wing has less lift, most of it stalled.
     assert!(at(24.0) < highest - 0.05);
@@ -98,7 +114,10 @@ fn a_sweep_has_no_memory() {
     let all = polar(TAPERED, &["--angle", "-4,23,1"]);
     for angle in ["19,19,1", "22,23,1", "-4,20,8"] {
         let some = polar(TAPERED, &["--angle", angle]);
-        for (angle, lift) in some["angle_of_attack_deg"].iter().zip(&some["lift_coefficient"]) {
+        for (angle, lift) in some["angle_of_attack_deg"]
+            .iter()
+            .zip(&some["lift_coefficient"])
+        {
             let places = &all["angle_of_attack_deg"];
             let known = all["lift_coefficient"][places.iter().position(|a| a == angle).unwrap()];
             assert!((lift - known).abs() < 1e-6, "{angle}: {lift} {known}");
@@ -138,10 +157,17 @@ fn sideslip() {
     // Positive lifts the left tip.
     assert!(turned["rolling_moment_coefficient"][0] < -1e-3);
     let straight = polar(&path, &["--set", "aero.wing.sideslip_deg=0"]);
-    for name in ["rolling_moment_coefficient", "yawing_moment_coefficient", "side_force_coefficient"] {
+    for name in [
+        "rolling_moment_coefficient",
+        "yawing_moment_coefficient",
+        "side_force_coefficient",
+    ] {
         assert!(straight[name][0].abs() < 1e-9, "{name}");
     }
-    let (a, b) = (turned["lift_coefficient"][0], straight["lift_coefficient"][0]);
+    let (a, b) = (
+        turned["lift_coefficient"][0],
+        straight["lift_coefficient"][0],
+    );
     assert!((a / b - 1.0).abs() < 0.05, "{a} {b}");
 }
 
@@ -159,12 +185,28 @@ fn refused() {
     told(&SWEPT.replace("\"2415\"", "\"24152\""), &[], "24152");
     told(SWEPT, &["--angle", "4,2,1"], "is no sweep");
     told(SWEPT, &["--brake", "0.1"], "a wing by itself");
-    told(&SWEPT.replace("profile = \"p\" }", "profile = \"q\" }"), &[], "names the profile `q`");
-    told(&format!("{SWEPT}[time]\nend_s = 1.0\n"), &[], "nothing would read [time]");
-    told(&SWEPT.replace("polar = [[", "polar = [[20.0, 1.0, 0.1], ["), &[], "ascend");
+    told(
+        &SWEPT.replace("profile = \"p\" }", "profile = \"q\" }"),
+        &[],
+        "names the profile `q`",
+    );
+    told(
+        &format!("{SWEPT}[time]\nend_s = 1.0\n"),
+        &[],
+        "nothing would read [time]",
+    );
+    told(
+        &SWEPT.replace("polar = [[", "polar = [[20.0, 1.0, 0.1], ["),
+        &[],
+        "ascend",
+    );
     let output = ripstop(&["polar", "cases/cloth/hanging-sheet.toml"]);
     assert_eq!(output.code, 2);
-    assert!(output.errors.contains("neither a wing by itself"), "{}", output.errors);
+    assert!(
+        output.errors.contains("neither a wing by itself"),
+        "{}",
+        output.errors
+    );
     assert!(root().join(TAPERED).exists());
 }
 
@@ -173,7 +215,14 @@ fn glider() {
     let folder = tempfile::tempdir().unwrap();
     let table = |name: &str, arguments: &[&str]| {
         let out = folder.path().join(name);
-        let mut all = vec!["polar", "cases/wing-school.toml", "--variant", "quick", "--out", out.to_str().unwrap()];
+        let mut all = vec![
+            "polar",
+            "cases/wing-school.toml",
+            "--variant",
+            "quick",
+            "--out",
+            out.to_str().unwrap(),
+        ];
         all.extend(arguments);
         let output = ripstop(&all);
         assert_eq!(output.code, 0, "{}", output.errors);
@@ -181,10 +230,18 @@ fn glider() {
         columns(&out.join("sweep.csv"))
     };
     let bar = table("bar", &["--bar", "0,1"]);
-    assert!(bar["speed_m_s"][1] > 1.05 * bar["speed_m_s"][0], "{:?}", bar["speed_m_s"]);
+    assert!(
+        bar["speed_m_s"][1] > 1.05 * bar["speed_m_s"][0],
+        "{:?}",
+        bar["speed_m_s"]
+    );
     assert!(bar["angle_of_attack_deg"][1] < bar["angle_of_attack_deg"][0] - 1.0);
     let brake = table("brake", &["--brake", "0,0.2"]);
-    assert!(brake["speed_m_s"][1] < brake["speed_m_s"][0], "{:?}", brake["speed_m_s"]);
+    assert!(
+        brake["speed_m_s"][1] < brake["speed_m_s"][0],
+        "{:?}",
+        brake["speed_m_s"]
+    );
     let mass = table("mass", &["--mass", "70,100"]);
     assert!(mass["speed_m_s"][1] > mass["speed_m_s"][0]);
 }

@@ -29,11 +29,13 @@ const COUPLING: [&str; 2] = ["immersed-boundary", "spherical-couette"];
 const PLATES: [&str; 3] = ["force-routes", "flexible-plate", "flag"];
 
 /// Panels and vortex lattices.
-const AERODYNAMICS: [&str; 6] = [
+const AERODYNAMICS: [&str; 8] = [
     "potential-bodies",
     "plane-section",
     "rectangular-wings",
     "elliptic-wing",
+    "viscous-sections",
+    "wing-stall",
     "belloc-wing",
     "trim",
 ];

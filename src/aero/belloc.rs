@@ -88,6 +88,7 @@ fn rows(text: &str) -> Vec<PolarPoint> {
                 angle_rad: degrees.to_radians(),
                 lift,
                 drag,
+                moment: None,
             })
         })
         .collect()

@@ -128,6 +128,12 @@ impl<'a> Decambering<'a> {
         })
     }
 
+    /// What the strips' sections do.
+    #[must_use]
+    pub fn sections(&self) -> &[Section<'a>] {
+        &self.sections
+    }
+
     /// The flow under each of several streams [m/s], on its own.
     pub fn solve(
         &self,
@@ -470,6 +476,7 @@ mod tests {
                 angle_rad,
                 lift: lift(angle_rad),
                 drag: 0.01,
+                moment: None,
             }
         });
         Polar::new(points.collect()).unwrap()

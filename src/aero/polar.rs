@@ -27,6 +27,8 @@ pub struct PolarPoint {
     pub lift: f64,
     /// Drag coefficient.
     pub drag: f64,
+    /// Moment coefficient about the quarter chord, nose up; `None`: not known.
+    pub moment: Option<f64>,
 }
 
 /// Lift and drag of a section with viscosity. Between its points drag is linear and lift a monotone cubic (Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984), whose slope does
@@ -81,60 +83,6 @@ impl Polar {
         Self { points, slopes }
     }
 
-    /// A polar for a paraglider's section with an open intake, where nothing better is known, from the section's own lift in potential flow.
-    ///
-    /// Thin, documented and rough: the lift slope is 0.88 of potential flow's, and angles beyond 0.75 of the highest lift bend over by a
-    /// parabola to a highest lift coefficient of 1.3, which then falls by 0.02 per degree. The drag coefficient is that of a turbulent flat plate at
-    /// the given Reynolds number, both sides, with the form factor 1 + 2 t/c + 60 (t/c)⁴ (Hoerner 1965, section 6-2), plus 0.006 for the
-    /// intake, seams and wrinkles, plus 0.008 C_l². These shares are ours, chosen for Reynolds numbers of 1e6 to 2.5e6; no measured
-    /// section with an open intake stands behind them.
-    pub fn paraglider(
-        section: &SectionFlow,
-        thickness: f64,
-        reynolds: f64,
-    ) -> Result<Self, AeroError> {
-        if !(1e5..=1e8).contains(&reynolds) {
-            return Err(AeroError::Polar(
-                "the Reynolds number has to be between 1e5 and 1e8".to_owned(),
-            ));
-        }
-        const HIGHEST_LIFT: f64 = 1.3;
-        const LINEAR_SHARE: f64 = 0.75;
-        let slope = 0.88 * section.slope_per_rad;
-        // Prandtl & Schlichting.
-        let friction = 0.455 / reynolds.log10().powf(2.58);
-        let form = 1.0 + 2.0 * thickness + 60.0 * thickness.powi(4);
-        let points = (-40..=60)
-            .map(|half_degrees| {
-                let angle_rad = (0.5 * f64::from(half_degrees)).to_radians();
-                let linear = slope * (angle_rad - section.zero_lift_rad);
-                let bound = LINEAR_SHARE * HIGHEST_LIFT;
-                let beyond = linear.abs() - bound;
-                // A parabola that leaves the line with its slope and is level at the highest lift.
-                let width = 2.0 * (HIGHEST_LIFT - bound);
-                let size = if beyond <= 0.0 {
-                    linear.abs()
-                } else if beyond <= width {
-                    bound + beyond - beyond * beyond / (2.0 * width)
-                } else {
-                    let degrees = ((beyond - width) / slope).to_degrees();
-                    (HIGHEST_LIFT - 0.02 * degrees).max(0.6)
-                };
-                let stalled = (beyond - width).max(0.0) / slope;
-                PolarPoint {
-                    angle_rad,
-                    lift: size * linear.signum(),
-                    drag: 2.0 * friction * form
-                        + 0.006
-                        + 0.008 * size * size
-                        + 2.0 * stalled.sin().powi(2)
-                        + 0.4 * stalled,
-                }
-            })
-            .collect();
-        Self::new(points)
-    }
-
     /// The polar between this one and another, the share `t` of the way, at the angles of both.
     #[must_use]
     pub fn between(&self, other: &Self, t: f64) -> Self {
@@ -151,6 +99,10 @@ impl Polar {
             angle_rad,
             lift: mix(self.lift(angle_rad).0, other.lift(angle_rad).0),
             drag: mix(self.drag(angle_rad), other.drag(angle_rad)),
+            moment: self
+                .moment(angle_rad)
+                .zip(other.moment(angle_rad))
+                .map(|(a, b)| mix(a, b)),
         });
         Self::through(points.collect())
     }
@@ -190,6 +142,18 @@ impl Polar {
                 let more = angle_rad.sin().powi(2) - last.angle_rad.sin().powi(2);
                 last.drag + 2.0 * more.max(0.0)
             }
+        }
+    }
+
+    /// Moment coefficient about the quarter chord, if all points have one; beyond the ends that of the end.
+    #[must_use]
+    pub fn moment(&self, angle_rad: f64) -> Option<f64> {
+        match self.segment(angle_rad) {
+            Some((k, t)) => {
+                let (a, b) = (self.points[k].moment?, self.points[k + 1].moment?);
+                Some(a + t * (b - a))
+            }
+            None => self.nearest(angle_rad).0.moment,
         }
     }
 
@@ -280,6 +244,7 @@ mod tests {
             angle_rad: degrees.to_radians(),
             lift,
             drag,
+            moment: None,
         }
     }
 
@@ -344,29 +309,5 @@ mod tests {
             (cambered.zero_lift_rad.to_degrees() + 1.1).abs() < 0.15,
             "{cambered:?}"
         );
-    }
-
-    #[test]
-    fn the_rough_polar_is_smooth_and_ends_in_a_stall() {
-        let section = SectionFlow {
-            slope_per_rad: 6.9,
-            zero_lift_rad: -0.02,
-        };
-        let polar = Polar::paraglider(&section, 0.16, 1.5e6).unwrap();
-        let mut highest: f64 = 0.0;
-        for step in 0..250 {
-            let angle = 0.001 * f64::from(step);
-            let (lift, slope) = polar.lift(angle);
-            assert!(slope < 0.89 * 6.9 && (polar.lift(angle + 1e-4).0 - lift).abs() < 1e-3);
-            highest = highest.max(lift);
-        }
-        assert!((highest - 1.3).abs() < 0.01, "{highest}");
-        assert!(polar.lift(0.5).0 < 1.2);
-        assert!(
-            (0.013..0.02).contains(&polar.drag(0.05)),
-            "{}",
-            polar.drag(0.05)
-        );
-        assert!(Polar::paraglider(&section, 0.16, 10.0).is_err());
     }
 }

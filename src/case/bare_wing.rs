@@ -61,8 +61,22 @@ pub struct BareProfile {
     pub name: String,
     /// Its outline.
     pub outline: Arc<Profile>,
-    /// Its polar; `None`: to be computed.
-    pub polar: Option<Polar>,
+    /// Its polar.
+    pub polar: SectionPolar,
+}
+
+/// Where the polar of a profile is from.
+#[derive(Debug, Clone)]
+pub enum SectionPolar {
+    /// Given.
+    Given(Polar),
+    /// To be computed at the Reynolds numbers of its strips.
+    Computed {
+        /// Exponent of the amplification at which a layer turns turbulent.
+        critical_amplification: f64,
+        /// x/c above and below at which it does so at the latest.
+        transition: [Option<f64>; 2],
+    },
 }
 
 fn key(name: &str) -> String {
@@ -263,8 +277,11 @@ fn check_profile(
         }
     };
     let polar = match (&written.polar, &written.polar_file) {
-        (None, None) => None,
-        (Some(rows), None) => Some(polar_of(&format!("{key}.polar"), rows)?),
+        (None, None) => computed(&key, written)?,
+        (Some(rows), None) => {
+            let rows: Vec<PolarRow> = rows.iter().map(|&row| (row, None)).collect();
+            SectionPolar::Given(polar_of(&format!("{key}.polar"), &rows)?)
+        }
         (None, Some(file)) => {
             let key = format!("{key}.polar_file");
             let path = folder.join(file);
@@ -275,7 +292,7 @@ fn check_profile(
                     "give a file relative to the case file",
                 )
             })?;
-            Some(polar_of(&key, &rows_of_xfoil(&text))?)
+            SectionPolar::Given(polar_of(&key, &rows_of_xfoil(&text))?)
         }
         (Some(_), Some(_)) => {
             return Err(Problem::new(
@@ -292,12 +309,37 @@ fn check_profile(
     })
 }
 
-fn polar_of(key: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
-    let points = rows.iter().map(|&[degrees, lift, drag]| PolarPoint {
-        angle_rad: degrees.to_radians(),
-        lift,
-        drag,
-    });
+/// How a polar is to be computed.
+fn computed(key: &str, written: &file::BareProfile) -> Result<SectionPolar, Problem> {
+    let own = |name: &str| format!("{key}.{name}");
+    let critical = usual::or(
+        own("critical_amplification"),
+        written.critical_amplification,
+        9.0,
+    );
+    let place = |place: f64| within(&own("transition"), place, 0.0, 1.0);
+    let transition = match written.transition {
+        Some([above, below]) => [Some(place(above)?), Some(place(below)?)],
+        None => [None; 2],
+    };
+    Ok(SectionPolar::Computed {
+        critical_amplification: within(&own("critical_amplification"), critical, 0.5, 20.0)?,
+        transition,
+    })
+}
+
+/// Angle in degrees, lift and drag, and the moment where it is known.
+type PolarRow = ([f64; 3], Option<f64>);
+
+fn polar_of(key: &str, rows: &[PolarRow]) -> Result<Polar, Problem> {
+    let points = rows
+        .iter()
+        .map(|&([degrees, lift, drag], moment)| PolarPoint {
+            angle_rad: degrees.to_radians(),
+            lift,
+            drag,
+            moment,
+        });
     Polar::new(points.collect()).map_err(|why| {
         Problem::new(
             key,
@@ -307,20 +349,20 @@ fn polar_of(key: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
     })
 }
 
-/// Angle, lift and drag of a file as XFOIL writes it: a head, a line of dashes, then rows of numbers; angles of repeated points are taken once.
-fn rows_of_xfoil(text: &str) -> Vec<[f64; 3]> {
-    let mut rows: Vec<[f64; 3]> = text
+/// Rows of a file as XFOIL writes it: a head, a line of dashes, then rows of numbers; angles of repeated points are taken once.
+fn rows_of_xfoil(text: &str) -> Vec<PolarRow> {
+    let mut rows: Vec<PolarRow> = text
         .lines()
         .filter_map(|line| {
             let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
             match *numbers.ok()? {
-                [angle, lift, drag, _, _, ..] => Some([angle, lift, drag]),
+                [angle, lift, drag, _, moment, ..] => Some(([angle, lift, drag], Some(moment))),
                 _ => None,
             }
         })
         .collect();
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    rows.dedup_by(|a, b| a[0] == b[0]);
+    rows.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    rows.dedup_by(|a, b| a.0[0] == b.0[0]);
     rows
 }
 
@@ -373,13 +415,16 @@ mod tests {
 
    alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr
   ------ -------- --------- --------- -------- -------- --------
-   1.000   0.1100   0.00550   0.00100   0.0000   0.5000   0.8000
+   1.000   0.1100   0.00550   0.00100   0.0010   0.5000   0.8000
    0.000   0.0000   0.00540   0.00100   0.0000   0.6500   0.6500
    1.000   0.1100   0.00550   0.00100   0.0000   0.5000   0.8000
 ";
         assert_eq!(
             rows_of_xfoil(text),
-            [[0.0, 0.0, 0.0054], [1.0, 0.11, 0.0055]]
+            [
+                ([0.0, 0.0, 0.0054], Some(0.0)),
+                ([1.0, 0.11, 0.0055], Some(0.001))
+            ]
         );
     }
 

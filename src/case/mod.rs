@@ -62,6 +62,7 @@ pub mod wing;
 pub mod wing_design;
 mod wing_lines;
 mod wing_tunnel;
+pub mod xflr5;
 
 pub use design::{Derived, TABLES as DESIGN_TABLES, expanded};
 pub use error::CaseError;

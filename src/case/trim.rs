@@ -5,7 +5,7 @@ use super::problem::Problem;
 use super::usual;
 use super::values::{absent, positive, within};
 use crate::aero::polar::{Polar, PolarPoint};
-use crate::trim::{Settings, Tolerance};
+use crate::trim::{SectionSettings, Settings, Tolerance};
 
 const KEY: &str = "equilibrium.trim";
 
@@ -72,6 +72,20 @@ pub(super) fn check(
     let share = |name: &str, value: Option<f64>, usual: f64, low: f64, high: f64| {
         within(&key(name), usual::or(key(name), value, usual), low, high)
     };
+    let intake = (!closed).then_some(()).and(table.intakes.as_ref());
+    let intake = intake.map(|intakes| [intakes.from, intakes.to]);
+    let place = |place: f64| within(&key("transition"), place, 0.0, 1.0);
+    let transition = match written.transition {
+        Some([above, below]) => [Some(place(above)?), Some(place(below)?)],
+        None => [None, intake.map(|[_, to]| to)],
+    };
+    let reynolds = share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?;
+    let mut sections = SectionSettings::new(polars, reynolds);
+    (sections.transition, sections.intake) = (transition, intake);
+    let critical = written.critical_amplification;
+    sections.critical_amplification = share("critical_amplification", critical, 9.0, 0.5, 20.0)?;
+    let surface = written.surface_drag_coefficient;
+    sections.surface_drag = share("surface_drag_coefficient", surface, 0.004, 0.0, 0.1)?;
     let tolerance = &written.tolerance;
     Ok(Settings {
         density_kg_m3: within(
@@ -98,8 +112,7 @@ pub(super) fn check(
             .internal_pressure_coefficient
             .map(|c| within(&key("internal_pressure_coefficient"), c, -5.0, 5.0))
             .transpose()?,
-        polars,
-        reynolds: share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?,
+        sections,
         panels_per_side: whole("panels_per_side", written.panels_per_side, 20, 4, 200)?,
         strips: whole("strips", written.strips, 40, 2, 400)?,
         from_coarser_meshes: usual::or(
@@ -127,6 +140,7 @@ fn check_polar(name: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
             angle_rad: degrees.to_radians(),
             lift,
             drag,
+            moment: None,
         })
         .collect();
     Polar::new(points).map_err(|why| {

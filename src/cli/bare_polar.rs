@@ -6,7 +6,7 @@ use super::log::emit;
 use super::polar::PolarArguments;
 use super::threads;
 use crate::case::Case;
-use crate::case::bare_wing::BareWing;
+use crate::case::bare_wing::{BareWing, SectionPolar};
 use crate::output::{
     Chart, OutputError, Provenance, Series, aligned, prepare_directory, significant, write_table,
 };
@@ -150,7 +150,7 @@ pub(super) fn outlook(case: &Case, wing: &BareWing) -> String {
         ],
     ];
     for profile in &wing.profiles {
-        let polar = if profile.polar.is_some() {
+        let polar = if matches!(profile.polar, SectionPolar::Given(_)) {
             "polar as given"
         } else {
             "polar computed at the Reynolds numbers of its strips"
@@ -268,6 +268,9 @@ fn notes(found: &Polar) -> Vec<String> {
     }
     if let Some(all) = angles(&|p| p.coefficients.is_some() && !p.is_covered) {
         notes.push(format!("sections are at angles that their polars do not reach at {all} deg: lift there stays as at the polar's end"));
+    }
+    if !found.sections_stall {
+        notes.push("a computed polar of a section ends before its highest lift: highest lift and stall of the wing are not known".to_owned());
     }
     if let Some(all) = angles(&|p| p.separated.is_some()) {
         notes.push(format!(

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::bare_polar;
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
 use crate::case::leparagliding::{self, Imported, Published};
+use crate::case::xflr5;
 use crate::case::{self, Case, Choices};
 use crate::output::{
     NOTHING, OutputError, aligned, prepare_directory, significant, write_atomically,
@@ -15,7 +17,8 @@ use crate::output::{
 
 #[derive(Debug, Args)]
 pub(super) struct ImportArguments {
-    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it; or a folder whose folders hold one each.
+    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it, or a folder whose folders hold one each; or a wing of XFLR5 (`.xwimp`), with the
+    /// coordinates of its profiles beside it (`NAME.dat`).
     file: PathBuf,
     /// Folder for the case and the airfoil files; of several wings each has a folder there.
     #[arg(long, value_name = "DIR", default_value = "imported")]
@@ -23,6 +26,9 @@ pub(super) struct ImportArguments {
     /// Pilot, harness and all else that hangs on the risers [kg]; by the area if left out.
     #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     pilot: Option<f64>,
+    /// Speed of a wing of XFLR5, which the file does not tell [m/s].
+    #[arg(long, value_name = "M_S", default_value_t = 10.0)]
+    speed: f64,
 }
 
 /// Name of the case.
@@ -37,6 +43,13 @@ const DIGITS: i32 = 4;
 pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
     if arguments.file.is_dir() {
         return several(arguments);
+    }
+    if arguments
+        .file
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("xwimp"))
+    {
+        return of_xflr5(arguments);
     }
     let (imported, case) = one(&arguments.file, &arguments.out, arguments.pilot)?;
     let folder = folder_of(&arguments.file);
@@ -72,30 +85,81 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
     };
     let imported = leparagliding::import(&text, pilot_kg, thickness)
         .map_err(|why| bad(format!("{told}: {why}")))?;
-    let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
     // All airfoils are read before anything is written.
     let mut files = Vec::new();
     for name in &imported.profiles {
-        let is_name = Path::new(name).components().count() == 1
-            && Path::new(name)
-                .file_name()
-                .is_some_and(|own| own == name.as_str());
-        if !is_name {
-            return Err(bad(format!(
-                "{told} names the airfoil {name}: it must lie beside it, under a plain name"
-            )));
-        }
-        let airfoil = std::fs::read(folder.join(name)).map_err(|why| {
-            bad(format!(
-                "cannot read the airfoil {}: {why}; {told} names it",
-                folder.join(name).display()
-            ))
-        })?;
+        let airfoil = profile(folder, name, file)?;
         files.push((out.join(name), airfoil));
     }
+    let case = put(&imported.text, folder, out, &files)?;
+    Ok((imported, case))
+}
+
+/// A wing of XFLR5.
+fn of_xflr5(arguments: &ImportArguments) -> Result<u8, Failure> {
+    let file = &arguments.file;
+    let told = file.display();
+    let text = read(file).map_err(|why| bad(format!("cannot read {told}: {why}")))?;
+    if !(arguments.speed > 0.0 && arguments.speed < 1e3) {
+        return Err(bad(format!(
+            "--speed {} is no speed of a wing: give it in m/s",
+            arguments.speed
+        )));
+    }
+    let imported =
+        xflr5::import(&text, arguments.speed).map_err(|why| bad(format!("{told}: {why}")))?;
+    let folder = folder_of(file);
+    let files = imported.profiles.iter().map(|name| {
+        let name = format!("{name}.dat");
+        let bytes = profile(folder, &name, file)?;
+        Ok((arguments.out.join(&name), bytes))
+    });
+    let files: Vec<(PathBuf, Vec<u8>)> = files.collect::<Result<_, Failure>>()?;
+    let case = put(&imported.text, folder, &arguments.out, &files)?;
+    let path = arguments.out.join(CASE);
+    if let Some(wing) = &case.scene.bare_wing {
+        emit(&bare_polar::outlook(&case, wing))?;
+    }
+    for line in &imported.left_out {
+        emit(&format!("not brought in: {line}\n"))?;
+    }
+    emit(&format!(
+        "case: {}; `ripstop polar {}` computes it\n",
+        path.display(),
+        path.display()
+    ))?;
+    Ok(0)
+}
+
+/// The file of a profile that another file names.
+fn profile(folder: &Path, name: &str, named_by: &Path) -> Result<Vec<u8>, Failure> {
+    let told = named_by.display();
+    let is_name = Path::new(name).components().count() == 1
+        && Path::new(name).file_name().is_some_and(|own| own == name);
+    if !is_name {
+        return Err(bad(format!(
+            "{told} names the airfoil {name}: it must lie beside it, under a plain name"
+        )));
+    }
+    std::fs::read(folder.join(name)).map_err(|why| {
+        bad(format!(
+            "cannot read the airfoil {}: {why}; {told} names it",
+            folder.join(name).display()
+        ))
+    })
+}
+
+/// Checks a case and writes it with its files, which nothing that is there may be lost for.
+fn put(
+    text: &str,
+    folder: &Path,
+    out: &Path,
+    files: &[(PathBuf, Vec<u8>)],
+) -> Result<Case, Failure> {
+    let failed = |error: OutputError| Failure::Other(exit::OUTPUT_FAILED, error.to_string());
     let path = out.join(CASE);
     // What is wrong with the case is told before it is there.
-    let case = case::parse(CASE, &imported.text, folder, &Choices::default());
+    let case = case::parse(CASE, text, folder, &Choices::default());
     let case = case.map_err(Failure::Case)?;
     let is_other = |(path, text): &&(PathBuf, Vec<u8>)| {
         path.exists() && std::fs::read(path).ok().as_ref() != Some(text)
@@ -108,11 +172,11 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
         )));
     }
     prepare_directory(out).map_err(failed)?;
-    for (path, airfoil) in &files {
+    for (path, airfoil) in files {
         write_atomically(path, |file| file.write_all(airfoil)).map_err(failed)?;
     }
-    write_atomically(&path, |file| file.write_all(imported.text.as_bytes())).map_err(failed)?;
-    Ok((imported, case))
+    write_atomically(&path, |file| file.write_all(text.as_bytes())).map_err(failed)?;
+    Ok(case)
 }
 
 /// Brings in the wing of every folder in a folder, and tells of each in a line.

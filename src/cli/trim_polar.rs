@@ -121,8 +121,8 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
         "inputs, not results: pilot C_D A = {} m2, C_d of lines {}{}\n",
         settings.pilot_drag_area_m2,
         settings.line_drag_coefficient,
-        if settings.polars.iter().any(Option::is_none) {
-            ", rough polars of sections"
+        if settings.sections.polars.iter().any(Option::is_none) {
+            ", drag of intakes (0.07 h/c) and of seams and wrinkles"
         } else {
             ""
         }

@@ -208,14 +208,15 @@ impl Profile {
         let per_side = per_side.max(2);
         let mut points: Vec<DVec2> = (0..=2 * per_side)
             .map(|k| {
-                let t = k.min(2 * per_side - k) as f64 / per_side as f64;
+                // From the nose to the trailing edge.
+                let t = per_side.abs_diff(k) as f64 / per_side as f64;
                 let cosine = 0.5 * (1.0 - (std::f64::consts::PI * t).cos());
                 let f = COSINE_SHARE * cosine + (1.0 - COSINE_SHARE) * t;
                 let f = f + EDGE_SHIFT * f * f * (1.0 - f);
                 spline.at(if k <= per_side {
-                    nose * f
+                    nose * (1.0 - f)
                 } else {
-                    end - (end - nose) * f
+                    nose + (end - nose) * f
                 })
             })
             .collect();

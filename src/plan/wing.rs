@@ -191,15 +191,19 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
         "  air of the trim     {panels} panels of the half wing, {strips} strips; matrix {:.1} MB",
         potential_flow::memory_bytes(panels, strips) as f64 / 1e6
     )?;
-    for (number, polar) in settings.polars.iter().enumerate() {
+    let sections = &settings.sections;
+    for (number, polar) in sections.polars.iter().enumerate() {
         writeln!(
             out,
             "  polar of profile {}   {}",
             number + 1,
             if polar.is_some() {
-                "from the case"
+                "from the case".to_owned()
             } else {
-                "the rough one of paragliders (docs/low-order-aerodynamics.md)"
+                format!(
+                    "computed at a Reynolds number of {:.1e}, drag of surface {} and intakes added",
+                    sections.reynolds, sections.surface_drag
+                )
             }
         )?;
     }

@@ -1,17 +1,26 @@
 //! Polars of the strips of a wing.
 
-use std::sync::Arc;
-
 use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::aero::AeroError;
 use crate::aero::polar::{Polar, SectionFlow};
+use crate::aero::section::Conditions;
 use crate::aero::surface::Wing;
-use crate::case::bare_wing::BareWing;
+use crate::aero::viscous_polar::viscous_polar;
+use crate::case::bare_wing::{BareProfile, BareWing, SectionPolar};
 
 /// Thinnest profile that panels of two sides make sense of, over the chord.
 const LEAST_THICKNESS: f64 = 0.005;
+
+/// Points along each side of an outline whose polar is computed.
+const OUTLINE_PER_SIDE: usize = 120;
+
+/// Largest over least Reynolds number up to which one polar stands for all strips.
+const NEARLY_ONE: f64 = 1.3;
+
+/// Tips that end in a point have the polar of this Reynolds number.
+const LEAST_REYNOLDS: f64 = 5e4;
 
 /// Polars and potential flow of every strip, and the wing cut into them.
 #[derive(Debug)]
@@ -22,6 +31,10 @@ pub struct SectionsOfWing {
     pub strips: Vec<(Polar, SectionFlow)>,
     /// Reynolds number of every strip, on its chord.
     pub reynolds: Vec<f64>,
+    /// Whether a polar was computed.
+    pub computed: bool,
+    /// Whether all computed polars reach beyond the highest lift.
+    pub stalls: bool,
 }
 
 /// Where a strip lies between the stations of the case.
@@ -54,31 +67,112 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
     let flows: Vec<SectionFlow> = (case.profiles.par_iter())
         .map(|profile| SectionFlow::of(&profile.outline))
         .collect::<Result<_, _>>()?;
-    let polars = case.profiles.iter().map(|profile| match &profile.polar {
-        Some(polar) => Ok(Arc::new(polar.clone())),
-        None => Err(AeroError::Polar(format!(
-            "profile {} has none",
-            profile.name
-        ))),
-    });
-    let polars: Vec<Arc<Polar>> = polars.collect::<Result<_, _>>()?;
+    let reynolds: Vec<f64> = places.iter().map(|place| place.reynolds).collect();
+    let families = case
+        .profiles
+        .par_iter()
+        .map(|profile| Family::of(profile, &reynolds))
+        .collect::<Result<Vec<_>, _>>()?;
     let strips = places.iter().map(|place| {
         let [a, b] = [0, 1].map(|k| case.station_profiles[place.station + k]);
+        let of = |profile: usize| families[profile].at(place.reynolds);
         if a == b {
-            return (polars[a].as_ref().clone(), flows[a]);
+            return (of(a), flows[a]);
         }
         let mix = |x: f64, y: f64| x + place.share * (y - x);
         let flow = SectionFlow {
             slope_per_rad: mix(flows[a].slope_per_rad, flows[b].slope_per_rad),
             zero_lift_rad: mix(flows[a].zero_lift_rad, flows[b].zero_lift_rad),
         };
-        (polars[a].between(&polars[b], place.share), flow)
+        (of(a).between(&of(b), place.share), flow)
     });
     Ok(SectionsOfWing {
         strips: strips.collect(),
-        reynolds: places.iter().map(|place| place.reynolds).collect(),
+        computed: families.iter().any(|family| family.is_computed),
+        stalls: families.iter().all(|family| family.stalls),
+        reynolds,
         wing,
     })
+}
+
+/// Polars of a profile by growing Reynolds number; one that is given stands for all.
+struct Family {
+    polars: Vec<(f64, Polar)>,
+    is_computed: bool,
+    /// Whether all of them reach beyond the highest lift.
+    stalls: bool,
+}
+
+impl Family {
+    fn of(profile: &BareProfile, reynolds: &[f64]) -> Result<Self, AeroError> {
+        let (critical_amplification, transition) = match &profile.polar {
+            SectionPolar::Given(polar) => {
+                return Ok(Self {
+                    polars: vec![(1.0, polar.clone())],
+                    is_computed: false,
+                    stalls: true,
+                });
+            }
+            SectionPolar::Computed {
+                critical_amplification,
+                transition,
+            } => (*critical_amplification, *transition),
+        };
+        let outline = profile.outline.resampled(OUTLINE_PER_SIDE);
+        let polars = members(reynolds)
+            .into_par_iter()
+            .map(|reynolds| {
+                let conditions = Conditions {
+                    reynolds,
+                    critical_amplification,
+                    forced_transition: transition,
+                };
+                viscous_polar(&outline, &conditions, 0.0).map(|found| (reynolds, found))
+            })
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|why| {
+                AeroError::Polar(format!(
+                    "of profile {}: {why}; give it one by polar or polar_file",
+                    profile.name
+                ))
+            })?;
+        Ok(Self {
+            stalls: polars.iter().all(|(_, found)| found.stalls),
+            polars: (polars.into_iter())
+                .map(|(reynolds, found)| (reynolds, found.polar))
+                .collect(),
+            is_computed: true,
+        })
+    }
+
+    /// Between two members, over the logarithm of the Reynolds number.
+    fn at(&self, reynolds: f64) -> Polar {
+        let last = self.polars.len() - 1;
+        let after = self.polars.partition_point(|(known, _)| *known < reynolds);
+        if after == 0 || last == 0 {
+            return self.polars[0].1.clone();
+        }
+        let [(low, a), (high, b)] = [
+            &self.polars[after.min(last) - 1],
+            &self.polars[after.min(last)],
+        ];
+        let share = (reynolds / low).ln() / (high / low).ln();
+        a.between(b, share.clamp(0.0, 1.0))
+    }
+}
+
+/// Reynolds numbers at which polars are computed: of the strips, the least, the largest and one between; one where they hardly differ.
+fn members(reynolds: &[f64]) -> Vec<f64> {
+    let low = reynolds
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min)
+        .max(LEAST_REYNOLDS);
+    let high = reynolds.iter().copied().fold(low, f64::max);
+    if high < NEARLY_ONE * low {
+        return vec![(low * high).sqrt()];
+    }
+    vec![low, (low * high).sqrt(), high]
 }
 
 fn places(case: &BareWing, divided: &Wing) -> Vec<Place> {

@@ -86,6 +86,10 @@ pub struct Polar {
     pub points: Vec<Point>,
     /// Panels, the caps' included.
     pub panels: usize,
+    /// Whether polars of sections were computed.
+    pub computed: bool,
+    /// Whether all of those reach beyond the highest lift.
+    pub sections_stall: bool,
 }
 
 /// Computes all angles.
@@ -110,6 +114,8 @@ pub fn solve(case: &BareWing) -> Result<Polar, AeroError> {
     Ok(Polar {
         points,
         panels: surface.panels.len(),
+        computed: sections.computed,
+        sections_stall: sections.stalls,
     })
 }
 
@@ -175,8 +181,9 @@ fn point(
     let area = |strip: &&StripLoad| strip.chord_m * strip.width_m;
     let all: f64 = strips.iter().map(|s| area(&s)).sum();
     let stalled = strips.iter().filter(|s| !s.is_below_stall);
-    let of =
-        |flow: &ViscousFlow| (flow.residual < AGREEMENT).then(|| coefficients(case, surface, flow));
+    let of = |flow: &ViscousFlow| {
+        (flow.residual < AGREEMENT).then(|| coefficients(case, sections, surface, flow))
+    };
     let (first, second) = (of(chosen), of(&separated));
     let is_other = |other: &Coefficients| {
         first.is_some_and(|first| (first.lift - other.lift).abs() > TWO_BRANCHES)
@@ -193,7 +200,59 @@ fn point(
     })
 }
 
-fn coefficients(case: &BareWing, surface: &PanelSurface, viscous: &ViscousFlow) -> Coefficients {
+/// By how much the moments of the sections, as their polars have them, differ from those of the pressures of potential flow [N m].
+fn moment_of_sections(
+    case: &BareWing,
+    sections: &SectionsOfWing,
+    surface: &PanelSurface,
+    viscous: &ViscousFlow,
+) -> DVec3 {
+    let stream = viscous.flow.stream_m_s;
+    let dynamic_pa = 0.5 * case.density_kg_m3 * stream.length_squared();
+    let pressures = viscous.flow.pressure_coefficients(surface);
+    let of_strip = |j: usize| {
+        let moment = sections.strips[j].0.moment(viscous.effective_rad[j])?;
+        let span = surface.span_m(j);
+        let quarter = quarter_m(surface, j);
+        let first = j * surface.chordwise;
+        let panels = surface.panels[first..first + surface.chordwise].iter();
+        let potential: f64 = panels
+            .zip(&pressures[first..])
+            .map(|(panel, pressure)| {
+                let force = -dynamic_pa * pressure * panel.area_m2;
+                (panel.centre_m - quarter)
+                    .cross(force)
+                    .dot(span.normalize_or_zero())
+            })
+            .sum();
+        let section = dynamic_pa * surface.chord_m(j).powi(2) * span.length() * moment;
+        Some((section - potential) * span.normalize_or_zero())
+    };
+    let half: DVec3 = (0..surface.spanwise).filter_map(of_strip).sum();
+    if surface.is_symmetric {
+        // The other half adds as much about the span, and takes away what is about the other axes.
+        DVec3::Y * (2.0 * half.y)
+    } else {
+        half
+    }
+}
+
+/// The quarter of a strip's chord, in its middle [m].
+fn quarter_m(surface: &PanelSurface, strip: usize) -> DVec3 {
+    let edge = |i: usize| {
+        surface
+            .node_m(i, strip)
+            .midpoint(surface.node_m(i, strip + 1))
+    };
+    edge(surface.chordwise / 2).lerp(edge(0), 0.25)
+}
+
+fn coefficients(
+    case: &BareWing,
+    sections: &SectionsOfWing,
+    surface: &PanelSurface,
+    viscous: &ViscousFlow,
+) -> Coefficients {
     let stream = viscous.flow.stream_m_s;
     let dynamic_pa = 0.5 * case.density_kg_m3 * stream.length_squared();
     let area = dynamic_pa * case.reference_area_m2;
@@ -201,7 +260,8 @@ fn coefficients(case: &BareWing, surface: &PanelSurface, viscous: &ViscousFlow) 
     let near = viscous
         .flow
         .pressure_forces(surface, case.density_kg_m3, case.moment_point_m);
-    let moment = near.moment_n_m / (area * case.reference_chord_m);
+    let sections_n_m = moment_of_sections(case, sections, surface, viscous);
+    let moment = (near.moment_n_m + sections_n_m) / (area * case.reference_chord_m);
     Coefficients {
         lift: lift / area,
         induced_drag: induced / area,
@@ -221,12 +281,10 @@ fn loads(
     let lifts = viscous.flow.section_lift_coefficients(surface);
     (0..surface.spanwise)
         .map(|j| {
-            let edge = |i: usize| surface.node_m(i, j).midpoint(surface.node_m(i, j + 1));
-            let (tail, nose) = (edge(0), edge(surface.chordwise / 2));
             let angle = viscous.effective_rad[j];
             let polar = &sections.strips[j].0;
             StripLoad {
-                place_m: nose.lerp(tail, 0.25),
+                place_m: quarter_m(surface, j),
                 chord_m: surface.chord_m(j),
                 width_m: surface.span_m(j).length(),
                 reynolds: sections.reynolds[j],

@@ -1,26 +1,19 @@
 //! Loads of the air on a flown wing: pressure on its triangles, traction for the drag that pressures lack, drag of lines; and the glide that they make.
 
-use std::sync::Arc;
-
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
+use super::flown_sections::{Between, turn_rad};
 use super::outer::OuterPressure;
 use super::skin::Skin;
 use super::{Settings, TrimError};
 use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section, ViscousFlow};
 use crate::aero::drag::{self, DragArea, LineSegment};
-use crate::aero::polar::{Polar, SectionFlow};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::PanelSurface;
 use crate::cloth::Structure;
-use crate::geometry::profile;
-use crate::geometry::wing::section::{Profile, Side};
 use crate::geometry::wing::{BuiltWing, LineKind, Part};
-
-/// Points per side that stand for a profile.
-const PROFILE_POINTS: usize = 100;
 
 /// Places along an intake at which the pressure before it is taken.
 const INTAKE_POINTS: usize = 5;
@@ -45,8 +38,8 @@ pub struct Glider<'a> {
     gravity_m_s2: f64,
     /// Which panels there are.
     pub skin: Skin,
-    /// Polar and potential flow of every strip.
-    sections: Vec<(Polar, SectionFlow)>,
+    /// Profiles that every strip lies between.
+    between: Vec<Between>,
     /// Fabric of the panels of each strip, both halves [m²].
     strip_fabric_m2: Vec<f64>,
     /// Between the points where the risers hang.
@@ -147,7 +140,7 @@ struct Sample {
 }
 
 impl<'a> Glider<'a> {
-    /// Prepares polars and panels; `gravity_m_s2` pulls down.
+    /// Prepares panels; `gravity_m_s2` pulls down.
     pub fn new(
         wing: &'a BuiltWing,
         structure: &'a Structure,
@@ -156,35 +149,12 @@ impl<'a> Glider<'a> {
         gravity_m_s2: f64,
     ) -> Result<Self, TrimError> {
         let skin = Skin::new(wing, settings.panels_per_side, settings.strips);
-        let flows = wing
-            .profiles
-            .iter()
-            .map(section_flow)
-            .collect::<Result<Vec<_>, _>>()?;
-        let polars = wing
-            .profiles
-            .iter()
-            .enumerate()
-            .map(|(number, profile)| match settings.polars.get(number) {
-                Some(Some(polar)) => Ok(polar.clone()),
-                _ => Polar::paraglider(&flows[number], thickness(profile), settings.reynolds),
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        let sections = skin
+        let between = skin
             .strip_middles()
             .iter()
             .map(|&u| {
                 let rib = (u + 0.5 * wing.cells as f64).round() as usize;
-                let ([a, b], share) = wing.frames[rib.min(wing.cells)].profiles;
-                if a == b {
-                    return (polars[a].clone(), flows[a]);
-                }
-                let mix = |x: f64, y: f64| x + share * (y - x);
-                let flow = SectionFlow {
-                    slope_per_rad: mix(flows[a].slope_per_rad, flows[b].slope_per_rad),
-                    zero_lift_rad: mix(flows[a].zero_lift_rad, flows[b].zero_lift_rad),
-                };
-                (polars[a].between(&polars[b], share), flow)
+                wing.frames[rib.min(wing.cells)].profiles
             })
             .collect();
         let mut strip_fabric_m2 = vec![0.0; skin.sections.len() - 1];
@@ -201,7 +171,7 @@ impl<'a> Glider<'a> {
             diameters_m,
             gravity_m_s2,
             skin,
-            sections,
+            between,
             strip_fabric_m2,
             hang_m: 0.5 * (right + left),
         })
@@ -255,8 +225,17 @@ impl<'a> Glider<'a> {
     ) -> Result<Flight, TrimError> {
         let around = 2 * self.settings.panels_per_side;
         let surface = PanelSurface::new(nodes_m.to_vec(), around, true, true)?;
-        let sections: Vec<Section> = self
+        let strips: Vec<(Between, f64)> = (self.between.iter().enumerate())
+            .map(|(j, &between)| {
+                let turn = turn_rad(&surface, j, &self.wing.profiles, between);
+                (between, turn)
+            })
+            .collect();
+        let found = self
+            .settings
             .sections
+            .of_strips(&self.wing.profiles, &strips)?;
+        let sections: Vec<Section> = found
             .iter()
             .map(|(polar, flow)| Section { polar, flow: *flow })
             .collect();
@@ -305,13 +284,13 @@ impl<'a> Glider<'a> {
             .unwrap_or_else(|| self.before_intakes(&outer));
         let far = viscous.flow.trefftz_forces(surface, 1.0);
         let induced_m2 = far.induced_drag_n / DYNAMIC_PA;
-        let strip_drag_m2: Vec<f64> = self
-            .sections
+        let strip_drag_m2: Vec<f64> = decambering
+            .sections()
             .iter()
             .zip(&viscous.effective_rad)
             .enumerate()
-            .map(|(j, ((polar, _), &angle))| {
-                2.0 * surface.chord_m(j) * surface.span_m(j).length() * polar.drag(angle)
+            .map(|(j, (section, &angle))| {
+                2.0 * surface.chord_m(j) * surface.span_m(j).length() * section.polar.drag(angle)
             })
             .collect();
         let mut pressure = Sums {
@@ -551,30 +530,4 @@ impl<'a> Glider<'a> {
 fn add(sums: &mut Sums, arm_m: DVec3, force_m2: DVec3) {
     sums.force_m2 += force_m2;
     sums.moment_m3 += arm_m.cross(force_m2).y;
-}
-
-fn thickness(profile: &Profile) -> f64 {
-    (0..=PROFILE_POINTS)
-        .map(|i| {
-            let x = i as f64 / PROFILE_POINTS as f64;
-            profile.height(Side::Upper, x) - profile.height(Side::Lower, x)
-        })
-        .fold(0.0, f64::max)
-}
-
-/// Lift of a rib's profile in potential flow.
-fn section_flow(profile: &Profile) -> Result<SectionFlow, TrimError> {
-    let place = |i: usize| {
-        let angle = std::f64::consts::PI * i as f64 / PROFILE_POINTS as f64;
-        0.5 * (1.0 - angle.cos())
-    };
-    let point = |side: Side, i: usize| {
-        let x = place(i);
-        DVec2::new(x, profile.height(side, x))
-    };
-    let lower = (1..=PROFILE_POINTS).rev().map(|i| point(Side::Lower, i));
-    let upper = (0..=PROFILE_POINTS).map(|i| point(Side::Upper, i));
-    let profile = profile::Profile::new(lower.chain(upper).collect())
-        .map_err(crate::aero::AeroError::from)?;
-    Ok(SectionFlow::of(&Arc::new(profile))?)
 }

@@ -19,14 +19,15 @@
 //! where the balance wants the wing, until it carries nothing.
 
 pub mod balance;
+mod flown_sections;
 pub mod glider;
 pub mod outer;
 pub mod skin;
 
 use crate::aero::AeroError;
-use crate::aero::polar::Polar;
 
 pub use balance::Balance;
+pub use flown_sections::SectionSettings;
 pub use glider::{Flight, Glider, Loads};
 
 /// What a trim needs to know beside the wing.
@@ -42,10 +43,8 @@ pub struct Settings {
     pub line_drag_coefficient: f64,
     /// Coefficient of the pressure inside all cells; `None`: the mean of what stands before the intakes.
     pub inside: Option<f64>,
-    /// Polars of the wing's profiles, by their number; `None`: the rough one.
-    pub polars: Vec<Option<Polar>>,
-    /// Reynolds number of the rough polar's friction.
-    pub reynolds: f64,
+    /// Polars of the wing's sections.
+    pub sections: SectionSettings,
     /// Panels along each side of a section.
     pub panels_per_side: usize,
     /// Most strips of the half wing.

@@ -37,7 +37,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 39] = [
+pub const PROBLEMS: [Problem; 41] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -177,6 +177,16 @@ pub const PROBLEMS: [Problem; 39] = [
         name: "elliptic-wing",
         updates: [60.0, 800.0],
         compute: aero::elliptic_wing::compute,
+    },
+    Problem {
+        name: "viscous-sections",
+        updates: [60.0, 400.0],
+        compute: aero::viscous_sections::compute,
+    },
+    Problem {
+        name: "wing-stall",
+        updates: [60.0, 400.0],
+        compute: aero::wing_stall::compute,
     },
     Problem {
         name: "belloc-wing",

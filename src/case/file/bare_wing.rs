@@ -76,6 +76,10 @@ pub struct BareProfile {
     pub file: Option<String>,
     /// Rows [angle in °, C_l, C_d], by growing angle.
     pub polar: Option<Vec<[f64; 3]>>,
-    /// Polar as XFOIL writes it (columns alpha, CL, CD), relative to the case file.
+    /// Polar as XFOIL writes it (columns alpha, CL, CD, CDp, CM), relative to the case file.
     pub polar_file: Option<String>,
+    /// Exponent of the amplification at which a laminar layer turns turbulent, 0.5 to 20; 9 if absent (a quiet wind tunnel). Of a computed polar.
+    pub critical_amplification: Option<f64>,
+    /// Places x/c, above and below, at which layers are turbulent at the latest; absent: by their amplification alone. Of a computed polar.
+    pub transition: Option<[f64; 2]>,
 }

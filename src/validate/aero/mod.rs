@@ -6,6 +6,8 @@ pub(super) mod plane_section;
 pub(super) mod potential_bodies;
 pub(super) mod rectangular_wings;
 pub(super) mod trim;
+pub(super) mod viscous_sections;
+pub(super) mod wing_stall;
 
 use std::sync::Arc;
 

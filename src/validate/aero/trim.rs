@@ -17,7 +17,7 @@ use crate::geometry::wing::plan::{Fineness, PartFabrics, Plan};
 use crate::geometry::wing::section::Profile;
 use crate::geometry::wing::{BuiltWing, build};
 use crate::trim::balance::stream;
-use crate::trim::{Flight, Glider, Settings, Tolerance, TrimError};
+use crate::trim::{Flight, Glider, SectionSettings, Settings, Tolerance, TrimError};
 
 /// Span [m].
 const SPAN: f64 = 12.0;
@@ -193,6 +193,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             angle_rad,
             lift: LIFT_SHARE * section.slope_per_rad * angle_rad.sin(),
             drag: SECTION_DRAG,
+            moment: None,
         }
     });
     let polar = Polar::new(points.collect())?;
@@ -202,8 +203,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         pilot_drag_area_m2: PILOT_AREA_M2,
         line_drag_coefficient: 1.1,
         inside: Some(1.0),
-        polars: vec![Some(polar.clone())],
-        reynolds: 1.5e6,
+        sections: SectionSettings::new(vec![Some(polar.clone())], 1.5e6),
         panels_per_side,
         strips: cells,
         relaxation: 1.0,
