@@ -203,7 +203,7 @@ fn refused() {
     let output = ripstop(&["polar", "cases/cloth/hanging-sheet.toml"]);
     assert_eq!(output.code, 2);
     assert!(
-        output.errors.contains("neither a wing by itself"),
+        output.errors.contains("there is no polar"),
         "{}",
         output.errors
     );

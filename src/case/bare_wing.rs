@@ -11,6 +11,7 @@ use super::usual;
 use super::values::{positive, vector, within};
 use crate::aero::polar::{Polar, PolarPoint};
 use crate::aero::surface::{Station, Wing};
+use crate::geometry::mesh::{sections, surface};
 use crate::geometry::profile::{Profile, ProfileError};
 
 const KEY: &str = "aero.wing";
@@ -89,52 +90,14 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<BareWing>, Prob
         return Ok(None);
     };
     refuse_others(file)?;
-    let profiles = written
-        .profiles
-        .iter()
-        .map(|(name, profile)| check_profile(name, profile, folder))
-        .collect::<Result<Vec<_>, _>>()?;
-    let station_profiles = written
-        .stations
-        .iter()
-        .map(|station| {
-            let names = written.profiles.keys();
-            let mut numbered = names.enumerate();
-            let found = numbered.find(|(_, name)| **name == station.profile);
-            found.map(|(number, _)| number).ok_or_else(|| {
-                Problem::new(
-                    key("stations"),
-                    format!(
-                        "a station names the profile `{}`, which is not there",
-                        station.profile
-                    ),
-                    "name one of [aero.wing.profiles]",
-                )
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let is_symmetric = usual::or(key("symmetric"), written.symmetric, true);
-    let chord_fraction = usual::or(key("chord_fraction"), written.chord_fraction, 0.25);
-    let mut wing = Wing {
-        stations: stations(written, &station_profiles, &profiles)?,
-        chord_fraction: within(&key("chord_fraction"), chord_fraction, 0.0, 1.0)?,
-        is_symmetric,
+    let Drawn {
+        wing,
+        station_profiles,
+        profiles,
+    } = match &written.mesh {
+        Some(mesh) => cut(written, mesh, folder)?,
+        None => drawn(written, folder)?,
     };
-    let rolls: Vec<Option<f64>> = written.stations.iter().map(|s| s.roll_deg).collect();
-    let told = |why| {
-        Problem::new(
-            key("stations"),
-            format!("{KEY}: {why}"),
-            "give at least two stations along the span, with chords of more than 0 except at tips",
-        )
-    };
-    wing.check().map_err(told)?;
-    wing.roll_along_span();
-    for (station, roll) in wing.stations.iter_mut().zip(rolls) {
-        if let Some(roll) = roll {
-            station.roll_rad = roll.to_radians();
-        }
-    }
     let mean = MeanChord::of(&wing);
     let number = |name: &str, value: Option<f64>, usual: f64| {
         let value = usual::or(key(name), value, usual);
@@ -183,6 +146,141 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<BareWing>, Prob
         station_profiles,
         profiles,
     }))
+}
+
+/// A wing with the profiles of its stations.
+struct Drawn {
+    wing: Wing,
+    station_profiles: Vec<usize>,
+    profiles: Vec<BareProfile>,
+}
+
+/// The wing by its stations.
+fn drawn(written: &file::BareWing, folder: &Path) -> Result<Drawn, Problem> {
+    let profiles = written
+        .profiles
+        .iter()
+        .map(|(name, profile)| check_profile(name, profile, folder))
+        .collect::<Result<Vec<_>, _>>()?;
+    let station_profiles = written
+        .stations
+        .iter()
+        .map(|station| {
+            let names = written.profiles.keys();
+            let mut numbered = names.enumerate();
+            let found = numbered.find(|(_, name)| **name == station.profile);
+            found.map(|(number, _)| number).ok_or_else(|| {
+                Problem::new(
+                    key("stations"),
+                    format!(
+                        "a station names the profile `{}`, which is not there",
+                        station.profile
+                    ),
+                    "name one of [aero.wing.profiles]",
+                )
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let chord_fraction = usual::or(key("chord_fraction"), written.chord_fraction, 0.25);
+    let mut wing = Wing {
+        stations: stations(written, &station_profiles, &profiles)?,
+        chord_fraction: within(&key("chord_fraction"), chord_fraction, 0.0, 1.0)?,
+        is_symmetric: usual::or(key("symmetric"), written.symmetric, true),
+    };
+    check_wing(&wing)?;
+    wing.roll_along_span();
+    for (station, written) in wing.stations.iter_mut().zip(&written.stations) {
+        if let Some(roll) = written.roll_deg {
+            station.roll_rad = roll.to_radians();
+        }
+    }
+    Ok(Drawn {
+        wing,
+        station_profiles,
+        profiles,
+    })
+}
+
+fn check_wing(wing: &Wing) -> Result<(), Problem> {
+    wing.check().map_err(|why| {
+        Problem::new(
+            key("stations"),
+            format!("{KEY}: {why}"),
+            "give at least two stations along the span, with chords of more than 0 except at tips",
+        )
+    })
+}
+
+/// The wing by sections of a surface.
+fn cut(written: &file::BareWing, mesh: &file::BareMesh, folder: &Path) -> Result<Drawn, Problem> {
+    let own = |name: &str| key(&format!("mesh.{name}"));
+    let beside = [
+        ("stations", !written.stations.is_empty()),
+        ("profiles", !written.profiles.is_empty()),
+        ("symmetric", written.symmetric == Some(false)),
+        ("chord_fraction", written.chord_fraction.is_some()),
+    ];
+    if let Some((name, _)) = beside.iter().find(|(_, present)| *present) {
+        return Err(Problem::new(
+            key(name),
+            format!("{} says what {KEY}.mesh says, too", key(name)),
+            "give the wing by stations, or by a mesh, whose right half is cut into sections",
+        ));
+    }
+    let count = usual::or(own("sections"), mesh.sections, 12);
+    if !(3..=60).contains(&count) {
+        return Err(Problem::new(
+            own("sections"),
+            format!("{} = {count} is out of range", own("sections")),
+            "allowed are 3 to 60",
+        ));
+    }
+    let path = folder.join(&mesh.file);
+    let scale = positive(&own("scale"), mesh.scale)?;
+    let refused = |why: String| {
+        Problem::new(
+            own("file"),
+            format!(
+                "cannot cut the wing {} into sections: {why}",
+                path.display()
+            ),
+            "give an OBJ, STL or PLY file of a wing's surface, relative to the case file: x downstream, y along the span, z up",
+        )
+    };
+    let surface = surface::read(&path, scale).map_err(refused)?;
+    let found = sections::sections(&surface, count).map_err(refused)?;
+    let polar = computed(&key("mesh"), mesh.critical_amplification, mesh.transition)?;
+    let mut wing = Wing {
+        stations: Vec::new(),
+        chord_fraction: 0.25,
+        is_symmetric: true,
+    };
+    let mut profiles = Vec::new();
+    for (number, section) in found.into_iter().enumerate() {
+        let outline = Arc::new(section.profile);
+        let mut position_m = section.quarter_m;
+        if number == 0 {
+            position_m.y = 0.0;
+        }
+        wing.stations.push(Station {
+            position_m,
+            chord_m: section.chord_m,
+            twist_rad: section.twist_rad,
+            roll_rad: section.roll_rad,
+            profile: Arc::clone(&outline),
+        });
+        profiles.push(BareProfile {
+            name: format!("section_{number}"),
+            outline,
+            polar: polar.clone(),
+        });
+    }
+    check_wing(&wing)?;
+    Ok(Drawn {
+        wing,
+        station_profiles: (0..profiles.len()).collect(),
+        profiles,
+    })
 }
 
 /// A wing by itself leaves nothing to simulate.
@@ -277,7 +375,7 @@ fn check_profile(
         }
     };
     let polar = match (&written.polar, &written.polar_file) {
-        (None, None) => computed(&key, written)?,
+        (None, None) => computed(&key, written.critical_amplification, written.transition)?,
         (Some(rows), None) => {
             let rows: Vec<PolarRow> = rows.iter().map(|&row| (row, None)).collect();
             SectionPolar::Given(polar_of(&format!("{key}.polar"), &rows)?)
@@ -310,15 +408,15 @@ fn check_profile(
 }
 
 /// How a polar is to be computed.
-fn computed(key: &str, written: &file::BareProfile) -> Result<SectionPolar, Problem> {
+fn computed(
+    key: &str,
+    critical: Option<f64>,
+    transition: Option<[f64; 2]>,
+) -> Result<SectionPolar, Problem> {
     let own = |name: &str| format!("{key}.{name}");
-    let critical = usual::or(
-        own("critical_amplification"),
-        written.critical_amplification,
-        9.0,
-    );
+    let critical = usual::or(own("critical_amplification"), critical, 9.0);
     let place = |place: f64| within(&own("transition"), place, 0.0, 1.0);
-    let transition = match written.transition {
+    let transition = match transition {
         Some([above, below]) => [Some(place(above)?), Some(place(below)?)],
         None => [None; 2],
     };

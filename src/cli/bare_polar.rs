@@ -3,14 +3,14 @@
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
-use super::polar::PolarArguments;
+use super::polar_arguments::PolarArguments;
 use super::threads;
 use crate::case::Case;
 use crate::case::bare_wing::{BareWing, SectionPolar};
 use crate::output::{
     Chart, OutputError, Provenance, Series, aligned, prepare_directory, significant, write_table,
 };
-use crate::polar::{self, Coefficients, Numbers, Point, Polar, memory_bytes};
+use crate::polar::{self, Coefficients, Numbers, Point, Polar, matrix_bytes};
 use crate::report::{self, PageTable, PolarPage};
 
 /// Columns of `polar.csv`, with their unit where they have one.
@@ -135,7 +135,7 @@ pub(super) fn outlook(case: &Case, wing: &BareWing) -> String {
                 "{} per side, {} strips: {panels} unknowns, {:.0} MB",
                 wing.panels_per_side,
                 strips,
-                memory_bytes(panels, strips) as f64 / 1e6
+                matrix_bytes(panels, strips) as f64 / 1e6
             ),
         ],
         [

@@ -15,6 +15,7 @@ mod log;
 mod new;
 mod pages;
 mod polar;
+mod polar_arguments;
 mod profile;
 mod progress;
 mod report;
@@ -55,7 +56,7 @@ enum Command {
     /// Run a case once for each value of some of its keys, and set the results side by side.
     Sweep(sweep::SweepArguments),
     /// Forces of a wing over its angle of attack, or speed, sink and line loads of a glider over brake, bar and mass.
-    Polar(polar::PolarArguments),
+    Polar(polar_arguments::PolarArguments),
     /// Validate a case; print the plan, its sizes, and what it skips.
     Check(check::CheckArguments),
     /// Write the page of a finished run, report.html, anew.

@@ -4,7 +4,7 @@ use super::case_arguments::CaseArguments;
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
-use super::polar::PolarArguments;
+use super::polar_arguments::PolarArguments;
 use super::sweep::{SweepArguments, sweep_of};
 use crate::case::{Case, Problem};
 use crate::measure;

@@ -10,7 +10,6 @@ mod numbers;
 mod sections;
 mod solve;
 
-pub use crate::aero::potential_flow::memory_bytes;
 pub use numbers::{Numbers, numbers};
 pub use sections::{SectionsOfWing, sections};
-pub use solve::{Coefficients, Point, Polar, StripLoad, solve};
+pub use solve::{Coefficients, Point, Polar, StripLoad, matrix_bytes, solve};

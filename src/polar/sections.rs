@@ -68,10 +68,16 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
         .map(|profile| SectionFlow::of(&profile.outline))
         .collect::<Result<_, _>>()?;
     let reynolds: Vec<f64> = places.iter().map(|place| place.reynolds).collect();
-    let families = case
-        .profiles
-        .par_iter()
-        .map(|profile| Family::of(profile, &reynolds))
+    let families = (case.profiles.par_iter().enumerate())
+        .map(|(number, profile)| {
+            // At those of its own strips; a profile of a tip that no strip lies at is not asked for.
+            let own = places.iter().filter(|place| {
+                let numbers = &case.station_profiles[place.station..=place.station + 1];
+                numbers.contains(&number)
+            });
+            let own: Vec<f64> = own.map(|place| place.reynolds).collect();
+            Family::of(profile, if own.is_empty() { &reynolds } else { &own })
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let strips = places.iter().map(|place| {
         let [a, b] = [0, 1].map(|k| case.station_profiles[place.station + k]);

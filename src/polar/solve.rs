@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::sections::{SectionsOfWing, sections};
 use crate::aero::AeroError;
 use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section, ViscousFlow};
-use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
+use crate::aero::potential_flow::{self, MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::{PanelSurface, Wing};
 use crate::case::bare_wing::BareWing;
 
@@ -90,6 +90,12 @@ pub struct Polar {
     pub computed: bool,
     /// Whether all of those reach beyond the highest lift.
     pub sections_stall: bool,
+}
+
+/// Memory of the matrix of so many panels and strips [bytes].
+#[must_use]
+pub const fn matrix_bytes(panels: usize, strips: usize) -> u64 {
+    potential_flow::memory_bytes(panels, strips)
 }
 
 /// Computes all angles.

@@ -6,7 +6,7 @@
 
 use super::closure::{Regime, least_shape};
 use super::dual::{Dual, WIDTH};
-use super::interval::{Air, State, Station};
+use super::station::{Air, State, Station};
 
 /// Half the width of the onset, in log₁₀ Re_θ.
 const ONSET: f64 = 0.08;

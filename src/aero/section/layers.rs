@@ -7,8 +7,9 @@
 
 use super::amplification::{self, Growth};
 use super::closure::{Regime, least_shape};
-use super::interval::{Air, Kind, State, Station};
+use super::interval::Kind;
 use super::panelling::Panels;
+use super::station::{Air, State, Station};
 use super::wake::Flow;
 
 /// Turbulent share of the last interval of a side that is laminar up to there, tripped at the trailing edge.

@@ -4,8 +4,9 @@
 //! speed follows (Drela & Giles 1987; Fidkowski 2022).
 
 use super::amplification::{self, Growth};
-use super::interval::{Air, Kind, Station, residuals};
+use super::interval::{Kind, residuals};
 use super::layers::{Layers, Setting};
+use super::station::{Air, Station};
 
 /// H from which on it is prescribed, laminar and otherwise.
 const LARGEST_SHAPE: [f64; 2] = [3.8, 2.5];

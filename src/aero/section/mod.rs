@@ -2,7 +2,7 @@
 //!
 //! [`Section`] takes an outline and covers it with panels; [`Section::polar`] solves it at several angles. The flow is steady, plane and
 //! incompressible. Outside, a linear-vorticity panel method (`influence`, `inviscid`, `wake`); along the surface and the wake, two-equation integral
-//! boundary layers (`closure`, `amplification`, `interval`, `layers`); both together by Newton's method (`march`, `newton`, `polar`).
+//! boundary layers (`station`, `closure`, `amplification`, `interval`, `layers`); both together by Newton's method (`march`, `newton`, `polar`).
 //!
 //! Sources: Drela & Giles, AIAA J. 25 (1987) 1347; Drela, XFOIL, in Low Reynolds Number Aerodynamics, Springer LNE 54 (1989); Fidkowski, AIAA J. 60
 //! (2022) 2961. Lengths are in chords, speeds in those of the stream, angles in radians.
@@ -29,6 +29,7 @@ mod panelling;
 mod polar;
 #[cfg(test)]
 mod shapes;
+mod station;
 #[cfg(test)]
 mod validation;
 mod wake;

@@ -9,9 +9,10 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use super::interval::{Kind, Station, residuals};
+use super::interval::{Kind, residuals};
 use super::layers::{Layers, Setting};
 use super::march::solve_3;
+use super::station::Station;
 
 /// Steps before giving up.
 const STEPS: usize = 60;

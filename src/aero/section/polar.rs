@@ -5,12 +5,12 @@
 
 use super::closure::Regime;
 use super::error::SectionError;
-use super::interval::Air;
 use super::inviscid::{Inviscid, pressure_forces};
 use super::layers::{Layers, Setting};
 use super::march::first_guess;
 use super::newton;
 use super::panelling::Panels;
+use super::station::Air;
 use super::wake::Flow;
 use glam::DVec2;
 

@@ -420,14 +420,14 @@ fn rows(cells: usize, (span_m, chord_m): (f64, f64), keys: &mut Keys) {
 }
 
 /// By how much the bar shortens risers at full travel [m], row by row.
-const SPEED_BAR: [(&str, f64); 2] = [("A", 0.15), ("B", 0.1)];
+const SPEED_BAR: [(&str, f64); 3] = [("A", 0.06), ("B", 0.04), ("C", 0.02)];
 
 fn speed_bar(keys: &mut Keys) {
     let shortening = SPEED_BAR.map(|(row, length)| (row.to_owned(), Value::from(length)));
     keys.set(
         "structure.wing.speed_bar.shortening_m",
         Value::Table(Table::from_iter(shortening)),
-        "15 cm at the A risers, two thirds of it at the B risers, as the trade has it",
+        "two thirds and one third of that of the A risers behind them, as the trade has it; with more the nose folds in",
     );
 }
 

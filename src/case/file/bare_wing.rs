@@ -31,10 +31,14 @@ pub struct BareWing {
     pub symmetric: Option<bool>,
     /// Where along the chord the positions of the stations are, 0 at the nose; 0.25 if absent.
     pub chord_fraction: Option<f64>,
-    /// Sections in order of the span; everything varies linearly between them.
+    /// Sections in order of the span; everything varies linearly between them. Either these or `mesh`.
+    #[serde(default)]
     pub stations: Vec<BareStation>,
     /// Profiles with their polars, by name.
+    #[serde(default)]
     pub profiles: BTreeMap<String, BareProfile>,
+    /// Surface of a wing to be cut into sections, in place of `stations`; its right half counts, and the wing is symmetric.
+    pub mesh: Option<BareMesh>,
     /// Area of the coefficients [m²]; that of the chords, the wing laid flat, if absent.
     pub reference_area_m2: Option<f64>,
     /// Length of the coefficients of moments [m]; the mean aerodynamic chord if absent.
@@ -47,6 +51,18 @@ pub struct BareWing {
     pub strips: Option<usize>,
     /// How much narrower strips become towards tips, from 0 (equal strips) to 1 (cosine spacing); 0.8 if absent.
     pub tip_clustering: Option<f64>,
+}
+
+impl BareWing {
+    /// Files that it names.
+    pub(in crate::case) fn named_files(&self) -> impl Iterator<Item = &str> {
+        let of_profiles = self
+            .profiles
+            .values()
+            .flat_map(|p| [&p.file, &p.polar_file]);
+        let mesh = self.mesh.iter().map(|mesh| mesh.file.as_str());
+        of_profiles.flatten().map(String::as_str).chain(mesh)
+    }
 }
 
 /// A section of a wing.
@@ -63,6 +79,22 @@ pub struct BareStation {
     pub roll_deg: Option<f64>,
     /// Name of the profile.
     pub profile: String,
+}
+
+/// The surface of a wing in a file. Polars of its sections are computed.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BareMesh {
+    /// OBJ, STL or PLY file, relative to the case file: x downstream, y along the span, z up.
+    pub file: String,
+    /// Metres per unit of the file.
+    pub scale: f64,
+    /// Sections of the half wing, 3 to 60; 12 if absent.
+    pub sections: Option<usize>,
+    /// Exponent of the amplification at which a laminar layer turns turbulent, 0.5 to 20; 9 if absent.
+    pub critical_amplification: Option<f64>,
+    /// Places x/c, above and below, at which layers are turbulent at the latest; absent: by their amplification alone.
+    pub transition: Option<[f64; 2]>,
 }
 
 /// A profile and what viscosity does to it. Exactly one of `naca` and `file`; at most one of `polar` and `polar_file`, without which the polar is computed

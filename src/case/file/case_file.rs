@@ -95,9 +95,11 @@ impl File {
     pub(in crate::case) fn named_files(&self) -> Vec<&str> {
         let of_bodies = self.bodies.values().filter_map(|body| body.mesh.as_ref());
         let of_structure = self.structure.iter().flat_map(Structure::named_files);
+        let of_wing = self.aero.iter().flat_map(|aero| aero.wing.named_files());
         of_bodies
             .map(|mesh| mesh.file.as_str())
             .chain(of_structure)
+            .chain(of_wing)
             .collect()
     }
 

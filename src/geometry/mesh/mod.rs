@@ -6,5 +6,6 @@ pub mod obj;
 pub mod openings;
 mod polygon;
 pub mod quality;
+pub mod sections;
 mod stl;
 pub mod surface;

@@ -1,5 +1,7 @@
 //! Belloc's rigid paraglider wing: potential flow against the vortex lattice, and with its section's polar against the wind tunnel.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::super::flows::slope;
@@ -10,6 +12,8 @@ use crate::aero::belloc;
 use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::vortex_lattice::VortexLattice;
+use crate::case::bare_wing::{BareProfile, BareWing, SectionPolar};
+use crate::polar::solve;
 
 /// Slopes are fitted over these angles, where the measured lift is straight [degrees].
 const STRAIGHT: [f64; 2] = [-1.0, 10.0];
@@ -21,6 +25,10 @@ const LATTICE_BAND: f64 = 0.12;
 /// Measured lift slope [1/degree]. Sections with the polar of XFOIL's method lift a fifth more; nothing here is fitted to the measurement, so
 /// the difference is stated, not gated (`docs/low-order-aerodynamics.md` says what we know of it).
 const MEASURED_SLOPE: f64 = 0.0510;
+
+/// Measured drag coefficient at 0 degrees, and Reynolds number on the root chord.
+const MEASURED_DRAG: f64 = 0.0188;
+const ROOT_REYNOLDS: f64 = 0.92e6;
 
 /// At least so much of the slope is lost by viscosity; the polar itself has a tenth less than potential flow.
 const LEAST_LOSS: f64 = 0.04;
@@ -179,6 +187,59 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 induced + profile,
             )
             .reference(between(pair[0].drag, pair[1].drag), source);
+    }
+    session.check_interrupt()?;
+    computed(session, strips, per_side)
+}
+
+/// The same with polars computed at the strips' Reynolds numbers, layers free and tripped: how much of the difference to the tunnel they may be.
+fn computed(session: &mut Session, strips: usize, per_side: usize) -> Result<(), Stop> {
+    let wing = belloc::wing()?;
+    let root_m = wing.stations[0].chord_m;
+    for (name, transition) in [("free", [None; 2]), ("tripped at 3 %", [Some(0.03); 2])] {
+        session.check_interrupt()?;
+        let case = BareWing {
+            station_profiles: vec![0; wing.stations.len()],
+            profiles: vec![BareProfile {
+                name: "NACA 23015".to_owned(),
+                outline: Arc::clone(&wing.stations[0].profile),
+                polar: SectionPolar::Computed {
+                    critical_amplification: 9.0,
+                    transition,
+                },
+            }],
+            speed_m_s: belloc::SPEED_M_S,
+            density_kg_m3: 1.0,
+            viscosity_m2_s: belloc::SPEED_M_S * root_m / ROOT_REYNOLDS,
+            angles_deg: vec![-1.0, 0.0, 10.0],
+            sideslip_deg: 0.0,
+            reference_area_m2: belloc::REFERENCE_AREA_M2,
+            reference_chord_m: root_m,
+            moment_point_m: DVec3::ZERO,
+            panels_per_side: per_side,
+            strips,
+            tip_clustering: 0.6,
+            wing: wing.clone(),
+        };
+        let found = solve(&case)?;
+        let at = |k: usize| found.points[k].coefficients;
+        let slope = at(2)
+            .zip(at(0))
+            .map(|(high, low)| (high.lift - low.lift) / 11.0);
+        session
+            .aero_row(
+                found.panels,
+                format!("lift slope per degree, computed polars, layers {name}"),
+                slope.unwrap_or(f64::NAN),
+            )
+            .reference(MEASURED_SLOPE, "Belloc 2015, measured");
+        session
+            .aero_row(
+                found.panels,
+                format!("drag coefficient at 0 degrees, computed polars, layers {name}"),
+                at(1).map_or(f64::NAN, |c| c.drag()),
+            )
+            .reference(MEASURED_DRAG, "Belloc 2015, measured");
     }
     Ok(())
 }
