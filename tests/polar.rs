@@ -13,6 +13,7 @@ pub fn trials() -> Vec<Trial> {
         plain("polar::a_measured_wing_stalls", a_measured_wing_stalls),
         plain("polar::a_sweep_has_no_memory", a_sweep_has_no_memory),
         plain("polar::sideslip_turns_a_wing_into_the_wind", sideslip),
+        plain("polar::a_mesh_is_cut_into_its_wing", mesh),
         plain("polar::thin_and_missing_things_are_told", refused),
         plain("polar::a_glider_over_bar_and_brakes", glider),
     ]
@@ -169,6 +170,64 @@ fn sideslip() {
         straight["lift_coefficient"][0],
     );
     assert!((a / b - 1.0).abs() < 0.05, "{a} {b}");
+}
+
+/// A tapered wing as triangles, cut into sections, has the forces of the same wing by its stations, polars computed in both.
+fn mesh() {
+    const STRIPS: usize = 20;
+    let profile = ripstop::geometry::profile::Profile::naca("2415").unwrap();
+    let points = profile.resampled(50);
+    let row = points.len() - 1;
+    let (mut text, mut triangles) = (String::new(), String::new());
+    for strip in 0..=2 * STRIPS {
+        let share = strip as f64 / STRIPS as f64 - 1.0;
+        let chord = 1.0 - 0.4 * share.abs();
+        for p in &points[..row] {
+            let x = (p.x - 0.25) * chord;
+            text += &format!("v {x} {} {}\n", 3.0 * share, p.y * chord);
+        }
+    }
+    for strip in 0..2 * STRIPS {
+        for k in 0..row {
+            let at = |strip: usize, k: usize| strip * row + k % row + 1;
+            let [a, b, c, d] = [
+                at(strip, k),
+                at(strip, k + 1),
+                at(strip + 1, k + 1),
+                at(strip + 1, k),
+            ];
+            triangles += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        }
+    }
+    let head =
+        "version = 1\n[aero.wing]\nspeed_m_s = 20.0\nangles_deg = [0.0, 6.0, 6.0]\nstrips = 8\n";
+    let by_mesh =
+        format!("{head}[aero.wing.mesh]\nfile = \"wing.obj\"\nscale = 1.0\nsections = 4\n");
+    let (folder, path) = with(&by_mesh);
+    std::fs::write(folder.path().join("wing.obj"), text + &triangles).unwrap();
+    let cut = polar(&path, &[]);
+    let stations = "stations = [\n  { position_m = [0.0, 0.0, 0.0], chord_m = 1.0, profile = \"p\" },\n  { position_m = [0.0, 3.0, 0.0], chord_m = 0.6, profile = \"p\" },\n]\n[aero.wing.profiles.p]\nnaca = \"2415\"\n";
+    let (_folder, path) = with(&format!("{head}{stations}"));
+    let drawn = polar(&path, &[]);
+    for (name, band) in [
+        ("lift_coefficient", 0.02),
+        ("drag_coefficient", 0.03),
+        ("pitching_moment_coefficient", 0.05),
+    ] {
+        for (a, b) in cut[name].iter().zip(&drawn[name]) {
+            assert!((a / b - 1.0).abs() < band, "{name}: {a} {b}");
+        }
+    }
+    // A mesh without a wing is told.
+    std::fs::write(
+        folder.path().join("wing.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    )
+    .unwrap();
+    let path = folder.path().join("wing.toml");
+    let output = ripstop(&["check", path.to_str().unwrap()]);
+    assert_eq!(output.code, 2);
+    assert!(output.errors.contains("wing.obj"), "{}", output.errors);
 }
 
 fn refused() {

@@ -14,7 +14,7 @@ use crate::polar::{self, Coefficients, Numbers, Point, Polar, matrix_bytes};
 use crate::report::{self, PageTable, PolarPage};
 
 /// Columns of `polar.csv`, with their unit where they have one.
-const COLUMNS: [&str; 18] = [
+pub(super) const COLUMNS: [&str; 18] = [
     "angle_of_attack_deg",
     "lift_coefficient",
     "drag_coefficient",
@@ -267,7 +267,7 @@ fn notes(found: &Polar) -> Vec<String> {
         ));
     }
     if let Some(all) = angles(&|p| p.coefficients.is_some() && !p.is_covered) {
-        notes.push(format!("sections are at angles that their polars do not reach at {all} deg: lift there stays as at the polar's end"));
+        notes.push(format!("sections are at angles that their polars do not reach at {all} deg: lift levels off there"));
     }
     if !found.sections_stall {
         notes.push("a computed polar of a section ends before its highest lift: highest lift and stall of the wing are not known".to_owned());
@@ -411,6 +411,8 @@ fn row(wing: &BareWing, point: &Point) -> [f64; 18] {
 /// Charts by the names of their files.
 fn charts(found: &Polar) -> Vec<(&'static str, Chart)> {
     type Axes<'a> = &'a dyn Fn(&Point, &Coefficients) -> [f64; 2];
+    // Names tell two branches apart.
+    let has_two = found.points.iter().any(|p| p.separated.is_some());
     let drawn = |labels: [&str; 2], axes: Axes| {
         let series = |name: &str, of: &dyn Fn(&Point) -> Option<Coefficients>| Series {
             name: name.to_owned(),
@@ -425,7 +427,9 @@ fn charts(found: &Polar) -> Vec<(&'static str, Chart)> {
             labels: labels.map(str::to_owned),
             categories: Vec::new(),
             series: vec![
-                series("from small angles", &|p| p.coefficients),
+                series(if has_two { "from small angles" } else { "" }, &|p| {
+                    p.coefficients
+                }),
                 series("separated", &|p| p.separated),
             ]
             .into_iter()

@@ -99,16 +99,7 @@ impl CaseArguments {
 
     /// Plans a case, and refuses what does not fit.
     pub(super) fn plan(&self, case: Case) -> Result<Prepared, Failure> {
-        if case.scene.bare_wing.is_some() {
-            return Err(Failure::Case(case.error(Problem::new(
-                "aero",
-                format!(
-                    "in {}: there is nothing to run: the case holds a wing by itself",
-                    case.name
-                ),
-                "`ripstop polar CASE.toml` computes its forces over the angle of attack",
-            ))));
-        }
+        refuse_bare_wing(&case)?;
         threads::start(self.threads.into())?;
         // Before any device is asked for what none can hold.
         Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
@@ -158,6 +149,21 @@ impl CaseArguments {
                 },
             )))
     }
+}
+
+/// Refuses a case in which there is nothing to run.
+pub(super) fn refuse_bare_wing(case: &Case) -> Result<(), Failure> {
+    if case.scene.bare_wing.is_none() {
+        return Ok(());
+    }
+    Err(Failure::Case(case.error(Problem::new(
+        "aero",
+        format!(
+            "in {}: there is nothing to run: the case holds a wing by itself",
+            case.name
+        ),
+        "`ripstop polar CASE.toml` computes its forces over the angle of attack",
+    ))))
 }
 
 /// Refuses comparisons with results that a run of the case does not have.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use clap::Args;
 
+use super::bare_polar;
 use super::case_arguments::CaseArguments;
 use super::exit;
 use super::failure::Failure;
@@ -111,6 +112,13 @@ fn read_out_text(kind: &str, heading: &str, row: &ReadOut) -> String {
 
 pub(super) fn results(arguments: &ResultsArguments) -> Result<u8, Failure> {
     let case = arguments.case.load(&[])?;
+    if case.scene.bare_wing.is_some() {
+        emit(&format!(
+            "a wing by itself is not run; columns that `ripstop polar` writes to polar.csv:\n  {}\n",
+            bare_polar::COLUMNS.join("\n  ")
+        ))?;
+        return Ok(0);
+    }
     let names = measure::result_names(&case.scene);
     let first = headline(names.iter().map(String::as_str));
     let others: Vec<&str> = (names.iter().map(String::as_str))

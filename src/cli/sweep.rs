@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::case_arguments::{CaseArguments, Prepared};
+use super::case_arguments::{CaseArguments, Prepared, refuse_bare_wing};
 use super::exit;
 use super::failure::Failure;
 use super::log::{emit, say};
@@ -76,6 +76,9 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
     let mut cases = Vec::new();
     for point in &points {
         cases.push(arguments.case.load(&point.overrides())?);
+    }
+    for case in &cases {
+        refuse_bare_wing(case)?;
     }
     let Some(first) = cases.first() else {
         return Err(usage("there is no run".to_owned()));

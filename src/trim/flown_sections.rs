@@ -290,7 +290,7 @@ mod tests {
             let found =
                 turn_rad(&surface, 0, std::slice::from_ref(&profile), ([0, 0], 0.0)).to_degrees();
             assert!(
-                (found - degrees).abs() < 0.3 + 0.03 * degrees.abs(),
+                (found - degrees).abs() < 0.4 + 0.03 * degrees.abs(),
                 "{degrees}: {found}"
             );
         }
@@ -308,8 +308,17 @@ mod tests {
         };
         assert!(braked.1.zero_lift_rad < straight.1.zero_lift_rad - 0.05);
         assert!(braked.0.lift(0.0).0 > straight.0.lift(0.0).0 + 0.3);
-        // At its own angle, a braked section has its lift at more drag.
-        assert!(braked.0.drag(0.0) > straight.0.drag(0.0));
+        // At the same small lift a braked section has more drag.
+        let at_lift = |polar: &Polar| {
+            let angles = (-120..120).map(|k| 0.001 * f64::from(k));
+            let nearest = angles.min_by(|a, b| {
+                let off = |angle: &f64| (polar.lift(*angle).0 - 0.1).abs();
+                off(a).total_cmp(&off(b))
+            });
+            polar.drag(nearest.unwrap())
+        };
+        let drags = [straight, braked].map(|member| at_lift(&member.0));
+        assert!(drags[1] > 1.1 * drags[0], "{drags:?}");
         settings = SectionSettings::new(vec![None], 1.5e6);
         settings.intake = Some([0.004, 0.03]);
         settings.surface_drag = 0.004;
