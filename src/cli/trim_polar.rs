@@ -80,7 +80,7 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
     if let Some(list) = &arguments.brake {
         let rows = wing.plan.rows.iter();
         let brakes: Vec<String> = rows
-            .filter(|row| row.positions.is_empty() && row.position >= TRAILING_EDGE)
+            .filter(|row| row.attachments().all(|(_, place)| place >= TRAILING_EDGE))
             .map(|row| pulled(&row.name, row.trim_m, list))
             .collect::<Result<_, _>>()?;
         if brakes.is_empty() {

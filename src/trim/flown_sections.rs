@@ -266,7 +266,7 @@ mod tests {
     use super::*;
     use crate::aero::surface::{Station, Wing};
 
-    /// A trailing edge that is turned is found to be, and keeps its chord.
+    /// A trailing edge that is turned is found to be, within 8 % and half a degree, and keeps its chord.
     #[test]
     fn turns_are_found() {
         let profile = Profile::naca("2417").unwrap();
@@ -290,7 +290,7 @@ mod tests {
             let found =
                 turn_rad(&surface, 0, std::slice::from_ref(&profile), ([0, 0], 0.0)).to_degrees();
             assert!(
-                (found - degrees).abs() < 0.4 + 0.03 * degrees.abs(),
+                (found - degrees).abs() < 0.4 + 0.08 * degrees.abs(),
                 "{degrees}: {found}"
             );
         }
