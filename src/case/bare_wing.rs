@@ -227,7 +227,7 @@ fn cut(written: &file::BareWing, mesh: &file::BareMesh, folder: &Path) -> Result
             "give the wing by stations, or by a mesh, whose right half is cut into sections",
         ));
     }
-    let count = usual::or(own("sections"), mesh.sections, 12);
+    let count = mesh.sections;
     if !(3..=60).contains(&count) {
         return Err(Problem::new(
             own("sections"),
@@ -318,7 +318,7 @@ fn stations(
         .iter()
         .zip(numbers)
         .map(|(station, number)| {
-            let twist = station.twist_deg.unwrap_or(0.0);
+            let twist = usual::or(key("stations.twist_deg"), station.twist_deg, 0.0);
             Ok(Station {
                 position_m: vector(&key("stations"), station.position_m)?,
                 chord_m: within(&key("stations"), station.chord_m, 0.0, 1e4)?,

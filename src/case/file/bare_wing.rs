@@ -89,8 +89,8 @@ pub struct BareMesh {
     pub file: String,
     /// Metres per unit of the file.
     pub scale: f64,
-    /// Sections of the half wing, 3 to 60; 12 if absent.
-    pub sections: Option<usize>,
+    /// Sections of the half wing, 3 to 60; 12 are usual.
+    pub sections: usize,
     /// Exponent of the amplification at which a laminar layer turns turbulent, 0.5 to 20; 9 if absent.
     pub critical_amplification: Option<f64>,
     /// Places x/c, above and below, at which layers are turbulent at the latest; absent: by their amplification alone.

@@ -13,8 +13,12 @@ use crate::rigid::Surface;
 /// Planes of the first pass.
 const FIRST_PLANES: usize = 60;
 
-/// The outermost section stands at this share of the way to the tip: a tip itself has none.
-const OUTERMOST: f64 = 0.98;
+/// The outermost section that is cut stands at this share of the way to the tip, which has none itself.
+const OUTERMOST: f64 = 0.97;
+
+/// How far the tip may lie beyond the last section, over the distance of the last two; and its least chord over that of the last.
+const MOST_BEYOND: f64 = 4.0;
+const LEAST_TIP: f64 = 0.05;
 
 /// Points this near the rear end, per chord, are corners of a blunt trailing edge.
 const BLUNT: f64 = 0.004;
@@ -34,7 +38,7 @@ pub struct CutSection {
     pub profile: Profile,
 }
 
-/// Cuts the half of a wing at y ≥ 0 into `count` sections, from the middle outwards.
+/// Cuts the half of a wing at y ≥ 0 into `count` sections, at least 3, from the middle outwards; the last one, at the tip, goes on as the two before it.
 ///
 /// # Errors
 ///
@@ -61,9 +65,9 @@ pub fn sections(surface: &Surface, count: usize) -> Result<Vec<CutSection>, Stri
         lengths.push(lengths[lengths.len() - 1] + step.y.hypot(step.z));
     }
     let whole = lengths[lengths.len() - 1];
-    (0..count)
+    let mut found: Vec<CutSection> = (0..count - 1)
         .map(|k| {
-            let along = OUTERMOST * whole * k as f64 / (count - 1).max(1) as f64;
+            let along = OUTERMOST * whole * k as f64 / (count - 2).max(1) as f64;
             let piece = lengths
                 .partition_point(|l| *l <= along)
                 .clamp(1, line.len() - 1)
@@ -82,7 +86,27 @@ pub fn sections(surface: &Surface, count: usize) -> Result<Vec<CutSection>, Stri
                 )
             })
         })
-        .collect()
+        .collect::<Result<_, String>>()?;
+    if let [.., before, last] = &found[..] {
+        let tip = tip(before, last, widest);
+        found.push(tip);
+    }
+    Ok(found)
+}
+
+/// The tip, where the last two sections lead to: as far out as the surface reaches.
+fn tip(before: &CutSection, last: &CutSection, widest: f64) -> CutSection {
+    let step = last.quarter_m - before.quarter_m;
+    let lacking = (widest - last.quarter_m.y).max(0.0);
+    let share = (lacking / step.y.max(f64::MIN_POSITIVE)).min(MOST_BEYOND);
+    let on = |from: f64, to: f64| to + share * (to - from);
+    CutSection {
+        quarter_m: last.quarter_m + share * step,
+        chord_m: on(before.chord_m, last.chord_m).max(LEAST_TIP * last.chord_m),
+        twist_rad: on(before.twist_rad, last.twist_rad),
+        roll_rad: on(before.roll_rad, last.roll_rad),
+        profile: last.profile.clone(),
+    }
 }
 
 /// The section in a plane; of several the one nearest to a point, or the longest.
@@ -278,6 +302,8 @@ mod tests {
             let camber = section.profile.camber(&[0.4])[0];
             assert!((camber - 0.02).abs() < 0.003, "{share}: {camber}");
         }
+        let widest = 4.0 * lean(1.0).sin();
+        assert!((found[6].quarter_m.y - widest).abs() < 0.02);
         assert!(sections(&Surface::default(), 4).is_err());
     }
 }

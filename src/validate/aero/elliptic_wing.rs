@@ -60,7 +60,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         lattice.push(lattice_slope(&wing(10 * refine, 2)?, 8 * refine)?);
     }
     let mut of_thickness = Vec::new();
-    for percent in [4, 2] {
+    for percent in [8, 4] {
         session.check_interrupt()?;
         of_thickness.push(slope(&wing(strips, percent)?, per_side)?);
     }
