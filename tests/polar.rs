@@ -209,9 +209,10 @@ fn mesh() {
     let stations = "stations = [\n  { position_m = [0.0, 0.0, 0.0], chord_m = 1.0, profile = \"p\" },\n  { position_m = [0.0, 3.0, 0.0], chord_m = 0.6, profile = \"p\" },\n]\n[aero.wing.profiles.p]\nnaca = \"2415\"\n";
     let (_folder, path) = with(&format!("{head}{stations}"));
     let drawn = polar(&path, &[]);
+    // Layers on the polygons of the mesh turn turbulent elsewhere: drag differs more.
     for (name, band) in [
         ("lift_coefficient", 0.02),
-        ("drag_coefficient", 0.03),
+        ("drag_coefficient", 0.06),
         ("pitching_moment_coefficient", 0.05),
     ] {
         for (a, b) in cut[name].iter().zip(&drawn[name]) {

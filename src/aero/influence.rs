@@ -1,4 +1,4 @@
-//! What a panel of constant source or doublet strength does at a point.
+//! What a panel does at a point: of constant source, and of doublets that are constant or grow along the chord.
 //!
 //! With n the normal and r the distance, of a panel A at a point P
 //!

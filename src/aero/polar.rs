@@ -39,6 +39,8 @@ pub struct Polar {
     points: Vec<PolarPoint>,
     /// Slope of the lift at every point [1/rad].
     slopes: Vec<f64>,
+    /// Angles that it is known between [rad].
+    covered_rad: [f64; 2],
 }
 
 impl Polar {
@@ -80,7 +82,12 @@ impl Polar {
                 before * after / (share * after + (1.0 - share) * before)
             })
             .collect();
-        Self { points, slopes }
+        let covered_rad = [points[0].angle_rad, points[last].angle_rad];
+        Self {
+            points,
+            slopes,
+            covered_rad,
+        }
     }
 
     /// The polar between this one and another, the share `t` of the way, at the angles of both.
@@ -104,7 +111,13 @@ impl Polar {
                 .zip(other.moment(angle_rad))
                 .map(|(a, b)| mix(a, b)),
         });
-        Self::through(points.collect())
+        let mut mixed = Self::through(points.collect());
+        // Where one of both ends, the mixture is not known.
+        mixed.covered_rad = [
+            self.covered_rad[0].max(other.covered_rad[0]),
+            self.covered_rad[1].min(other.covered_rad[1]),
+        ];
+        mixed
     }
 
     /// Lift coefficient and its slope per radian.
@@ -157,22 +170,27 @@ impl Polar {
         }
     }
 
-    /// Whether an angle lies between those of the lowest and of the highest lift.
+    /// Whether an angle lies between that of the highest lift and that of the lowest one before it.
     #[must_use]
     pub fn is_below_stall(&self, angle_rad: f64) -> bool {
         let by_lift = |a: &&PolarPoint, b: &&PolarPoint| a.lift.total_cmp(&b.lift);
-        let [lowest, highest] = [
-            self.points.iter().min_by(by_lift),
-            self.points.iter().max_by(by_lift),
-        ];
-        lowest.is_some_and(|p| p.angle_rad <= angle_rad)
-            && highest.is_some_and(|p| angle_rad <= p.angle_rad)
+        let Some(highest) = self.points.iter().max_by(by_lift) else {
+            return false;
+        };
+        let before = self
+            .points
+            .iter()
+            .filter(|p| p.angle_rad <= highest.angle_rad);
+        let lowest = before
+            .min_by(by_lift)
+            .map_or(f64::NEG_INFINITY, |p| p.angle_rad);
+        (lowest..=highest.angle_rad).contains(&angle_rad)
     }
 
     /// Whether the polar reaches that far.
     #[must_use]
     pub fn covers(&self, angle_rad: f64) -> bool {
-        self.segment(angle_rad).is_some()
+        (self.covered_rad[0]..=self.covered_rad[1]).contains(&angle_rad)
     }
 
     /// The point before an angle, and the share of the way to the next.

@@ -19,7 +19,7 @@ const PANELS: usize = 160;
 const OPENING: f64 = 0.002;
 
 /// Angles that are tried [°].
-const ANGLES_DEG: [i32; 2] = [-14, 24];
+const ANGLES_DEG: [i32; 2] = [-24, 24];
 
 /// Angles in a row that may be missing.
 const LONGEST_GAP: i32 = 2;
@@ -64,7 +64,13 @@ pub fn viscous_polar(
         a.1.lift.abs().total_cmp(&b.1.lift.abs())
     };
     let Some(middle) = all.iter().min_by(by_lift).map(|(degrees, _)| *degrees) else {
-        let why = found.iter().find_map(|state| state.as_ref().err());
+        // That of the angle which was tried first tells most.
+        let mut errors: Vec<(i32, String)> = (from..=to)
+            .zip(&found)
+            .filter_map(|(degrees, state)| Some((degrees, state.as_ref().err()?.to_string())))
+            .collect();
+        errors.sort_by_key(|(degrees, _)| degrees.abs());
+        let why = errors.first().map(|(_, why)| why);
         return Err(AeroError::Polar(why.map_or_else(
             || "no angle has a solution".to_owned(),
             ToString::to_string,

@@ -176,11 +176,27 @@ fn drawn(written: &file::BareWing, folder: &Path) -> Result<Drawn, Problem> {
                         "a station names the profile `{}`, which is not there",
                         station.profile
                     ),
-                    "name one of [aero.wing.profiles]",
+                    format!(
+                        "name one of [aero.wing.profiles]: {}",
+                        written
+                            .profiles
+                            .keys()
+                            .cloned()
+                            .collect::<Vec<_>>()
+                            .join(", ")
+                    ),
                 )
             })
         })
         .collect::<Result<Vec<_>, _>>()?;
+    let unused = (0..profiles.len()).find(|number| !station_profiles.contains(number));
+    if let Some(number) = unused {
+        return Err(Problem::new(
+            key(&format!("profiles.{}", profiles[number].name)),
+            format!("no station has the profile `{}`", profiles[number].name),
+            "remove it, or name it in a station",
+        ));
+    }
     let chord_fraction = usual::or(key("chord_fraction"), written.chord_fraction, 0.25);
     let mut wing = Wing {
         stations: stations(written, &station_profiles, &profiles)?,
@@ -191,8 +207,17 @@ fn drawn(written: &file::BareWing, folder: &Path) -> Result<Drawn, Problem> {
     wing.roll_along_span();
     for (station, written) in wing.stations.iter_mut().zip(&written.stations) {
         if let Some(roll) = written.roll_deg {
-            station.roll_rad = roll.to_radians();
+            station.roll_rad = within(&key("stations"), roll, -180.0, 180.0)?.to_radians();
         }
+    }
+    if wing.is_symmetric && wing.stations[0].roll_rad != 0.0 {
+        return Err(Problem::new(
+            key("stations"),
+            format!(
+                "{KEY}: the first station of a symmetric wing stands in the plane of symmetry: its roll_deg is 0"
+            ),
+            "remove roll_deg there, or give the whole wing with symmetric = false",
+        ));
     }
     Ok(Drawn {
         wing,
@@ -202,6 +227,15 @@ fn drawn(written: &file::BareWing, folder: &Path) -> Result<Drawn, Problem> {
 }
 
 fn check_wing(wing: &Wing) -> Result<(), Problem> {
+    let y = |station: Option<&Station>| station.map_or(0.0, |s| s.position_m.y);
+    let (first, last) = (y(wing.stations.first()), y(wing.stations.last()));
+    if wing.stations.len() > 1 && last < first {
+        return Err(Problem::new(
+            key("stations"),
+            format!("{KEY}: the stations run from y = {first} to y = {last} m, to the left"),
+            "give the right half, y > 0, from the middle outwards; or, with symmetric = false, the whole wing from the left tip to the right one",
+        ));
+    }
     wing.check().map_err(|why| {
         Problem::new(
             key("stations"),
@@ -317,12 +351,21 @@ fn stations(
         .stations
         .iter()
         .zip(numbers)
-        .map(|(station, number)| {
+        .enumerate()
+        .map(|(place, (station, number))| {
+            // Named for the reader, and marked where all stations stand.
+            let within = |name: &str, value: f64, low: f64, high: f64| {
+                let named = format!("{KEY}, station {}: {name}", place + 1);
+                within(&named, value, low, high).map_err(|problem| Problem {
+                    key: key("stations"),
+                    ..problem
+                })
+            };
             let twist = usual::or(key("stations.twist_deg"), station.twist_deg, 0.0);
             Ok(Station {
                 position_m: vector(&key("stations"), station.position_m)?,
-                chord_m: within(&key("stations"), station.chord_m, 0.0, 1e4)?,
-                twist_rad: within(&key("stations"), twist, -90.0, 90.0)?.to_radians(),
+                chord_m: within("chord_m", station.chord_m, 0.0, 1e4)?,
+                twist_rad: within("twist_deg", twist, -90.0, 90.0)?.to_radians(),
                 roll_rad: 0.0,
                 profile: Arc::clone(&profiles[*number].outline),
             })
@@ -374,6 +417,14 @@ fn check_profile(
             ));
         }
     };
+    let is_given = written.polar.is_some() || written.polar_file.is_some();
+    if is_given && (written.critical_amplification.is_some() || written.transition.is_some()) {
+        return Err(Problem::new(
+            &key,
+            "critical_amplification and transition are of a polar that is computed; this one is given",
+            "remove them, or the polar",
+        ));
+    }
     let polar = match (&written.polar, &written.polar_file) {
         (None, None) => computed(&key, written.critical_amplification, written.transition)?,
         (Some(rows), None) => {

@@ -44,12 +44,16 @@ struct Section {
     profiles: [String; 2],
 }
 
-/// Reads the text of an `.xwimp` and writes it as a case at a speed [m/s].
+/// Reads the text of an `.xwimp` and writes it as a case at a speed [m/s]; `has_file` tells whether the coordinates of a profile are there, which then count, not its name.
 ///
 /// # Errors
 ///
 /// Where a line is no section, or they make no wing.
-pub fn import(text: &str, speed_m_s: f64) -> Result<Imported, Xflr5Fault> {
+pub fn import(
+    text: &str,
+    speed_m_s: f64,
+    has_file: impl Fn(&str) -> bool,
+) -> Result<Imported, Xflr5Fault> {
     let mut lines = text.lines().enumerate();
     let name = lines.next().map_or("", |(_, name)| name.trim()).to_owned();
     let sections: Vec<Section> = lines
@@ -111,7 +115,7 @@ pub fn import(text: &str, speed_m_s: f64) -> Result<Imported, Xflr5Fault> {
     let mut files = Vec::new();
     for profile in profiles {
         let _ = write!(case, "\n[aero.wing.profiles.{}]\n", quoted(&profile));
-        match naca_digits(&profile) {
+        match naca_digits(&profile).filter(|_| !has_file(&profile)) {
             Some(digits) => {
                 let _ = writeln!(case, "naca = \"{digits}\"");
             }
@@ -166,6 +170,7 @@ fn section(line: &str) -> Option<Section> {
 fn naca_digits(name: &str) -> Option<&str> {
     let digits = name.trim().get(4..)?.trim();
     let is_naca = name.trim().get(..4)?.eq_ignore_ascii_case("naca");
-    (is_naca && matches!(digits.len(), 4 | 5) && digits.bytes().all(|b| b.is_ascii_digit()))
-        .then_some(digits)
+    // Names of the six-series have five digits, too.
+    let is_family = digits.len() == 4 || (digits.len() == 5 && digits.starts_with('2'));
+    (is_naca && is_family && digits.bytes().all(|b| b.is_ascii_digit())).then_some(digits)
 }

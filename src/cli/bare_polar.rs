@@ -173,7 +173,7 @@ pub(super) fn outlook(case: &Case, wing: &BareWing) -> String {
 
 /// How it was computed.
 fn line(wing: &BareWing, found: &Polar) -> String {
-    let halves = if wing.wing.is_symmetric {
+    let halves = if wing.wing.is_symmetric && wing.sideslip_deg == 0.0 {
         "half of "
     } else {
         ""
@@ -226,7 +226,12 @@ fn told(wing: &BareWing, numbers: &Numbers) -> Vec<[String; 2]> {
         ],
         [
             "angle without lift".to_owned(),
-            one(numbers.zero_lift_deg, " deg"),
+            one(
+                numbers
+                    .zero_lift_deg
+                    .map(|angle| if angle.abs() < 1e-6 { 0.0 } else { angle }),
+                " deg",
+            ),
         ],
         [
             "highest lift coefficient".to_owned(),
@@ -335,7 +340,8 @@ fn write(
         &COLUMNS,
         found.points.iter().map(|p| row(wing, p)),
     )?;
-    let strips = found.points.iter().flat_map(|point| {
+    let agreed = found.points.iter().filter(|p| p.coefficients.is_some());
+    let strips = agreed.flat_map(|point| {
         point.strips.iter().map(|s| {
             [
                 point.angle_deg,

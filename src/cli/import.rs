@@ -106,8 +106,10 @@ fn of_xflr5(arguments: &ImportArguments) -> Result<u8, Failure> {
             arguments.speed
         )));
     }
-    let imported =
-        xflr5::import(&text, arguments.speed).map_err(|why| bad(format!("{told}: {why}")))?;
+    let imported = xflr5::import(&text, arguments.speed, |name| {
+        folder_of(file).join(format!("{name}.dat")).is_file()
+    })
+    .map_err(|why| bad(format!("{told}: {why}")))?;
     let folder = folder_of(file);
     let files = imported.profiles.iter().map(|name| {
         let name = format!("{name}.dat");

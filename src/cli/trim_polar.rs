@@ -11,13 +11,14 @@ use crate::measure;
 use crate::sweep::{Chosen, Vary};
 
 /// Results of the table, before those of the rows.
-const RESULTS: [&str; 9] = [
+const RESULTS: [&str; 10] = [
     "speed_m_s",
     "sink_m_s",
     "glide_ratio",
     "angle_of_attack_deg",
     "lift_coefficient",
     "drag_coefficient",
+    "induced_drag_share",
     "section_drag_share",
     "line_drag_share",
     "pilot_drag_share",
@@ -93,6 +94,10 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
                 "give a row with position = 1.0",
             ));
         }
+        emit(&format!(
+            "brakes pulled by {list} m: {}\n",
+            brakes.join("; ")
+        ))?;
         varies.push(vary(&brakes.join("; "))?);
     }
     if let Some(list) = &arguments.mass {

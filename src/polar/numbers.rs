@@ -32,8 +32,12 @@ pub fn numbers(polar: &Polar) -> Numbers {
         .iter()
         .map(|(point, c)| (c.lift, point.angle_deg))
         .max_by(|a, b| a.0.total_cmp(&b.0));
-    let last = points.last().map(|(point, _)| point.angle_deg);
-    let limit = highest.map_or(0.0, |(lift, _)| STRAIGHT_SHARE * lift);
+    let ends = [points.first(), points.last()].map(|end| end.map(|(point, _)| point.angle_deg));
+    // What lies at an end of the sweep may go on beyond it.
+    let inside =
+        |found: Option<(f64, f64)>| found.filter(|(_, angle)| !ends.contains(&Some(*angle)));
+    let largest = points.iter().map(|(_, c)| c.lift.abs()).fold(0.0, f64::max);
+    let limit = STRAIGHT_SHARE * largest;
     let straight: Vec<[f64; 3]> = points
         .iter()
         .filter(|(point, c)| c.lift.abs() <= limit && point.stalled_share == 0.0)
@@ -47,9 +51,9 @@ pub fn numbers(polar: &Polar) -> Numbers {
     Numbers {
         lift_slope_per_deg: line.map(|(slope, _)| slope),
         zero_lift_deg: line.map(|(slope, at_zero)| -at_zero / slope),
-        highest_lift: highest.filter(|(_, angle)| last.is_some_and(|last| *angle < last)),
-        least_drag: least(&super::Coefficients::drag),
-        best_glide: least(&|c| -c.lift / c.drag()).map(|(minus, angle)| (-minus, angle)),
+        highest_lift: inside(highest),
+        least_drag: inside(least(&super::Coefficients::drag)),
+        best_glide: inside(least(&|c| -c.lift / c.drag())).map(|(minus, angle)| (-minus, angle)),
         moment_slope: fit(straight.iter().map(|[_, lift, moment]| [*lift, *moment]))
             .map(|(slope, _)| slope),
     }

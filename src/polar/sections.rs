@@ -138,7 +138,7 @@ impl Family {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|why| {
                 AeroError::Polar(format!(
-                    "of profile {}: {why}; give it one by polar or polar_file",
+                    "of profile {}: {why}; give the profile a polar (polar, polar_file), or the mesh's unit (mesh.scale)",
                     profile.name
                 ))
             })?;

@@ -102,7 +102,7 @@ impl SectionSettings {
             .iter()
             .flat_map(|((numbers, _), turn)| {
                 let (before, _) = place(*turn);
-                let turns = [before, before + 1];
+                let turns = used(before, *turn);
                 numbers
                     .iter()
                     .flat_map(move |n| turns.map(|turn| (*n, turn)))
@@ -117,9 +117,9 @@ impl SectionSettings {
             .iter()
             .map(|(([a, b], share), turn)| {
                 let (before, part) = place(*turn);
+                let [low, high] = used(before, *turn);
                 let of = |number: usize| -> Result<Member, AeroError> {
-                    let [low, high] =
-                        [before, before + 1].map(|turn| self.member(profiles, number, turn));
+                    let [low, high] = [low, high].map(|turn| self.member(profiles, number, turn));
                     Ok(mixed(low?, high?, part))
                 };
                 Ok(if a == b {
@@ -166,7 +166,14 @@ impl SectionSettings {
             let lip = |x: f64| DVec2::new(x, profile.height(Side::Lower, x));
             INTAKE_DRAG * lip(from).distance(lip(to))
         });
-        let computed = viscous_polar(&outline, &conditions, self.surface_drag + intake)?;
+        let computed = viscous_polar(&outline, &conditions, self.surface_drag + intake);
+        let computed = computed.map_err(|why| {
+            AeroError::Polar(format!(
+                "of profile {}, trailing edge turned by {:.0} degrees: {why}; give [equilibrium.trim.polars]",
+                number + 1,
+                turn_rad.to_degrees()
+            ))
+        })?;
         Ok((computed.polar, flow))
     }
 }
@@ -178,6 +185,15 @@ fn place(turn_rad: f64) -> (usize, f64) {
     let before = TURNS_DEG.partition_point(|t| *t <= turn).clamp(1, last) - 1;
     let share = (turn - TURNS_DEG[before]) / (TURNS_DEG[before + 1] - TURNS_DEG[before]);
     (before, share.clamp(0.0, 1.0))
+}
+
+/// Numbers of the turns that an angle lies between; one that has no share is not asked for.
+fn used(before: usize, turn_rad: f64) -> [usize; 2] {
+    match place(turn_rad).1 {
+        0.0 => [before; 2],
+        1.0 => [before + 1; 2],
+        _ => [before, before + 1],
+    }
 }
 
 fn mixed(a: &Member, b: &Member, share: f64) -> Member {

@@ -28,7 +28,9 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     )
     .map_err(|why| Stop::Refused(why.to_string()))?;
     let Some(mut wing) = case.scene.bare_wing else {
-        return Ok(());
+        return Err(Stop::Refused(
+            "the shipped case holds no wing by itself".to_owned(),
+        ));
     };
     wing.angles_deg = (-8..=24).map(f64::from).collect();
     let strips: &[usize] = session.size(&[12, 24], &[12, 24, 48]);
