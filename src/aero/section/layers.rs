@@ -1,6 +1,6 @@
 //! The boundary layers of a section and its wake: their stations' states, which side each is on, and where transition is.
 //!
-//! Stations are numbered as in [`Flow`](super::wake::Flow): the surface's nodes from the lower trailing edge to the upper one, then the wake's. The
+//! Stations are numbered as in `wake::Flow`: the surface's nodes from the lower trailing edge to the upper one, then the wake's. The
 //! stagnation point lies where the speed along the surface, linear between two nodes, vanishes; first stations then have u/ξ alike on both sides.
 //!
 //! Departure: transition is found anew after each step, from the waves in the layers as they are. XFOIL solves all stations anew in their order instead.
