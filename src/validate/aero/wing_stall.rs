@@ -33,7 +33,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         ));
     };
     wing.angles_deg = (-8..=24).map(f64::from).collect();
-    let strips: &[usize] = session.size(&[12, 24], &[12, 24, 48]);
+    let strips: &[usize] = session.size(&[12], &[12, 24, 48]);
     for &count in strips {
         session.check_interrupt()?;
         wing.strips = count;
