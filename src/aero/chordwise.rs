@@ -2,7 +2,7 @@
 //!
 //! A strip's polygon runs through the middles of its panels' front and rear edges, so that the centre of every panel is the middle of its piece. A derivative at a
 //! centre is that of the polynomial through its nearest centres; at a trailing edge the nearest lie on one side. Length is that of the polygon: at a nose, where
-//! panels turn by tens of degrees, distances between centres are too short by the square of that angle, and suction peaks are 3 % too high with them.
+//! panels turn by tens of degrees, distances between centres are too short by the square of that angle: at 20 panels per side the highest speed is 3 % too high with them.
 
 use glam::DVec3;
 

@@ -9,7 +9,7 @@
 //!
 //! which is van Dam's correction of the angle (van Dam 2002, Prog. Aerospace Sci. 38; Gallay & Laurendeau 2015, AIAA J. 53), here on a panel
 //! method in place of a lifting line. Γ is linear in the onset flows of the strips, so a few solutions per strip, from the factorisation that
-//! there is, give its whole dependence; α_e of all strips then follows by Newton's method with damping. Mukherjee & Gopalarathnam (2006, J.
+//! there is, give its whole dependence. Mukherjee & Gopalarathnam (2006, J.
 //! Aircraft 43) turn the mean line behind two hinges instead, and meet the polar's moment as well; this does not.
 //!
 //! Past the highest lift a section has two angles for a lift, and the equations have more than one solution. Two are told apart, and neither depends

@@ -227,6 +227,16 @@ pub struct SectionFlow {
 }
 
 impl SectionFlow {
+    /// That of a section between this one and another, the share `t` of the way.
+    #[must_use]
+    pub fn between(&self, other: &Self, t: f64) -> Self {
+        let mix = |a: f64, b: f64| a + t * (b - a);
+        Self {
+            slope_per_rad: mix(self.slope_per_rad, other.slope_per_rad),
+            zero_lift_rad: mix(self.zero_lift_rad, other.zero_lift_rad),
+        }
+    }
+
     /// The panel method on one strip of a wing that is 2 000 chords long.
     pub fn of(profile: &Arc<Profile>) -> Result<Self, AeroError> {
         let station = |y: f64| Station {

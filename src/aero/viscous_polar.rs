@@ -3,7 +3,7 @@
 //! Angles run from the stream without lift outwards. A polar ends where the method has no solution for more than two angles in a row, or
 //! four angles beyond the highest lift: farther on flow separates widely, and boundary layers do not describe it.
 //!
-//! Trailing edges are open by 0.002 chords, as a seam's is: with an edge that is quite sharp the method has a second solution, with the wake leaving above the edge and a third less lift,
+//! Trailing edges are open by 0.002 chords, as a seam's is: with an edge that is quite sharp the method has a second solution with a third less lift,
 //! and may come to it (of NACA 2417, 23015). From 0.001 to 0.003 lift changes by 1 to 2 %.
 
 use glam::DVec2;

@@ -7,9 +7,10 @@ use glam::DVec3;
 
 use super::file::{self, File};
 use super::problem::Problem;
+pub use super::section_polar::SectionPolar;
+use super::section_polar::{PolarRow, computed, polar_of, rows_of_xfoil};
 use super::usual;
-use super::values::{positive, vector, within};
-use crate::aero::polar::{Polar, PolarPoint};
+use super::values::{count_within, positive, vector, within};
 use crate::aero::surface::{Station, Wing};
 use crate::geometry::mesh::{sections, surface};
 use crate::geometry::profile::{Profile, ProfileError};
@@ -66,20 +67,6 @@ pub struct BareProfile {
     pub polar: SectionPolar,
 }
 
-/// Where the polar of a profile is from.
-#[derive(Debug, Clone)]
-pub enum SectionPolar {
-    /// Given.
-    Given(Polar),
-    /// To be computed at the Reynolds numbers of its strips.
-    Computed {
-        /// Exponent of the amplification at which a layer turns turbulent.
-        critical_amplification: f64,
-        /// x/c above and below at which it does so at the latest.
-        transition: [Option<f64>; 2],
-    },
-}
-
 fn key(name: &str) -> String {
     format!("{KEY}.{name}")
 }
@@ -104,16 +91,7 @@ pub(super) fn check(file: &File, folder: &Path) -> Result<Option<BareWing>, Prob
         positive(&key(name), value)
     };
     let whole = |name: &str, value: Option<usize>, usual: usize, low: usize, high: usize| {
-        let value = usual::or(key(name), value, usual);
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        let key = key(name);
-        Err(Problem::new(
-            &key,
-            format!("{key} = {value} is out of range"),
-            format!("allowed are {low} to {high}"),
-        ))
+        count_within(&key(name), usual::or(key(name), value, usual), low, high)
     };
     let moment_point_m = usual::or(
         key("moment_point_m"),
@@ -261,14 +239,7 @@ fn cut(written: &file::BareWing, mesh: &file::BareMesh, folder: &Path) -> Result
             "give the wing by stations, or by a mesh, whose right half is cut into sections",
         ));
     }
-    let count = mesh.sections;
-    if !(3..=60).contains(&count) {
-        return Err(Problem::new(
-            own("sections"),
-            format!("{} = {count} is out of range", own("sections")),
-            "allowed are 3 to 60",
-        ));
-    }
+    let count = count_within(&own("sections"), mesh.sections, 3, 60)?;
     let path = folder.join(&mesh.file);
     let scale = positive(&own("scale"), mesh.scale)?;
     let refused = |why: String| {
@@ -458,63 +429,6 @@ fn check_profile(
     })
 }
 
-/// How a polar is to be computed.
-fn computed(
-    key: &str,
-    critical: Option<f64>,
-    transition: Option<[f64; 2]>,
-) -> Result<SectionPolar, Problem> {
-    let own = |name: &str| format!("{key}.{name}");
-    let critical = usual::or(own("critical_amplification"), critical, 9.0);
-    let place = |place: f64| within(&own("transition"), place, 0.0, 1.0);
-    let transition = match transition {
-        Some([above, below]) => [Some(place(above)?), Some(place(below)?)],
-        None => [None; 2],
-    };
-    Ok(SectionPolar::Computed {
-        critical_amplification: within(&own("critical_amplification"), critical, 0.5, 20.0)?,
-        transition,
-    })
-}
-
-/// Angle in degrees, lift and drag, and the moment where it is known.
-type PolarRow = ([f64; 3], Option<f64>);
-
-fn polar_of(key: &str, rows: &[PolarRow]) -> Result<Polar, Problem> {
-    let points = rows
-        .iter()
-        .map(|&([degrees, lift, drag], moment)| PolarPoint {
-            angle_rad: degrees.to_radians(),
-            lift,
-            drag,
-            moment,
-        });
-    Polar::new(points.collect()).map_err(|why| {
-        Problem::new(
-            key,
-            why.to_string(),
-            "give rows [angle in degrees, lift coefficient, drag coefficient] with growing angles",
-        )
-    })
-}
-
-/// Rows of a file as XFOIL writes it: a head, a line of dashes, then rows of numbers; angles of repeated points are taken once.
-fn rows_of_xfoil(text: &str) -> Vec<PolarRow> {
-    let mut rows: Vec<PolarRow> = text
-        .lines()
-        .filter_map(|line| {
-            let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
-            match *numbers.ok()? {
-                [angle, lift, drag, _, moment, ..] => Some(([angle, lift, drag], Some(moment))),
-                _ => None,
-            }
-        })
-        .collect();
-    rows.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-    rows.dedup_by(|a, b| a.0[0] == b.0[0]);
-    rows
-}
-
 /// Mean aerodynamic chord: ∫ c² ds/∫ c ds, and where its quarter lies.
 struct MeanChord {
     chord_m: f64,
@@ -553,29 +467,6 @@ impl MeanChord {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn polars_of_xfoil_are_read() {
-        let text = "
-       XFOIL         Version 6.99
- Calculated polar for: NACA 0012
- xtrf =   1.000 (top)        1.000 (bottom)
- Mach =   0.000     Re =     1.000 e 6     Ncrit =   9.000
-
-   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr
-  ------ -------- --------- --------- -------- -------- --------
-   1.000   0.1100   0.00550   0.00100   0.0010   0.5000   0.8000
-   0.000   0.0000   0.00540   0.00100   0.0000   0.6500   0.6500
-   1.000   0.1100   0.00550   0.00100   0.0000   0.5000   0.8000
-";
-        assert_eq!(
-            rows_of_xfoil(text),
-            [
-                ([0.0, 0.0, 0.0054], Some(0.0)),
-                ([1.0, 0.11, 0.0055], Some(0.001))
-            ]
-        );
-    }
 
     /// Of a straight taper with the ratio λ the mean chord is 2/3 c (1 + λ + λ²)/(1 + λ).
     #[test]

@@ -43,6 +43,7 @@ mod rigging;
 mod rims;
 pub mod scene;
 mod schema;
+mod section_polar;
 mod shift;
 mod shipped;
 mod solver;

@@ -2,9 +2,10 @@
 
 use super::file::{self, File};
 use super::problem::Problem;
+use super::section_polar::{PolarRow, polar_of};
 use super::usual;
-use super::values::{absent, positive, within};
-use crate::aero::polar::{Polar, PolarPoint};
+use super::values::{absent, count_within, positive, within};
+use crate::aero::polar::Polar;
 use crate::trim::{SectionSettings, Settings, Tolerance};
 
 const KEY: &str = "equilibrium.trim";
@@ -58,16 +59,7 @@ pub(super) fn check(
         })
         .collect::<Result<_, _>>()?;
     let whole = |name: &str, value: Option<usize>, usual: usize, low: usize, high: usize| {
-        let value = usual::or(key(name), value, usual);
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        let key = key(name);
-        Err(Problem::new(
-            &key,
-            format!("{key} = {value} is out of range"),
-            format!("allowed are {low} to {high}"),
-        ))
+        count_within(&key(name), usual::or(key(name), value, usual), low, high)
     };
     let share = |name: &str, value: Option<f64>, usual: f64, low: f64, high: f64| {
         within(&key(name), usual::or(key(name), value, usual), low, high)
@@ -134,20 +126,6 @@ pub(super) fn check(
 }
 
 fn check_polar(name: &str, rows: &[[f64; 3]]) -> Result<Polar, Problem> {
-    let points = rows
-        .iter()
-        .map(|&[degrees, lift, drag]| PolarPoint {
-            angle_rad: degrees.to_radians(),
-            lift,
-            drag,
-            moment: None,
-        })
-        .collect();
-    Polar::new(points).map_err(|why| {
-        Problem::new(
-            key(&format!("polars.{name}")),
-            format!("`{name}`: {why}"),
-            "give rows [angle in degrees, lift coefficient, drag coefficient] with growing angles",
-        )
-    })
+    let rows: Vec<PolarRow> = rows.iter().map(|&row| (row, None)).collect();
+    polar_of(&key(&format!("polars.{name}")), &rows)
 }

@@ -136,6 +136,23 @@ pub(super) fn within(key: &str, value: f64, low: f64, high: f64) -> Result<f64, 
     }
 }
 
+/// Refuses counts outside a closed range.
+pub(super) fn count_within(
+    key: &str,
+    value: usize,
+    low: usize,
+    high: usize,
+) -> Result<usize, Problem> {
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    Err(Problem::new(
+        key,
+        format!("{key} = {value} is out of range"),
+        format!("allowed are {low} to {high}"),
+    ))
+}
+
 /// A number without hundreds of zeros.
 pub(super) fn readable(value: f64) -> String {
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) {

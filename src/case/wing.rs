@@ -8,7 +8,7 @@ pub use super::file::{FrictionName, HeldName};
 use super::problem::Problem;
 use super::trim;
 use super::usual;
-use super::values::{points, positive, vector, wing_key as key, within};
+use super::values::{count_within, points, positive, vector, wing_key as key, within};
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
 use super::wing_tunnel;
@@ -218,15 +218,7 @@ fn refused(fault: WingFault) -> Problem {
 fn check_fineness(table: &file::Wing) -> Result<Fineness, Problem> {
     let mesh = &table.mesh;
     let range = |name: &str, value: usize, low: usize, high: usize| {
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        let key = key(&format!("mesh.{name}"));
-        Err(Problem::new(
-            &key,
-            format!("{key} = {value} is out of range"),
-            format!("allowed are {low} to {high}"),
-        ))
+        count_within(&key(&format!("mesh.{name}")), value, low, high)
     };
     let along_chord = range("along_chord", mesh.along_chord, 6, 2000)?;
     let across_cell = range("across_cell", mesh.across_cell, 2, 200)?;

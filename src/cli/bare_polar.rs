@@ -274,6 +274,12 @@ fn notes(found: &Polar) -> Vec<String> {
     if let Some(all) = angles(&|p| p.coefficients.is_some() && !p.is_covered) {
         notes.push(format!("sections are at angles that their polars do not reach at {all} deg: lift levels off there"));
     }
+    if found.below_range {
+        notes.push(format!(
+            "strips lie below a Reynolds number of {:.0e}, of which their computed polars are",
+            polar::LEAST_REYNOLDS
+        ));
+    }
     if !found.sections_stall {
         notes.push("a computed polar of a section ends before its highest lift: highest lift and stall of the wing are not known".to_owned());
     }
@@ -361,7 +367,7 @@ fn write(
     write_table(&folder.join("span.csv"), &SPAN_COLUMNS, strips)?;
     let charts = charts(found);
     let provenance = Provenance {
-        program: format!("ripstop {}", env!("CARGO_PKG_VERSION")),
+        program: format!("ripstop version {}", env!("CARGO_PKG_VERSION")),
         source: case.name.clone(),
         case: case.text.clone(),
     };

@@ -10,5 +10,6 @@ pub mod parachute;
 pub mod plate;
 pub mod profile;
 pub mod sheet;
+pub mod spline;
 pub mod surfaces;
 pub mod wing;

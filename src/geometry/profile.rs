@@ -8,6 +8,8 @@ use std::path::Path;
 
 use glam::DVec2;
 
+use super::spline::Spline;
+
 /// Points per side of a profile made from a formula.
 const POINTS_PER_SIDE: usize = 200;
 
@@ -200,11 +202,8 @@ impl Profile {
     /// both ends of a side; the first is the last. Between the given points runs a cubic spline over arc length.
     #[must_use]
     pub fn resampled(&self, per_side: usize) -> Vec<DVec2> {
-        let spline = Spline::new(&self.points);
-        let (nose, end) = (
-            spline.lengths[self.nose],
-            spline.lengths[self.points.len() - 1],
-        );
+        let spline = Spline::new(self.points.clone());
+        let (nose, end) = (spline.length_to(self.nose), spline.length());
         let per_side = per_side.max(2);
         let mut points: Vec<DVec2> = (0..=2 * per_side)
             .map(|k| {
@@ -213,7 +212,7 @@ impl Profile {
                 let cosine = 0.5 * (1.0 - (std::f64::consts::PI * t).cos());
                 let f = COSINE_SHARE * cosine + (1.0 - COSINE_SHARE) * t;
                 let f = f + EDGE_SHIFT * f * f * (1.0 - f);
-                spline.at(if k <= per_side {
+                spline.place(if k <= per_side {
                     nose * (1.0 - f)
                 } else {
                     nose + (end - nose) * f
@@ -320,59 +319,6 @@ impl Camber {
                 }
             }
         }
-    }
-}
-
-/// A natural cubic spline through points of the plane over the length of their polygon.
-struct Spline<'a> {
-    points: &'a [DVec2],
-    lengths: Vec<f64>,
-    /// Second derivatives.
-    bends: Vec<DVec2>,
-}
-
-impl<'a> Spline<'a> {
-    fn new(points: &'a [DVec2]) -> Self {
-        let mut lengths = vec![0.0; points.len()];
-        for k in 1..points.len() {
-            lengths[k] = lengths[k - 1] + points[k].distance(points[k - 1]);
-        }
-        // Thomas' algorithm; both ends are free of bending.
-        let count = points.len();
-        let mut bends = vec![DVec2::ZERO; count];
-        let mut upper = vec![0.0; count];
-        for k in 1..count - 1 {
-            let (before, after) = (lengths[k] - lengths[k - 1], lengths[k + 1] - lengths[k]);
-            let jump = (points[k + 1] - points[k]) / after - (points[k] - points[k - 1]) / before;
-            let pivot = 2.0 * (before + after) - before * upper[k - 1];
-            upper[k] = after / pivot;
-            bends[k] = (6.0 * jump - before * bends[k - 1]) / pivot;
-        }
-        for k in (1..count - 1).rev() {
-            let next = bends[k + 1];
-            bends[k] -= upper[k] * next;
-        }
-        Self {
-            points,
-            lengths,
-            bends,
-        }
-    }
-
-    fn at(&self, length: f64) -> DVec2 {
-        let last = self.points.len() - 2;
-        let k = self
-            .lengths
-            .partition_point(|&l| l <= length)
-            .saturating_sub(1)
-            .min(last);
-        let step = self.lengths[k + 1] - self.lengths[k];
-        let b = ((length - self.lengths[k]) / step).clamp(0.0, 1.0);
-        let a = 1.0 - b;
-        a * self.points[k]
-            + b * self.points[k + 1]
-            + step * step / 6.0
-                * ((a.powi(3) - a) * self.bends[k] + (b.powi(3) - b) * self.bends[k + 1])
     }
 }
 

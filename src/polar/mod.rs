@@ -11,5 +11,5 @@ mod sections;
 mod solve;
 
 pub use numbers::{Numbers, numbers};
-pub use sections::{SectionsOfWing, sections};
+pub use sections::{LEAST_REYNOLDS, SectionsOfWing, sections};
 pub use solve::{Coefficients, Point, Polar, StripLoad, matrix_bytes, solve};

@@ -19,8 +19,8 @@ const OUTLINE_PER_SIDE: usize = 120;
 /// Largest over least Reynolds number up to which one polar stands for all strips.
 const NEARLY_ONE: f64 = 1.3;
 
-/// Tips that end in a point have the polar of this Reynolds number.
-const LEAST_REYNOLDS: f64 = 5e4;
+/// Least Reynolds number of a computed polar; strips below it, as at tips that end in a point, have that of this one.
+pub const LEAST_REYNOLDS: f64 = 5e4;
 
 /// Polars and potential flow of every strip, and the wing cut into them.
 #[derive(Debug)]
@@ -31,8 +31,8 @@ pub struct SectionsOfWing {
     pub strips: Vec<(Polar, SectionFlow)>,
     /// Reynolds number of every strip, on its chord.
     pub reynolds: Vec<f64>,
-    /// Whether a polar was computed.
-    pub computed: bool,
+    /// Whether strips with computed polars lie below the least Reynolds number for which these are computed.
+    pub below_range: bool,
     /// Whether all computed polars reach beyond the highest lift.
     pub stalls: bool,
 }
@@ -70,7 +70,7 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
     let reynolds: Vec<f64> = places.iter().map(|place| place.reynolds).collect();
     let families = (case.profiles.par_iter().enumerate())
         .map(|(number, profile)| {
-            // At those of its own strips; a profile of a tip that no strip lies at is not asked for.
+            // At those of its own strips.
             let own = places.iter().filter(|place| {
                 let numbers = &case.station_profiles[place.station..=place.station + 1];
                 numbers.contains(&number)
@@ -85,16 +85,13 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
         if a == b {
             return (of(a), flows[a]);
         }
-        let mix = |x: f64, y: f64| x + place.share * (y - x);
-        let flow = SectionFlow {
-            slope_per_rad: mix(flows[a].slope_per_rad, flows[b].slope_per_rad),
-            zero_lift_rad: mix(flows[a].zero_lift_rad, flows[b].zero_lift_rad),
-        };
+        let flow = flows[a].between(&flows[b], place.share);
         (of(a).between(&of(b), place.share), flow)
     });
     Ok(SectionsOfWing {
         strips: strips.collect(),
-        computed: families.iter().any(|family| family.is_computed),
+        below_range: families.iter().any(|f| f.is_computed)
+            && reynolds.iter().any(|r| *r < LEAST_REYNOLDS),
         stalls: families.iter().all(|family| family.stalls),
         reynolds,
         wing,

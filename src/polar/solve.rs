@@ -9,8 +9,8 @@ use crate::aero::potential_flow::{self, MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::{PanelSurface, Wing};
 use crate::case::bare_wing::BareWing;
 
-/// Lift coefficients of both branches farther apart than this belong to two solutions.
-const TWO_BRANCHES: f64 = 1e-3;
+/// Lift coefficients of both branches farther apart than this belong to two solutions. Viscosity that was needed where a search began moves the one solution that there is by up to 0.003.
+const TWO_BRANCHES: f64 = 1e-2;
 
 /// Coefficients of a wing, on its reference area and chord.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,8 +86,8 @@ pub struct Polar {
     pub points: Vec<Point>,
     /// Panels, the caps' included.
     pub panels: usize,
-    /// Whether polars of sections were computed.
-    pub computed: bool,
+    /// Whether strips lie below the least Reynolds number of computed polars.
+    pub below_range: bool,
     /// Whether all of those reach beyond the highest lift.
     pub sections_stall: bool,
 }
@@ -120,7 +120,7 @@ pub fn solve(case: &BareWing) -> Result<Polar, AeroError> {
     Ok(Polar {
         points,
         panels: surface.panels.len(),
-        computed: sections.computed,
+        below_range: sections.below_range,
         sections_stall: sections.stalls,
     })
 }

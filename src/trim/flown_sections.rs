@@ -101,8 +101,7 @@ impl SectionSettings {
         let mut needed: Vec<(usize, usize)> = strips
             .iter()
             .flat_map(|((numbers, _), turn)| {
-                let (before, _) = place(*turn);
-                let turns = used(before, *turn);
+                let (turns, _) = place(*turn);
                 numbers
                     .iter()
                     .flat_map(move |n| turns.map(|turn| (*n, turn)))
@@ -116,8 +115,7 @@ impl SectionSettings {
         strips
             .iter()
             .map(|(([a, b], share), turn)| {
-                let (before, part) = place(*turn);
-                let [low, high] = used(before, *turn);
+                let ([low, high], part) = place(*turn);
                 let of = |number: usize| -> Result<Member, AeroError> {
                     let [low, high] = [low, high].map(|turn| self.member(profiles, number, turn));
                     Ok(mixed(low?, high?, part))
@@ -178,31 +176,23 @@ impl SectionSettings {
     }
 }
 
-/// Number of the turn before an angle, and the share of the way to the next.
-fn place(turn_rad: f64) -> (usize, f64) {
+/// Numbers of the turns that an angle lies between, and the share of the second; where one has no share, the other twice: it is not asked for.
+fn place(turn_rad: f64) -> ([usize; 2], f64) {
     let turn = turn_rad.to_degrees();
     let last = TURNS_DEG.len() - 1;
     let before = TURNS_DEG.partition_point(|t| *t <= turn).clamp(1, last) - 1;
     let share = (turn - TURNS_DEG[before]) / (TURNS_DEG[before + 1] - TURNS_DEG[before]);
-    (before, share.clamp(0.0, 1.0))
-}
-
-/// Numbers of the turns that an angle lies between; one that has no share is not asked for.
-fn used(before: usize, turn_rad: f64) -> [usize; 2] {
-    match place(turn_rad).1 {
-        0.0 => [before; 2],
-        1.0 => [before + 1; 2],
-        _ => [before, before + 1],
+    if share <= 0.0 {
+        ([before; 2], 0.0)
+    } else if share >= 1.0 {
+        ([before + 1; 2], 0.0)
+    } else {
+        ([before, before + 1], share)
     }
 }
 
 fn mixed(a: &Member, b: &Member, share: f64) -> Member {
-    let mix = |x: f64, y: f64| x + share * (y - x);
-    let flow = SectionFlow {
-        slope_per_rad: mix(a.1.slope_per_rad, b.1.slope_per_rad),
-        zero_lift_rad: mix(a.1.zero_lift_rad, b.1.zero_lift_rad),
-    };
-    (a.0.between(&b.0, share), flow)
+    (a.0.between(&b.0, share), a.1.between(&b.1, share))
 }
 
 /// From the trailing edge along the lower side around the nose back to it, over the chord.

@@ -1,7 +1,7 @@
-//! Outlines of sections: what is refused, and the curve through the points.
+//! Outlines of sections: what is refused.
 //!
 //! Points go from the trailing edge along the lower side around the nose and along the upper side to the trailing edge, in chords, with the
-//! nose near x = 0 and the trailing edge near x = 1. The curve is a natural cubic spline over the length of the points' polygon.
+//! nose near x = 0 and the trailing edge near x = 1.
 
 use glam::DVec2;
 
@@ -12,81 +12,6 @@ const WIDEST_GAP: f64 = 0.05;
 
 /// Thinner outlines than this are refused [chords].
 const LEAST_THICKNESS: f64 = 0.002;
-
-/// A curve over the length along its points.
-#[derive(Debug, Clone)]
-pub struct Curve {
-    points: Vec<DVec2>,
-    lengths: Vec<f64>,
-    /// Second derivatives at the points.
-    bends: Vec<DVec2>,
-}
-
-impl Curve {
-    /// A natural cubic spline.
-    pub fn new(points: Vec<DVec2>) -> Self {
-        let count = points.len();
-        let mut lengths = vec![0.0; count];
-        for k in 1..count {
-            lengths[k] = lengths[k - 1] + points[k].distance(points[k - 1]);
-        }
-        // Thomas's algorithm for the second derivatives, which vanish at the ends.
-        let mut bends = vec![DVec2::ZERO; count];
-        let mut upper = vec![0.0; count];
-        for k in 1..count - 1 {
-            let (before, after) = (lengths[k] - lengths[k - 1], lengths[k + 1] - lengths[k]);
-            let turn = (points[k + 1] - points[k]) / after - (points[k] - points[k - 1]) / before;
-            let pivot = 2.0 * (before + after) - before * upper[k - 1];
-            upper[k] = after / pivot;
-            bends[k] = (6.0 * turn - before * bends[k - 1]) / pivot;
-        }
-        for k in (1..count - 1).rev() {
-            let next = bends[k + 1];
-            bends[k] -= upper[k] * next;
-        }
-        Self {
-            points,
-            lengths,
-            bends,
-        }
-    }
-
-    /// Length of the points' polygon.
-    pub fn length(&self) -> f64 {
-        self.lengths[self.lengths.len() - 1]
-    }
-
-    fn interval(&self, at: f64) -> usize {
-        let last = self.points.len() - 2;
-        self.lengths
-            .partition_point(|&s| s <= at)
-            .saturating_sub(1)
-            .min(last)
-    }
-
-    /// Place.
-    pub fn place(&self, at: f64) -> DVec2 {
-        let k = self.interval(at);
-        let step = self.lengths[k + 1] - self.lengths[k];
-        let b = (at - self.lengths[k]) / step;
-        let a = 1.0 - b;
-        let bend = (a * a * a - a) * self.bends[k] + (b * b * b - b) * self.bends[k + 1];
-        a * self.points[k] + b * self.points[k + 1] + step * step / 6.0 * bend
-    }
-
-    /// Size of the curvature.
-    pub fn curvature(&self, at: f64) -> f64 {
-        let k = self.interval(at);
-        let step = self.lengths[k + 1] - self.lengths[k];
-        let b = (at - self.lengths[k]) / step;
-        let a = 1.0 - b;
-        let bend = a * self.bends[k] + b * self.bends[k + 1];
-        let slope = (self.points[k + 1] - self.points[k]) / step
-            + step / 6.0
-                * ((3.0 * b * b - 1.0) * self.bends[k + 1] - (3.0 * a * a - 1.0) * self.bends[k]);
-        (slope.perp_dot(bend) / slope.length().powi(3)).abs()
-    }
-}
 
 /// Refuses what is no outline, with the reason.
 pub fn check(points: &[DVec2]) -> Result<(), SectionError> {

@@ -6,7 +6,8 @@
 use glam::DVec2;
 
 use super::error::SectionError;
-use super::outline::{self, Curve};
+use super::outline;
+use crate::geometry::spline::Spline;
 
 /// Curvature's part in the density: factor and power.
 const CURVATURE: [f64; 2] = [0.55, 0.65];
@@ -47,7 +48,7 @@ impl Panels {
                 "{count} panels were asked for; 40 to 600 are possible"
             )));
         }
-        let curve = Curve::new(points.to_vec());
+        let curve = Spline::new(points.to_vec());
         let mut nodes = spread(&curve, count);
         if nodes[0].distance(nodes[count]) < CLOSED_GAP {
             let middle = 0.5 * (nodes[0] + nodes[count]);
@@ -95,7 +96,7 @@ impl Panels {
 }
 
 /// Nodes along a curve.
-fn spread(curve: &Curve, count: usize) -> Vec<DVec2> {
+fn spread(curve: &Spline, count: usize) -> Vec<DVec2> {
     let samples = SAMPLES * count;
     let step = curve.length() / samples as f64;
     let raw: Vec<f64> = (0..=samples)

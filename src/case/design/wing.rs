@@ -427,7 +427,7 @@ fn speed_bar(keys: &mut Keys) {
     keys.set(
         "structure.wing.speed_bar.shortening_m",
         Value::Table(Table::from_iter(shortening)),
-        "two thirds and one third of that of the A risers behind them, as the trade has it; with more the nose folds in",
+        "two thirds and one third of that of the A risers behind them; with a third more the shipped school wing folds its nose in",
     );
 }
 
