@@ -269,11 +269,7 @@ fn every_kind_of_element(device: &Arc<Device>) {
                 },
                 damping_1_s: 2.0,
                 markers: &markers,
-                permeable: &[],
-                cut_triangles: &[],
-                drags: &[],
-                moved_supports: &[],
-                nodal_loads_n: &[],
+                ..StepInput::default()
             };
             let direction = scattered(count, 0.01, 9);
             for (kind, of_steps) in [

@@ -37,6 +37,7 @@ mod device_cloth_steps;
 mod device_multigrid;
 mod device_work;
 mod eddy_viscosity;
+mod energy;
 mod engines;
 mod extension;
 mod faults;
@@ -54,6 +55,7 @@ mod mesh_findings;
 mod mesh_seams;
 mod meshes;
 mod module_graph;
+mod motion;
 mod out_of_memory;
 mod permeability;
 mod phases;
@@ -108,6 +110,8 @@ fn main() -> std::process::ExitCode {
         mesh_files::trials(),
         mesh_findings::trials(),
         mesh_seams::trials(),
+        motion::trials(),
+        energy::trials(),
         out_of_memory::trials(),
         ram_air::trials(),
         read_outs::trials(),

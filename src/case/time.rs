@@ -5,6 +5,7 @@ use super::file::{self, File};
 use super::problem::Problem;
 use super::usual;
 use super::values::{absent, positive};
+use crate::cloth::TimeIntegration;
 
 /// Most times that a step is halved.
 const HALVING_LIMIT: u32 = 30;
@@ -19,6 +20,8 @@ pub struct Time {
     pub end_s: f64,
     /// Step of the structure (without air) or of the air [s].
     pub step_s: f64,
+    /// How the fabric's motion is integrated; first order where there is no fabric.
+    pub integration: TimeIntegration,
     /// Divides steps as accuracy asks for; `None`: every step is solved at once.
     pub adaptive: Option<AdaptiveStep>,
 }
@@ -86,11 +89,30 @@ pub(super) fn check(file: &File, air: Option<&Air>) -> Result<Option<Time>, Prob
         .as_ref()
         .map(|written| check_adaptive(written, step_s, air.is_some()))
         .transpose()?;
+    let integration = check_integration(time.integration, file.structure.is_some())?;
     Ok(Some(Time {
         end_s,
         step_s,
+        integration,
         adaptive,
     }))
+}
+
+fn check_integration(
+    written: Option<TimeIntegration>,
+    has_fabric: bool,
+) -> Result<TimeIntegration, Problem> {
+    const KEY: &str = "time.integration";
+    match (written, has_fabric) {
+        (None, true) => Ok(usual::or(KEY, written, TimeIntegration::Bdf2)),
+        (Some(written), true) => Ok(written),
+        (None, false) => Ok(TimeIntegration::default()),
+        (Some(_), false) => Err(Problem::new(
+            KEY,
+            "it is the fabric's motion that is integrated so, and there is no [structure]",
+            format!("remove {KEY}"),
+        )),
+    }
 }
 
 fn check_adaptive(

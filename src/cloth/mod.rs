@@ -7,6 +7,7 @@ pub mod curvature;
 pub mod elements;
 pub mod fabrics;
 pub mod faults;
+pub mod integration;
 pub mod openings;
 pub mod rims;
 mod waves;
@@ -15,6 +16,7 @@ use glam::DVec3;
 
 pub use elements::{Bending, CableSegment, Spring, Triangle};
 pub use fabrics::{Laws, SewnFabric, TENSION_ONLY};
+pub use integration::TimeIntegration;
 
 use contact::Contact;
 use openings::Opening;

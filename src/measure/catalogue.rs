@@ -2,9 +2,9 @@
 
 use super::read_out::Group;
 use super::{
-    air, bodies, canopy, canopy_shape, contact, fabric, falling, flown_ballooning, imported_wing,
-    line_drag, load_test, opening, payload_bodies, permeable, plate, residual, sail_support,
-    shared, solver, supports, wing, wing_trim, wing_walls, wing_wind,
+    air, bodies, canopy, canopy_shape, contact, energy, fabric, falling, flown_ballooning,
+    imported_wing, line_drag, load_test, opening, payload_bodies, permeable, plate, residual,
+    sail_support, shared, solver, supports, wing, wing_trim, wing_walls, wing_wind,
 };
 use crate::output::ReadOut;
 
@@ -47,6 +47,7 @@ pub fn read_out_tables() -> [Vec<Group>; 2] {
         fabric::ALONE.group(),
         supports::COLUMNS.group(),
         contact::COLUMNS.group(),
+        energy::COLUMNS.group(),
         residual::COLUMNS.group(),
         solver::COLUMNS.group(),
     ];

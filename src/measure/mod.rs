@@ -10,6 +10,7 @@ mod catalogue;
 pub mod catenary;
 mod comparison;
 mod contact;
+mod energy;
 mod fabric;
 pub(crate) mod falling;
 mod filling;

@@ -5,9 +5,9 @@ use glam::DVec3;
 use super::record::Record;
 use super::shared::FORCE_IMBALANCE;
 use super::{
-    air, bodies, canopy, contact, fabric, falling, flown_ballooning, imported_wing, line_drag,
-    load_test, payload_bodies, permeable, plate, residual, sail_support, supports, wing, wing_trim,
-    wing_wind,
+    air, bodies, canopy, contact, energy, fabric, falling, flown_ballooning, imported_wing,
+    line_drag, load_test, payload_bodies, permeable, plate, residual, sail_support, supports, wing,
+    wing_trim, wing_wind,
 };
 use crate::case::scene::{BodyKind, Scene};
 use crate::frame::StructureFrame;
@@ -88,6 +88,7 @@ pub(super) fn of_scene(
     }
     line_drag::results(&mut results, record, scene);
     contact::results(&mut results, record);
+    energy::results(&mut results, record, scene);
     residual::results(&mut results, record, scene);
     supports::results(&mut results, record, scene);
     if let (Some(_), Some(air)) = (&scene.body, &scene.air) {

@@ -3,8 +3,8 @@
 use super::canopy_shape::{self, CanopyShape};
 use super::record::Record;
 use super::{
-    air, bodies, canopy, contact, fabric, falling, line_drag, payload_bodies, permeable, plate,
-    residual, solver, supports, wing_wind,
+    air, bodies, canopy, contact, energy, fabric, falling, line_drag, payload_bodies, permeable,
+    plate, residual, solver, supports, wing_wind,
 };
 use crate::case::Scene;
 use crate::case::scene::Canopy;
@@ -74,6 +74,7 @@ impl Record {
         columns.extend(line_drag::COLUMNS.read_outs(scene));
         columns.extend(supports::columns(scene));
         columns.extend(contact::COLUMNS.read_outs(scene));
+        columns.extend(energy::COLUMNS.read_outs(scene));
         columns.extend(residual::COLUMNS.read_outs(scene));
         columns.extend(solver::COLUMNS.read_outs(scene));
         columns.extend(bodies::columns(scene));
@@ -149,6 +150,7 @@ impl Record {
         row.extend(supports::values(simulation));
         let contact = simulation.cloth().and_then(|cloth| cloth.contact_state());
         row.extend(contact::COLUMNS.values(scene, contact));
+        row.extend(energy::COLUMNS.values(scene, simulation.energies().as_ref()));
         row.extend(residual::COLUMNS.values(scene, Some(simulation)));
         row.extend(solver::COLUMNS.values(scene, Some(&interval)));
         row.extend(bodies::values(simulation, &self.impulses));

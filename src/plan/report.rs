@@ -9,6 +9,7 @@ use super::{
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
+use crate::cloth::TimeIntegration;
 use crate::immersed::markers;
 
 fn megabytes(bytes: u64) -> String {
@@ -202,6 +203,13 @@ impl Plan {
                 "\ntime\n  steps               {} before release + {}",
                 self.start_steps, self.steps
             )?;
+        }
+        if let (Some(time), Some(_)) = (scene.time, &scene.body) {
+            let order = match time.integration {
+                TimeIntegration::BackwardEuler => "backward Euler, of first order",
+                TimeIntegration::Bdf2 => "BDF2, of second order",
+            };
+            writeln!(out, "  motion of fabric    {order}")?;
         }
         if let Some(time) = scene.time
             && let Some(adaptive) = time.adaptive

@@ -1,27 +1,28 @@
 //! Implicit steps of fabric alone that choose their own length.
 //!
-//! A step of the run, `time.step_s`, is the largest; it is halved as often as needed, and every part is a whole solve. Backward Euler moves a node
-//! by dt vⁿ⁺¹ where one with constant acceleration goes dt (vⁿ + vⁿ⁺¹)/2: a part errs by e = ½ dt |vⁿ⁺¹ − vⁿ| (the leading term of
-//! its local error; Hairer, Nørsett & Wanner, "Solving Ordinary Differential Equations I", II.4), taken as root mean square over the mass of the
+//! A step of the run, `time.step_s`, is the largest; it is halved as often as needed, and every part is a whole solve. What a part errs by, e, is told
+//! by how far its positions are from those of the trapezoidal rule ([`crate::cpu::cloth::integration::error_over_difference`]; the leading term of
+//! the local error; Hairer, Nørsett & Wanner, "Solving Ordinary Differential Equations I", II.4), as root mean square over the mass of the
 //! nodes that can move. A part that errs more than `tolerance_m`, or that the minimiser cannot solve, is done again in halves. Once a part would
 //! still be good enough at twice its length, the next is twice as long, where it begins at a multiple of that. So a run goes through
 //! the same instants as with fixed steps, and what is written at these is written so, too.
 //!
 //! The tolerance is one of a part, not of its share of the run ("error per step", not "per unit step"): where fabric snaps taut, velocities jump, and
-//! |vⁿ⁺¹ − vⁿ| does not fall with dt, but e does. Errors of smooth motion add up to some ½ T √(2 a e) in the time T, a the acceleration: a quarter of
-//! the tolerance halves them.
+//! |vⁿ⁺¹ − vⁿ| does not fall with dt, but e does. Errors of smooth motion add up to T e/dt in the time T: by backward Euler, whose e goes with dt², a quarter of
+//! the tolerance halves them, by BDF2, whose e goes with dt³, some three tenths.
 
 use std::io;
 
 use crate::case::Scene;
 use crate::case::scene::AdaptiveStep;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cloth::TimeIntegration;
 use crate::plan::{Placement, multigrid_from_s};
 use crate::solve::InitialHessian;
 use crate::solve::lbfgs::Stop;
 
-/// Share of the tolerance below which the next part is twice as long: in smooth motion it will err four times as much.
-const LENGTHEN_BELOW: f64 = 0.2;
+/// Share of the tolerance that a part of twice the length may come to, by what smooth motion errs by.
+const LENGTHEN_UP_TO: f64 = 0.8;
 
 /// Parts after one that the minimiser could not solve before a longer one is tried.
 const PARTS_AFTER_FAILURE: u64 = 16;
@@ -33,6 +34,8 @@ const SECTION: &str = "adaptive";
 #[derive(Debug, Clone, Copy)]
 pub struct Adaptive {
     pub(super) settings: AdaptiveStep,
+    /// Power of the length that errors of smooth motion go with.
+    power: f64,
     /// Length of a part from which multigrid is faster than block-Jacobi [s].
     multigrid_from_s: f64,
     /// How often a step is halved now.
@@ -61,12 +64,18 @@ impl Adaptive {
     pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Self> {
         let time = scene.time.filter(|_| scene.body.is_some())?;
         let settings = time.adaptive?;
-        Some(Self::new(settings, multigrid_from_s(scene, placement)))
+        let power = match time.integration {
+            TimeIntegration::BackwardEuler => 2.0,
+            TimeIntegration::Bdf2 => 3.0,
+        };
+        let multigrid_from_s = multigrid_from_s(scene, placement);
+        Some(Self::new(settings, power, multigrid_from_s))
     }
 
-    const fn new(settings: AdaptiveStep, multigrid_from_s: f64) -> Self {
+    const fn new(settings: AdaptiveStep, power: f64, multigrid_from_s: f64) -> Self {
         Self {
             settings,
+            power,
             multigrid_from_s,
             halvings: 0,
             patience: 0,
@@ -135,14 +144,14 @@ impl Adaptive {
         let share = error_m / self.settings.tolerance_m;
         if share > 1.0 && left > 0 {
             self.refused += 1;
-            // Of smooth motion it goes with the square of the length.
-            let halvings = (0.5 * share.log2()).ceil().clamp(1.0, f64::from(left));
+            let halvings = share.log2() / self.power;
+            let halvings = halvings.ceil().clamp(1.0, f64::from(left));
             return Verdict::Refused(halvings as u32);
         }
         self.parts += 1;
         self.coarse += u64::from(share > 1.0);
         self.patience = self.patience.saturating_sub(1);
-        if share < LENGTHEN_BELOW && self.patience == 0 {
+        if share * self.power.exp2() < LENGTHEN_UP_TO && self.patience == 0 {
             Verdict::Lengthened
         } else {
             Verdict::Accepted

@@ -53,6 +53,12 @@ impl Cadence {
         self.every
     }
 
+    /// Steps of the present span that are gone before `step`.
+    pub(super) fn gone(&self, step: u64) -> u32 {
+        let left = self.next.saturating_sub(step);
+        self.every - u32::try_from(left).map_or(self.every, |left| left.min(self.every))
+    }
+
     /// Takes k for a span whose fastest marker moves with `speed` [cells per step].
     pub(super) fn begin(&mut self, speed: f64) {
         self.every = most_steps(speed).clamp(1, self.planned);

@@ -273,6 +273,7 @@ impl Simulation {
             largest_marker_motion: self.largest_marker_motion,
             cost: self.cost,
             account: self.account.clone(),
+            energy: self.energy.clone(),
             ..next
         };
         self.count_steps();

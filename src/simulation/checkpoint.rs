@@ -2,9 +2,10 @@
 
 use std::io;
 
+use super::energy::EnergyAccount;
 use super::{Opening, Origin, Simulation, SolverAccount};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::cpu::cloth::ContactState;
+use crate::cpu::cloth::{ContactState, StepBefore};
 
 /// Where the nodes are.
 pub const POSITIONS_SECTION: &str = "positions";
@@ -21,6 +22,11 @@ impl Simulation {
         if let Some(cloth) = &self.cloth {
             out.put(POSITIONS_SECTION, &cloth.positions_m)?;
             out.put("velocities", &cloth.velocities_m_s)?;
+            if let Some(before) = &cloth.step_before {
+                out.put("step_before_positions", &before.positions_m)?;
+                out.put("step_before_velocities", &before.velocities_m_s)?;
+                out.put("step_before", &[before.time_step_s])?;
+            }
             if let Some(contact) = cloth.contact_state() {
                 out.put("contact_forces", &contact.forces_n)?;
                 out.put("contact_searched", &contact.searched_m)?;
@@ -35,6 +41,7 @@ impl Simulation {
         }
         if self.cloth.is_some() {
             self.account.save(out)?;
+            self.energy.save(out)?;
         }
         if let Some(opening) = &self.opening {
             opening.save(out)?;
@@ -82,6 +89,15 @@ impl Simulation {
             let nodes = cloth.structure.node_count();
             cloth.positions_m = from.take_exactly(POSITIONS_SECTION, nodes)?;
             cloth.velocities_m_s = from.take_exactly("velocities", nodes)?;
+            cloth.step_before = if from.has("step_before") {
+                Some(StepBefore {
+                    positions_m: from.take_exactly("step_before_positions", nodes)?,
+                    velocities_m_s: from.take_exactly("step_before_velocities", nodes)?,
+                    time_step_s: from.take_exactly("step_before", 1)?[0],
+                })
+            } else {
+                None
+            };
             if cloth.contact_state().is_some() {
                 let forces_n = from.take_exactly("contact_forces", nodes)?;
                 let numbers: Vec<f64> = from.take_exactly("contact", 4)?;
@@ -97,6 +113,7 @@ impl Simulation {
         }
         if self.cloth.is_some() {
             self.account = SolverAccount::restore(from)?;
+            self.energy = EnergyAccount::restore(from)?;
         }
         self.opening = Opening::restore(from)?;
         self.haul_risers(self.time_s());
@@ -127,6 +144,7 @@ impl Simulation {
     /// Counts solves from here on, as a run does that begins with a state of another one.
     pub fn count_anew(&mut self) {
         self.account = SolverAccount::default();
+        self.energy = EnergyAccount::default();
         self.largest_marker_motion = 0.0;
         if let Some(cadence) = &mut self.cadence {
             cadence.count_anew();

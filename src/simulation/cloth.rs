@@ -61,17 +61,34 @@ impl Simulation {
 
     /// Ends a solve over several steps: only the first is gone at once.
     fn end_span(&mut self, before: &StructureState) {
-        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
         if let (Some(cadence), Some(cloth)) = (&mut self.cadence, &mut self.cloth) {
-            for ((x, old), v) in cloth
-                .positions_m
-                .iter_mut()
-                .zip(&before.positions_m)
-                .zip(&cloth.velocities_m_s)
-            {
-                *x = *old + *v * time_step_s;
+            let share = 1.0 / f64::from(cadence.every());
+            for (x, old) in cloth.positions_m.iter_mut().zip(&before.positions_m) {
+                *x = *old + (*x - *old) * share;
             }
             cadence.end(self.step);
+        }
+    }
+
+    /// A step between two solves: the sheet goes on as far as in the step before.
+    fn move_on(&mut self) {
+        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        let (Some(cadence), Some(cloth)) = (&self.cadence, &mut self.cloth) else {
+            return;
+        };
+        match &cloth.step_before {
+            Some(before) => {
+                let further = 1.0 / f64::from(cadence.gone(self.step).max(1));
+                for (x, old) in cloth.positions_m.iter_mut().zip(&before.positions_m) {
+                    *x += (*x - *old) * further;
+                }
+            }
+            // By backward Euler the velocity at the end is that of the whole span.
+            None => {
+                for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
+                    *x += *v * time_step_s;
+                }
+            }
         }
     }
 
@@ -93,16 +110,8 @@ impl Simulation {
     /// Stage `solve_cloth`; on the device the solution stays there.
     pub(super) fn solve_cloth(&mut self) -> Result<(), Failure> {
         if !self.solves_now() {
-            let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
-            if let Some(cloth) = self
-                .cloth
-                .as_mut()
-                .filter(|_| self.step >= self.plan.start_steps)
-            {
-                // Between solves the sheet keeps its velocity.
-                for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
-                    *x += *v * time_step_s;
-                }
+            if self.step >= self.plan.start_steps {
+                self.move_on();
             }
             return Ok(());
         }
@@ -137,7 +146,8 @@ impl Simulation {
 
     /// Gathers what the next solve needs to know.
     fn begin_solve(&mut self) {
-        self.place_supports(self.time_at(self.step + 1));
+        self.begin_energy();
+        self.place_supports_at_work(self.time_at(self.step + 1));
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
@@ -153,10 +163,27 @@ impl Simulation {
                 });
                 self.judge(solved)?;
             }
+            self.add_energy(self.every());
             self.end_span(&before);
+        } else {
+            self.add_energy(1);
         }
         self.settle_solve();
         Ok(())
+    }
+
+    /// Notes the work of the solve that stands, over so many steps.
+    pub(super) fn add_energy(&mut self, every: u32) {
+        let frame_m_s2 = self.frame_m_s2();
+        let input = step_input(
+            &self.scene,
+            self.coupled.as_ref(),
+            (None, &self.drags, &self.moved_supports),
+            every,
+        );
+        if let Some(cloth) = &self.cloth {
+            self.energy.add(cloth, &input, frame_m_s2);
+        }
     }
 
     /// Counts a solve, and ends the run where it is not finite.
@@ -259,6 +286,7 @@ fn step_input<'a>(
 ) -> StepInput<'a> {
     StepInput {
         time_step_s: scene.time.map(|time| time.step_s * f64::from(every)),
+        integration: scene.time.map(|time| time.integration).unwrap_or_default(),
         gravity_m_s2: gravity_m_s2.unwrap_or(DVec3::ZERO),
         drags,
         pressure: Pressure::None,

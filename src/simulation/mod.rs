@@ -15,6 +15,7 @@ mod coupled;
 mod cut_surface;
 mod descent;
 mod drags;
+mod energy;
 mod failure;
 mod frames;
 mod impulses;
@@ -50,6 +51,8 @@ pub use cost::{Cost, StageCost};
 pub use coupled::{Coupled, LeftTheAir};
 pub use cut_surface::{CutReaction, CutSurface};
 pub use descent::{Descent, Fall};
+pub use energy::Energies;
+use energy::EnergyAccount;
 pub use failure::{Diverged, Failure};
 use impulses::Acting;
 pub use impulses::{BodyImpulse, ImpulseSample, Impulses};
@@ -112,6 +115,7 @@ pub struct Simulation {
     static_loads: Option<StaticLoads>,
     cost: Cost,
     account: SolverAccount,
+    energy: EnergyAccount,
 }
 
 impl Simulation {
@@ -238,6 +242,7 @@ impl Simulation {
             static_loads: None,
             cost: Cost::default(),
             account: SolverAccount::default(),
+            energy: EnergyAccount::default(),
         })
     }
 

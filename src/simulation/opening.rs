@@ -111,6 +111,7 @@ pub(super) fn open(
         cloth.positions_m = positions_m;
     }
     cloth.velocities_m_s.fill(glam::DVec3::ZERO);
+    cloth.step_before = None;
     Ok(Opening {
         folded_ratio,
         opened_ratio,

@@ -1,22 +1,27 @@
 //! Stage `solve_cloth` with its transfers, part by part ([`super::Adaptive`]).
 
-use glam::DVec3;
-
 use super::adaptive::{Adaptive, Verdict};
-use super::{Failure, Simulation};
+use super::{Failure, Simulation, StructureState};
+use crate::cloth::TimeIntegration;
 use crate::cpu::cloth::Cloth;
+use crate::cpu::cloth::integration::error_over_difference;
 
-/// Root mean square over the mass of the change of velocity of nodes that can move [m/s].
-fn change_of_velocity_m_s(cloth: &Cloth, before_m_s: &[DVec3]) -> f64 {
+/// Error of a part's positions, root mean square over the mass of nodes that can move [m].
+fn error_m(
+    cloth: &Cloth,
+    before: &StructureState,
+    (integration, part_s): (TimeIntegration, f64),
+) -> f64 {
     let structure = &cloth.structure;
     let (mut sum, mut mass) = (0.0, 0.0);
-    for (node, (now, before)) in cloth.velocities_m_s.iter().zip(before_m_s).enumerate() {
-        if !structure.held[node] {
-            sum += structure.masses_kg[node] * now.distance_squared(*before);
-            mass += structure.masses_kg[node];
-        }
+    for node in (0..structure.node_count()).filter(|&node| !structure.held[node]) {
+        let way = cloth.positions_m[node] - before.positions_m[node];
+        let speeds = cloth.velocities_m_s[node] + before.velocities_m_s[node];
+        sum += structure.masses_kg[node] * (way - speeds * (0.5 * part_s)).length_squared();
+        mass += structure.masses_kg[node];
     }
-    if mass > 0.0 { (sum / mass).sqrt() } else { 0.0 }
+    let difference = if mass > 0.0 { (sum / mass).sqrt() } else { 0.0 };
+    difference * error_over_difference(integration, before.step_before.as_ref(), part_s)
 }
 
 impl Simulation {
@@ -28,7 +33,9 @@ impl Simulation {
 
     /// Stage `solve_cloth` with its transfers, part by part.
     pub(super) fn solve_in_parts(&mut self, mut adaptive: Adaptive) -> Result<(), Failure> {
-        let step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        let time = self.scene.time;
+        let step_s = time.map_or(0.0, |time| time.step_s);
+        let integration = time.map(|time| time.integration).unwrap_or_default();
         let start_s = self.time_s();
         let smallest = 1_u64 << adaptive.settings.halvings;
         let part_s = |parts: u64| step_s * (parts as f64 / smallest as f64);
@@ -36,21 +43,24 @@ impl Simulation {
         while done < smallest {
             let length = smallest >> adaptive.halvings;
             let before = self.structure_state();
-            self.place_supports(start_s + part_s(done + length));
+            let held_still = self.energy.clone();
+            self.begin_energy();
+            self.place_supports_at_work(start_s + part_s(done + length));
             let part_s = part_s(length);
             let outcome = self.solve_part(part_s, adaptive.initial_hessian(part_s))?;
-            let error_m = self.cloth.as_ref().map_or(0.0, |cloth| {
-                0.5 * part_s * change_of_velocity_m_s(cloth, &before.velocities_m_s)
-            });
+            let cloth = self.cloth.as_ref();
+            let error_m = cloth.map_or(0.0, |cloth| error_m(cloth, &before, (integration, part_s)));
             let verdict = adaptive.judge(outcome.stop, error_m);
             if let (Verdict::Refused(halvings), Some(cloth)) = (verdict, &mut self.cloth) {
                 before.put_back(cloth);
+                self.energy = held_still;
                 adaptive.halvings += halvings;
                 adaptive.most_halvings = adaptive.most_halvings.max(adaptive.halvings);
                 continue;
             }
             self.finite(Some(&outcome))?;
             self.settle_solve();
+            self.add_energy(1);
             done += length;
             let longer_fits = adaptive.halvings > 0 && done.is_multiple_of(2 * length);
             if verdict == Verdict::Lengthened && longer_fits {

@@ -93,6 +93,7 @@ impl Simulation {
                 positions_m: cloth.positions_m.clone(),
                 velocities_m_s: cloth.velocities_m_s.clone(),
                 guide_anchors_m: cloth.structure.guides.iter().map(|g| g.anchor_m).collect(),
+                step_before: cloth.step_before.clone(),
             })
     }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::cloth::Structure;
-use crate::cpu::cloth::Cloth;
+use crate::cpu::cloth::{Cloth, StepBefore};
 use crate::trim::Loads;
 
 /// What acts on the structure in a static equilibrium, beside gravity.
@@ -25,6 +25,9 @@ pub struct StructureState {
     pub velocities_m_s: Vec<DVec3>,
     /// Where guides rest [m], `[guide_count]`.
     pub guide_anchors_m: Vec<DVec3>,
+    /// Where the structure was a step before, for a step that asks for it; not part of what is written.
+    #[serde(skip)]
+    pub step_before: Option<StepBefore>,
 }
 
 impl StructureState {
@@ -40,6 +43,7 @@ impl StructureState {
     pub(super) fn put_back(&self, cloth: &mut Cloth) {
         cloth.positions_m.copy_from_slice(&self.positions_m);
         cloth.velocities_m_s.copy_from_slice(&self.velocities_m_s);
+        cloth.step_before.clone_from(&self.step_before);
         let guides = cloth.structure.guides.iter_mut();
         for (guide, anchor_m) in guides.zip(&self.guide_anchors_m) {
             guide.anchor_m = *anchor_m;

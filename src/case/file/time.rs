@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::wing_run::{LoadTest, PanelShaping, Trim, WingPressure};
+use crate::cloth::TimeIntegration;
 
 /// Acts on the structure and on what falls.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -71,6 +72,8 @@ pub struct Time {
     pub end_s: f64,
     /// Implicit step of the fabric [s]; required without air, and refused with it, which has its own. With `[time.adaptive]` the largest.
     pub step_s: Option<f64>,
+    /// How the fabric's motion is integrated, only with fabric; `"bdf2"` if absent (docs/case-files.md#integration-in-time).
+    pub integration: Option<TimeIntegration>,
     /// Divides steps as accuracy asks for, only without air; absent: every step is solved at once.
     pub adaptive: Option<AdaptiveSteps>,
 }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::loads::prediction;
+use super::integration::StepBase;
 use super::objective::Objective;
 use super::vectors::{double, single};
 use super::{Cloth, InitialHessian, StepInput};
@@ -21,15 +21,11 @@ impl Cloth {
         input: &'a StepInput<'a>,
         initial_hessian: InitialHessian,
     ) -> Evaluator<'a> {
-        let (structure, start) = (&self.structure, &self.positions_m);
-        let prediction_m = prediction(structure, start, &self.velocities_m_s, input);
-        let objective = Objective::new(
-            structure,
-            &mut self.prepared,
-            [start, &self.velocities_m_s],
-            input,
-            initial_hessian,
-        );
+        let structure = &self.structure;
+        let state = [&self.positions_m[..], &self.velocities_m_s];
+        let base = StepBase::new(state, self.step_before.as_ref(), input);
+        let prediction_m = base.prediction(structure, input);
+        let objective = Objective::new(structure, &mut self.prepared, base, input, initial_hessian);
         Evaluator {
             objective,
             prediction_m,

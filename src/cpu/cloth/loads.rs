@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::pressure::{self, Pressure};
 use super::triangle_reaction::TriangleReaction;
-use crate::cloth::Structure;
+use crate::cloth::{Structure, TimeIntegration};
 use crate::immersed::permeable::Permeable;
 
 /// One marker as the cloth feels it.
@@ -55,6 +55,8 @@ pub struct NodalDrag {
 pub struct StepInput<'a> {
     /// Time step [s]; `None` asks for the static equilibrium.
     pub time_step_s: Option<f64>,
+    /// How motion is integrated; without meaning in the static limit.
+    pub integration: TimeIntegration,
     /// Gravity [m/s²].
     pub gravity_m_s2: DVec3,
     /// Pressure jumps along the triangle normals; those at the start of a time step, turning with the fabric in the static limit.
@@ -148,30 +150,4 @@ pub fn add_pull_of_the_air(structure: &Structure, input: &StepInput, loads: &mut
             loads[node as usize] += pull;
         }
     }
-}
-
-/// Where the minimisation starts [m]: every node that is not held goes on as it moved, supports are where they are to be. H₀ is built
-/// there too, which for long steps of drapes halves the evaluations against the old positions.
-#[must_use]
-pub fn prediction(
-    structure: &Structure,
-    start: &[DVec3],
-    velocities: &[DVec3],
-    input: &StepInput,
-) -> Vec<DVec3> {
-    let mut point = start.to_vec();
-    if let Some(dt) = input.time_step_s {
-        for ((x, v), &held) in point.iter_mut().zip(velocities).zip(&structure.held) {
-            if !held {
-                *x += *v * dt;
-            }
-        }
-    }
-    for &(node, place) in input.moved_supports {
-        let node = node as usize;
-        if structure.held[node] {
-            point[node] = place;
-        }
-    }
-    point
 }

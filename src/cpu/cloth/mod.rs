@@ -4,9 +4,13 @@
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
+//! * [`integration`]: what velocities of a step count from;
 //! * [`loads`], [`pressure`]: what acts during a step;
+//! * `energies`: energies, and the work of a step;
 //! * [`line_drag`]: drag of suspension lines;
 //! * `cut_reactions`, [`triangle_reaction`]: reactions of the air where the fabric cuts the lattice;
+//! * `reactions`: all that the air does in a step;
+//! * `marker_sums`: reactions of the air at markers, summed by triangle;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
 //! * [`read_outs`]: tensions and reactions;
 //! * `residual`: what the residual stiffness carries;
@@ -22,16 +26,20 @@ pub mod contact;
 mod cut_reactions;
 pub mod dashpots;
 mod driver;
+mod energies;
 pub mod evaluator;
 pub mod gather;
 pub mod initial_hessian;
+pub mod integration;
 pub mod line_drag;
 pub mod loads;
+mod marker_sums;
 pub mod nodal_forces;
 mod objective;
 pub mod permeable;
 pub mod pressure;
 pub mod probe;
+mod reactions;
 pub mod read_outs;
 mod residual;
 pub mod settings;
@@ -51,8 +59,11 @@ use gather::Gather;
 use nodal_forces::Pulls;
 
 use crate::cloth::Structure;
+pub use crate::cloth::TimeIntegration;
 use crate::solve::multigrid::Multigrid;
+pub use energies::StepWork;
 pub use evaluator::Evaluator;
+pub use integration::StepBefore;
 pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use probe::Probe;
@@ -70,6 +81,8 @@ pub struct Cloth {
     pub positions_m: Vec<DVec3>,
     /// Velocities [m/s], `[node_count]`.
     pub velocities_m_s: Vec<DVec3>,
+    /// Where it was a step before; `None` where a step has nothing before it.
+    pub step_before: Option<StepBefore>,
     /// What can be prepared once for the structure.
     prepared: Prepared,
 }
@@ -100,6 +113,7 @@ impl Cloth {
         Self {
             positions_m: structure.positions_m.clone(),
             velocities_m_s: vec![DVec3::ZERO; structure.node_count()],
+            step_before: None,
             prepared: Prepared {
                 gather: Gather::new(&structure),
                 contacts: Contacts::new(&structure),
@@ -154,16 +168,6 @@ impl Cloth {
             .iter()
             .zip(&self.structure.masses_kg)
             .map(|(v, &m)| *v * m)
-            .sum()
-    }
-
-    /// Kinetic energy [J].
-    #[must_use]
-    pub fn kinetic_energy_j(&self) -> f64 {
-        self.velocities_m_s
-            .iter()
-            .zip(&self.structure.masses_kg)
-            .map(|(v, &m)| 0.5 * m * v.length_squared())
             .sum()
     }
 }

@@ -1,15 +1,15 @@
 //! Part of stage `solve_cloth`: the objective that an implicit step minimises, with the immersed-boundary reaction inside.
 //!
-//! Over the new positions x, with v = (x − xⁿ)/dt,
+//! Over the new positions x, with v = (x − x̂)/dt,
 //!
 //! Π(x) = ½ (v − v̂)ᵀ M (v − v̂) + E(x) − f·x + ½ dt β vᵀMv + ½ dt Σ_k K_k |v_k − u*_k|²  \[J\],
 //!
-//! v̂ = vⁿ, f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
+//! x̂, v̂ and dt being those of [`super::integration`] (by backward Euler xⁿ, vⁿ and the step), f gravity and the pressure at the start of the step, β mass-proportional damping, v_k the velocity of marker k and K_k its
 //! immersed-boundary stiffness \[kg/s\]; the fluid later gets exactly K_k (v_k − u*_k). Where air passes the fabric this term is another
 //! ([`super::permeable`]), and where the fabric cuts the lattice ([`super::cut_reactions`]). Drag of single nodes adds ½ dt c |v_i − u|². Damped cables add their dissipation
 //! ([`super::dashpots`]). In the static limit the terms of motion and reaction are absent, and pressure follows the fabric, −p V for
 //! −f·x, or is renewed from solve to solve ([`super::pressure`]). Paper P0 (eqs. 5, 6) writes the objective for dt²·Π with the signs of E and β mixed up;
-//! this is derived anew (gradient = M (v − vⁿ)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
+//! this is derived anew (gradient = M (v − v̂)/dt + ∇E − f + β M v + Σ K (v_k − u*_k)).
 //!
 //! Where the step spans k steps of the air, dt is that of all of them, and u*_k their mean (`simulation::Coupled`).
 
@@ -18,10 +18,13 @@ use std::convert::Infallible;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::dashpots::{Dashpot, dashpots};
+use super::integration::StepBase;
 use super::loads::{StepInput, add_pull_of_the_air, step_loads};
+use super::marker_sums::MarkerSums;
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{
-    Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, stiffness,
+    Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, reactions,
+    stiffness,
 };
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
@@ -32,14 +35,15 @@ use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 pub(super) struct Objective<'a> {
     structure: &'a Structure,
     prepared: &'a mut Prepared,
-    start: &'a [DVec3],
-    velocities: &'a [DVec3],
-    input: &'a StepInput<'a>,
+    base: StepBase<'a>,
+    /// Over the base's time step.
+    input: StepInput<'a>,
     /// Loads that stay [N].
     loads: Vec<DVec3>,
     /// From where the volume under pressure is seen [m]; `None` in a time step and without pressure.
     origin_m: Option<DVec3>,
     dashpots: Vec<Dashpot>,
+    marker_sums: MarkerSums,
     kind: InitialHessian,
     /// Of block-Jacobi.
     inverse_blocks: Vec<DMat3>,
@@ -59,23 +63,25 @@ impl<'a> Objective<'a> {
     pub(super) fn new(
         structure: &'a Structure,
         prepared: &'a mut Prepared,
-        [start, velocities]: [&'a [DVec3]; 2],
-        input: &'a StepInput<'a>,
+        base: StepBase<'a>,
+        input: &StepInput<'a>,
         kind: InitialHessian,
     ) -> Self {
-        let loads = step_loads(structure, start, input);
+        let input = base.input(input);
+        let start = base.start_m;
+        let loads = step_loads(structure, start, &input);
         if let Some(contacts) = &mut prepared.contacts {
-            contacts.begin(structure, start, input, &loads);
+            contacts.begin(structure, start, &input, &loads);
         }
         Self {
             structure,
             prepared,
-            start,
-            velocities,
-            input,
             loads,
             origin_m: input.pressure_follows().then(|| pressure::middle(start)),
             dashpots: dashpots(structure, start, input.time_step_s),
+            marker_sums: MarkerSums::new(structure, &input),
+            base,
+            input,
             kind,
             inverse_blocks: Vec::new(),
             forces: Vec::new(),
@@ -97,7 +103,7 @@ impl<'a> Objective<'a> {
         let structure = self.structure;
         let Prepared { gather, pulls, .. } = &mut *self.prepared;
         let mut value = nodal_forces::elastic_gradient(structure, gather, point, pulls, gradient);
-        let (start, loads) = (self.start, &self.loads);
+        let (start, loads) = (&self.base.positions_m, &self.loads);
         let [work] = chunked_sum(point.len(), |range| {
             [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
         });
@@ -108,7 +114,7 @@ impl<'a> Objective<'a> {
         }
         if let Some(dt) = self.input.time_step_s {
             let damping = self.input.damping_1_s;
-            let velocities = self.velocities;
+            let velocities = &self.base.velocities_m_s;
             let motion = |i: usize| {
                 let velocity = (point[i] - start[i]) / dt;
                 (velocity, velocity - velocities[i])
@@ -126,30 +132,9 @@ impl<'a> Objective<'a> {
                 let (velocity, change) = motion(i);
                 (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
             });
-            for drag in self.input.drags {
-                let node = drag.node as usize;
-                let slip = (point[node] - start[node]) / dt - drag.air_velocity_m_s;
-                value += 0.5 * dt * drag.coefficient_kg_s * slip.length_squared();
-                gradient[node] += slip * drag.coefficient_kg_s;
-            }
-            value += permeable::add_reactions(structure, start, dt, self.input, point, gradient);
-            for marker in self.input.impermeable_markers() {
-                let nodes = structure.triangles[marker.triangle as usize]
-                    .nodes
-                    .map(|n| n as usize);
-                let mut displacement = DVec3::ZERO;
-                for (&node, weight) in nodes.iter().zip(marker.weights) {
-                    displacement += (point[node] - start[node]) * weight;
-                }
-                let slip = marker.felt(displacement / dt - marker.air_velocity_m_s);
-                value += 0.5 * dt * marker.stiffness_kg_s * slip.length_squared();
-                let force = slip * marker.stiffness_kg_s;
-                for (&node, weight) in nodes.iter().zip(marker.weights) {
-                    gradient[node] += force * weight;
-                }
-            }
-            value +=
-                cut_reactions::add_reactions(structure, start, dt, self.input, point, gradient);
+            let base = (&start[..], dt);
+            let (sums, input) = (&self.marker_sums, &self.input);
+            value += reactions::add_reactions(structure, sums, base, input, point, gradient);
             for dashpot in &self.dashpots {
                 let (dissipation, pull) = dashpot.energy_and_gradient(start, point);
                 value += dissipation;
@@ -198,7 +183,7 @@ impl<'a> Objective<'a> {
         match self.kind {
             InitialHessian::BlockJacobi => self.rebuild_blocks(point),
             InitialHessian::Multigrid => {
-                let (structure, input) = (self.structure, self.input);
+                let (structure, input) = (self.structure, &self.input);
                 self.prepared.multigrid(structure);
                 let Prepared {
                     gather,
@@ -206,7 +191,7 @@ impl<'a> Objective<'a> {
                     contacts,
                     ..
                 } = &mut *self.prepared;
-                let start = self.start;
+                let start = &self.base.positions_m;
                 let rows = contacts.as_ref().map(|c| c.rows(structure.node_count()));
                 let extra = stiffness::Extra {
                     dashpots: &self.dashpots,
@@ -232,7 +217,7 @@ impl<'a> Objective<'a> {
         let Some(contacts) = &mut self.prepared.contacts else {
             return;
         };
-        let mut place = self.start.to_vec();
+        let mut place = self.base.start_m.to_vec();
         for _ in 0..LEG_LIMIT {
             let free = contacts.free_share(&place, |i| point[i] - place[i]);
             if free.share >= 1.0 {
@@ -277,8 +262,8 @@ impl<'a> Objective<'a> {
         self.structure
     }
 
-    pub(super) const fn input(&self) -> &'a StepInput<'a> {
-        self.input
+    pub(super) const fn input(&self) -> &StepInput<'a> {
+        &self.input
     }
 
     pub(super) const fn kind(&self) -> InitialHessian {
@@ -318,10 +303,10 @@ impl<'a> Objective<'a> {
             }
             permeable::add_blocks(
                 structure,
-                self.start,
+                &self.base.positions_m,
                 point,
                 dt,
-                self.input,
+                &self.input,
                 &mut self.inverse_blocks,
             );
             for marker in self.input.impermeable_markers() {
@@ -331,7 +316,7 @@ impl<'a> Objective<'a> {
                     self.inverse_blocks[node as usize] += marker.projection() * stiffness;
                 }
             }
-            cut_reactions::add_blocks(structure, dt, self.input, &mut self.inverse_blocks);
+            cut_reactions::add_blocks(structure, dt, &self.input, &mut self.inverse_blocks);
         }
         if let Some(contacts) = &self.prepared.contacts {
             contacts.add_blocks(&mut self.inverse_blocks);
@@ -365,7 +350,7 @@ impl<'a> Objective<'a> {
             let following = self.input.pressure.following();
             pressure::add_forces(self.structure, point, following, &mut loads);
         }
-        add_pull_of_the_air(self.structure, self.input, &mut loads);
+        add_pull_of_the_air(self.structure, &self.input, &mut loads);
         for (load, &held) in loads.iter_mut().zip(&self.structure.held) {
             if held {
                 *load = DVec3::ZERO;

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::loads::{StepInput, prediction};
+use super::integration::StepBase;
+use super::loads::StepInput;
 use super::objective::Objective;
 use super::settings::SolverSettings;
 use super::{Cloth, vectors};
@@ -33,13 +34,15 @@ impl Cloth {
         direction: &[DVec3],
         [length, step_limit_m]: [f64; 2],
     ) -> Probe {
-        let (structure, start) = (&self.structure, &self.positions_m);
-        let point = prediction(structure, start, &self.velocities_m_s, input);
+        let structure = &self.structure;
+        let state = [&self.positions_m[..], &self.velocities_m_s];
+        let base = StepBase::new(state, self.step_before.as_ref(), input);
+        let point = base.prediction(structure, input);
         let mut prepared = self.prepared.clone();
         let mut objective = Objective::new(
             structure,
             &mut prepared,
-            [start, &self.velocities_m_s],
+            base,
             input,
             settings.initial_hessian,
         );

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::Cloth;
 use super::driver::minimise;
-use super::loads::{StepInput, dead_loads, prediction};
+use super::integration::{StepBase, StepBefore};
+use super::loads::{StepInput, dead_loads};
 use super::objective::Objective;
 use super::settings::{SolverSettings, options, round_off_m};
 use crate::solve::lbfgs::{Outcome, Stop, Watch};
@@ -25,13 +26,14 @@ impl Cloth {
         settings: &SolverSettings,
         watch: Watch,
     ) -> Outcome {
-        let start = std::mem::take(&mut self.positions_m);
         let structure = &self.structure;
-        let mut point = prediction(structure, &start, &self.velocities_m_s, input);
+        let state = [&self.positions_m[..], &self.velocities_m_s];
+        let base = StepBase::new(state, self.step_before.as_ref(), input);
+        let mut point = base.prediction(structure, input);
         let mut objective = Objective::new(
             structure,
             &mut self.prepared,
-            [&start, &self.velocities_m_s],
+            base.clone(),
             input,
             settings.initial_hessian,
         );
@@ -65,19 +67,26 @@ impl Cloth {
         if let Some(contacts) = &mut self.prepared.contacts {
             contacts.finish(&point);
         }
-        match input.time_step_s {
-            Some(dt) => {
-                for ((v, new), old) in self.velocities_m_s.iter_mut().zip(&point).zip(&start) {
-                    *v = (*new - *old) / dt;
-                }
-                // A step so short that round-off of positions is a part of its motion.
-                for (v, left) in self.velocities_m_s.iter_mut().zip(&remainder) {
-                    *v -= left.as_dvec3() / dt;
-                }
+        let velocity = |(node, place): (usize, &DVec3)| base.velocity_m_s(node, *place);
+        let mut velocities: Vec<DVec3> = point.iter().enumerate().map(velocity).collect();
+        // A step so short that round-off of positions is a part of its motion.
+        if let Some(h) = base.time_step_s {
+            for (v, left) in velocities.iter_mut().zip(&remainder) {
+                *v -= left.as_dvec3() / h;
             }
-            None => self.velocities_m_s.fill(DVec3::ZERO),
         }
-        self.positions_m = point;
+        self.end_step([point, velocities], input);
         outcome
+    }
+
+    /// The structure is at the end of a step, or at rest; what the next step counts from is kept.
+    pub fn end_step(&mut self, [positions_m, velocities_m_s]: [Vec<DVec3>; 2], input: &StepInput) {
+        let positions = std::mem::replace(&mut self.positions_m, positions_m);
+        let velocities = std::mem::replace(&mut self.velocities_m_s, velocities_m_s);
+        self.step_before = input.time_step_s.map(|time_step_s| StepBefore {
+            positions_m: positions,
+            velocities_m_s: velocities,
+            time_step_s,
+        });
     }
 }

@@ -9,7 +9,7 @@
 //! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!
-//! *Departures from the CPU*: displacements count from the prediction xⁿ + dt vⁿ instead of from xⁿ, so that the velocity change,
+//! *Departures from the CPU*: displacements count from the prediction instead of from xⁿ, so that the velocity change,
 //! which decides, is not the small difference of two large numbers; what that adds to the objective is constant or linear and is
 //! put together on the host in `f64`. Elongations come from whole numbers (`shaders/elements.wgsl`), so strains are as fine as
 //! positions, 5e-13 m over an edge, not as `f32`. Everything is computed in the same order every time: same bits on one device.
@@ -69,6 +69,8 @@ pub struct Cloth {
     loads: Vec<[f32; 3]>,
     /// Loads that set the scale of the tolerance, as they were last uploaded.
     drive: Vec<[f32; 3]>,
+    /// What shaders know of the step that was uploaded.
+    stage: ClothStage,
     /// Part of the objective that does not depend on the positions sought [J].
     constant_j: f64,
     /// Where the last solve ended, until it is fetched.
@@ -233,6 +235,7 @@ impl Cloth {
             multigrid: None,
             loads: Vec::new(),
             drive: Vec::new(),
+            stage: ClothStage::default(),
             constant_j: 0.0,
             solution: None,
             remainder: Vec::new(),

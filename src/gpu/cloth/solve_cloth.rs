@@ -1,6 +1,7 @@
 //! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/objective.rs`, minimised by the same L-BFGS.
 //!
-//! With p = xⁿ + dt v̄ the prediction (v̄ = vⁿ, 0 at held nodes) and Δ = x − p, the objective is
+//! With p = x̂ + dt v̄ the prediction (v̄ = v̂, that of their supports at held nodes; x̂, v̂ and dt of [`crate::cpu::cloth::integration`]) and Δ = x − p, the
+//! objective is
 //!
 //! Π = E(x) + ½ (1/dt² + β/dt) ΔᵀMΔ − (f − β M v̄)·Δ + ½ dt Σ_k K_k |Δ_k/dt + (v̄_k − u*_k)|² + constant,
 //!
@@ -11,7 +12,8 @@ use glam::DVec3;
 use crate::cloth::Structure;
 use crate::cpu::cloth::dashpots::dashpots;
 use crate::cpu::cloth::initial_hessian::FREE_NODE_STIFFNESS;
-use crate::cpu::cloth::loads::{add_pull_of_the_air, prediction, step_loads};
+use crate::cpu::cloth::integration::StepBase;
+use crate::cpu::cloth::loads::{add_pull_of_the_air, step_loads};
 use crate::cpu::cloth::pressure;
 use crate::cpu::cloth::settings::options;
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
@@ -53,7 +55,7 @@ impl Cloth {
         settings: &SolverSettings,
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
-        let mut space = self.space(input, self.constant_j, settings.initial_hessian)?;
+        let mut space = self.space(self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
         let mut options = options(structure, input, settings);
@@ -68,12 +70,8 @@ impl Cloth {
 
     /// Stage `fetch_nodes`: positions and velocities of `state` become those of the solution; the prediction where there is none.
     pub fn fetch_nodes(&mut self, state: &mut State, input: &StepInput) -> Result<(), DeviceError> {
-        let mut new = prediction(
-            &state.structure,
-            &state.positions_m,
-            &state.velocities_m_s,
-            input,
-        );
+        let base = base(state, input);
+        let mut new = base.prediction(&state.structure, input);
         let remainder = std::mem::take(&mut self.remainder);
         if let Some(point) = self.solution.take() {
             let solved = self.positions(&point)?;
@@ -92,20 +90,9 @@ impl Cloth {
                 }
             }
         }
-        match input.time_step_s {
-            Some(dt) => {
-                for ((v, new), old) in state
-                    .velocities_m_s
-                    .iter_mut()
-                    .zip(&new)
-                    .zip(&state.positions_m)
-                {
-                    *v = (*new - *old) / dt;
-                }
-            }
-            None => state.velocities_m_s.fill(DVec3::ZERO),
-        }
-        state.positions_m = new;
+        let velocity = |(node, place): (usize, &DVec3)| base.velocity_m_s(node, *place);
+        let velocities = new.iter().enumerate().map(velocity).collect();
+        state.end_step([new, velocities], input);
         Ok(())
     }
 
@@ -138,7 +125,7 @@ impl Cloth {
         };
         self.prepare(&state.structure, (input, &settings))?;
         let constant_j = self.upload(state, input)?;
-        let mut space = self.space(input, constant_j, settings.initial_hessian)?;
+        let mut space = self.space(constant_j, settings.initial_hessian)?;
         let point = space.point()?;
         self.place_at_prediction(&point)?;
         let mut landed = space.point()?;
@@ -188,27 +175,13 @@ impl Cloth {
     }
 
     /// The objective of a step whose state was uploaded.
-    fn space(
-        &self,
-        input: &StepInput,
-        constant_j: f64,
-        kind: InitialHessian,
-    ) -> Result<Space<'_>, DeviceError> {
-        let mut stage = ClothStage {
-            stiffness_floor: FREE_NODE_STIFFNESS as f32,
-            ..ClothStage::default()
-        };
-        if let Some(dt) = input.time_step_s {
-            stage.inertia = ((1.0 / dt + input.damping_1_s) / dt) as f32;
-            stage.rate = (1.0 / dt) as f32;
-            stage.time_step = dt as f32;
-        }
+    fn space(&self, constant_j: f64, kind: InitialHessian) -> Result<Space<'_>, DeviceError> {
         let workspace = self.workspace()?;
         let mut space = Space::new(
             &self.device,
             workspace,
             self.buffer("stage")?,
-            stage,
+            self.stage,
             constant_j,
             self.nodes,
         );
@@ -240,13 +213,24 @@ impl Cloth {
                 input.markers.len(),
             )));
         }
-        let start = &state.positions_m;
-        let predicted = prediction(structure, start, &state.velocities_m_s, input);
+        let base = base(state, input);
+        let input = &base.input(input);
+        let (start, counted_from) = (base.start_m, &base.positions_m);
+        self.stage = ClothStage {
+            stiffness_floor: FREE_NODE_STIFFNESS as f32,
+            ..ClothStage::default()
+        };
+        if let Some(dt) = input.time_step_s {
+            self.stage.inertia = ((1.0 / dt + input.damping_1_s) / dt) as f32;
+            self.stage.rate = (1.0 / dt) as f32;
+            self.stage.time_step = dt as f32;
+        }
+        let predicted = base.prediction(structure, input);
         // Of the prediction.
         let velocity = |node: usize| match input.time_step_s {
             None => DVec3::ZERO,
-            Some(dt) if structure.held[node] => (predicted[node] - start[node]) / dt,
-            Some(_) => state.velocities_m_s[node],
+            Some(_) if structure.held[node] => base.velocity_m_s(node, predicted[node]),
+            Some(_) => base.velocities_m_s[node],
         };
         let (whole, remainder): (Vec<i32>, Vec<f32>) = predicted
             .iter()
@@ -276,12 +260,12 @@ impl Cloth {
                 .write(self.buffer("face_pressures")?, 0, &pressures);
         }
         for node in 0..self.nodes {
-            constant_j -= loads[node].dot(predicted[node] - start[node]);
+            constant_j -= loads[node].dot(predicted[node] - counted_from[node]);
             if let Some(dt) = input.time_step_s {
                 let mass = structure.masses_kg[node];
                 let damping = input.damping_1_s * mass;
                 constant_j += 0.5 * dt * damping * velocity(node).length_squared();
-                let change = velocity(node) - state.velocities_m_s[node];
+                let change = velocity(node) - base.velocities_m_s[node];
                 constant_j += 0.5 * mass * change.length_squared();
                 loads[node] -= velocity(node) * damping;
             }
@@ -385,6 +369,12 @@ impl Cloth {
     fn positions(&self, point: &PointSlot) -> Result<Vec<DVec3>, DeviceError> {
         self.points()?.positions_m(point)
     }
+}
+
+/// What velocities and accelerations of a step count from.
+fn base<'a>(state: &'a State, input: &StepInput) -> StepBase<'a> {
+    let now = [&state.positions_m[..], &state.velocities_m_s];
+    StepBase::new(now, state.step_before.as_ref(), input)
 }
 
 /// What damping needs of a step that starts at `start`, as `shaders/elements.wgsl` reads it; `velocity` is that of the prediction.
