@@ -109,7 +109,8 @@ fn last(record: &Record, name: &str) -> f64 {
     *column(record, name).last().unwrap()
 }
 
-/// A canopy that opens: the air's work is found again in fabric and lines but for a share, which is smaller by BDF2.
+/// A canopy that opens: fabric that snaps taut loses motion that no mesh holds, whatever the integration; by BDF2 it loses less, and the balance knows
+/// nothing that is negative.
 fn canopy(placement: Placement, engine: Engine) {
     let shares = ["bdf2", "backward_euler"].map(|integration| {
         let change = format!("time.integration=\"{integration}\"");
@@ -121,11 +122,8 @@ fn canopy(placement: Placement, engine: Engine) {
         println!("{integration}: work of the air {work_j:.3} J, lost {loss_j:.3} J");
         loss_j / work_j
     });
-    assert!(
-        shares[0].abs() < tolerances::ENERGY_LOST_IN_AN_OPENING,
-        "{shares:?}"
-    );
-    assert!(shares[0].abs() < shares[1].abs(), "{shares:?}");
+    assert!(0.0 < shares[0] && shares[0] < 0.9 * shares[1], "{shares:?}");
+    assert!(shares[1] < 1.0, "{shares:?}");
 }
 
 /// What a scene does not have, has no column.

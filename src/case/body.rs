@@ -132,6 +132,8 @@ pub struct HangingCable {
     pub length_m: f64,
     /// Weight per length [N/m].
     pub weight_n_m: f64,
+    /// True while nothing but its weight acts between two held ends.
+    pub hangs_by_itself: bool,
 }
 
 /// What is measured on a square airbag.

@@ -32,6 +32,7 @@ pub mod mesh_examination;
 mod mesh_lines;
 mod motion;
 mod near;
+mod nodes;
 mod output;
 mod payload_bodies;
 mod permeability;

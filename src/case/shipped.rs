@@ -1,7 +1,7 @@
 //! Shipped cases, embedded so that an installed binary can write them.
 
 /// Shipped cases, embedded so that an installed binary can print them: name, text.
-pub const SHIPPED: [(&str, &str); 26] = [
+pub const SHIPPED: [(&str, &str); 27] = [
     ("airbag", include_str!("../../cases/cloth/airbag.toml")),
     (
         "bias-extension",
@@ -55,6 +55,10 @@ pub const SHIPPED: [(&str, &str); 26] = [
     (
         "ram-air-parachute",
         include_str!("../../cases/ram-air-parachute.toml"),
+    ),
+    (
+        "slung-weight",
+        include_str!("../../cases/cloth/slung-weight.toml"),
     ),
     (
         "shaken-rope",

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::body::{Airbag, Body, BodyKind, Coupon, HangingCable};
 use super::cable_material::check_material;
-use super::file;
+use super::file::{self, SheetHold};
 use super::problem::Problem;
+use super::usual;
 use super::values::{at_once, positive, vector, within};
 use crate::fabric::Fabric;
 use crate::geometry::{airbag, cable, coupon, fabric_surface, sheet, surfaces};
@@ -15,6 +16,9 @@ const DIVISION_LIMIT: usize = 2_000;
 
 /// Most cells of a sheet: some 5 GB.
 const SHEET_CELL_LIMIT: usize = 4_000_000;
+
+/// Most distance of the sides of a sheet, over its width.
+const STRETCHED: f64 = 1.2;
 
 fn divisions(key: &str, count: usize, least: usize) -> Result<usize, Problem> {
     if (least..=DIVISION_LIMIT).contains(&count) {
@@ -146,11 +150,16 @@ pub(super) fn check_sheet(written: &file::Sheet, fabric: &Fabric) -> Result<Body
             format!("allowed are 1 to 5000 cells along each side, and {SHEET_CELL_LIMIT} in all"),
         ));
     }
+    let hold = usual::or(key("held"), written.held, SheetHold::UpperCorners);
+    let widest = match hold {
+        SheetHold::Sides => STRETCHED,
+        SheetHold::UpperCorners | SheetHold::UpperEdge => 1.0,
+    };
     let hung_width_m = within(
         &key("hung_width_m"),
         written.hung_width_m,
         0.05 * written.size_m[0],
-        written.size_m[0],
+        widest * written.size_m[0],
     )?;
     let shape = sheet::SheetShape {
         size_m: written.size_m,
@@ -180,8 +189,16 @@ pub(super) fn check_sheet(written: &file::Sheet, fabric: &Fabric) -> Result<Body
             rest.z,
         );
     }
-    for corner in [shape.node(0, 0), shape.node(written.divisions[0], 0)] {
-        structure.held[corner as usize] = true;
+    let (last, rows) = (across, 0..=down);
+    let held: Vec<u32> = match hold {
+        SheetHold::UpperCorners => vec![shape.node(0, 0), shape.node(last, 0)],
+        SheetHold::UpperEdge => (0..=last).map(|i| shape.node(i, 0)).collect(),
+        SheetHold::Sides => rows
+            .flat_map(|j| [shape.node(0, j), shape.node(last, j)])
+            .collect(),
+    };
+    for node in held {
+        structure.held[node as usize] = true;
     }
     Ok(Body::new(structure, &positions, BodyKind::Sheet))
 }
@@ -197,12 +214,25 @@ pub(super) fn check_cable(
         vector(&format!("{KEY}.ends_m"), written.ends_m[1])?,
     ];
     let span_m = ends[0].distance(ends[1]);
-    let length_m = positive(&format!("{KEY}.length_m"), written.length_m)?;
-    if length_m <= span_m {
+    let length_m = match (written.length_m, written.pretension_n) {
+        (Some(length_m), None) => positive(&format!("{KEY}.length_m"), length_m)?,
+        (None, Some(tension_n)) => {
+            let tension_n = positive(&format!("{KEY}.pretension_n"), tension_n)?;
+            span_m / (1.0 + material.law.strain_at(tension_n))
+        }
+        _ => {
+            return Err(Problem::new(
+                KEY,
+                format!("[{KEY}] needs exactly one of length_m and pretension_n"),
+                "give its unstretched length, or the tension in which it starts",
+            ));
+        }
+    };
+    if length_m <= span_m && written.length_m.is_some() {
         return Err(Problem::new(
             format!("{KEY}.length_m"),
             format!("a cable of {length_m} m does not reach over {span_m} m"),
-            "make the cable longer than the distance of its ends",
+            "make the cable longer than the distance of its ends, or give pretension_n instead",
         ));
     }
     if !(2..=100_000).contains(&written.segments) {
@@ -220,6 +250,7 @@ pub(super) fn check_cable(
             span_m,
             length_m,
             weight_n_m,
+            hangs_by_itself: true,
         }),
     })
 }

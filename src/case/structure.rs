@@ -11,7 +11,7 @@ use super::mesh_examination::FromFiles;
 use super::problem::Problem;
 use super::rigging::{NEEDS_LINES, Written, lines_per_end, rig};
 use super::values::{absent, positive, within};
-use super::{contact, lep_sim, mesh, plate, specimens, usual, wing};
+use super::{contact, lep_sim, mesh, nodes, plate, specimens, usual, wing};
 use crate::geometry::parachute::designs::{
     Design, DesignFault, RadialSlots, Shape, VIKING_DISK, VIKING_GAP,
 };
@@ -29,6 +29,7 @@ pub(super) fn check(
         return Ok(None);
     };
     let mut body = build(file, written, files, gravity)?;
+    nodes::check(file, &mut body, files)?;
     body.structure.permeability = check_permeability(file)?;
     let moves = file.time.is_some() || file.air.is_some();
     body.structure.check(moves).map_err(|fault| {

@@ -77,6 +77,10 @@ pub struct Structure {
     pub contact: Option<Contact>,
     /// Openings that the fabric is built with.
     pub openings: Vec<Opening>,
+    /// Forces that pull nodes and stay as they are [N], `[node_count]`; empty: none.
+    pub loads_n: Vec<DVec3>,
+    /// Velocities at the start [m/s], `[node_count]`; empty: it starts from rest.
+    pub start_velocities_m_s: Vec<DVec3>,
 }
 
 impl Structure {

@@ -6,6 +6,9 @@
 pub mod drag;
 pub mod named;
 
+/// Halvings until a strain is found.
+const HALVINGS: usize = 60;
+
 /// Elastic constants of a cable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cable {
@@ -157,6 +160,25 @@ impl CableLaw {
             },
             Self::Table(table) => table.at(strain),
         }
+    }
+
+    /// Strain at which it carries a tension \[N\], by halving.
+    #[must_use]
+    pub fn strain_at(&self, tension_n: f64) -> f64 {
+        let [mut low, mut high] = [0.0, tension_n / self.initial_stiffness_n()];
+        while self.at(high).tension_n < tension_n && high < 1e3 {
+            high *= 2.0;
+        }
+        // As far as numbers tell places apart.
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.at(middle).tension_n < tension_n {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
     }
 
     /// dT/dε of the first stretch [N].

@@ -13,8 +13,11 @@ static MOVES: When<Scene> = When {
 };
 
 static FALLS: When<Scene> = When {
-    words: "with `[gravity]`",
-    holds: |scene| moves(scene) && scene.gravity_m_s2.is_some(),
+    words: "with `[gravity]`, or with loads of single nodes",
+    holds: |scene| {
+        let loaded = |body: &crate::case::scene::Body| !body.structure.loads_n.is_empty();
+        moves(scene) && (scene.gravity_m_s2.is_some() || scene.body.as_ref().is_some_and(loaded))
+    },
 };
 
 static IN_AIR: When<Scene> = When {

@@ -166,9 +166,11 @@ pub(super) fn alone(
         span_m,
         length_m,
         weight_n_m,
+        hangs_by_itself,
     }) = *kind
     {
-        let exact = catenary::solve(span_m, length_m, weight_n_m).filter(|_| rests);
+        let exact =
+            catenary::solve(span_m, length_m, weight_n_m).filter(|_| rests && hangs_by_itself);
         let source = "exact catenary of an inextensible cable";
         let tensions = &structure.cable_tensions_n;
         let mut insert = |read_out: &ReadOut, value: f64, exact: Option<f64>| {

@@ -99,7 +99,7 @@ impl Simulation {
 
     /// Stage `send_nodes`; parts of steps send their own.
     pub(super) fn send_nodes(&mut self) -> Result<(), DeviceError> {
-        if !self.solves_now() || self.adaptive.is_some() {
+        if !self.solves_now() || self.adaptive.is_some() || self.starts_in_parts() {
             return Ok(());
         }
         self.begin_solve();
@@ -118,6 +118,9 @@ impl Simulation {
         if let Some(adaptive) = self.adaptive {
             return self.solve_in_parts(adaptive);
         }
+        if self.starts_in_parts() {
+            return self.solve_first_parts();
+        }
         let on_device = self.cloth_engine.is_device();
         if !on_device {
             self.begin_solve();
@@ -135,7 +138,7 @@ impl Simulation {
 
     /// Stage `fetch_nodes`.
     pub(super) fn fetch_nodes(&mut self) -> Result<(), Failure> {
-        if !self.solves_now() || self.adaptive.is_some() {
+        if !self.solves_now() || self.adaptive.is_some() || self.starts_in_parts() {
             return Ok(());
         }
         let before = self.before();

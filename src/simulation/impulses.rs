@@ -338,6 +338,11 @@ impl Impulses {
                 .sum();
             pull += gravity * mass;
         }
+        let loads = structure.loads_n.iter().zip(&structure.held);
+        pull += loads
+            .filter(|(_, held)| !**held)
+            .map(|(load, _)| *load)
+            .sum::<DVec3>();
         self.supports -= pull * self.units.time_step_s;
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::adaptive::{Adaptive, Verdict};
 use super::{Failure, Simulation, StructureState};
 use crate::cloth::TimeIntegration;
 use crate::cpu::cloth::Cloth;
-use crate::cpu::cloth::integration::error_over_difference;
+use crate::cpu::cloth::integration::{FIRST_PARTS, error_over_difference};
 
 /// Error of a part's positions, root mean square over the mass of nodes that can move [m].
 fn error_m(
@@ -29,6 +29,30 @@ impl Simulation {
     #[must_use]
     pub const fn adaptive(&self) -> Option<&Adaptive> {
         self.adaptive.as_ref()
+    }
+
+    /// True in the first step of a motion without air that is integrated by BDF2: it has no step before it.
+    pub(super) fn starts_in_parts(&self) -> bool {
+        let integration = self.scene.time.map(|time| time.integration);
+        let alone = self.scene.air.is_none() && self.adaptive.is_none();
+        alone && integration == Some(TimeIntegration::Bdf2) && self.step == self.origin.step
+    }
+
+    /// Stage `solve_cloth` with its transfers in that step.
+    pub(super) fn solve_first_parts(&mut self) -> Result<(), Failure> {
+        let step_s = self.scene.time.map_or(0.0, |time| time.step_s);
+        let mut time_s = self.time_s();
+        for share in FIRST_PARTS {
+            let part_s = share * step_s;
+            time_s += part_s;
+            self.begin_energy();
+            self.place_supports_at_work(time_s);
+            let outcome = self.solve_part(part_s, self.plan.step_hessian)?;
+            self.finite(Some(&outcome))?;
+            self.settle_solve();
+            self.add_energy(1);
+        }
+        Ok(())
     }
 
     /// Stage `solve_cloth` with its transfers, part by part.

@@ -37,7 +37,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 41] = [
+pub const PROBLEMS: [Problem; 42] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -237,6 +237,11 @@ pub const PROBLEMS: [Problem; 41] = [
         name: "drum",
         updates: [60.0, 500.0],
         compute: cloth::drum::compute,
+    },
+    Problem {
+        name: "free-oscillations",
+        updates: [60.0, 300.0],
+        compute: cloth::free_oscillations::compute,
     },
     Problem {
         name: "hostile-starts",

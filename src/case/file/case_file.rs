@@ -14,6 +14,7 @@ use super::design::CanopyDesign;
 use super::design_mesh::MeshDesign;
 use super::design_wing::WingDesign;
 use super::fabric::{CableMaterial, Contact, Fabric};
+use super::nodes::{NodeSpring, Nodes};
 use super::output::Output;
 use super::payload::Payload;
 use super::structure::Structure;
@@ -50,6 +51,12 @@ pub struct File {
     /// Held nodes that are moved, by name; absent: none.
     #[serde(default)]
     pub supports: BTreeMap<String, Support>,
+    /// What single nodes of the structure have beside, by name; absent: nothing.
+    #[serde(default)]
+    pub nodes: BTreeMap<String, Nodes>,
+    /// Springs between nodes of the structure, by name; absent: none.
+    #[serde(default)]
+    pub springs: BTreeMap<String, NodeSpring>,
     /// Fabric of the structure; required unless it is a cable, or a wing, which has its own.
     pub fabric: Option<Fabric>,
     /// Suspension lines of a canopy that is drawn in the case; required with one.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Rotation;
 use super::canopy::{CanopyCommon, Folding};
@@ -303,7 +303,19 @@ canopy_table! {
     }
 }
 
-/// A vertical sheet, held at its two upper corners.
+/// Where a sheet is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SheetHold {
+    /// At its two upper corners.
+    UpperCorners,
+    /// Along its upper edge.
+    UpperEdge,
+    /// Along both sides: a strip from side to side.
+    Sides,
+}
+
+/// A vertical sheet.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sheet {
@@ -315,7 +327,9 @@ pub struct Sheet {
     pub model: FabricModel,
     /// Upper left corner [m].
     pub corner_m: [f64; 3],
-    /// Distance of the held corners [m].
+    /// Where it is held; at its upper corners if absent.
+    pub held: Option<SheetHold>,
+    /// Distance of the held corners or sides [m]: at most the width, between sides up to 1.2 times as much, which stretches a strip before it starts.
     pub hung_width_m: f64,
 }
 
@@ -340,14 +354,16 @@ pub struct Plate {
     pub flexural_rigidity_nm: Option<f64>,
 }
 
-/// A cable between two held ends.
+/// A cable between two ends, which are held unless `[nodes.NAME]` frees them. Exactly one of `length_m` and `pretension_n`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HangingCable {
     /// Both ends [m].
     pub ends_m: [[f64; 3]; 2],
     /// Unstretched length, more than their distance [m].
-    pub length_m: f64,
+    pub length_m: Option<f64>,
+    /// Tension in which it starts, straight [N].
+    pub pretension_n: Option<f64>,
     /// Straight pieces, 2 to 100000.
     pub segments: usize,
     /// What it is made of.

@@ -40,13 +40,19 @@ impl Cloth {
             .sum()
     }
 
-    /// Potential energy of nodes that can move against where they were built [J].
+    /// Potential energy of nodes that can move against where they were built, in gravity and under loads of single nodes [J].
     #[must_use]
     pub fn potential_energy_j(&self, gravity_m_s2: DVec3) -> f64 {
         self.free_nodes()
             .map(|node| {
                 let way = self.positions_m[node] - self.structure.positions_m[node];
-                -self.structure.masses_kg[node] * gravity_m_s2.dot(way)
+                let load_n = self
+                    .structure
+                    .loads_n
+                    .get(node)
+                    .copied()
+                    .unwrap_or_default();
+                -(gravity_m_s2 * self.structure.masses_kg[node] + load_n).dot(way)
             })
             .sum()
     }
@@ -70,13 +76,17 @@ impl Cloth {
             let speeds = before.velocities_m_s[node] + self.velocities_m_s[node];
             work.lost_to_damping_j += 0.5 * input.damping_1_s * mass * speeds.dot(way);
         }
+        // In a unit of time displacements are velocities.
         for dashpot in dashpots(structure, &before.positions_m, Some(1.0)) {
             let [a, b] = dashpot.nodes.map(|n| n as usize);
-            let rates = [&before.velocities_m_s, &self.velocities_m_s].map(|velocities| {
-                dashpot.stiffness_n_m * (velocities[b] - velocities[a]).dot(dashpot.direction)
-            });
-            let stretch = (way(b) - way(a)).dot(dashpot.direction);
-            work.lost_to_damping_j += 0.5 * (rates[0] + rates[1]) * stretch;
+            let rates = [&before.velocities_m_s, &self.velocities_m_s]
+                .map(|velocities| (velocities[b] - velocities[a]).dot(dashpot.direction));
+            let pull_n = 0.5 * dashpot.stiffness_n_m * (rates[0] + rates[1]);
+            let [of_a, of_b] = [a, b].map(|node| pull_n * way(node).dot(dashpot.direction));
+            work.lost_to_damping_j += of_b - of_a;
+            // What a held end is pulled with is the support's.
+            work.of_supports_j += f64::from(u8::from(structure.held[b])) * of_b;
+            work.of_supports_j -= f64::from(u8::from(structure.held[a])) * of_a;
         }
         if !input.moved_supports.is_empty() {
             let pulls = [&before.positions_m, &self.positions_m].map(|x| self.elastic(x).1);

@@ -100,13 +100,15 @@ impl StepInput<'_> {
     }
 }
 
-/// Gravity and further nodal loads [N], `[node_count]`.
+/// Gravity, loads of single nodes and further nodal loads [N], `[node_count]`.
 #[must_use]
 pub fn dead_loads(structure: &Structure, input: &StepInput) -> Vec<DVec3> {
     let masses = structure.masses_kg.iter();
     let mut loads: Vec<DVec3> = masses.map(|&mass| input.gravity_m_s2 * mass).collect();
-    for (load, further) in loads.iter_mut().zip(input.nodal_loads_n) {
-        *load += *further;
+    for further in [&structure.loads_n[..], input.nodal_loads_n] {
+        for (load, further) in loads.iter_mut().zip(further) {
+            *load += *further;
+        }
     }
     loads
 }

@@ -107,12 +107,16 @@ impl Prepared {
 }
 
 impl Cloth {
-    /// The structure at rest in its start position.
+    /// The structure as it starts.
     #[must_use]
     pub fn new(structure: Structure) -> Self {
         Self {
             positions_m: structure.positions_m.clone(),
-            velocities_m_s: vec![DVec3::ZERO; structure.node_count()],
+            velocities_m_s: if structure.start_velocities_m_s.is_empty() {
+                vec![DVec3::ZERO; structure.node_count()]
+            } else {
+                structure.start_velocities_m_s.clone()
+            },
             step_before: None,
             prepared: Prepared {
                 gather: Gather::new(&structure),

@@ -3,6 +3,7 @@
 pub(super) mod airbag;
 pub(super) mod catenary;
 pub(super) mod drum;
+pub(super) mod free_oscillations;
 pub(super) mod heavy_cantilever;
 pub(super) mod hencky;
 pub(super) mod hostile_starts;
