@@ -93,7 +93,8 @@
 //!
 //! Over the new node positions the fabric minimises inertia + elastic energy − loads + ½ dt Σ_k K_k |v_k − u*_k|², where v_k
 //! is a marker's velocity, u*_k the bare air velocity there and K_k = 2 a_k ρ A_k·cell/dt. The air then receives exactly
-//! K_k (v_k − u*_k). The reaction is convex and the exchange of momentum exact (the fabric's own balance holds to the solver's
+//! K_k (v_k − u*_k). Velocities and accelerations count from the last two steps (BDF2) or the last one ([`cpu::cloth::integration`]): the objective is the same with other
+//! constants, on the host as on a device. The reaction is convex and the exchange of momentum exact (the fabric's own balance holds to the solver's
 //! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
 //! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface

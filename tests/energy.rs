@@ -44,7 +44,7 @@ version = 1
 
 [structure.cable]
 ends_m = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]
-length_m = 1.0005
+pretension_n = 20.0
 segments = 12
 material = { area_m2 = 1e-4, density_kg_m3 = 1000.0, youngs_modulus_pa = 1e7, damping_n_s = 0.5 }
 
@@ -53,7 +53,7 @@ box_m = [[0.9, -0.1, 0.9], [1.1, 0.1, 1.1]]
 
 [supports.hand.motion.oscillation]
 frequency_hz = 2.0
-displacement_m = [0.02, 0.0, 0.05]
+displacement_m = [0.005, 0.0, 0.02]
 
 [gravity]
 acceleration_m_s2 = [0.0, 0.0, -9.81]
@@ -82,15 +82,15 @@ fn rope(integration: &str, step_s: f64) -> Energies {
     simulation.energies().unwrap()
 }
 
-/// The rest of the balance falls with the square of the step by BDF2, with the step by backward Euler.
+/// The rest of the balance falls with the third power of the step by BDF2, as what it takes of an oscillation does, with the step by backward Euler.
 fn shaken_rope() {
-    for (integration, order) in [("bdf2", 2.0), ("backward_euler", 1.0)] {
+    for (integration, order) in [("bdf2", 3.0), ("backward_euler", 1.0)] {
         let ladder = [5e-4, 2.5e-4, 1.25e-4].map(|step_s| rope(integration, step_s));
         let losses = ladder.map(|energies| energies.numerical_loss_j);
         let all = ladder[2];
         println!("{integration}: {losses:?} J of {all:?}");
         let put_in = all.work.of_supports_j.abs() + all.work.lost_to_damping_j;
-        assert!(all.work.lost_to_damping_j > 1e-3 && all.work.of_supports_j.abs() > 1e-3);
+        assert!(all.work.lost_to_damping_j > 5e-4 && all.work.of_supports_j.abs() > 1e-3);
         assert!(
             losses[2].abs() < tolerances::ENERGY_REST * put_in,
             "{losses:?}"

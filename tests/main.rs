@@ -56,6 +56,7 @@ mod mesh_seams;
 mod meshes;
 mod module_graph;
 mod motion;
+mod nodes;
 mod out_of_memory;
 mod permeability;
 mod phases;
@@ -111,6 +112,7 @@ fn main() -> std::process::ExitCode {
         mesh_findings::trials(),
         mesh_seams::trials(),
         motion::trials(),
+        nodes::trials(),
         energy::trials(),
         out_of_memory::trials(),
         ram_air::trials(),

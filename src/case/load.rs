@@ -82,7 +82,9 @@ pub fn examine_meshes(path: &Path, choices: &Choices) -> Result<Vec<ExaminedMesh
     let (_, meshes) = checked((&name, &source), folder, choices, |file| {
         let mut meshes = Vec::new();
         if let Some(Structure::Mesh(written)) = &file.structure {
-            meshes.push(mesh::examine(file, written, folder)?.examined);
+            for read in mesh::examine_all(file, written, folder)? {
+                meshes.push(read.examined);
+            }
         }
         let cell_size_m = file.resolution.as_ref().and_then(|r| r.cell_size_m);
         for (body, table) in &file.bodies {

@@ -8,11 +8,11 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 
 use super::body::{Body, BodyKind, Canopy};
-use super::fabric::check_fabric;
+use super::fabric::{USUAL_RESIDUAL, check_fabric, check_fabric_at};
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles, Joined};
 use super::problem::Problem;
-use super::values::{absent, positive, rotation, vector};
+use super::values::{absent, check_name, positive, rotation, vector};
 use super::{mesh_lines, usual};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
@@ -41,7 +41,7 @@ pub(super) fn check(
     written: &file::MeshFile,
     files: &mut FromFiles,
 ) -> Result<Body, Problem> {
-    let read = examine(file, written, files.folder)?;
+    let mut read = examine(file, (KEY, written, None), files.folder)?;
     read.examined.refuse()?;
     let kind = match written.nominal_area_m2 {
         None => BodyKind::Mesh,
@@ -51,8 +51,9 @@ pub(super) fn check(
             BodyKind::Canopy(canopy(nominal_area_m2, canopy_node_count, &read.structure)?)
         }
     };
-    files.joined = read.joined;
-    files.meshes.push(read.examined);
+    files.joined = read.joined.take();
+    files.meshes.push(read.examined.clone());
+    add_further(file, written, files, &mut read)?;
     Ok(Body {
         quality: read.quality,
         kind,
@@ -60,56 +61,119 @@ pub(super) fn check(
     })
 }
 
+/// Adds the meshes of `further` behind the first, with fabrics of their own where they name one.
+fn add_further(
+    file: &File,
+    written: &file::MeshFile,
+    files: &mut FromFiles,
+    read: &mut Read,
+) -> Result<(), Problem> {
+    for (name, table) in &written.further {
+        let key = format!("{KEY}.further.{name}");
+        check_name(&key, name, "a mesh")?;
+        if written.nominal_area_m2.is_some() {
+            return Err(Problem::new(
+                key.as_str(),
+                format!("[{key}]: a canopy (structure.mesh.nominal_area_m2) is one mesh"),
+                "put all its fabric into one file, or leave out nominal_area_m2",
+            ));
+        }
+        let mesh = table.as_mesh();
+        let fabric = table.fabric.as_ref();
+        let mut next = examine(file, (&key, &mesh, fabric), files.folder)?;
+        next.examined.refuse()?;
+        if let Some(fabric) = fabric {
+            let fabric = check_fabric_at(&format!("{key}.fabric"), fabric, USUAL_RESIDUAL)?;
+            read.structure.further_fabrics.push((&fabric).into());
+            let number = read.structure.further_fabrics.len() as u32;
+            for triangle in &mut next.structure.triangles {
+                triangle.fabric = number;
+            }
+        }
+        read.structure.add_beside(next.structure);
+        read.rest_m.extend(next.rest_m);
+        files.meshes.push(next.examined);
+    }
+    if !written.further.is_empty() {
+        let triangles = read.structure.triangles.iter().map(|t| t.nodes);
+        read.quality = quality::measure(&read.rest_m, &triangles.collect::<Vec<_>>());
+    }
+    Ok(())
+}
+
+/// All meshes, the further ones behind the first; nothing that is found is refused.
+pub(super) fn examine_all(
+    file: &File,
+    written: &file::MeshFile,
+    folder: &Path,
+) -> Result<Vec<Read>, Problem> {
+    let mut read = vec![examine(file, (KEY, written, None), folder)?];
+    for (name, table) in &written.further {
+        let key = format!("{KEY}.further.{name}");
+        let fabric = table.fabric.as_ref();
+        read.push(examine(file, (&key, &table.as_mesh(), fabric), folder)?);
+    }
+    Ok(read)
+}
+
 /// A mesh as it was read, joined and examined.
 pub(super) struct Read {
     structure: Structure,
+    /// Where its nodes are at rest [m].
+    rest_m: Vec<DVec3>,
     quality: Option<Quality>,
     joined: Option<Joined>,
     pub(super) examined: ExaminedMesh,
 }
 
 /// Reads, joins and examines the mesh, with its lines and held nodes; nothing that is found is refused.
-pub(super) fn examine(
+fn examine(
     file: &File,
-    written: &file::MeshFile,
+    (key, written, fabric): (&str, &file::MeshFile, Option<&file::Fabric>),
     folder: &Path,
 ) -> Result<Read, Problem> {
-    let fabric = check_fabric(file)?;
-    let scale = positive(&format!("{KEY}.scale"), written.scale)?;
+    let fabric = match fabric {
+        Some(own) => check_fabric_at(&format!("{key}.fabric"), own, USUAL_RESIDUAL)?,
+        None => check_fabric(file)?,
+    };
+    let scale = positive(&format!("{key}.scale"), written.scale)?;
     let path = folder.join(&written.file);
-    let rotation = rotation(&format!("{KEY}.rotation"), written.rotation.as_ref())?;
-    let (as_written, faces) = read(&path, scale)?;
+    let rotation = rotation(&format!("{key}.rotation"), written.rotation.as_ref())?;
+    let (as_written, faces) = read(key, &path, scale)?;
     let wished = (written.weld_tolerance_m, written.orient_triangles);
-    let prepared = mesh_examination::prepared(KEY, wished, as_written.clone())?;
+    let prepared = mesh_examination::prepared(key, wished, as_written.clone())?;
     let welded = &prepared.welded;
     let mut structure =
         fabric_surface::build(&turned(&welded.surface, rotation), DVec3::X, &fabric)
-            .map_err(|index| degenerate(&path, welded, index))?;
-    let quality = quality::measure(&structure.positions_m, &welded.surface.triangles);
+            .map_err(|index| degenerate((key, &path), welded, index))?;
+    let rest_m = structure.positions_m.clone();
+    let quality = quality::measure(&rest_m, &welded.surface.triangles);
     let mut start_m = welded.surface.positions_m.clone();
     if let Some(start) = &written.start_file {
         if !is_numbered(&path) {
             return Err(Problem::new(
-                "structure.mesh.start_file",
-                "structure.mesh.start_file needs nodes with numbers, which STL and PLY files do not keep",
-                "give structure.mesh.file as OBJ, too",
+                format!("{key}.start_file"),
+                format!(
+                    "{key}.start_file needs nodes with numbers, which STL and PLY files do not keep"
+                ),
+                format!("give {key}.file as OBJ, too"),
             ));
         }
-        let places_m = start_places(&folder.join(start), scale, (&as_written, &faces))?;
-        start_m = joined_start(start, written, welded, &places_m)?;
+        let places_m = start_places((key, &folder.join(start)), scale, (&as_written, &faces))?;
+        start_m = joined_start((key, start), written, welded, &places_m)?;
         structure.positions_m = start_m.iter().map(|place| rotation * *place).collect();
     }
     let position_m = match written.position_m {
-        Some(position) => vector(&format!("{KEY}.position_m"), position)?,
-        None => usual::noted(format!("{KEY}.position_m"), [0.0; 3]).into(),
+        Some(position) => vector(&format!("{key}.position_m"), position)?,
+        None => usual::noted(format!("{key}.position_m"), [0.0; 3]).into(),
     };
     for place in &mut structure.positions_m {
         *place += position_m;
     }
-    hold(&written.held_nodes, welded, &mut structure)?;
+    hold((key, &written.held_nodes), welded, &mut structure)?;
     mesh_lines::add(written, folder, (rotation, position_m), &mut structure)?;
     let examined = ExaminedMesh::of_fabric(
-        (KEY, &path),
+        (key, &path),
         (&prepared, is_numbered(&path)),
         start_m,
         &structure,
@@ -126,6 +190,7 @@ pub(super) fn examine(
             nodes: welded.nodes,
         }),
         structure,
+        rest_m,
         quality,
         examined,
     })
@@ -140,10 +205,10 @@ fn turned(surface: &Surface, rotation: DQuat) -> Surface {
 }
 
 /// Nodes and triangles of a file, with its faces where nodes keep their numbers.
-fn read(path: &Path, scale: f64) -> Result<(Surface, Faces), Problem> {
+fn read(key: &str, path: &Path, scale: f64) -> Result<(Surface, Faces), Problem> {
     let unreadable = |why: String| {
         Problem::new(
-            format!("{KEY}.file"),
+            format!("{key}.file"),
             format!("cannot read the mesh {}: {why}", path.display()),
             "give an OBJ file with triangles or polygons (or STL, PLY), relative to the case file",
         )
@@ -179,14 +244,14 @@ fn told(place: DVec3) -> String {
     }
 }
 
-fn degenerate(path: &Path, welded: &Welded, index: usize) -> Problem {
+fn degenerate((key, path): (&str, &Path), welded: &Welded, index: usize) -> Problem {
     let nodes = welded.surface.triangles[index];
     let corners = welded.surface.corners(nodes);
     let nodes = nodes.map(|node| welded.numbers[node as usize]);
     let [a, b, c] = corners.map(told);
     let index = welded.triangle_numbers[index] as usize;
     Problem::new(
-        format!("{KEY}.file"),
+        format!("{key}.file"),
         format!(
             "triangle {} of {} is degenerate: nodes {}, {}, {} at ({a}), ({b}), ({c}) enclose no area",
             index + 1,
@@ -199,18 +264,16 @@ fn degenerate(path: &Path, welded: &Welded, index: usize) -> Problem {
     )
 }
 
-const START: &str = "structure.mesh.start_file";
-
 /// Where the nodes start, for vertices of which some are joined.
 fn joined_start(
-    file: &str,
+    (key, file): (&str, &str),
     written: &file::MeshFile,
     welded: &Welded,
     start_m: &[DVec3],
 ) -> Result<Vec<DVec3>, Problem> {
     let (places_m, farthest) = welded.carried_over(start_m);
     let weld_m = usual::or(
-        format!("{KEY}.weld_tolerance_m"),
+        format!("{key}.weld_tolerance_m"),
         written.weld_tolerance_m,
         0.0,
     );
@@ -223,26 +286,26 @@ fn joined_start(
         if apart_m > allowed_m + LARGEST_STRETCH * a.distance(b) {
             let [a, b] = hanging.edge.map(|vertex| vertex + 1);
             return Err(Problem::new(
-                START,
+                format!("{key}.start_file"),
                 format!(
                     "vertex {} is sewn to the edge between vertices {a} and {b} in {}, but {apart_m:.3e} m from it in {file}",
                     hanging.vertex + 1,
                     written.file
                 ),
-                "let seams lie together in both files, or lower structure.mesh.weld_tolerance_m",
+                format!("let seams lie together in both files, or lower {key}.weld_tolerance_m"),
             ));
         }
     }
     match farthest {
         Some(([a, b], apart_m)) if apart_m > allowed_m => Err(Problem::new(
-            START,
+            format!("{key}.start_file"),
             format!(
                 "vertices {} and {} are joined in {}, but {apart_m:.3e} m apart in {file}",
                 a + 1,
                 b + 1,
                 written.file
             ),
-            "let seams lie together in both files, or lower structure.mesh.weld_tolerance_m",
+            format!("let seams lie together in both files, or lower {key}.weld_tolerance_m"),
         )),
         _ => Ok(places_m),
     }
@@ -250,27 +313,29 @@ fn joined_start(
 
 /// Where a second file has the same nodes [m].
 fn start_places(
-    path: &Path,
+    (key, path): (&str, &Path),
     scale: f64,
     (rest, faces): (&Surface, &Faces),
 ) -> Result<Vec<DVec3>, Problem> {
     let refused = |why: String, help: &str| {
         Problem::new(
-            START,
+            format!("{key}.start_file"),
             format!("the start shape {}: {why}", path.display()),
             help,
         )
     };
-    const SAME: &str = "give an OBJ file with the same faces as structure.mesh.file, in the same order, and moved vertices";
+    let same = format!(
+        "give an OBJ file with the same faces as {key}.file, in the same order, and moved vertices"
+    );
     if !is_numbered(path) {
         return Err(refused(
             "its nodes have no numbers that would say which is which".to_owned(),
-            SAME,
+            &same,
         ));
     }
     // Its polygons are covered by the triangles of the shape at rest, however they are folded.
     let start = obj::read_folded(path, scale)
-        .map_err(|why| refused(format!("cannot be read: {why}"), SAME))?;
+        .map_err(|why| refused(format!("cannot be read: {why}"), &same))?;
     if start.positions_m.len() != rest.positions_m.len() || start.faces != *faces {
         return Err(refused(
             format!(
@@ -280,7 +345,7 @@ fn start_places(
                 rest.positions_m.len(),
                 faces.count()
             ),
-            SAME,
+            &same,
         ));
     }
     let mut longest_ratio: f64 = 0.0;
@@ -313,14 +378,18 @@ fn start_places(
 }
 
 /// Holds nodes by the numbers of their vertices in the file, from 1.
-fn hold(vertices: &[u32], welded: &Welded, structure: &mut Structure) -> Result<(), Problem> {
+fn hold(
+    (key, vertices): (&str, &[u32]),
+    welded: &Welded,
+    structure: &mut Structure,
+) -> Result<(), Problem> {
     for &vertex in vertices {
         let node = (vertex as usize)
             .checked_sub(1)
             .and_then(|index| welded.nodes.get(index));
         let refused = |why: String| {
             let help = "nodes count from 1, as in the OBJ file";
-            Problem::new(format!("{KEY}.held_nodes"), why, help)
+            Problem::new(format!("{key}.held_nodes"), why, help)
         };
         match node {
             Some(Some(node)) => structure.held[*node as usize] = true,

@@ -28,6 +28,7 @@ pub(super) fn check(file: &File, body: &mut Body, files: &FromFiles) -> Result<(
         cable.hangs_by_itself = false;
     }
     let is_canopy = body.canopy().is_some();
+    let mut chosen = Vec::new();
     for (name, table) in &file.nodes {
         check_name("nodes", name, "a table of nodes")?;
         let adder = Adder {
@@ -35,7 +36,13 @@ pub(super) fn check(file: &File, body: &mut Body, files: &FromFiles) -> Result<(
             file,
             is_canopy,
         };
-        adder.add(table, &mut body.structure, files)?;
+        let nodes = adder.chosen(table, &body.structure, files)?;
+        adder.add(table, &mut body.structure, &nodes)?;
+        chosen.push((adder, table, nodes));
+    }
+    // Which nodes are held is known now, whatever the order of the tables.
+    for (adder, table, nodes) in chosen {
+        adder.set_velocities(table, &mut body.structure, &nodes)?;
     }
     for (name, table) in &file.springs {
         check_name("springs", name, "a spring")?;
@@ -64,9 +71,8 @@ impl Adder<'_> {
         &self,
         table: &file::Nodes,
         structure: &mut Structure,
-        files: &FromFiles,
+        nodes: &[usize],
     ) -> Result<(), Problem> {
-        let nodes = self.chosen(table, structure, files)?;
         let count = nodes.len() as f64;
         if let Some(held) = table.held {
             if self.is_canopy {
@@ -79,30 +85,29 @@ impl Adder<'_> {
                     "remove it",
                 ));
             }
-            for &node in &nodes {
+            for &node in nodes {
                 structure.held[node] = held;
             }
         }
-        let mut says_something = table.held.is_some();
         if let Some(mass_kg) = table.mass_kg {
             let each_kg = positive(&self.key("mass_kg"), mass_kg)? / count;
-            for &node in &nodes {
+            for &node in nodes {
                 structure.masses_kg[node] += each_kg;
             }
-            says_something = true;
         }
         if let Some(load_n) = table.load_n {
             let each_n = vector(&self.key("load_n"), load_n)? / count;
             structure
                 .loads_n
                 .resize(structure.node_count(), DVec3::ZERO);
-            for &node in &nodes {
+            for &node in nodes {
                 structure.loads_n[node] += each_n;
             }
-            says_something = true;
         }
-        says_something |= self.set_velocities(table, structure, &nodes)?;
-        if says_something {
+        let velocities = [table.velocity_m_s, table.angular_velocity_rad_s];
+        let moves = velocities.iter().any(Option::is_some);
+        let says = moves || table.held.is_some() || table.load_n.is_some();
+        if says || table.mass_kg.is_some() {
             return Ok(());
         }
         Err(Problem::new(
@@ -112,19 +117,18 @@ impl Adder<'_> {
         ))
     }
 
-    /// True if the table names velocities.
     fn set_velocities(
         &self,
         table: &file::Nodes,
         structure: &mut Structure,
         nodes: &[usize],
-    ) -> Result<bool, Problem> {
+    ) -> Result<(), Problem> {
         let written = [
             ("velocity_m_s", table.velocity_m_s),
             ("angular_velocity_rad_s", table.angular_velocity_rad_s),
         ];
         let Some((name, _)) = written.iter().find(|(_, value)| value.is_some()) else {
-            return Ok(false);
+            return Ok(());
         };
         let key = self.key(name);
         if self.file.time.is_none() || self.file.air.is_some() {
@@ -158,7 +162,7 @@ impl Adder<'_> {
                 structure.start_velocities_m_s[node] = velocity_m_s + turning_rad_s.cross(arm_m);
             }
         }
-        Ok(true)
+        Ok(())
     }
 
     fn chosen(

@@ -126,6 +126,18 @@ impl Structure {
         }
     }
 
+    /// Adds fabric of another structure, which has only triangles, beside this one; fabrics keep their numbers.
+    pub fn add_beside(&mut self, other: Self) {
+        let first = self.node_count() as u32;
+        self.positions_m.extend(other.positions_m);
+        self.masses_kg.extend(other.masses_kg);
+        self.held.extend(other.held);
+        for mut triangle in other.triangles {
+            triangle.nodes = triangle.nodes.map(|node| node + first);
+            self.triangles.push(triangle);
+        }
+    }
+
     /// State of a cable segment at a length [m], without its damping.
     #[must_use]
     pub fn cable_state(&self, cable: &CableSegment, length_m: f64) -> CableState {
@@ -163,7 +175,7 @@ impl Structure {
         // Vectors in single and double precision, and what every level of multigrid keeps of a node.
         let of_nodes = nodes * (12 * (3 * history + 8) + 24 * 8 + 300);
         // Beside the elements, what they pull with, how stiff they are, and where they meet.
-        let of_elements = triangles * (size_of::<Triangle>() + 130)
+        let of_elements = triangles * (size_of::<Triangle>() + 290)
             + springs * (size_of::<Spring>() + 16)
             + bendings * (size_of::<Bending<3>>() + 12)
             + self.curvatures.len() * (size_of::<Bending<6>>() + 24)

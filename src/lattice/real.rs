@@ -277,6 +277,26 @@ impl<S: Simd, T: Real> Lanes<S, T> {
     }
 }
 
+impl<S: Simd> Lanes<S, f64> {
+    /// `yes` where this is above zero, else `no`; not a number chooses `no`.
+    #[inline(always)]
+    #[must_use]
+    pub fn if_positive(self, yes: Self, no: Self) -> Self {
+        let simd = self.simd;
+        let is_positive = simd.greater_than_f64s(self.vector, simd.splat_f64s(0.0));
+        Self::new(simd, simd.select_f64s(is_positive, yes.vector, no.vector))
+    }
+
+    /// True if any lane is above zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_any_positive(self) -> bool {
+        let simd = self.simd;
+        let is_positive = simd.greater_than_f64s(self.vector, simd.splat_f64s(0.0));
+        simd.first_true_m64s(is_positive) < S::F64_LANES
+    }
+}
+
 macro_rules! operator {
     ($trait:ident, $method:ident, $function:ident) => {
         impl<S: Simd, T: Real> $trait for Lanes<S, T> {

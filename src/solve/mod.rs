@@ -1,9 +1,11 @@
 //! Minimisation: knows vectors and an objective, nothing of cloth. [`lbfgs`] is what drives most solves, [`newton`] those of tension-only
 //! fabric; both start from the initial Hessian of the space, which may be a cycle of [`multigrid`].
 
+pub mod block_cholesky;
 pub mod lbfgs;
 pub mod multigrid;
 pub mod newton;
+pub mod stiffening;
 
 use glam::DVec3;
 

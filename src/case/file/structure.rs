@@ -1,5 +1,6 @@
 //! What may be written in `[structure]`: one kind of structure, with its own table.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use schemars::JsonSchema;
@@ -7,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::Rotation;
 use super::canopy::{CanopyCommon, Folding};
-use super::fabric::CableMaterial;
+use super::fabric::{CableMaterial, Fabric};
 use super::wing::Wing;
 use crate::geometry::mesh::doctor::Kind;
 use crate::geometry::plate::Support;
@@ -139,6 +140,9 @@ impl Structure {
             Self::Mesh(mesh) => std::iter::once(mesh.file.as_str())
                 .chain(mesh.start_file.as_deref())
                 .chain(mesh.lines.as_deref())
+                .chain(mesh.further.values().flat_map(|further| {
+                    std::iter::once(further.file.as_str()).chain(further.start_file.as_deref())
+                }))
                 .collect(),
             Self::LepSim(wing) => vec![&wing.file],
             Self::Wing(wing) => (wing.profiles.values())
@@ -437,6 +441,58 @@ pub struct MeshFile {
     pub lines: Option<String>,
     /// Material of `lines`; required with them.
     pub line_material: Option<CableMaterial>,
+    /// Further meshes of the same structure, by name, not of canopies; absent: none. Springs (`[springs.NAME]`) join them, and supports by place.
+    #[serde(default)]
+    pub further: BTreeMap<String, FurtherMesh>,
+}
+
+/// One more mesh of a structure, with a fabric of its own or that of the case. What its keys mean is said of `[structure.mesh]`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FurtherMesh {
+    /// The mesh as it is sewn, relative to the case file.
+    pub file: String,
+    /// Metres per unit of the file.
+    pub scale: f64,
+    /// Numbers of held nodes of this file, from 1.
+    pub held_nodes: Vec<u32>,
+    /// Vertices nearer than this are joined [m]; 0 if absent.
+    pub weld_tolerance_m: Option<f64>,
+    /// Turns triangles that run against their neighbours; `false` if absent.
+    #[serde(default)]
+    pub orient_triangles: bool,
+    /// Findings that are meant. None if absent.
+    #[serde(default)]
+    pub accept: Vec<Kind>,
+    /// OBJ file with the same faces where they are at the start; as sewn if absent.
+    pub start_file: Option<String>,
+    /// Where the origin of the files is [m]; 0 if absent.
+    pub position_m: Option<[f64; 3]>,
+    /// Turns all that the files name about their origin, before it is moved.
+    pub rotation: Option<Rotation>,
+    /// What it is made of; the fabric of the case if absent.
+    pub fabric: Option<Fabric>,
+}
+
+impl FurtherMesh {
+    /// The same as a table of the first mesh.
+    pub(in crate::case) fn as_mesh(&self) -> MeshFile {
+        MeshFile {
+            file: self.file.clone(),
+            scale: self.scale,
+            held_nodes: self.held_nodes.clone(),
+            weld_tolerance_m: self.weld_tolerance_m,
+            orient_triangles: self.orient_triangles,
+            accept: self.accept.clone(),
+            start_file: self.start_file.clone(),
+            position_m: self.position_m,
+            rotation: self.rotation.clone(),
+            nominal_area_m2: None,
+            lines: None,
+            line_material: None,
+            further: BTreeMap::new(),
+        }
+    }
 }
 
 /// A wing that LEparagliding Studio has drawn, blown up by `equilibrium.pressure_pa` (docs/wing-design.md). Without air and motion.

@@ -10,8 +10,9 @@ use super::vectors::dot;
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
 use crate::solve::Step;
-use crate::solve::lbfgs::{self, Options, Outcome, Watch};
+use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
 use crate::solve::newton::{self, Curvature, Trial};
+use crate::solve::stiffening::{self, Levels};
 
 /// True where Newton's method is faster than L-BFGS: tension-only membranes that seek their equilibrium with multigrid.
 ///
@@ -25,8 +26,125 @@ fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -
         && structure.is_tension_only()
 }
 
-/// Minimises the objective with the driver that suits it.
+/// Evaluations after which a solve counts as one of slack fabric: static ones of taut fabric take 20 to 30 with multigrid, and a step of which a stretching
+/// wave crosses some 30 elements takes as long as factorisations do.
+const STATIC_PATIENCE: usize = 60;
+const STEP_PATIENCE: usize = 300;
+
+/// Most nodes that are factorised: half a gigabyte.
+const NODE_LIMIT: usize = 200_000;
+
+/// Newton's steps on the true objective of a time step, before it is softened.
+const DIRECT_STEPS: usize = 10;
+
+/// Square of the elements that a stretching wave crosses in a step, over which inertia no longer keeps Newton's steps short.
+const CROSSED_SQUARE: f64 = 10.0;
+
+/// True where slack fabric can be stiffened step by step: the Hessian of contact does not fit a factorisation's pattern, and pressure that follows is not in it.
+fn can_be_stiffened(objective: &Objective) -> bool {
+    let structure = objective.structure();
+    let elastic = !structure.triangles.is_empty() || !structure.springs.is_empty();
+    elastic
+        && structure.contact.is_none()
+        && !objective.input().pressure_follows()
+        && structure.node_count() <= NODE_LIMIT
+}
+
+/// Minimises the objective with the driver that suits it: L-BFGS, or Newton's method where it is faster; what neither solves soon is stiffened step by step.
 pub(super) fn minimise(
+    objective: &mut Objective,
+    point: &mut Vec<DVec3>,
+    options: &Options,
+    watch: Watch,
+) -> Outcome {
+    let patience = match options.time_step {
+        true => STEP_PATIENCE,
+        false => STATIC_PATIENCE,
+    };
+    if options.evaluation_limit <= patience || !can_be_stiffened(objective) {
+        return unsoftened(objective, point, options, watch);
+    }
+    let start = point.clone();
+    let first = Options {
+        evaluation_limit: patience,
+        ..*options
+    };
+    let outcome = unsoftened(objective, point, &first, watch);
+    if ends(outcome.stop) {
+        return outcome;
+    }
+    if !objective.prepare_cholesky() {
+        return finished(objective, point, options, (outcome, watch));
+    }
+    if !options.time_step {
+        // Where L-BFGS has got to is no better a start, but a lower minimum may be near the first.
+        *point = start;
+    }
+    let levels = levels(objective);
+    let left = Options {
+        evaluation_limit: options.evaluation_limit - outcome.evaluations,
+        ..*options
+    };
+    let mut numbers = bytemuck::cast_slice(point).to_vec();
+    let next = stiffening::minimise_watched(objective, &mut numbers, &levels, &left, watch);
+    point.copy_from_slice(bytemuck::cast_slice(&numbers));
+    let outcome = together(outcome, next);
+    finished(objective, point, options, (outcome, watch))
+}
+
+/// Levels of stiffness for what is solved.
+fn levels(objective: &Objective) -> Levels {
+    match objective.input().time_step_s {
+        None => Levels::default(),
+        Some(dt) => {
+            let crossed = objective.structure().elements_crossed(dt);
+            let first = CROSSED_SQUARE / (crossed * crossed);
+            Levels {
+                first: first.clamp(Levels::default().first, 1.0),
+                direct_steps: DIRECT_STEPS,
+                ..Levels::default()
+            }
+        }
+    }
+}
+
+/// True where another driver would find no more.
+const fn ends(stop: Stop) -> bool {
+    match stop {
+        Stop::LimitReached | Stop::Stalled | Stop::Indefinite => false,
+        Stop::Converged | Stop::RoundOff | Stop::NotFinite | Stop::Interrupted => true,
+    }
+}
+
+/// A solve that has ended early goes on without softening, as long as it may.
+fn finished(
+    objective: &mut Objective,
+    point: &mut Vec<DVec3>,
+    options: &Options,
+    (outcome, watch): (Outcome, Watch),
+) -> Outcome {
+    let left = options.evaluation_limit.saturating_sub(outcome.evaluations);
+    if ends(outcome.stop) || left == 0 {
+        return outcome;
+    }
+    let options = Options {
+        evaluation_limit: left,
+        ..*options
+    };
+    together(outcome, unsoftened(objective, point, &options, watch))
+}
+
+/// What two solves, one behind the other, came to.
+const fn together(first: Outcome, next: Outcome) -> Outcome {
+    Outcome {
+        iterations: first.iterations + next.iterations,
+        evaluations: first.evaluations + next.evaluations,
+        ..next
+    }
+}
+
+/// With L-BFGS, or with Newton's method where it is faster.
+fn unsoftened(
     objective: &mut Objective,
     point: &mut Vec<DVec3>,
     options: &Options,

@@ -1,5 +1,6 @@
 //! Which elements meet at every node, so that nodes can be worked on in parallel: each adds up its own share, always in the same order.
 
+use super::membrane_lanes::MembraneLanes;
 use crate::cloth::Structure;
 
 /// Corners of elements at every node: `element · CORNERS + corner`, ascending.
@@ -28,14 +29,23 @@ impl<const CORNERS: usize> Corners<CORNERS> {
         Self { starts, entries }
     }
 
+    /// `element · CORNERS + corner` at a node.
+    #[inline]
+    pub fn places(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        // Most structures lack some kinds of elements; their starts need not be read.
+        let range = if self.entries.is_empty() {
+            0..0
+        } else {
+            self.starts[node] as usize..self.starts[node + 1] as usize
+        };
+        self.entries[range].iter().map(|&entry| entry as usize)
+    }
+
     /// (element, corner) at a node.
     #[inline]
     pub fn at(&self, node: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let range = self.starts[node] as usize..self.starts[node + 1] as usize;
-        self.entries[range].iter().map(|&entry| {
-            let entry = entry as usize;
-            (entry / CORNERS, entry % CORNERS)
-        })
+        self.places(node)
+            .map(|place| (place / CORNERS, place % CORNERS))
     }
 }
 
@@ -54,6 +64,8 @@ pub struct Gather {
     pub cables: Corners<2>,
     /// Of guides.
     pub guides: Corners<1>,
+    /// Membrane triangles, made ready for the lanes of vectors.
+    pub membrane: MembraneLanes,
 }
 
 impl Gather {
@@ -68,6 +80,7 @@ impl Gather {
             curvatures: Corners::new(count, structure.curvatures.iter().map(|b| b.nodes)),
             cables: Corners::new(count, structure.cables.iter().map(|c| c.nodes)),
             guides: Corners::new(count, structure.guides.iter().map(|g| [g.node])),
+            membrane: MembraneLanes::new(structure),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Fabric and cables on the CPU, in `f64`.
 //!
 //! * [`gather`]: which elements meet at every node;
+//! * [`membrane_lanes`]: membrane triangles in the lanes of vectors;
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
@@ -12,6 +13,7 @@
 //! * `reactions`: all that the air does in a step;
 //! * `marker_sums`: reactions of the air at markers, summed by triangle;
 //! * [`permeable`]: reactions of the air where it passes the fabric;
+//! * `softened`, `stiffened`: what the driver asks that stiffens slack structures step by step;
 //! * [`read_outs`]: tensions and reactions;
 //! * `residual`: what the residual stiffness carries;
 //! * [`contact`]: fabric that meets itself;
@@ -34,6 +36,7 @@ pub mod integration;
 pub mod line_drag;
 pub mod loads;
 mod marker_sums;
+pub mod membrane_lanes;
 pub mod nodal_forces;
 mod objective;
 pub mod permeable;
@@ -43,7 +46,9 @@ mod reactions;
 pub mod read_outs;
 mod residual;
 pub mod settings;
+mod softened;
 pub mod solve_cloth;
+mod stiffened;
 pub mod stiffness;
 pub mod triangle_reaction;
 mod vectors;
@@ -60,6 +65,7 @@ use nodal_forces::Pulls;
 
 use crate::cloth::Structure;
 pub use crate::cloth::TimeIntegration;
+use crate::solve::block_cholesky::BlockCholesky;
 use crate::solve::multigrid::Multigrid;
 pub use energies::StepWork;
 pub use evaluator::Evaluator;
@@ -94,8 +100,20 @@ struct Prepared {
     pulls: Pulls,
     /// Made when first asked for.
     multigrid: Option<Multigrid>,
+    /// Made when first asked for.
+    cholesky: Factor,
     /// `None` for a structure that passes through itself.
     contacts: Option<Contacts>,
+}
+
+/// A factorisation, which a copy makes anew.
+#[derive(Debug, Default)]
+struct Factor(Option<BlockCholesky>);
+
+impl Clone for Factor {
+    fn clone(&self) -> Self {
+        Self(None)
+    }
 }
 
 impl Prepared {

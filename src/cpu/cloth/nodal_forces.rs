@@ -7,15 +7,13 @@ use rayon::prelude::*;
 
 use super::gather::Gather;
 use super::vectors::{ALONE, CHUNK, each};
-use crate::cloth::elements::EDGES;
-use crate::cloth::{Bending, Structure, Triangle};
-use crate::fabric::membrane::Membrane;
+use crate::cloth::{Bending, Structure};
 
 /// What elements pull with, before it is gathered at the nodes.
 #[derive(Debug, Clone, Default)]
 pub struct Pulls {
-    /// ∂E/∂s of the three edges of every triangle [N/m].
-    triangles: Vec<[f64; 3]>,
+    /// Gradient at the corners of every triangle [N], `[3 · triangle_count]`.
+    triangles: Vec<DVec3>,
     /// Force over length of every spring [N/m].
     springs: Vec<f64>,
     /// The same of every cable segment [N/m].
@@ -54,15 +52,6 @@ fn fill<E: Sync, P: Send + Clone + Default>(
     energies.iter().sum()
 }
 
-/// ∂E/∂s of the three squared elongations [N/m], and the energy [J].
-fn triangle_pull(membrane: &Membrane, triangle: &Triangle, positions: &[DVec3]) -> ([f64; 3], f64) {
-    let response = membrane.respond(&triangle.strain(&triangle.edge_vectors(positions)));
-    let (b, t) = (&triangle.strain_from_squares, &response.tension);
-    let area = triangle.rest_area_m2;
-    let pull = [0, 1, 2].map(|i| area * (b[0][i] * t[0] + b[1][i] * t[1] + b[2][i] * t[2]));
-    (pull, area * response.energy)
-}
-
 /// Writes the gradient of the elastic energy [N], `[node_count]`, and returns the energy [J].
 pub fn elastic_gradient(
     structure: &Structure,
@@ -72,10 +61,10 @@ pub fn elastic_gradient(
     gradient: &mut [DVec3],
 ) -> f64 {
     let mut energy = 0.0;
-    if let Some(laws) = structure.laws() {
-        energy += fill(&structure.triangles, &mut pulls.triangles, |triangle| {
-            triangle_pull(laws.of(triangle), triangle, positions)
-        });
+    if structure.membrane.is_some() {
+        energy += gather
+            .membrane
+            .pulls(structure, positions, &mut pulls.triangles);
     }
     energy += fill(&structure.springs, &mut pulls.springs, |spring| {
         let [a, b] = spring.nodes.map(|n| positions[n as usize]);
@@ -150,17 +139,8 @@ fn at_node(
 ) -> DVec3 {
     let mut sum = DVec3::ZERO;
     if structure.membrane.is_some() {
-        for (t, corner) in gather.triangles.at(node) {
-            let corners = structure.triangles[t].nodes.map(|n| positions[n as usize]);
-            for (i, [from, to]) in EDGES.into_iter().enumerate() {
-                // ∂s_i/∂x = ±2 (x_to − x_from).
-                let pull = 2.0 * pulls.triangles[t][i];
-                if corner == to {
-                    sum += (corners[to] - corners[from]) * pull;
-                } else if corner == from {
-                    sum -= (corners[to] - corners[from]) * pull;
-                }
-            }
+        for place in gather.triangles.places(node) {
+            sum += pulls.triangles[place];
         }
     }
     for (s, corner) in gather.springs.at(node) {

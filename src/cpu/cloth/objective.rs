@@ -18,9 +18,11 @@ use std::convert::Infallible;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::dashpots::{Dashpot, dashpots};
+use super::gather::Gather;
 use super::integration::StepBase;
 use super::loads::{StepInput, add_pull_of_the_air, step_loads};
 use super::marker_sums::MarkerSums;
+use super::stiffened::Soft;
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{
     Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, reactions,
@@ -28,6 +30,7 @@ use super::{
 };
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
+use crate::solve::block_cholesky::BlockCholesky;
 use crate::solve::multigrid::Multigrid;
 use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 
@@ -44,6 +47,8 @@ pub(super) struct Objective<'a> {
     origin_m: Option<DVec3>,
     dashpots: Vec<Dashpot>,
     marker_sums: MarkerSums,
+    /// What is minimised in place of the structure while a solve stiffens it.
+    soft: Option<Soft>,
     kind: InitialHessian,
     /// Of block-Jacobi.
     inverse_blocks: Vec<DMat3>,
@@ -80,6 +85,7 @@ impl<'a> Objective<'a> {
             origin_m: input.pressure_follows().then(|| pressure::middle(start)),
             dashpots: dashpots(structure, start, input.time_step_s),
             marker_sums: MarkerSums::new(structure, &input),
+            soft: None,
             base,
             input,
             kind,
@@ -102,7 +108,12 @@ impl<'a> Objective<'a> {
     pub(super) fn evaluate_double(&mut self, point: &[DVec3], gradient: &mut [DVec3]) -> f64 {
         let structure = self.structure;
         let Prepared { gather, pulls, .. } = &mut *self.prepared;
-        let mut value = nodal_forces::elastic_gradient(structure, gather, point, pulls, gradient);
+        let (elements, of_elements) = match &self.soft {
+            Some(soft) => (&soft.structure, &soft.gather),
+            None => (structure, &*gather),
+        };
+        let mut value =
+            nodal_forces::elastic_gradient(elements, of_elements, point, pulls, gradient);
         let (start, loads) = (&self.base.positions_m, &self.loads);
         let [work] = chunked_sum(point.len(), |range| {
             [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
@@ -270,6 +281,49 @@ impl<'a> Objective<'a> {
         self.kind
     }
 
+    /// The elements that are minimised now.
+    pub(super) fn elements(&self) -> (&Structure, &Gather) {
+        match &self.soft {
+            Some(soft) => (&soft.structure, &soft.gather),
+            None => (self.structure, &self.prepared.gather),
+        }
+    }
+
+    pub(super) fn set_soft(&mut self, soft: Option<Soft>) {
+        self.soft = soft;
+    }
+
+    pub(super) fn dashpots(&self) -> &[Dashpot] {
+        &self.dashpots
+    }
+
+    /// x̂ [m].
+    pub(super) fn counted_from_m(&self) -> &[DVec3] {
+        &self.base.positions_m
+    }
+
+    /// The factorisation of the whole Hessian, if it was prepared.
+    pub(super) const fn cholesky(&mut self) -> Option<&mut BlockCholesky> {
+        self.prepared.cholesky.0.as_mut()
+    }
+
+    pub(super) const fn take_cholesky(&mut self) -> Option<BlockCholesky> {
+        self.prepared.cholesky.0.take()
+    }
+
+    pub(super) fn put_cholesky(&mut self, cholesky: BlockCholesky) {
+        self.prepared.cholesky.0 = Some(cholesky);
+    }
+
+    /// True once there is a factorisation; false where memory does not suffice.
+    pub(super) fn prepare_cholesky(&mut self) -> bool {
+        let cholesky = &mut self.prepared.cholesky.0;
+        if cholesky.is_none() {
+            *cholesky = BlockCholesky::new(&stiffness::graph(self.structure).pattern);
+        }
+        cholesky.is_some()
+    }
+
     /// Estimate of the error of an objective.
     pub(super) fn round_off(objective: f64) -> f64 {
         ROUND_OFF * objective.abs()
@@ -343,8 +397,8 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// √(bᵀ H₀ b) of the applied loads b: those that stay, pressure that follows, and the pull of the air on a sheet at rest.
-    pub(super) fn load_norm(&mut self, point: &[DVec3]) -> f64 {
+    /// The applied loads \[N\], zero where nodes are held: those that stay, pressure that follows, and the pull of the air on a sheet at rest.
+    pub(super) fn acting_loads(&self, point: &[DVec3]) -> Vec<DVec3> {
         let mut loads = self.loads.clone();
         if self.origin_m.is_some() {
             let following = self.input.pressure.following();
@@ -356,7 +410,12 @@ impl<'a> Objective<'a> {
                 *load = DVec3::ZERO;
             }
         }
-        let loads = vectors::single(&loads);
+        loads
+    }
+
+    /// √(bᵀ H₀ b) of the applied loads b.
+    pub(super) fn load_norm(&mut self, point: &[DVec3]) -> f64 {
+        let loads = vectors::single(&self.acting_loads(point));
         let mut displacements = vec![Vec3::ZERO; loads.len()];
         self.apply_inverse(&loads, &mut displacements);
         dot(&loads, &displacements).max(0.0).sqrt()

@@ -16,7 +16,7 @@ use super::{cut_reactions, permeable};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Bending, Structure, Triangle};
 use crate::fabric::membrane::{Membrane, principal};
-use crate::solve::multigrid::blocks::{Block, BlockMatrix, Pattern};
+use crate::solve::multigrid::blocks::{Block, BlockMatrix, Entry, Pattern};
 use crate::solve::multigrid::coarsening::Graph;
 
 /// Elements that one task works on.
@@ -148,26 +148,26 @@ fn bending_row<const N: usize>(
     nodes.map(move |(&node, coefficient)| (node, own * coefficient))
 }
 
-fn add(blocks: &mut [Block], place: Option<usize>, value: DMat3) {
+fn add<T: Entry>(blocks: &mut [Block<T>], place: Option<usize>, value: DMat3) {
     let Some(place) = place else {
         return;
     };
     let block = &mut blocks[place];
     for row in 0..3 {
         for column in 0..3 {
-            block[3 * row + column] += value.col(column)[row] as f32;
+            block[3 * row + column] += T::of(value.col(column)[row]);
         }
     }
 }
 
 /// Fills `matrix`, whose pattern is that of [`graph`], with the stiffness at `positions` [N/m] in a step from `start`; held nodes have no
 /// entries.
-pub(super) fn assemble(
+pub(super) fn assemble<T: Entry>(
     structure: &Structure,
     gather: &Gather,
     (input, extra): (&StepInput, Extra),
     [start, positions]: [&[DVec3]; 2],
-    matrix: &mut BlockMatrix,
+    matrix: &mut BlockMatrix<T>,
 ) {
     let triangles: Vec<TriangleStiffness> = match structure.laws() {
         Some(laws) => structure

@@ -6,7 +6,25 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 /// A 3×3 block, row by row.
-pub type Block = [f32; 9];
+pub type Block<T = f32> = [T; 9];
+
+/// What a block is made of.
+pub trait Entry: Copy + Default + Send + Sync + std::ops::AddAssign {
+    /// Rounded, if need be.
+    fn of(value: f64) -> Self;
+}
+
+impl Entry for f32 {
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
+impl Entry for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
 
 /// Rows that one task fills.
 const ROWS_AT_ONCE: usize = 512;
@@ -86,27 +104,27 @@ impl Pattern {
     }
 }
 
-/// A symmetric matrix of 3×3 blocks in single precision: good enough to precondition with, and half the bytes.
+/// A symmetric matrix of 3×3 blocks: in single precision good enough to precondition with, and half the bytes.
 #[derive(Debug, Clone, Default)]
-pub struct BlockMatrix {
+pub struct BlockMatrix<T = f32> {
     /// Which blocks there are.
     pub pattern: Pattern,
     /// One more than the pattern has, so that four numbers can be read from where the last row of a block begins.
-    values: Vec<Block>,
+    values: Vec<Block<T>>,
 }
 
-impl BlockMatrix {
+impl<T: Entry> BlockMatrix<T> {
     /// All zero.
     #[must_use]
     pub fn new(pattern: Pattern) -> Self {
-        let values = vec![[0.0; 9]; pattern.block_count() + 1];
+        let values = vec![[T::default(); 9]; pattern.block_count() + 1];
         Self { pattern, values }
     }
 
     /// Blocks of a row, in the order of its columns.
     #[inline]
     #[must_use]
-    pub fn row(&self, row: usize) -> &[Block] {
+    pub fn row(&self, row: usize) -> &[Block<T>] {
         &self.values[self.pattern.row(row)]
     }
 
@@ -114,7 +132,7 @@ impl BlockMatrix {
     pub fn fill_rows<S>(
         &mut self,
         scratch: impl Fn() -> S + Sync + Send,
-        fill: impl Fn(&mut S, usize, &[u32], &mut [Block]) + Sync + Send,
+        fill: impl Fn(&mut S, usize, &[u32], &mut [Block<T>]) + Sync + Send,
     ) {
         let pattern = &self.pattern;
         let rows = pattern.row_count();
@@ -133,13 +151,24 @@ impl BlockMatrix {
                 for row in range {
                     let columns = pattern.columns(row);
                     let (own, rest) = values.split_at_mut(columns.len());
-                    own.fill([0.0; 9]);
+                    own.fill([T::default(); 9]);
                     fill(scratch, row, columns, own);
                     values = rest;
                 }
             });
     }
 
+    /// Diagonal block of a row.
+    #[must_use]
+    pub fn diagonal(&self, row: usize) -> Block<T> {
+        match self.pattern.within_row(row, row as u32) {
+            Some(place) => self.row(row)[place],
+            None => [T::default(); 9],
+        }
+    }
+}
+
+impl BlockMatrix {
     /// One row of the product with a vector.
     #[inline]
     #[must_use]
@@ -158,14 +187,5 @@ impl BlockMatrix {
             }
         }
         sums.map(|sum| sum.x + sum.y + sum.z)
-    }
-
-    /// Diagonal block of a row.
-    #[must_use]
-    pub fn diagonal(&self, row: usize) -> Block {
-        match self.pattern.within_row(row, row as u32) {
-            Some(place) => self.row(row)[place],
-            None => [0.0; 9],
-        }
     }
 }
