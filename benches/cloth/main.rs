@@ -1,6 +1,6 @@
 //! What an equilibrium of fabric costs, over mesh size and initial Hessian, and beside other minimisers.
 //!
-//! `cargo bench --bench cloth -- [table|scale|step|cycle|peers] [FILE.json] [SIDE...] [WORD...]` prints a table and, with FILE.json, puts the
+//! `cargo bench --bench cloth -- [table|scale|step|cycle|peers|slack] [FILE.json] [SIDE...] [WORD...]` prints a table and, with FILE.json, puts the
 //! same there as JSON under the name of the part, with machine, commit and date from the environment (`RIPSTOP_MACHINE`,
 //! `RIPSTOP_COMMIT`, `RIPSTOP_DATE`). Words choose problems by their names; `history=5`, `refresh=20`, `tolerance=1e-3` replace settings.
 //!
@@ -11,6 +11,7 @@
 //! * `step`: five implicit steps from flat, to 1e-3, over the elements that a stretching wave crosses in a step: where multigrid pays.
 //! * `cycle`: conjugate gradients with one cycle a step on the projected Hessian, flat and at the equilibrium, to 1e-6: how well the cycle
 //!   inverts its matrix, apart from what that lacks of the true Hessian.
+//! * `slack`: a sheet that hangs by two corners, which are brought together, under its own weight, to 1e-2; beside the crate liblbfgs.
 //! * `peers`: ours, Newton's method, the crate liblbfgs and dynamic relaxation on the same energy, from the same start, to the same norm;
 //!   here numbers choose problems. `benches/peers/cloth_compare.py` adds scipy.
 //!
@@ -60,7 +61,7 @@ impl Request {
             } else if argument.ends_with(".json") {
                 request.file = Some(argument);
             } else if [
-                "table", "scale", "peers", "problems", "step", "serve", "cycle",
+                "table", "scale", "peers", "problems", "step", "serve", "cycle", "slack",
             ]
             .contains(&argument.as_str())
             {
@@ -124,6 +125,42 @@ fn table(request: &Request) -> Vec<Value> {
                     rows.push(ours::solve(&problem, &setting));
                 }
             }
+        }
+    }
+    rows
+}
+
+/// Sheets that hang slack, over their mesh, how far their corners are brought together, and the step; beside liblbfgs on small ones.
+fn slack(request: &Request) -> Vec<Value> {
+    let mut problems = Vec::new();
+    for fabric in ["tension", "network"] {
+        for side in request.sides(&[12, 25, 50, 100]) {
+            problems.push(Problem::slack(fabric, side, 0.8));
+        }
+    }
+    for width_m in [0.6, 0.9, 0.98, 1.0] {
+        problems.push(Problem::slack("tension", request.sides(&[25])[0], width_m));
+    }
+    for time_step_s in [0.1, 0.01, 0.001] {
+        problems.push(Problem {
+            time_step_s: Some(time_step_s),
+            ..Problem::slack("tension", request.sides(&[25])[0], 0.8)
+        });
+    }
+    ours::print_head();
+    let mut rows = Vec::new();
+    for problem in &problems {
+        if request.wants(&problem.name()) {
+            let setting = request.overridden(Setting {
+                evaluation_limit: 20_000,
+                ..Setting::new(InitialHessian::Multigrid, 1e-2)
+            });
+            rows.push(ours::solve(problem, &setting));
+        }
+    }
+    for problem in problems.iter().filter(|problem| problem.side <= 25) {
+        if request.wants(&problem.name()) {
+            rows.push(peers::liblbfgs(problem, 1e-2));
         }
     }
     rows
@@ -210,7 +247,7 @@ fn compare(request: &Request) -> Vec<Value> {
             }),
             ("newton", &|| newton::newton(problem, 0.1)),
             ("newton", &|| newton::newton(problem, 0.5)),
-            ("liblbfgs", &|| peers::liblbfgs(problem)),
+            ("liblbfgs", &|| peers::liblbfgs(problem, peers::TOLERANCE)),
             ("relaxation", &|| peers::dynamic_relaxation(problem)),
         ];
         for (name, method) in methods {
@@ -236,6 +273,7 @@ fn main() {
             return;
         }
         "scale" => scale(&request),
+        "slack" => slack(&request),
         "cycle" => cycles(&request),
         _ => table(&request),
     };

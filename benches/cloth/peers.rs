@@ -51,12 +51,12 @@ pub fn problems() -> Vec<Problem> {
 }
 
 /// The crate `liblbfgs` with its defaults (6 pairs, Moré–Thuente line search), its own stopping rule off.
-pub fn liblbfgs(problem: &Problem) -> Value {
+pub fn liblbfgs(problem: &Problem, tolerance: f64) -> Value {
     let mut cloth = ours::start(problem);
     let input = problem.input();
     let evaluator = cloth.evaluator(&input, InitialHessian::Multigrid);
     let mut x: Vec<f64> = bytemuck::cast_slice(evaluator.prediction_m()).to_vec();
-    let meter = RefCell::new(Meter::new(evaluator, TOLERANCE));
+    let meter = RefCell::new(Meter::new(evaluator, tolerance));
     let outcome = liblbfgs::lbfgs().with_epsilon(1e-300).minimize(
         &mut x,
         |x, gx| {

@@ -1,5 +1,7 @@
 //! The sheet that is solved, and what is solved for it.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use ripstop::cloth::Structure;
 use ripstop::cpu::cloth::{Cloth, StepInput};
@@ -32,6 +34,8 @@ pub struct Problem {
     pub time_step_s: Option<f64>,
     /// Dead load [Pa].
     pub pressure_pa: f64,
+    /// Distance of its two upper corners, by which alone it hangs under its weight [m]; absent: it hangs at four.
+    pub hung_width_m: Option<f64>,
     /// Pressure under which the start is in static equilibrium; absent for the flat sheet [Pa].
     pub warm_pressure_pa: Option<f64>,
 }
@@ -45,7 +49,17 @@ impl Problem {
             softness: 1.0,
             time_step_s: None,
             pressure_pa: 50.0,
+            hung_width_m: None,
             warm_pressure_pa: None,
+        }
+    }
+
+    /// A sheet that hangs slack between two corners, under its own weight.
+    pub fn slack(fabric: &'static str, side: usize, hung_width_m: f64) -> Self {
+        Self {
+            pressure_pa: 9.81 * RIPSTOP.areal_density_kg_m2(),
+            hung_width_m: Some(hung_width_m),
+            ..Self::new(fabric, side)
         }
     }
 
@@ -64,7 +78,10 @@ impl Problem {
         } else {
             ""
         };
-        format!("{} {step}{soft}{warm}", self.fabric)
+        let slack = self
+            .hung_width_m
+            .map_or(String::new(), |width| format!(", hung to {width} m"));
+        format!("{} {step}{soft}{warm}{slack}", self.fabric)
     }
 
     /// Cells that a stretching wave crosses in a step, √(E/ρ) dt over the mesh size.
@@ -96,7 +113,10 @@ impl Problem {
             divisions: [side, side],
             corner_m: DVec3::ZERO,
             across: DVec3::X,
-            down: DVec3::Y,
+            down: match self.hung_width_m {
+                Some(_) => DVec3::Z,
+                None => DVec3::Y,
+            },
         };
         let (model, residual_stiffness) = match self.fabric {
             "network" => (FabricModel::Network, 1.0),
@@ -107,10 +127,20 @@ impl Problem {
             residual_stiffness,
             warp_modulus_pa: RIPSTOP.warp_modulus_pa * self.softness,
             weft_modulus_pa: RIPSTOP.weft_modulus_pa * self.softness,
-            shear_modulus_pa: RIPSTOP.shear_modulus_pa * self.softness,
+            shear_modulus_pa: match self.hung_width_m {
+                // As it is measured.
+                Some(_) => 1e7,
+                None => RIPSTOP.shear_modulus_pa * self.softness,
+            },
             ..RIPSTOP
         };
         let mut structure = sheet::build(&shape, &fabric, model).unwrap();
+        if let Some(width_m) = self.hung_width_m {
+            structure.held[shape.node(0, 0) as usize] = true;
+            structure.held[shape.node(side, 0) as usize] = true;
+            gather(&mut structure, width_m);
+            return structure;
+        }
         for (i, j) in [(0, 0), (side, 0), (0, side), (side, side)] {
             structure.held[shape.node(i, j) as usize] = true;
         }
@@ -122,5 +152,14 @@ impl Problem {
             }
         }
         structure
+    }
+}
+
+/// Brings the width of a sheet of 1 m together to `width_m`, in a bulge.
+fn gather(structure: &mut Structure, width_m: f64) {
+    let bulge_m = (0.5 * (1.0 - width_m * width_m)).max(0.0).sqrt() / PI;
+    for place in &mut structure.positions_m {
+        let (s, t) = (place.x, place.z);
+        *place = DVec3::new(s * width_m, bulge_m * (PI * s).sin() * (1.0 + 0.2 * t), t);
     }
 }

@@ -26,10 +26,16 @@ fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -
         && structure.is_tension_only()
 }
 
-/// Evaluations after which a solve counts as one of slack fabric: static ones of taut fabric take 20 to 30 with multigrid, and a step of which a stretching
-/// wave crosses some 30 elements takes as long as factorisations do.
-const STATIC_PATIENCE: usize = 60;
+/// Evaluations after which an equilibrium counts as one of slack fabric: of taut membranes it takes 20 to 30 with multigrid, of taut springs up to 200.
+const MEMBRANE_PATIENCE: usize = 60;
+const SPRING_PATIENCE: usize = 400;
+
+/// The same of a time step: as long as factorisations take.
 const STEP_PATIENCE: usize = 300;
+
+/// Evaluations of a step of slack fabric with L-BFGS, over the square of the elements that a stretching wave crosses in it
+/// (docs/results/2026-11-23-evaluations.md).
+const SLACK_EVALUATIONS: f64 = 0.4;
 
 /// Most nodes that are factorised: half a gigabyte.
 const NODE_LIMIT: usize = 200_000;
@@ -57,39 +63,57 @@ pub(super) fn minimise(
     options: &Options,
     watch: Watch,
 ) -> Outcome {
-    let patience = match options.time_step {
-        true => STEP_PATIENCE,
-        false => STATIC_PATIENCE,
-    };
+    let patience = patience(objective);
     if options.evaluation_limit <= patience || !can_be_stiffened(objective) {
         return unsoftened(objective, point, options, watch);
     }
     let start = point.clone();
-    let first = Options {
-        evaluation_limit: patience,
-        ..*options
-    };
-    let outcome = unsoftened(objective, point, &first, watch);
-    if ends(outcome.stop) {
-        return outcome;
+    let mut before = None;
+    if patience > 0 {
+        let first = Options {
+            evaluation_limit: patience,
+            ..*options
+        };
+        let outcome = unsoftened(objective, point, &first, watch);
+        if ends(outcome.stop) {
+            return outcome;
+        }
+        before = Some(outcome);
     }
     if !objective.prepare_cholesky() {
-        return finished(objective, point, options, (outcome, watch));
+        return finished(objective, point, options, (before, watch));
     }
     if !options.time_step {
         // Where L-BFGS has got to is no better a start, but a lower minimum may be near the first.
         *point = start;
     }
     let levels = levels(objective);
+    let spent = before.map_or(0, |outcome| outcome.evaluations);
     let left = Options {
-        evaluation_limit: options.evaluation_limit - outcome.evaluations,
+        evaluation_limit: options.evaluation_limit - spent,
         ..*options
     };
     let mut numbers = bytemuck::cast_slice(point).to_vec();
     let next = stiffening::minimise_watched(objective, &mut numbers, &levels, &left, watch);
     point.copy_from_slice(bytemuck::cast_slice(&numbers));
-    let outcome = together(outcome, next);
-    finished(objective, point, options, (outcome, watch))
+    let outcome = together(before, next);
+    finished(objective, point, options, (Some(outcome), watch))
+}
+
+/// Evaluations after which a solve counts as one of slack fabric; none where a step is known to take more.
+fn patience(objective: &Objective) -> usize {
+    let structure = objective.structure();
+    match (objective.input().time_step_s, objective.kind()) {
+        (None, _) if structure.is_tension_only() => MEMBRANE_PATIENCE,
+        (None, _) => SPRING_PATIENCE,
+        (Some(dt), InitialHessian::Multigrid)
+            if SLACK_EVALUATIONS * structure.elements_crossed(dt).powi(2)
+                > STEP_PATIENCE as f64 =>
+        {
+            0
+        }
+        (Some(_), _) => STEP_PATIENCE,
+    }
 }
 
 /// Levels of stiffness for what is solved.
@@ -121,26 +145,27 @@ fn finished(
     objective: &mut Objective,
     point: &mut Vec<DVec3>,
     options: &Options,
-    (outcome, watch): (Outcome, Watch),
+    (before, watch): (Option<Outcome>, Watch),
 ) -> Outcome {
-    let left = options.evaluation_limit.saturating_sub(outcome.evaluations);
-    if ends(outcome.stop) || left == 0 {
+    let spent = before.map_or(0, |outcome| outcome.evaluations);
+    let left = options.evaluation_limit.saturating_sub(spent);
+    if let Some(outcome) = before.filter(|outcome| ends(outcome.stop) || left == 0) {
         return outcome;
     }
     let options = Options {
         evaluation_limit: left,
         ..*options
     };
-    together(outcome, unsoftened(objective, point, &options, watch))
+    together(before, unsoftened(objective, point, &options, watch))
 }
 
 /// What two solves, one behind the other, came to.
-const fn together(first: Outcome, next: Outcome) -> Outcome {
-    Outcome {
+fn together(first: Option<Outcome>, next: Outcome) -> Outcome {
+    first.map_or(next, |first| Outcome {
         iterations: first.iterations + next.iterations,
         evaluations: first.evaluations + next.evaluations,
         ..next
-    }
+    })
 }
 
 /// With L-BFGS, or with Newton's method where it is faster.
