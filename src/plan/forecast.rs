@@ -1,10 +1,11 @@
 //! What the steps of the fabric will cost: evaluations of a solve, as far as they can be told before a run.
 //!
 //! Measured on the shipped canopies over winds of 1 to 30 m/s and stiffnesses of 0.1 to 100 times their own
-//! (docs/results/2026-11-23-evaluations.md): they follow the elements that a stretching wave crosses in a step, and whether the fabric is taut.
+//! (docs/results/2026-11-26-motion-of-fabric.md): they follow the elements that a stretching wave crosses in a step, and whether the fabric is taut.
 
 use std::fmt::{self, Write};
 
+use super::Placement;
 use super::initial_hessian::elements_crossed;
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier};
@@ -19,7 +20,12 @@ const TAUT_FROM: f64 = 10.0;
 const TAUT: f64 = 4.5;
 
 /// Evaluations per square of the elements crossed of fabric that is folded or hangs loose.
-const SLACK: f64 = 0.4;
+const SLACK: f64 = 0.3;
+
+/// Elements crossed from which slack fabric on the host is stiffened step by step, which takes about so many evaluations whatever the step
+/// (`src/cpu/cloth/driver.rs`; 45 to 97 measured at 59 and 117 elements).
+const STIFFENED_FROM: f64 = 34.0;
+const STIFFENED: f64 = 70.0;
 
 /// Drag coefficient of a canopy that has reached its terminal speed, from which its longest steps are told.
 const DRAG_COEFFICIENT: f64 = 0.75;
@@ -44,7 +50,7 @@ pub enum Evaluations {
 }
 
 /// The forecast for a scene; `None` without fabric or without time steps.
-pub(super) fn of(scene: &Scene) -> Option<Evaluations> {
+pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
     let body = scene.body.as_ref()?;
     let crossed = elements_crossed(scene)?;
     if scene.air.is_none() {
@@ -65,7 +71,9 @@ pub(super) fn of(scene: &Scene) -> Option<Evaluations> {
         _ => false,
     };
     let crossed = crossed * slowing(scene);
-    let evaluations = if slack {
+    let evaluations = if slack && crossed > STIFFENED_FROM && !placement.cloth_on_device() {
+        STIFFENED
+    } else if slack {
         AT_LEAST + SLACK * crossed * crossed
     } else if crossed <= TAUT_FROM {
         AT_LEAST

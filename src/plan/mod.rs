@@ -73,7 +73,7 @@ impl Plan {
             steps,
             sizes,
             step_hessian: initial_hessian::of_steps(scene, &placement),
-            evaluations: forecast::of(scene),
+            evaluations: forecast::of(scene, &placement),
             evaluation_limit: scene.solver.evaluation_limit,
             skips: skips::skips(scene)
                 .into_iter()

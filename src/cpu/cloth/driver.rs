@@ -33,9 +33,9 @@ const SPRING_PATIENCE: usize = 400;
 /// The same of a time step: as long as factorisations take.
 const STEP_PATIENCE: usize = 300;
 
-/// Evaluations of a step of slack fabric with L-BFGS, over the square of the elements that a stretching wave crosses in it
-/// (docs/results/2026-11-23-evaluations.md).
-const SLACK_EVALUATIONS: f64 = 0.4;
+/// Evaluations of a step of slack fabric with L-BFGS, over the square of the elements that a stretching wave crosses in the time that its velocities count from
+/// (docs/results/2026-11-26-motion-of-fabric.md).
+const SLACK_EVALUATIONS: f64 = 0.6;
 
 /// Most nodes that are factorised: half a gigabyte.
 const NODE_LIMIT: usize = 200_000;
