@@ -26,8 +26,10 @@ pub fn trials() -> Vec<Trial> {
 const ABSENT_IS_NOTHING: &[&str] = &[
     "altitude_m",
     "angles_deg",
+    "angular_velocity_rad_s",
     "animation_interval_s",
     "apex_guide_n_m",
+    "at_m",
     "axial_stiffness_n",
     "axis",
     "bodies_interval_s",
@@ -40,6 +42,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "diameter_m",
     "displacements_m",
     "drag_coefficient",
+    "ends_m",
     "file",
     "flow_interval_s",
     "force_strain",
@@ -53,6 +56,8 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "joins",
     "length_m",
     "lines",
+    "load_n",
+    "mass_kg",
     "mini_ribs_from",
     "naca",
     "nodes",
@@ -65,6 +70,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "polar_file",
     "positions",
     "pressure_pa",
+    "pretension_n",
     "range",
     "rib_places_m",
     "riser_length_m",
@@ -75,6 +81,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "structure_every",
     "transition",
     "value",
+    "velocity_m_s",
     "vent_diameter_m",
     "yield_stress_pa",
     "youngs_modulus_pa",
@@ -82,6 +89,11 @@ const ABSENT_IS_NOTHING: &[&str] = &[
 
 /// What brings keys into cases that no shipped one has.
 const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
+    (
+        "slung-weight",
+        None,
+        &["springs.tie={ nodes = [1, 10], stiffness_n_m = 100.0 }"],
+    ),
     (
         "flat-circular-tunnel",
         None,

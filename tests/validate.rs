@@ -41,7 +41,7 @@ const AERODYNAMICS: [&str; 8] = [
 ];
 
 /// Problems of fabric and cables.
-const FABRIC: [&str; 9] = [
+const FABRIC: [&str; 10] = [
     "membrane-patch",
     "catenary",
     "hencky",
@@ -50,6 +50,7 @@ const FABRIC: [&str; 9] = [
     "shear-panel",
     "heavy-cantilever",
     "drum",
+    "free-oscillations",
     "hostile-starts",
 ];
 

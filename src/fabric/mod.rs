@@ -1,17 +1,15 @@
 //! Material laws of fabric: pure formulas, per unit of rest area.
 //!
-//! * [`cone`]: wrinkles of a linear sheet, found by projection on a cone.
 //! * [`membrane`]: orthotropic St Venant–Kirchhoff sheet that does not push (tension field).
 //! * [`shear`]: shear law that is not linear.
 //! * [`permeability`]: air that passes through.
 //! * [`network`]: the mass–spring network of Lolies et al. (paper P0 of the documentation).
 
-pub mod cone;
 pub mod membrane;
 pub mod named;
 pub mod network;
 pub mod permeability;
-mod plane;
+pub(crate) mod plane;
 pub mod shear;
 mod wrinkles;
 

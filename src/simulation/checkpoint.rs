@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::energy::EnergyAccount;
+use super::energy_account::EnergyAccount;
 use super::{Opening, Origin, Simulation, SolverAccount};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{ContactState, StepBefore};

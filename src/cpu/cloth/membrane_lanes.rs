@@ -1,7 +1,7 @@
 //! Membrane triangles side by side in the lanes of vectors: energy, and the forces on their corners.
 //!
 //! A triangle is kept as one matrix A = √area V⁻¹B, which takes its squared elongations s to the coordinates e = A s of its law's cone
-//! ([`crate::fabric::cone`]); its energy is that of e, and ∂E/∂s = Aᵀ ∂E/∂e. Taut, wrinkled and slack triangles take the same path.
+//! ([`super::cone`]); its energy is that of e, and ∂E/∂s = Aᵀ ∂E/∂e. Taut, wrinkled and slack triangles take the same path.
 //! Triangles whose law has no cone, as with a nonlinear shear law, are left to [`Membrane::respond`].
 //!
 //! Every lane is computed for itself from single operations that IEEE 754 rounds, none of them fused, and energies are summed lane by lane
@@ -13,10 +13,10 @@ use glam::DVec3;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::cone::{Cone, Constants, energy_and_tension};
 use super::vectors::{ALONE, CHUNK};
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Structure, Triangle};
-use crate::fabric::cone::{Cone, Constants, energy_and_tension};
 use crate::fabric::membrane::Membrane;
 use crate::lattice::Lanes;
 

@@ -1,11 +1,11 @@
 //! Fabric and cables on the CPU, in `f64`.
 //!
 //! * [`gather`]: which elements meet at every node;
-//! * [`membrane_lanes`]: membrane triangles in the lanes of vectors;
 //! * [`nodal_forces`]: elastic energy and its gradient;
 //! * [`initial_hessian`]: block-Jacobi approximation of the Hessian;
 //! * [`stiffness`]: the whole Hessian, for multigrid;
 //! * [`integration`]: what velocities of a step count from;
+//! * [`membrane_lanes`], [`cone`]: membranes in the lanes of vectors, and how wrinkles are found there;
 //! * [`loads`], [`pressure`]: what acts during a step;
 //! * `energies`: energies, and the work of a step;
 //! * [`line_drag`]: drag of suspension lines;
@@ -24,6 +24,7 @@
 //! * `whole_balance`: what a static solve of fabric on lines leaves over, as a whole;
 //! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
 
+pub mod cone;
 pub mod contact;
 mod cut_reactions;
 pub mod dashpots;

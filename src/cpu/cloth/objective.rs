@@ -22,7 +22,7 @@ use super::gather::Gather;
 use super::integration::StepBase;
 use super::loads::{StepInput, add_pull_of_the_air, step_loads};
 use super::marker_sums::MarkerSums;
-use super::stiffened::Soft;
+use super::softened::Soft;
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
 use super::{
     Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, reactions,

@@ -3,15 +3,33 @@
 
 use glam::DVec3;
 
+use super::gather::Gather;
 use crate::cloth::elements::EDGES;
 use crate::cloth::{Structure, Triangle};
 use crate::fabric::membrane::Membrane;
 use crate::fabric::shear::CubicShear;
 
+/// A structure with a share of its tensile stiffness.
+#[derive(Debug)]
+pub(super) struct Soft {
+    pub(super) structure: Structure,
+    pub(super) gather: Gather,
+}
+
+impl Soft {
+    pub(super) fn new(structure: &Structure, share: f64) -> Self {
+        let structure = softened(structure, share);
+        Self {
+            gather: Gather::new(&structure),
+            structure,
+        }
+    }
+}
+
 /// The same structure with `share` of its tensile stiffness. What membranes resist compression with stays what it is, so that folds are those of the true
 /// fabric, as long as it is no more than what is left of the tensile stiffness. Springs are softened in both directions; cables are not.
 #[must_use]
-pub fn softened(structure: &Structure, share: f64) -> Structure {
+fn softened(structure: &Structure, share: f64) -> Structure {
     let mut soft = structure.clone();
     if share >= 1.0 {
         return soft;
@@ -45,7 +63,7 @@ fn softened_law(law: &Membrane, share: f64) -> Membrane {
 
 /// Writes the part of the elastic gradient at `positions` + l d that grows with l² [N], with the tangent at `positions`:
 /// Bᵀ C E₂ + B′ᵀ C E₁, E₁ the strain linear in d, E₂ that of its squares, B′ the change of B along d. Zero where nodes are held.
-pub fn second_order(
+pub(super) fn second_order(
     structure: &Structure,
     positions: &[DVec3],
     direction: &[DVec3],

@@ -2,32 +2,13 @@
 
 use glam::DVec3;
 
-use super::gather::Gather;
 use super::objective::Objective;
-use super::softened::{second_order, softened};
+use super::softened::{Soft, second_order};
 use super::stiffness;
-use crate::cloth::Structure;
 use crate::solve::stiffening::Stiffened;
 
 /// Stiffness that every node has beside its own, so that one that nothing holds can be solved for [N/m].
 const LEAST_STIFFNESS_N_M: f64 = 1e-9;
-
-/// A structure with a share of its tensile stiffness.
-#[derive(Debug)]
-pub(super) struct Soft {
-    pub(super) structure: Structure,
-    pub(super) gather: Gather,
-}
-
-impl Soft {
-    fn new(structure: &Structure, share: f64) -> Self {
-        let structure = softened(structure, share);
-        Self {
-            gather: Gather::new(&structure),
-            structure,
-        }
-    }
-}
 
 /// Three numbers per node as vectors.
 fn vectors(numbers: &[f64]) -> &[DVec3] {

@@ -1,6 +1,6 @@
 //! Tension-only sheets with a linear law, without a search for the direction of wrinkles.
 //!
-//! Wrinkles are the strain P ⪰ 0 that makes W(E + P), W = ½ E:C:E, least ([`super::membrane`]). Strains P ⪰ 0 fill a cone of second order:
+//! Wrinkles are the strain P ⪰ 0 that makes W(E + P), W = ½ E:C:E, least ([`crate::fabric::membrane`]). Strains P ⪰ 0 fill a cone of second order:
 //! det P = PᵀJP ≥ 0 in Voigt form. So −E is projected on a cone, and the shortest distance is measured by C.
 //!
 //! Three directions v of strain diagonalise both forms, VᵀCV = 1 and VᵀJV = diag(λ₁, −λ₂, −λ₃), λ > 0. In coordinates e = V⁻¹E, with
@@ -18,8 +18,8 @@
 
 use pulp::Simd;
 
-use super::membrane::Membrane;
-use super::plane::Matrix3;
+use crate::fabric::membrane::Membrane;
+use crate::fabric::plane::Matrix3;
 use crate::lattice::{Lanes, Number};
 
 /// Numbers, of which each lane can choose by its sign.

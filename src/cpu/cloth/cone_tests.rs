@@ -1,9 +1,9 @@
 //! Tests of the projection against the search for the direction of wrinkles, and against the conditions of the least energy.
 
-use super::super::membrane::principal;
-use super::super::plane::{dot, times};
-use super::super::shear::CubicShear;
 use super::*;
+use crate::fabric::membrane::principal;
+use crate::fabric::plane::{dot, times};
+use crate::fabric::shear::CubicShear;
 
 /// Strains of every law.
 const COUNT: usize = 200_000;
