@@ -120,17 +120,17 @@ fn lost_in_ten_periods(
     1.0 - (energy_j(&cloth, gravity_m_s2) - at_rest_j) / start_j
 }
 
-/// One per cent by BDF2; backward Euler, which takes 1 − exp(−2πω dt) in a period, loses nearly all.
-fn keeps(lost: impl Fn(TimeIntegration) -> f64, what: &str) {
-    let (bdf2, euler) = (
-        lost(TimeIntegration::Bdf2),
-        lost(TimeIntegration::BackwardEuler),
-    );
-    println!("{what}: lost {bdf2:.5} by BDF2, {euler:.4} by backward Euler");
-    assert!(
-        (0.0..=tolerances::ENERGY_OF_TEN_PERIODS).contains(&bdf2),
-        "{what}: {bdf2}"
-    );
+/// One per cent by BDF2; backward Euler, which takes 1 − exp(−2πω dt) in a period, loses nearly all, and is left to the host.
+fn keeps(lost: impl Fn(TimeIntegration) -> f64, (what, on_device): (&str, bool)) {
+    let bdf2 = lost(TimeIntegration::Bdf2);
+    println!("{what}: lost {bdf2:.5} by BDF2");
+    let allowed = 0.0..=tolerances::ENERGY_OF_TEN_PERIODS;
+    assert!(allowed.contains(&bdf2), "{what}: {bdf2}");
+    if on_device {
+        return;
+    }
+    let euler = lost(TimeIntegration::BackwardEuler);
+    println!("{what}: lost {euler:.4} by backward Euler");
     let expected = 1.0 - (-TAU * TAU / 100.0 * 10.0_f64).exp();
     assert!(
         (euler - expected).abs() < 0.05,
@@ -161,7 +161,7 @@ fn swinging_pendulum(on_device: bool) {
         let motion = (period_s, GRAVITY, at_rest_j);
         lost_in_ten_periods(pendulum(angle), motion, (integration, on_device))
     };
-    keeps(lost, "pendulum");
+    keeps(lost, ("pendulum", on_device));
 }
 
 /// A mass between two springs that push and pull.
@@ -187,7 +187,7 @@ fn mass_on_springs(on_device: bool) {
         let motion = (period_s, DVec3::ZERO, 0.0);
         lost_in_ten_periods(structure(), motion, (integration, on_device))
     };
-    keeps(lost, "mass on springs");
+    keeps(lost, ("mass on springs", on_device));
 }
 
 /// A sheet of 12 by 12 cells, stretched by 1 % between two held sides and plucked in its first transverse mode.
@@ -221,7 +221,7 @@ fn taut_sheet() {
         let motion = (period_s, DVec3::ZERO, at_rest_j);
         lost_in_ten_periods(structure.clone(), motion, (integration, false))
     };
-    keeps(lost, "taut sheet");
+    keeps(lost, ("taut sheet", false));
 }
 
 /// A sheet on one edge that swings, far from small: its energy is kept over the first half period, however its modes share it.

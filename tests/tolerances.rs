@@ -421,7 +421,8 @@ pub const PEAK_OF_A_WAVE: f64 = 0.9;
 /// Order of the error of a swing in time, against 1 or 2, over halved steps of 5 to 1.25 ms.
 pub const ORDER_IN_TIME: f64 = 0.15;
 
-/// Rest of a shaken rope's energy balance over what support and damping did, in steps of 0.125 ms.
+/// Rest of a shaken rope's energy balance over what support and damping did, in steps of 0.125 ms; difference of the share that the integration takes of an opening
+/// on a device.
 pub const ENERGY_REST: f64 = 0.02;
 
 /// Forecast over measured error of set-ups that it was not taken from: asked for; 0.91 to 1.73 measured.
