@@ -161,8 +161,10 @@ pub struct StructureFrame {
     pub principal_tensions_n_m: Vec<[f64; 2]>,
     /// Unit vectors along the larger principal tension, along which wrinkles run, `[triangle_count]`; zero where there is no tension.
     pub tension_directions: Vec<DVec3>,
-    /// Largest principal stress [Pa], `[triangle_count]`.
+    /// Largest principal stress over the thickness at rest [Pa], `[triangle_count]`.
     pub stress_pa: Vec<f64>,
+    /// The same over the thickness of fabric that has kept its volume [Pa], `[triangle_count]`.
+    pub true_stress_pa: Vec<f64>,
     /// Von Mises stress of plane stress [Pa], `[triangle_count]`.
     pub von_mises_pa: Vec<f64>,
     /// Shear stress between warp and weft [Pa], `[triangle_count]`.

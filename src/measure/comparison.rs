@@ -40,6 +40,7 @@ fn at_rest(structure: &Structure) -> StructureFrame {
         principal_tensions_n_m: vec![[0.0; 2]; triangles],
         tension_directions: vec![glam::DVec3::ZERO; triangles],
         stress_pa: vec![0.0; triangles],
+        true_stress_pa: vec![0.0; triangles],
         von_mises_pa: vec![0.0; triangles],
         shear_stress_pa: vec![0.0; triangles],
         shear_strain: vec![0.0; triangles],

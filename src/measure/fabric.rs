@@ -56,6 +56,7 @@ results! {
     /// The state at the end of fabric and cables without air.
     RESULTS: "Fabric and cables without air";
     STRESS_MAX;
+    TRUE_STRESS_MAX: "true_stress_max_pa", "Pa", "largest principal stress over the thickness of fabric that has kept its volume";
     VON_MISES_MAX;
     SHEAR_STRESS_MAX;
     LINE_TENSION_MAX;
@@ -206,6 +207,10 @@ pub(super) fn alone(
             largest(structure.principal_tensions_n_m.iter().map(|t| t[0])),
         ),
         (&STRESS_MAX, largest(structure.stress_pa.iter().copied())),
+        (
+            &TRUE_STRESS_MAX,
+            largest(structure.true_stress_pa.iter().copied()),
+        ),
         (
             &VON_MISES_MAX,
             largest(structure.von_mises_pa.iter().copied()),

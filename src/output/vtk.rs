@@ -29,7 +29,7 @@ const NO_CODE: i8 = -1;
 /// | `reaction_n` | points | 3 x f64 | force with which a support holds the node (N), without the air's pull on the node itself; zero where it is free |
 /// | `contact_force_n` | points | 3 x f64 | force of other fabric on the node (N); only where the case has contact |
 /// | `tension_1_n_m`, `tension_2_n_m` | cells | f64 | principal tensions, larger first (N/m); NaN on cables |
-/// | `stress_pa` | cells | f64 | largest principal stress (Pa); NaN on cables |
+/// | `stress_pa`, `true_stress_pa` | cells | f64 | largest principal stress (Pa), over the thickness at rest and over that of fabric that has kept its volume; NaN on cables |
 /// | `tension_1_direction` | cells | 3 × f64 | unit vector along `tension_1_n_m`, along which wrinkles run; 0 without tension, NaN on cables |
 /// | `von_mises_pa` | cells | f64 | von Mises stress (Pa); NaN on cables |
 /// | `shear_stress_pa`, `shear_strain` | cells | f64 | between warp and weft (Pa, 1); NaN on cables |
@@ -140,6 +140,7 @@ fn cell_data<'a>(data: &mut Appended<'a>, structure: &'a StructureFrame) -> Stri
     xml += &data.array("tension_2_n_m", cells, tension(1));
     xml += &data.array("stress_pa", cells, stress);
     for (name, values) in [
+        ("true_stress_pa", &structure.true_stress_pa),
         ("von_mises_pa", &structure.von_mises_pa),
         ("shear_stress_pa", &structure.shear_stress_pa),
         ("shear_strain", &structure.shear_strain),
@@ -204,6 +205,7 @@ fn check_structure(structure: &StructureFrame) -> io::Result<()> {
     check_length("principal tensions", tensions, triangles)?;
     for (what, values) in [
         ("stresses", &structure.stress_pa),
+        ("true stresses", &structure.true_stress_pa),
         ("von Mises stresses", &structure.von_mises_pa),
         ("shear stresses", &structure.shear_stress_pa),
         ("shear strains", &structure.shear_strain),
@@ -447,6 +449,7 @@ mod tests {
             principal_tensions_n_m: vec![[30.0, -0.5]],
             tension_directions: vec![DVec3::X],
             stress_pa: vec![4e5],
+            true_stress_pa: vec![4.1e5],
             von_mises_pa: vec![3e5],
             shear_stress_pa: vec![1e5],
             shear_strain: vec![0.01],

@@ -1,6 +1,8 @@
 //! The plan as text, for `ripstop check`.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
+
+use glam::DVec3;
 
 use super::{
     AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, levels, meshes,
@@ -9,11 +11,29 @@ use super::{
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
 use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
-use crate::cloth::TimeIntegration;
+use crate::cloth::{Structure, TimeIntegration};
 use crate::immersed::markers;
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
+/// Loads and velocities of single nodes, where the case gives any.
+fn write_loads(out: &mut String, structure: &Structure) -> fmt::Result {
+    if !structure.loads_n.is_empty() {
+        let all: DVec3 = structure.loads_n.iter().sum();
+        writeln!(
+            out,
+            "  loads on nodes      ({:.4}, {:.4}, {:.4}) N in all",
+            all.x, all.y, all.z
+        )?;
+    }
+    let moving = structure.start_velocities_m_s.iter();
+    let moving = moving.filter(|v| **v != DVec3::ZERO).count();
+    if moving > 0 {
+        writeln!(out, "  moving at the start {moving} nodes")?;
+    }
+    Ok(())
 }
 
 impl Plan {
@@ -190,6 +210,7 @@ impl Plan {
                     support.nodes.len()
                 )?;
             }
+            write_loads(out, &body.structure)?;
             self.write_canopy(out, scene)?;
         }
         meshes::write(out, &scene.meshes)?;

@@ -23,6 +23,7 @@ fn structure() -> StructureFrame {
         principal_tensions_n_m: vec![[4.0, 1.0], [8.0, 1.0]],
         tension_directions: vec![DVec3::Y; 2],
         stress_pa: vec![4e4, 8e4],
+        true_stress_pa: vec![4e4, 8e4],
         von_mises_pa: vec![4e4, 8e4],
         shear_stress_pa: vec![0.0; 2],
         shear_strain: vec![0.0; 2],

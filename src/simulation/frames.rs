@@ -117,6 +117,11 @@ fn structure_frame(cloth: &Cloth, input: &StepInput) -> StructureFrame {
             .zip(&thicknesses_m)
             .map(|(l, thickness_m)| l.principal_tensions_n_m[0] / thickness_m)
             .collect(),
+        true_stress_pa: loads
+            .iter()
+            .zip(&thicknesses_m)
+            .map(|(l, thickness_m)| l.principal_tensions_n_m[0] * l.cloth_stretch / thickness_m)
+            .collect(),
         von_mises_pa: loads
             .iter()
             .zip(&thicknesses_m)

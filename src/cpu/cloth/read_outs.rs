@@ -23,6 +23,8 @@ pub struct TriangleLoad {
     pub shear_strain: f64,
     /// Principal strains (Green), larger first.
     pub principal_strains: [f64; 2],
+    /// Present area of the cloth over that at rest, its wrinkles laid out: fabric that keeps its volume is so many times as thin.
+    pub cloth_stretch: f64,
     /// Taut, wrinkled or slack.
     pub state: FabricState,
 }
@@ -36,6 +38,7 @@ impl TriangleLoad {
             shear_tension_n_m: f64::NAN,
             shear_strain: f64::NAN,
             principal_strains: [f64::NAN; 2],
+            cloth_stretch: f64::NAN,
             state,
         }
     }
@@ -61,6 +64,7 @@ impl TriangleLoad {
             shear_tension_n_m: t[2],
             shear_strain: strain[2],
             principal_strains: principal(strain[0], strain[1], 0.5 * strain[2]),
+            cloth_stretch: stretch,
             state: response.state,
         }
     }
