@@ -85,26 +85,30 @@ fn sheet() {
     assert_eq!(told.code, OUT_OF_BALANCE, "{}", told.text);
     assert!(
         told.text
-            .contains("10 of 10 solves of the fabric missed their tolerance"),
+            .contains("10 of 13 solves of the fabric missed their tolerance"),
         "{}",
         told.text
     );
     let row = told.account("steps of the fabric");
     assert_eq!(row["reached"], false);
-    assert_eq!(row["value"], 1.0);
+    // The first step has four parts, of which three are short enough.
+    assert_eq!(row["value"], 10.0 / 13.0);
     let detail = row["detail"].as_str().unwrap();
     assert!(
         detail.contains("10 at the limit of evaluations"),
         "{detail}"
     );
     assert!(detail.contains("the worst left"), "{detail}");
-    // Two solves to a sample, all unsolved, each with all the evaluations it may take.
+    // Two solves to a sample but the first, all unsolved, each with all the evaluations it may take.
     let unsolved = told.column("unsolved_solves");
     assert_eq!(unsolved.iter().sum::<f64>(), 10.0, "{unsolved:?}");
     let left = told.column("solver_residual");
     assert!(left.iter().all(|&left| left > 1.0), "{left:?}");
     let evaluations = told.column("evaluations_per_solve");
-    assert!(evaluations.iter().all(|&e| e >= 12.0), "{evaluations:?}");
+    assert!(
+        evaluations[1..].iter().all(|&e| e >= 12.0),
+        "{evaluations:?}"
+    );
 }
 
 /// In light wind a step of the air is long for the fabric: 2000 evaluations, the limit, gave 0.396 for a drag coefficient of 0.50.
@@ -132,7 +136,7 @@ fn too_stiff() {
         &CANOPY,
         &[
             "fabric.youngs_modulus_pa=1e15",
-            "solver.evaluation_limit=100",
+            "solver.evaluation_limit=10",
             "time.end_s=0.0004",
             "output.sample_interval_s=0.0002",
         ],
