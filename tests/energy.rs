@@ -105,7 +105,7 @@ fn last(record: &Record, name: &str) -> f64 {
 fn canopy(placement: &Placement, engine: Engine, ways: &[&str]) -> Vec<f64> {
     let share = |integration: &&str| {
         let change = format!("time.integration=\"{integration}\"");
-        let case = small_case(&[&change, "time.end_s=0.02", "solver.tolerance=1e-3"]);
+        let case = small_case(&[&change, "time.end_s=0.012", "solver.tolerance=1e-3"]);
         let plan = Plan::new(&case.scene, placement.clone());
         let (_, record) = without_files(&case, plan, engine.device()).unwrap();
         let loss_j = last(&record, "numerical_loss_j");
