@@ -190,9 +190,9 @@ fn mass_on_springs(on_device: bool) {
     keeps(lost, ("mass on springs", on_device));
 }
 
-/// A sheet of 8 by 8 cells, stretched by 1 % between two held sides and plucked in its first transverse mode.
+/// A sheet of 12 by 12 cells, stretched by 1 % between two held sides and plucked in its first transverse mode.
 fn taut_sheet() {
-    const CELLS: usize = 8;
+    const CELLS: usize = 12;
     const AMPLITUDE_M: f64 = 1e-3;
     let mut structure = square_at(DVec3::ZERO, CELLS, FabricModel::Membrane, &fabric(1e7, 1.0));
     for (node, x) in structure.positions_m.iter_mut().enumerate() {

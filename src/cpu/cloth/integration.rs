@@ -9,7 +9,7 @@
 //!   over the one before (Hairer, Nørsett & Wanner, "Solving Ordinary Differential Equations I", III.5). It takes 1 − exp(−π (ω dt)³) per period.
 //!   Like backward Euler it forgets at once what is far stiffer than the step (L-stable). It is stable up to r = 1 + √2.
 //!
-//! A step that has no step before it, or one that is more than [`LARGEST_RATIO`] times as long, is one of backward Euler: one such step does not lower the order. It takes
+//! A step that has no step before it, or one that is more than 2.2 times as long, is one of backward Euler: one such step does not lower the order. It takes
 //! (ω dt)² of the energy, so that a motion without air begins with short ones ([`FIRST_PARTS`]).
 //! Positions between two steps of BDF2 are not xⁿ + dt v.
 
