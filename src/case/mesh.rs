@@ -78,6 +78,18 @@ fn add_further(
                 "put all its fabric into one file, or leave out nominal_area_m2",
             ));
         }
+        if table
+            .fabric
+            .as_ref()
+            .is_some_and(|f| f.permeability.is_some())
+        {
+            let key = format!("{key}.fabric.permeability");
+            return Err(Problem::new(
+                key.as_str(),
+                "what passes the fabric is the same for the whole structure",
+                format!("remove {key}; fabric.permeability holds for all meshes"),
+            ));
+        }
         let mesh = table.as_mesh();
         let fabric = table.fabric.as_ref();
         let mut next = examine(file, (&key, &mesh, fabric), files.folder)?;

@@ -46,12 +46,8 @@ pub(super) fn check(file: &File, body: &mut Body, files: &FromFiles) -> Result<(
     }
     for (name, table) in &file.springs {
         check_name("springs", name, "a spring")?;
-        add_spring(
-            &format!("springs.{name}"),
-            table,
-            &mut body.structure,
-            files,
-        )?;
+        let key = format!("springs.{name}");
+        add_spring((file, &key), table, &mut body.structure, files)?;
     }
     Ok(())
 }
@@ -83,6 +79,16 @@ impl Adder<'_> {
                         self.key("held")
                     ),
                     "remove it",
+                ));
+            }
+            if self.file.air.is_some() {
+                return Err(Problem::new(
+                    self.key("held"),
+                    format!(
+                        "{}: in air what holds a structure follows from its kind",
+                        self.key("held")
+                    ),
+                    "remove it, or [air]",
                 ));
             }
             for &node in nodes {
@@ -159,7 +165,7 @@ impl Adder<'_> {
         for &node in nodes {
             if !structure.held[node] {
                 let arm_m = structure.positions_m[node] - middle_m;
-                structure.start_velocities_m_s[node] = velocity_m_s + turning_rad_s.cross(arm_m);
+                structure.start_velocities_m_s[node] += velocity_m_s + turning_rad_s.cross(arm_m);
             }
         }
         Ok(())
@@ -223,7 +229,7 @@ impl Adder<'_> {
 }
 
 fn add_spring(
-    table_key: &str,
+    (file, table_key): (&File, &str),
     table: &file::NodeSpring,
     structure: &mut Structure,
     files: &FromFiles,
@@ -246,6 +252,15 @@ fn add_spring(
             ));
         }
     };
+    if file.air.is_some() && (structure.held[a] || structure.held[b]) {
+        return Err(Problem::new(
+            table_key,
+            format!(
+                "an end of [{table_key}] is held: in air its force would be missing in that of the supports"
+            ),
+            "let it join nodes that are free, or remove [air]",
+        ));
+    }
     if a == b {
         return Err(Problem::new(
             table_key,
@@ -311,7 +326,13 @@ fn by_number(
     files: &FromFiles,
 ) -> Result<usize, Problem> {
     let node = number.checked_sub(1).and_then(|vertex| files.node(vertex));
+    let first = files.meshes.first().map_or(0, |mesh| mesh.start_m.len());
     match node.filter(|node| (*node as usize) < structure.node_count()) {
+        Some(node) if files.meshes.len() > 1 && node as usize >= first => Err(Problem::new(
+            key,
+            format!("{key}: numbers are those of the first mesh, which has {first} nodes"),
+            "choose nodes of further meshes by their place",
+        )),
         Some(node) => Ok(node as usize),
         None => Err(Problem::new(
             key,

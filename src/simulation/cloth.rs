@@ -72,22 +72,13 @@ impl Simulation {
 
     /// A step between two solves: the sheet goes on as far as in the step before.
     fn move_on(&mut self) {
-        let time_step_s = self.scene.time.map_or(0.0, |time| time.step_s);
         let (Some(cadence), Some(cloth)) = (&self.cadence, &mut self.cloth) else {
             return;
         };
-        match &cloth.step_before {
-            Some(before) => {
-                let further = 1.0 / f64::from(cadence.gone(self.step).max(1));
-                for (x, old) in cloth.positions_m.iter_mut().zip(&before.positions_m) {
-                    *x += (*x - *old) * further;
-                }
-            }
-            // By backward Euler the velocity at the end is that of the whole span.
-            None => {
-                for (x, v) in cloth.positions_m.iter_mut().zip(&cloth.velocities_m_s) {
-                    *x += *v * time_step_s;
-                }
+        if let Some(before) = &cloth.step_before {
+            let further = 1.0 / f64::from(cadence.gone(self.step).max(1));
+            for (x, old) in cloth.positions_m.iter_mut().zip(&before.positions_m) {
+                *x += (*x - *old) * further;
             }
         }
     }
@@ -186,6 +177,10 @@ impl Simulation {
         );
         if let Some(cloth) = &self.cloth {
             self.energy.add(cloth, &input, frame_m_s2);
+            // Until the span is gone the nodes are on their way to where the work was done.
+            let gravity_m_s2 = self.scene.gravity_m_s2.unwrap_or(DVec3::ZERO);
+            self.energy
+                .hold((every > 1).then_some((cloth, gravity_m_s2)));
         }
     }
 

@@ -22,6 +22,8 @@ pub(super) struct EnergyAccount {
     pub(super) work: StepWork,
     /// Forces of the air on every node at the end of the last solve [N], `[node_count]`; empty before the first.
     air_n: Vec<DVec3>,
+    /// Kinetic, elastic and potential energy at the end of a solve over several steps [J]; `None` where every step is solved.
+    held_j: Option<[f64; 3]>,
 }
 
 /// Where the energy of fabric and lines is, and where it came from [J].
@@ -73,8 +75,14 @@ impl EnergyAccount {
         self.air_n = now_n;
     }
 
+    /// Keeps the energies at the end of a solve over several steps.
+    pub(super) fn hold(&mut self, solved: Option<(&Cloth, DVec3)>) {
+        self.held_j = solved.map(|(cloth, gravity_m_s2)| parts_j(cloth, gravity_m_s2));
+    }
+
     pub(super) fn energies(&self, cloth: &Cloth, gravity_m_s2: DVec3) -> Energies {
-        let [kinetic_j, elastic_j, potential_j] = parts_j(cloth, gravity_m_s2);
+        let [kinetic_j, elastic_j, potential_j] =
+            self.held_j.unwrap_or_else(|| parts_j(cloth, gravity_m_s2));
         let now_j = kinetic_j + elastic_j + potential_j;
         let work = self.work;
         let put_in_j = work.of_air_j + work.of_supports_j + work.of_frame_j;
@@ -90,10 +98,14 @@ impl EnergyAccount {
 
     pub(super) fn save(&self, out: &mut Writer) -> io::Result<()> {
         let work = &self.work;
+        let [kinetic_j, elastic_j, potential_j] = self.held_j.unwrap_or([f64::NAN; 3]);
         out.put(
             SECTION,
             &[
                 self.initial_j.unwrap_or(f64::NAN),
+                kinetic_j,
+                elastic_j,
+                potential_j,
                 work.of_air_j,
                 work.of_supports_j,
                 work.of_frame_j,
@@ -104,15 +116,16 @@ impl EnergyAccount {
     }
 
     pub(super) fn restore(from: &Reader) -> Result<Self, CheckpointError> {
-        let sums: Vec<f64> = from.take_exactly(SECTION, 5)?;
+        let sums: Vec<f64> = from.take_exactly(SECTION, 8)?;
         Ok(Self {
             initial_j: (!sums[0].is_nan()).then_some(sums[0]),
             work: StepWork {
-                of_air_j: sums[1],
-                of_supports_j: sums[2],
-                of_frame_j: sums[3],
-                lost_to_damping_j: sums[4],
+                of_air_j: sums[4],
+                of_supports_j: sums[5],
+                of_frame_j: sums[6],
+                lost_to_damping_j: sums[7],
             },
+            held_j: (!sums[1].is_nan()).then_some([sums[1], sums[2], sums[3]]),
             air_n: from.take(FORCES_SECTION)?,
         })
     }

@@ -3,7 +3,7 @@
 //! Where stretching is a hundred thousand times as stiff as the tension that holds an element straight, a straight step turns an element by no more than
 //! the root of a strain before its second-order stretch outweighs all that the step gains. Softened elements turn further: the objective is first minimised
 //! with a thousandth of the tensile stiffness, then with more and more of it, each time from the last minimum and to a loose tolerance. What resists
-//! compression is not softened, so that wrinkles and folds are those of the true structure. A continuation in a parameter of the objective
+//! compression of membranes is not softened, so that wrinkles and folds are those of the true structure. A continuation in a parameter of the objective
 //! (Nocedal & Wright 2006, section 11.3).
 //!
 //! Within a level, steps solve (H + λ M) d = −g with a positive semidefinite H, its masses M and a Levenberg–Marquardt shift λ, and are bent by the
@@ -39,9 +39,6 @@ pub trait Stiffened {
 
     /// vᵀ M v.
     fn square(&self, vector: &[f64]) -> f64;
-
-    /// The share of a displacement, up to 1, that nothing is in the way of and that moves no node too far.
-    fn free_share(&mut self, point: &[f64], displacement: &[f64]) -> f64;
 
     /// Where the nodes are, for who watches.
     fn positions_m(&self, point: &[f64]) -> Option<Vec<glam::DVec3>>;
@@ -254,8 +251,11 @@ impl<S: Stiffened> Solve<'_, '_, S> {
         let mut norm_at_start = None;
         let mut loads = vec![0.0; self.state.point.len()];
         let (mut steps, mut stagnant, mut lowest) = (0, 0, f64::INFINITY);
+        // Below this the Hessian is not positive definite here, by round-off.
+        let mut floor = SHIFTS[0];
         while steps < step_limit {
             if !self.space.factorise(&self.state.point, self.shift) {
+                floor = floor.max(self.shift * SHIFT_FACTOR);
                 self.shift *= SHIFT_FACTOR;
                 if self.shift > SHIFTS[2] {
                     return End::Stopped(Stop::Indefinite);
@@ -268,6 +268,9 @@ impl<S: Stiffened> Solve<'_, '_, S> {
             }
             self.space.solve(direction);
             let slope = dot(&self.state.gradient, direction);
+            if !slope.is_finite() {
+                return End::Stopped(Stop::Stalled);
+            }
             self.space.loads(&self.state.point, &mut loads);
             let mut sag = loads.clone();
             self.space.solve(&mut sag);
@@ -279,11 +282,11 @@ impl<S: Stiffened> Solve<'_, '_, S> {
             self.outcome.relative_norm = relative(norm, scale);
             let largest = direction.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
             if norm <= tolerance * scale || largest <= self.options.displacement_floor_m {
-                if self.shift <= SHIFTS[0] {
+                if self.shift <= floor {
                     return End::Reached;
                 }
                 // A shift shortens the norm.
-                self.shift = (0.1 * self.shift).max(SHIFTS[0]);
+                self.shift = (0.1 * self.shift).max(floor);
                 continue;
             }
             if self.outcome.evaluations >= self.options.evaluation_limit {
@@ -354,9 +357,8 @@ impl<S: Stiffened> Solve<'_, '_, S> {
             for (i, u) in displacement.iter_mut().enumerate() {
                 *u = length * (direction[i] + length * bend[i]);
             }
-            let share = self.space.free_share(&self.state.point, displacement);
             for (i, x) in trial.point.iter_mut().enumerate() {
-                *x = self.state.point[i] + share * displacement[i];
+                *x = self.state.point[i] + displacement[i];
             }
             trial.objective = self.space.evaluate(&trial.point, &mut trial.gradient);
             self.outcome.evaluations += 1;
@@ -364,13 +366,13 @@ impl<S: Stiffened> Solve<'_, '_, S> {
             let along = dot(&trial.gradient, direction) + 2.0 * length * dot(&trial.gradient, bend);
             let round_off = self.space.round_off(self.state.objective);
             let low_enough = if change.abs() > round_off {
-                change <= ARMIJO * share * length * slope
+                change <= ARMIJO * length * slope
             } else {
                 // Differences drown in round-off: by the slope alone (Hager & Zhang 2005).
                 along <= -0.8 * slope
             };
-            if change.is_finite() && low_enough {
-                if attempt == 0 && share >= 1.0 {
+            if change.is_finite() && along.is_finite() && low_enough {
+                if attempt == 0 {
                     let gain = change / (0.5 * slope);
                     if gain > GAINS[0] {
                         self.shift = (self.shift / SHIFT_FACTOR).max(SHIFTS[0]);

@@ -150,10 +150,6 @@ impl Stiffened for Pendulum {
         dot(vector, vector)
     }
 
-    fn free_share(&mut self, _: &[f64], _: &[f64]) -> f64 {
-        1.0
-    }
-
     fn positions_m(&self, _: &[f64]) -> Option<Vec<glam::DVec3>> {
         None
     }

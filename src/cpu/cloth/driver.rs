@@ -50,7 +50,10 @@ const CROSSED_SQUARE: f64 = 10.0;
 fn can_be_stiffened(objective: &Objective) -> bool {
     let structure = objective.structure();
     let elastic = !structure.triangles.is_empty() || !structure.springs.is_empty();
+    // The matrix is too stiff along triangles that feel the air across themselves alone.
+    let slides = objective.input().markers.iter().any(|m| m.across.is_some());
     elastic
+        && !slides
         && structure.contact.is_none()
         && !objective.input().pressure_follows()
         && structure.node_count() <= NODE_LIMIT
@@ -89,8 +92,9 @@ pub(super) fn minimise(
     }
     let levels = levels(objective);
     let spent = before.map_or(0, |outcome| outcome.evaluations);
+    // A solve may end a few trials behind its limit.
     let left = Options {
-        evaluation_limit: options.evaluation_limit - spent,
+        evaluation_limit: options.evaluation_limit.saturating_sub(spent),
         ..*options
     };
     let mut numbers = bytemuck::cast_slice(point).to_vec();

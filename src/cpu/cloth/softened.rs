@@ -49,7 +49,6 @@ fn softened(structure: &Structure, share: f64) -> Structure {
 
 fn softened_law(law: &Membrane, share: f64) -> Membrane {
     let stiffness = law.stiffness().map(|row| row.map(|k| share * k));
-    // A nonlinear shear law is left out of the softened levels, which only lead to the true one.
     let soft = Membrane::new(stiffness, (law.residual() / share).min(1.0));
     // γ = c τ + k τ³ with tensions that are `share` of those.
     match law.shear() {

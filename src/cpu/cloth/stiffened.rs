@@ -60,10 +60,6 @@ impl Stiffened for Objective<'_> {
         pairs.map(|(v, mass)| mass * v.length_squared()).sum()
     }
 
-    fn free_share(&mut self, _: &[f64], _: &[f64]) -> f64 {
-        1.0
-    }
-
     fn positions_m(&self, point: &[f64]) -> Option<Vec<DVec3>> {
         Some(vectors(point).to_vec())
     }

@@ -192,7 +192,7 @@ pub(super) fn assemble<T: Entry>(
     let mut through = Vec::new();
     if let (Some(dt), false) = (input.time_step_s, input.markers.is_empty()) {
         // Per triangle: Σ K/dt w_a w_b, the same along all axes; too stiff along triangles that feel the air across themselves alone, which a
-        // preconditioner may be (Newton's method, which takes the matrix at its word, has no markers).
+        // preconditioner may be (what takes the matrix at its word has no such markers).
         markers.resize(structure.triangles.len(), DMat3::ZERO);
         for marker in input.markers {
             let w = DVec3::from_array(marker.weights);
