@@ -63,7 +63,7 @@
 //! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid |
 //! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
 //! | [`trim`] | the glide in which forces of the air, weight and lines of a wing are in balance, for a given shape | aero, cloth, geometry |
-//! | [`solve`] | L-BFGS, Newton's method, multigrid; knows no cloth | – |
+//! | [`solve`] | L-BFGS, Newton's method, stiffening by levels, multigrid, factorisation; knows no cloth | – |
 //! | [`cpu`] | the native engine, one file per stage | all of the above |
 //! | [`gpu`] | the device engine, the same files; alone sees wgpu | all of the above |
 //! | [`units`] | SI ↔ lattice, only here | – |

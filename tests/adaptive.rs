@@ -12,6 +12,7 @@ use ripstop::plan::{ClothPlacement, Placement, Plan, Precision};
 use ripstop::simulation::Simulation;
 
 use crate::engines::{Engine, needs_device, plain};
+use crate::motion::after_a_second;
 use crate::resumed::{bits_of_nodes, taken_up};
 use crate::tolerances;
 
@@ -101,23 +102,10 @@ fn run(scene: Scene) -> Simulation {
     simulation
 }
 
-/// The pendulum's place after a second, by Runge and Kutta's method.
+/// The pendulum's place after a second.
 fn exact_place_m() -> DVec3 {
-    let rate = |[angle, speed]: [f64; 2]| [speed, 9.81 * angle.cos()];
-    let (mut state, steps) = ([0.0_f64, 0.0], 20_000);
-    let h = 1.0 / f64::from(steps);
-    for _ in 0..steps {
-        let at =
-            |k: [f64; 2], share: f64| [state[0] + share * h * k[0], state[1] + share * h * k[1]];
-        let k1 = rate(state);
-        let k2 = rate(at(k1, 0.5));
-        let k3 = rate(at(k2, 0.5));
-        let k4 = rate(at(k3, 1.0));
-        for i in 0..2 {
-            state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-        }
-    }
-    DVec3::new(state[0].cos(), 0.0, -state[0].sin())
+    let [angle, _] = after_a_second([0.0, 0.0], |[angle, speed]| [speed, 9.81 * angle.cos()]);
+    DVec3::new(angle.cos(), 0.0, -angle.sin())
 }
 
 /// Place and energy of a pendulum converge: a quarter of the tolerance halves the error of backward Euler, which stays below what local errors add up to. By

@@ -89,7 +89,7 @@ fn shaken_rope() {
         for i in 0..2 {
             let found = (losses[i] / losses[i + 1]).log2();
             assert!(
-                (found - order).abs() < 0.4,
+                (found - order).abs() < tolerances::ORDER_OF_THE_REST,
                 "{integration}: {found}, {losses:?}"
             );
         }

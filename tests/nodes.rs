@@ -11,6 +11,7 @@ use ripstop::run::without_files;
 use ripstop::simulation::Simulation;
 
 use crate::engines::plain;
+use crate::tolerances::nodes;
 
 pub fn trials() -> Vec<Trial> {
     [
@@ -103,7 +104,10 @@ evaluation_limit = 5000
     assert!(mass_kg > 2.0 && mass_kg < 2.01, "{mass_kg}");
     let left_n = spring_n + cables + DVec3::Z * (-30.0 - 10.0 * mass_kg);
     assert!(spring_n.length() > 5.0, "{spring_n}");
-    assert!(left_n.length() < 1e-3, "{left_n} N of {spring_n}");
+    assert!(
+        left_n.length() < nodes::BALANCE_N,
+        "{left_n} N of {spring_n}"
+    );
 }
 
 /// The shipped case: a weight on a rope that is flung at 3 m/s rises by v²/2g at most, and its energy stays.
@@ -128,19 +132,25 @@ fn slung_weight() {
     }
     // A rope of 20 g beside a weight of 500 g takes part: some per cent less.
     let rise = 9.0 / (2.0 * 9.81);
+    println!("rises to {:.4} of v²/2g", highest / rise);
     assert!(
-        (0.93..1.0).contains(&(highest / rise)),
+        (1.0 - nodes::BESIDE_A_ROPE[0]..1.0).contains(&(highest / rise)),
         "{highest} of {rise} m"
     );
     // Half a swing of a pendulum of amplitude φ: π √(l/g) (1 + φ²/16).
     let angle = (1.0 - rise / 2.0_f64).acos();
     let half_s = 0.5 * TAU * (2.0 / 9.81_f64).sqrt() * (1.0 + angle * angle / 16.0);
     let found_s = crossings[0] * 0.005;
-    assert!((found_s / half_s - 1.0).abs() < 0.03, "{found_s} {half_s}");
+    println!("half a swing {:.4} of a pendulum's", found_s / half_s);
+    assert!(
+        (found_s / half_s - 1.0).abs() < nodes::BESIDE_A_ROPE[1],
+        "{found_s} {half_s}"
+    );
     let energies = simulation.energies().unwrap();
     let put_in_j = 0.5 * 0.5 * 9.0;
+    println!("lost {:.4}", energies.numerical_loss_j / put_in_j);
     assert!(
-        energies.numerical_loss_j.abs() < 0.03 * put_in_j,
+        energies.numerical_loss_j.abs() < nodes::BESIDE_A_ROPE[2] * put_in_j,
         "{energies:?}"
     );
 }
@@ -183,11 +193,15 @@ step_s = 0.005
         .map(|(x, m)| *x * *m)
         .sum::<DVec3>()
         / mass;
-    assert!((middle - DVec3::Y * 1.5).length() < 1e-6, "{middle}");
+    assert!(
+        (middle - DVec3::Y * 1.5).length() < nodes::BATON[0],
+        "{middle}"
+    );
     let arm = cloth.positions_m[8] - cloth.positions_m[0];
     let angle = arm.y.atan2(arm.x);
     // Turned by 3 rad.
-    assert!((angle - 3.0).abs() < 0.02, "{angle}");
+    println!("turned by {angle} rad, middle {middle}");
+    assert!((angle - 3.0).abs() < nodes::BATON[1], "{angle}");
 }
 
 /// A string in tension, plucked: f = √(T/μ)/(2 l).
@@ -219,7 +233,10 @@ step_s = 5e-5
     let tension_n = structure
         .cable_state(&cable, 0.8 / SEGMENTS as f64)
         .tension_n;
-    assert!((tension_n / 60.0 - 1.0).abs() < 1e-9, "{tension_n}");
+    assert!(
+        (tension_n / 60.0 - 1.0).abs() < nodes::PRETENSION,
+        "{tension_n}"
+    );
     let plan = Plan::new(&case.scene, Precision::F64);
     let steps = plan.steps;
     let mut simulation = Simulation::new(case.scene, plan, None).unwrap();
@@ -241,11 +258,14 @@ step_s = 5e-5
         (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * 5e-5;
     let exact_s = 2.0 * 0.8 / (60.0 / (7800.0 * 1e-6_f64)).sqrt();
     assert!(
-        (period_s / exact_s - 1.0).abs() < 0.01,
+        (period_s / exact_s - 1.0).abs() < nodes::STRING[0],
         "{period_s} {exact_s}"
     );
     let still = 0.1 * 0.8 / (4.0 * 60.0);
-    assert!((mean / still - 1.0).abs() < 0.1, "{mean} {still}");
+    assert!(
+        (mean / still - 1.0).abs() < nodes::STRING[1],
+        "{mean} {still}"
+    );
 }
 
 /// E ε of a strip that is stretched by two per cent between its sides, and narrows as it likes.
@@ -281,13 +301,21 @@ evaluation_limit = 5000
     // Cloth that is longer and, by Poisson's ratio, narrower: the true stress is so much larger.
     let thinner = frame.true_stress_pa[at] / frame.stress_pa[at];
     let area = 1.02 * (1.0 - 2.0 * 0.3 * 0.5 * (1.02_f64.powi(2) - 1.0)).sqrt();
-    assert!((thinner / area - 1.0).abs() < 1e-3, "{thinner} {area}");
+    assert!(
+        (thinner / area - 1.0).abs() < nodes::STRIP[1],
+        "{thinner} {area}"
+    );
     // Second Piola–Kirchhoff E h ε_Green, per present width: λ over the width that Poisson's ratio leaves.
     let green = 0.5 * (1.02_f64.powi(2) - 1.0);
     let width = (1.0 - 2.0 * 0.3 * green).sqrt();
     let exact = 1e8 * 1e-4 * green * 1.02 / width;
+    println!(
+        "strip: tension {:.5}, thinning {:.6} of exact",
+        tension_n_m / exact,
+        thinner / area
+    );
     assert!(
-        (tension_n_m / exact - 1.0).abs() < 0.01,
+        (tension_n_m / exact - 1.0).abs() < nodes::STRIP[0],
         "{tension_n_m} {exact}"
     );
 }
@@ -345,5 +373,6 @@ evaluation_limit = 5000
     let [soft, stiff] = [-cloth.positions_m[4].z, 2.0 - cloth.positions_m[13].z];
     // Of a membrane the sag goes with the cube root of load over stiffness.
     let ratio = soft / stiff;
-    assert!((ratio - 2.0).abs() < 0.05, "{soft} {stiff}");
+    println!("sags: ratio {ratio}");
+    assert!((ratio - 2.0).abs() < nodes::SAGS, "{soft} {stiff}");
 }

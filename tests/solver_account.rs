@@ -187,8 +187,8 @@ fn balanced() {
     assert!(!left.is_empty() && left.iter().all(|&left| left <= 1.0));
 }
 
-/// `check` says how many evaluations a step will take, and, of fabric on a device, that a limit will not do. Measured with the limit out of the way: 6, 71, 270, 45
-/// and 97 at 30, 8, 4, 2 and 1 m/s, 49 with fabric 10 times as stiff; by L-BFGS alone 1490 and 5467 at 2 and 1 m/s.
+/// `check` says how many evaluations a step will take, and, of fabric on a device, that a limit will not do. Measured with the limit out of the way: 8, 79, 243, 33
+/// and 72 at 30, 8, 4, 2 and 1 m/s, 49 and 7 with fabric 10 and 100 times as stiff; by L-BFGS alone 1490 and 5467 at 2 and 1 m/s.
 fn foretold() {
     let on_host: Placement = Precision::F32.into();
     let on_a_device = Placement {
@@ -196,24 +196,31 @@ fn foretold() {
         ..on_host.clone()
     };
     for (change, placement, measured) in [
-        ("air.wind_tunnel.speed_m_s=30.0", &on_host, 6.0),
-        ("air.wind_tunnel.speed_m_s=8.0", &on_host, 71.0),
-        ("air.wind_tunnel.speed_m_s=4.0", &on_host, 270.0),
-        ("air.wind_tunnel.speed_m_s=2.0", &on_host, 45.0),
-        ("air.wind_tunnel.speed_m_s=1.0", &on_host, 97.0),
+        ("air.wind_tunnel.speed_m_s=30.0", &on_host, 8.3),
+        ("air.wind_tunnel.speed_m_s=8.0", &on_host, 79.0),
+        ("air.wind_tunnel.speed_m_s=4.0", &on_host, 243.0),
+        ("air.wind_tunnel.speed_m_s=2.0", &on_host, 33.0),
+        ("air.wind_tunnel.speed_m_s=1.0", &on_host, 72.0),
         ("air.wind_tunnel.speed_m_s=2.0", &on_a_device, 1490.0),
         ("air.wind_tunnel.speed_m_s=1.0", &on_a_device, 5467.0),
         ("fabric.youngs_modulus_pa=4.31e9", &on_host, 49.0),
+        ("fabric.youngs_modulus_pa=4.31e10", &on_host, 6.8),
     ] {
         let case = load(CANOPY[0], &[change]);
         let plan = Plan::new(&case.scene, placement.clone());
         let warnings = plan.warnings(&case.scene).join("\n");
-        let Some(Evaluations::About { evaluations, .. }) = plan.evaluations else {
+        let Some(Evaluations::About {
+            evaluations,
+            factor: allowed,
+            ..
+        }) = plan.evaluations
+        else {
             panic!("{change}: {:?}", plan.evaluations);
         };
         let factor = evaluations / measured;
+        assert!(allowed <= 4.0);
         assert!(
-            (1.0 / 3.0..3.0).contains(&factor),
+            (allowed.recip()..allowed).contains(&factor),
             "{change}: {evaluations}"
         );
         let warned = warnings.contains("solver.evaluation_limit");

@@ -16,12 +16,12 @@ use super::values::{absent, check_name, positive, rotation, vector};
 use super::{mesh_lines, usual};
 use crate::cloth::Structure;
 use crate::cloth::elements::EDGES;
+use crate::fabric::Fabric;
 use crate::geometry::fabric_surface;
 use crate::geometry::mesh::doctor::Welded;
 use crate::geometry::mesh::obj::{self, Faces};
 use crate::geometry::mesh::openings::openings;
-use crate::geometry::mesh::quality::Quality;
-use crate::geometry::mesh::{quality, surface};
+use crate::geometry::mesh::surface;
 use crate::rigid::Surface;
 
 const KEY: &str = "structure.mesh";
@@ -41,33 +41,44 @@ pub(super) fn check(
     written: &file::MeshFile,
     files: &mut FromFiles,
 ) -> Result<Body, Problem> {
-    let mut read = examine(file, (KEY, written, None), files.folder)?;
-    read.examined.refuse()?;
+    refuse_further(written)?;
+    let mut all = examine_all(file, written, files.folder)?.into_iter();
+    let Some(mut first) = all.next() else {
+        return Err(absent(KEY, "a structure of meshes has one at least"));
+    };
+    first.examined.refuse()?;
     let kind = match written.nominal_area_m2 {
         None => BodyKind::Mesh,
         Some(area) => {
             let nominal_area_m2 = positive(&format!("{KEY}.nominal_area_m2"), area)?;
-            let canopy_node_count = read.examined.examination.node_count;
-            BodyKind::Canopy(canopy(nominal_area_m2, canopy_node_count, &read.structure)?)
+            let canopy_node_count = first.examined.examination.node_count;
+            BodyKind::Canopy(canopy(
+                nominal_area_m2,
+                canopy_node_count,
+                &first.structure,
+            )?)
         }
     };
-    files.joined = read.joined.take();
-    files.meshes.push(read.examined.clone());
-    add_further(file, written, files, &mut read)?;
-    Ok(Body {
-        quality: read.quality,
-        kind,
-        structure: read.structure,
-    })
+    files.joined = first.joined.take();
+    files.meshes.push(first.examined.clone());
+    for mut next in all {
+        next.examined.refuse()?;
+        if let Some(fabric) = &next.own_fabric {
+            first.structure.further_fabrics.push(fabric.into());
+            let number = first.structure.further_fabrics.len() as u32;
+            for triangle in &mut next.structure.triangles {
+                triangle.fabric = number;
+            }
+        }
+        first.structure.add_beside(next.structure);
+        first.rest_m.extend(next.rest_m);
+        files.meshes.push(next.examined);
+    }
+    Ok(Body::new(first.structure, &first.rest_m, kind))
 }
 
-/// Adds the meshes of `further` behind the first, with fabrics of their own where they name one.
-fn add_further(
-    file: &File,
-    written: &file::MeshFile,
-    files: &mut FromFiles,
-    read: &mut Read,
-) -> Result<(), Problem> {
+/// Refuses what further meshes cannot have.
+fn refuse_further(written: &file::MeshFile) -> Result<(), Problem> {
     for (name, table) in &written.further {
         let key = format!("{KEY}.further.{name}");
         check_name(&key, name, "a mesh")?;
@@ -78,11 +89,8 @@ fn add_further(
                 "put all its fabric into one file, or leave out nominal_area_m2",
             ));
         }
-        if table
-            .fabric
-            .as_ref()
-            .is_some_and(|f| f.permeability.is_some())
-        {
+        let fabric = table.fabric.as_ref();
+        if fabric.is_some_and(|fabric| fabric.permeability.is_some()) {
             let key = format!("{key}.fabric.permeability");
             return Err(Problem::new(
                 key.as_str(),
@@ -90,25 +98,6 @@ fn add_further(
                 format!("remove {key}; fabric.permeability holds for all meshes"),
             ));
         }
-        let mesh = table.as_mesh();
-        let fabric = table.fabric.as_ref();
-        let mut next = examine(file, (&key, &mesh, fabric), files.folder)?;
-        next.examined.refuse()?;
-        if let Some(fabric) = fabric {
-            let fabric = check_fabric_at(&format!("{key}.fabric"), fabric, USUAL_RESIDUAL)?;
-            read.structure.further_fabrics.push((&fabric).into());
-            let number = read.structure.further_fabrics.len() as u32;
-            for triangle in &mut next.structure.triangles {
-                triangle.fabric = number;
-            }
-        }
-        read.structure.add_beside(next.structure);
-        read.rest_m.extend(next.rest_m);
-        files.meshes.push(next.examined);
-    }
-    if !written.further.is_empty() {
-        let triangles = read.structure.triangles.iter().map(|t| t.nodes);
-        read.quality = quality::measure(&read.rest_m, &triangles.collect::<Vec<_>>());
     }
     Ok(())
 }
@@ -133,7 +122,8 @@ pub(super) struct Read {
     structure: Structure,
     /// Where its nodes are at rest [m].
     rest_m: Vec<DVec3>,
-    quality: Option<Quality>,
+    /// What it is made of, where that is not the fabric of the case.
+    own_fabric: Option<Fabric>,
     joined: Option<Joined>,
     pub(super) examined: ExaminedMesh,
 }
@@ -144,8 +134,11 @@ fn examine(
     (key, written, fabric): (&str, &file::MeshFile, Option<&file::Fabric>),
     folder: &Path,
 ) -> Result<Read, Problem> {
-    let fabric = match fabric {
-        Some(own) => check_fabric_at(&format!("{key}.fabric"), own, USUAL_RESIDUAL)?,
+    let own_fabric = fabric
+        .map(|own| check_fabric_at(&format!("{key}.fabric"), own, USUAL_RESIDUAL))
+        .transpose()?;
+    let fabric = match &own_fabric {
+        Some(own) => *own,
         None => check_fabric(file)?,
     };
     let scale = positive(&format!("{key}.scale"), written.scale)?;
@@ -159,7 +152,6 @@ fn examine(
         fabric_surface::build(&turned(&welded.surface, rotation), DVec3::X, &fabric)
             .map_err(|index| degenerate((key, &path), welded, index))?;
     let rest_m = structure.positions_m.clone();
-    let quality = quality::measure(&rest_m, &welded.surface.triangles);
     let mut start_m = welded.surface.positions_m.clone();
     if let Some(start) = &written.start_file {
         if !is_numbered(&path) {
@@ -203,7 +195,7 @@ fn examine(
         }),
         structure,
         rest_m,
-        quality,
+        own_fabric,
         examined,
     })
 }

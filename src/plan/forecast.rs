@@ -23,9 +23,12 @@ const TAUT: f64 = 4.5;
 const SLACK: f64 = 0.3;
 
 /// Elements crossed from which slack fabric on the host is stiffened step by step, which takes about so many evaluations whatever the step
-/// (`src/cpu/cloth/driver.rs`; 45 to 97 measured at 59 and 117 elements).
+/// (`src/cpu/cloth/driver.rs`; 7, 33 and 72 measured at 39, 59 and 117 elements).
 const STIFFENED_FROM: f64 = 34.0;
-const STIFFENED: f64 = 70.0;
+const STIFFENED: f64 = 25.0;
+
+/// The forecast of these may err by more.
+const STIFFENED_FACTOR: f64 = 4.0;
 
 /// Drag coefficient of a canopy that has reached its terminal speed, from which its longest steps are told.
 const DRAG_COEFFICIENT: f64 = 0.75;
@@ -46,6 +49,8 @@ pub enum Evaluations {
         crossed: f64,
         /// Whether fabric that is folded or loose was reckoned with.
         slack: bool,
+        /// By how much the forecast may err either way.
+        factor: f64,
     },
 }
 
@@ -71,7 +76,13 @@ pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
         _ => false,
     };
     let crossed = crossed * slowing(scene);
-    let evaluations = if slack && crossed > STIFFENED_FROM && !placement.cloth_on_device() {
+    let is_stiffened = slack && crossed > STIFFENED_FROM && !placement.cloth_on_device();
+    let factor = if is_stiffened {
+        STIFFENED_FACTOR
+    } else {
+        FACTOR
+    };
+    let evaluations = if is_stiffened {
         STIFFENED
     } else if slack {
         AT_LEAST + SLACK * crossed * crossed
@@ -84,6 +95,7 @@ pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
         evaluations,
         crossed,
         slack,
+        factor,
     })
 }
 
@@ -106,10 +118,15 @@ impl Evaluations {
     /// A warning where a solve will hardly reach its tolerance within so many evaluations.
     #[must_use]
     pub fn warning(&self, limit: usize) -> Option<String> {
-        let Self::About { evaluations, .. } = *self else {
+        let Self::About {
+            evaluations,
+            factor,
+            ..
+        } = *self
+        else {
             return None;
         };
-        (evaluations > limit as f64 / FACTOR).then(|| {
+        (evaluations > limit as f64 / factor).then(|| {
             let verb = if evaluations > limit as f64 {
                 "will"
             } else {
@@ -131,6 +148,7 @@ impl Evaluations {
                 evaluations,
                 crossed,
                 slack,
+                factor,
             } => {
                 let fabric = if slack {
                     "fabric that is folded or loose"
@@ -139,7 +157,7 @@ impl Evaluations {
                 };
                 writeln!(
                     out,
-                    "  evaluations         about {evaluations:.0} per step of the fabric, within a factor of {FACTOR:.0} (a stretching wave crosses \
+                    "  evaluations         about {evaluations:.0} per step of the fabric, within a factor of {factor:.0} (a stretching wave crosses \
                      {crossed:.1} elements in the longest, {fabric}); at most {limit}"
                 )
             }

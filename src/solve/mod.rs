@@ -1,5 +1,6 @@
 //! Minimisation: knows vectors and an objective, nothing of cloth. [`lbfgs`] is what drives most solves, [`newton`] those of tension-only
-//! fabric; both start from the initial Hessian of the space, which may be a cycle of [`multigrid`].
+//! fabric; both start from the initial Hessian of the space, which may be a cycle of [`multigrid`]. [`stiffening`] is for what hardly stretches and
+//! easily turns; it solves with a factorisation ([`block_cholesky`]).
 
 pub mod block_cholesky;
 pub mod lbfgs;

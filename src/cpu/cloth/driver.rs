@@ -70,7 +70,8 @@ pub(super) fn minimise(
     if options.evaluation_limit <= patience || !can_be_stiffened(objective) {
         return unsoftened(objective, point, options, watch);
     }
-    let start = point.clone();
+    // Where L-BFGS gets to in an equilibrium is no better a start, but a lower minimum may be near the first.
+    let start = (!options.time_step).then(|| point.clone());
     let mut before = None;
     if patience > 0 {
         let first = Options {
@@ -86,8 +87,7 @@ pub(super) fn minimise(
     if !objective.prepare_cholesky() {
         return finished(objective, point, options, (before, watch));
     }
-    if !options.time_step {
-        // Where L-BFGS has got to is no better a start, but a lower minimum may be near the first.
+    if let Some(start) = start {
         *point = start;
     }
     let levels = levels(objective);

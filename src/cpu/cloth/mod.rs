@@ -22,7 +22,7 @@
 //! * [`probe`]: one trial, for comparing engines;
 //! * [`evaluator`]: energy and gradient one by one, for other minimisers;
 //! * `whole_balance`: what a static solve of fabric on lines leaves over, as a whole;
-//! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`] or [`crate::solve::newton`].
+//! * [`solve_cloth`]: the implicit step, or the static equilibrium, driven by [`crate::solve::lbfgs`], [`crate::solve::newton`] or [`crate::solve::stiffening`].
 
 pub mod cone;
 pub mod contact;

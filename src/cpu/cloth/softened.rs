@@ -74,43 +74,39 @@ pub(super) fn second_order(
             add_triangle(laws.of(triangle), triangle, [positions, direction], force);
         }
     }
-    for spring in &structure.springs {
-        let [a, b] = spring.nodes.map(|n| n as usize);
+    let mut add_axial = |nodes: [u32; 2], stiffness: &dyn Fn(f64) -> f64| {
+        let [a, b] = nodes.map(|n| n as usize);
         let edge = positions[b] - positions[a];
         let length = edge.length();
         if length == 0.0 {
-            continue;
+            return;
         }
         let along = edge / length;
         let turn = direction[b] - direction[a];
-        let stiffness = if length > spring.rest_length_m {
-            spring.stiffness_n_m
-        } else {
-            spring.compressive_stiffness_n_m
-        };
         let stretch = along.dot(turn);
         let across = turn - along * stretch;
         let second = 0.5 * across.length_squared() / length;
-        let pull = along * (stiffness * second) + across * (stiffness * stretch / length);
+        let pull = (along * second + across * (stretch / length)) * stiffness(length);
         force[b] += pull;
         force[a] -= pull;
+    };
+    for spring in &structure.springs {
+        add_axial(spring.nodes, &|length| {
+            if length > spring.rest_length_m {
+                spring.stiffness_n_m
+            } else {
+                spring.compressive_stiffness_n_m
+            }
+        });
     }
     for cable in &structure.cables {
-        let [a, b] = cable.nodes.map(|n| n as usize);
-        let edge = positions[b] - positions[a];
-        let length = edge.length();
-        if length <= cable.rest_length_m {
-            continue;
-        }
-        let along = edge / length;
-        let turn = direction[b] - direction[a];
-        let stiffness = structure.cable_state(cable, length).tangent_n / cable.rest_length_m;
-        let stretch = along.dot(turn);
-        let across = turn - along * stretch;
-        let second = 0.5 * across.length_squared() / length;
-        let pull = along * (stiffness * second) + across * (stiffness * stretch / length);
-        force[b] += pull;
-        force[a] -= pull;
+        add_axial(cable.nodes, &|length| {
+            if length > cable.rest_length_m {
+                structure.cable_state(cable, length).tangent_n / cable.rest_length_m
+            } else {
+                0.0
+            }
+        });
     }
     for (force, &held) in force.iter_mut().zip(&structure.held) {
         if held {

@@ -232,7 +232,7 @@ fn swinging_sheet(session: &mut Session) -> Result<(), Stop> {
             // It starts without energy, and could fall from 0.43 to 0.5 m below its edge.
             let lost =
                 -energy_j(&sheet.cloth, gravity_m_s2) / (weight_n * (0.5 - 0.5 * 0.75_f64.sqrt()));
-            session.sheet_row(
+            let row = session.sheet_row(
                 &sheet,
                 format!(
                     "{name}: energy that a swinging sheet loses in 0.5 s, steps of {} ms",
@@ -240,6 +240,10 @@ fn swinging_sheet(session: &mut Session) -> Result<(), Stop> {
                 ),
                 lost,
             );
+            // Twice of what was measured, a fortieth of backward Euler's.
+            if time_step_s == 4e-3 && integration == TimeIntegration::Bdf2 {
+                row.gate(Gate::AtMost(2e-3));
+            }
         }
     }
     Ok(())
