@@ -146,6 +146,19 @@ fn take_residual(
     }
 }
 
+// The matrix times the operand, for Newton's method; on the finest level.
+@compute @workgroup_size(64)
+fn multiply(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let row = thread_index(group, groups, local);
+    if row < level.nodes {
+        set_new_step(row, multiply_row(row));
+    }
+}
+
 // Right side of the coarser level.
 @compute @workgroup_size(64)
 fn restrict_residual(

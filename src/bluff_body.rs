@@ -279,7 +279,7 @@ sample_interval_s = {SAMPLE_INTERVAL:?}
             if settled || step >= planned {
                 break Ok(());
             }
-            match simulation.advance() {
+            match simulation.advance_among_threads() {
                 Err(Failure::Diverged(diverged)) => break Err(diverged),
                 advanced => advanced?,
             }

@@ -59,7 +59,7 @@ pub fn curtain(divisions: usize, model: FabricModel) -> Structure {
 }
 
 /// Advances both engines by `steps` and returns them with the evaluations that each needed.
-fn both(
+pub fn both(
     device: &Arc<Device>,
     structure: Structure,
     input: &StepInput,

@@ -16,8 +16,8 @@ use ripstop::solve::multigrid::blocks::{BlockMatrix, Pattern};
 use ripstop::solve::multigrid::coarsening::Graph;
 use ripstop::solve::multigrid::hierarchy::hierarchy;
 
-use crate::device_cloth::{compare, farthest, on, on_device, square};
-use crate::device_cloth_steps::curtain;
+use crate::device_cloth::{compare, farthest, markers, on, on_device, square};
+use crate::device_cloth_steps::{both, curtain};
 use crate::sheets::{fabric, noise};
 use crate::tolerances::device_cloth as tolerance;
 
@@ -29,6 +29,7 @@ pub fn trials() -> Vec<Trial> {
             smoother_alone,
         ),
         on_device("device_cloth::equilibrium_matches", equilibrium),
+        on_device("device_cloth::long_steps_with_multigrid", long_steps),
         on_device("device_cloth::pressure_follows", following_pressure),
         on_device("device_cloth::multigrid_is_absent_unless_asked_for", absent),
     ]
@@ -182,6 +183,41 @@ fn equilibrium(device: &Arc<Device>) {
             a.evaluations,
             b.evaluations
         );
+    }
+}
+
+/// Steps so long that stretching waves cross the sheet, with the air's markers on it: as on the host, in a fraction of block-Jacobi's evaluations.
+fn long_steps(device: &Arc<Device>) {
+    for model in [FabricModel::Membrane, FabricModel::Network] {
+        let structure = curtain(16, model);
+        let markers = markers(&structure, 5);
+        let input = StepInput {
+            time_step_s: Some(0.05),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            markers: &markers,
+            ..StepInput::default()
+        };
+        let start = structure.positions_m.clone();
+        let mut evaluations = [0; 2];
+        let kinds = [InitialHessian::BlockJacobi, InitialHessian::Multigrid];
+        for (kind, spent) in kinds.into_iter().zip(&mut evaluations) {
+            let settings = SolverSettings {
+                tolerance: 1e-5,
+                initial_hessian: kind,
+                ..SETTINGS
+            };
+            let ([cpu, gpu], [_, on_device]) =
+                both(device, structure.clone(), &input, &settings, 2);
+            *spent = on_device;
+            let moved = farthest(&start, &cpu.positions_m);
+            let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
+            assert!(
+                error < tolerance::LONG_STEPS,
+                "{model:?} {kind:?} {error:e}"
+            );
+        }
+        let [jacobi, multigrid] = evaluations;
+        assert!(2 * multigrid < jacobi, "{model:?} {evaluations:?}");
     }
 }
 

@@ -29,6 +29,10 @@ pub fn trials() -> Vec<Trial> {
             "device_work::a_step_with_fabric_on_the_device".to_owned(),
             || step(ClothPlacement::Device),
         ),
+        needs_device(
+            "device_work::a_step_with_cut_links".to_owned(),
+            step_with_links,
+        ),
         needs_device("device_work::passes_are_timed".to_owned(), passes),
         needs_device("device_work::latencies".to_owned(), latencies),
         needs_device("device_work::tuned_kernels_same_bits".to_owned(), tunings),
@@ -44,27 +48,41 @@ fn own_device(tuning: Tuning) -> Arc<Device> {
 
 const CANOPY: &str = include_str!("../benches/uniform-canopy.toml");
 
+/// Steps in which the device learns how long its work takes.
+const TIMED: u64 = 30;
+
 /// Fewer than the steps after which the sums of the momentum box are fetched.
 const STEPS: u64 = 40;
 
 /// Evaluations of a solve in these steps, on average; 20 were found, and rounding of the adapter changes some.
 const MOST_EVALUATIONS: u64 = 30;
 
-/// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
-fn step(cloth: ClothPlacement) {
+/// So many submits in [`STEPS`], and those of steps whose stages are timed, one in 31: each is submitted by itself.
+fn together(submits: u64, wanted: u64) -> bool {
+    (wanted..=wanted + 5 * STEPS.div_ceil(31)).contains(&submits)
+}
+
+/// A canopy that was just released, its stages, and its device.
+fn released(
+    case: &str,
+    overrides: &[&str],
+    cloth: ClothPlacement,
+) -> (Simulation, Vec<Stage>, Arc<Device>) {
     let device = own_device(Tuning::default());
+    let usual = [
+        "air.wind_tunnel.start_time_s=0.002",
+        "structure.flat_circular.rings=8",
+        "time.end_s=0.1",
+    ];
     let choices = Choices {
         variant: None,
-        overrides: [
-            "resolution.cells_per_diameter=10.0",
-            "air.wind_tunnel.start_time_s=0.002",
-            "structure.flat_circular.rings=8",
-            "time.end_s=0.1",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        overrides: usual
+            .iter()
+            .chain(overrides)
+            .map(|pair| (*pair).to_owned())
+            .collect(),
     };
-    let case = case::parse("canopy", CANOPY, Path::new("."), &choices).unwrap();
+    let case = case::parse("canopy", case, Path::new("."), &choices).unwrap();
     let placement = Placement {
         air: AirPlacement::Gpu(Storage::F32),
         cloth,
@@ -79,6 +97,56 @@ fn step(cloth: ClothPlacement) {
     for _ in 0..start_steps {
         simulation.advance().unwrap();
     }
+    (simulation, stages, device)
+}
+
+const LINKS: &str = include_str!("../cases/flat-circular-tunnel.toml");
+
+/// With fabric on the host that cuts links a step of the finest cells asks for two submits and one map, and coarser cells around them for no more: what
+/// nobody waits for goes along with what is submitted next.
+fn step_with_links() {
+    let tunnel = [
+        "air.refinement.around=\"nothing\"",
+        "air.wind_tunnel.size_m=[2.991, 1.9, 1.9]",
+        "air.wind_tunnel.sponge_length_m=0.4",
+        "structure.flat_circular.confluence_m=[1.0, 0.95, 0.95]",
+        "resolution.cells_per_diameter=8.0",
+    ];
+    let boxes = ["resolution.cells_per_diameter=12.0"];
+    for (around, overrides) in [("nothing", &tunnel[..]), ("structure", &boxes)] {
+        let (mut simulation, stages, _) = released(LINKS, overrides, ClothPlacement::Host);
+        let asked = |simulation: &Simulation| {
+            let of = |stage: &Stage| simulation.cost().of(*stage).device;
+            let mut sum = DeviceWork::default();
+            stages.iter().for_each(|stage| sum += of(stage));
+            sum
+        };
+        assert_eq!(
+            stages.contains(&Stage::CoarserLevels),
+            around == "structure"
+        );
+        // The first ones are timed, each by itself.
+        for _ in 0..TIMED {
+            simulation.advance().unwrap();
+        }
+        let before = asked(&simulation);
+        for _ in 0..STEPS {
+            simulation.advance().unwrap();
+        }
+        let work = asked(&simulation).since(&before);
+        assert!(together(work.submits, 2 * STEPS), "{around}: {work:?}");
+        // One more where the sums of the momentum box are fetched.
+        assert!(
+            (STEPS..=STEPS + 1).contains(&work.maps),
+            "{around}: {work:?}"
+        );
+    }
+}
+
+/// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
+fn step(cloth: ClothPlacement) {
+    let cells = ["resolution.cells_per_diameter=10.0"];
+    let (mut simulation, stages, device) = released(CANOPY, &cells, cloth);
     let asked = |simulation: &Simulation| {
         let mut sum = DeviceWork::default();
         for &stage in &stages {
@@ -86,7 +154,8 @@ fn step(cloth: ClothPlacement) {
         }
         (sum, simulation.cost().solves, simulation.cost().evaluations)
     };
-    let parts = |simulation: &Simulation| simulation.cost().of(Stage::CollideStream).device.submits;
+    let parts =
+        |simulation: &Simulation| simulation.cost().of(Stage::CollideStream).device.dispatches;
     let parts_before = parts(&simulation);
     let before = asked(&simulation);
     let all_before = device.work();
@@ -104,28 +173,20 @@ fn step(cloth: ClothPlacement) {
     // and those around the markers as much again for the slip.
     let besides = device.work().since(&all_before).since(&work);
     assert!(besides.submits <= 10 && besides.maps <= 5, "{besides:?}");
-    // A slow device gets its air in several parts, each a dispatch, a submit and a write.
-    let more = parts(&simulation) - parts_before - STEPS;
+    // A slow device gets its air in several parts, each a dispatch, a submit and a write; in one part it takes five dispatches.
+    let more = parts(&simulation) - parts_before - 5 * STEPS;
     let submits = work.submits - more;
-    let counts = (
-        submits,
-        work.maps,
-        work.dispatches - more,
-        work.writes - more,
-    );
     match cloth {
-        // collide_stream, send_markers, interpolate, spread and outflow; one map of the air's velocities. The inlet and the sides of y and of z
-        // take a dispatch each.
+        // The outflow, spread and collide_stream together, then the markers and what is interpolated to them; one map of the air's velocities. The
+        // inlet and the sides of y and of z take a dispatch each.
         ClothPlacement::Host => {
-            assert_eq!(
-                counts,
-                (5 * STEPS, STEPS, 10 * STEPS, 5 * STEPS),
-                "{work:?}"
-            );
+            assert!(together(submits, 2 * STEPS), "{work:?}");
+            let counts = (work.maps, work.dispatches - more, work.writes - more);
+            assert_eq!(counts, (STEPS, 10 * STEPS, 5 * STEPS), "{work:?}");
         }
-        // Besides: one submit and one map per evaluation, the prediction, and the nodes that are fetched.
+        // Besides: one submit and one map per evaluation, and for the nodes that are fetched.
         ClothPlacement::Device => {
-            assert_eq!(submits, 7 * STEPS + evaluations, "{work:?}");
+            assert!(together(submits, 3 * STEPS + evaluations), "{work:?}");
             assert_eq!(work.maps, 2 * STEPS + evaluations, "{work:?}");
             assert_eq!(
                 work.dispatches - more,

@@ -22,6 +22,9 @@ const FAST: [&str; 5] = [
 /// Flow through what air passes, and a fall in a box that follows.
 const PERMEABLE: [&str; 3] = ["permeable-screen", "openings", "falling-disk"];
 
+/// Walls along which the air slides, and the lift that they give a section.
+const SLIDING: [&str; 1] = ["sliding-wall"];
+
 /// The immersed boundary. Light canopies have trials of their own (`canopy`).
 const COUPLING: [&str; 2] = ["immersed-boundary", "spherical-couette"];
 
@@ -90,6 +93,9 @@ pub fn trials() -> Vec<Trial> {
     }));
     trials.extend(plain("validate::permeable_screen::cpu_f32", || {
         problems(&PERMEABLE, "cpu");
+    }));
+    trials.extend(plain("validate::sliding_wall::cpu_f32", || {
+        problems(&SLIDING, "cpu");
     }));
     trials.extend(plain("validate::aerodynamics::cpu", || {
         problems(&AERODYNAMICS, "cpu");

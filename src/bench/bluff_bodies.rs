@@ -153,7 +153,7 @@ impl Flow {
         };
         while simulation.step_count() < end {
             let step = simulation.step_count() + 1;
-            match simulation.advance() {
+            match simulation.advance_among_threads() {
                 Ok(()) => {}
                 Err(Failure::Diverged(_)) => return Ok(broken(step, fastest)),
                 Err(failure) => return Err(failure.into()),

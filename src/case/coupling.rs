@@ -7,7 +7,6 @@ use super::body::{Body, BodyKind};
 use super::file::{self, File};
 use super::problem::Problem;
 use super::values::{at_once, positive, readable, within};
-use super::wing::{FrictionName, Tunnel, Wing};
 use super::{plate, rims, usual};
 use crate::cloth::Structure;
 use crate::cloth::rims::RimInsets;
@@ -110,7 +109,6 @@ pub(super) fn check(
         Some(body) => {
             let structure_every = check_fabric_coupling(written, air, body)?;
             match (&body.kind, scheme) {
-                (BodyKind::Wing(wing), Scheme::Links) => refuse_sliding(wing)?,
                 (_, Scheme::Links) => {}
                 (BodyKind::Plate(shape), _) => plate::check_cells(shape, air, rim_inset_cells)?,
                 _ => rims::check(body, air, rim_inset_cells)?,
@@ -229,19 +227,6 @@ fn refuse_keys_of_markers(written: &file::Coupling) -> Result<(), Problem> {
         ));
     }
     Ok(())
-}
-
-/// Refuses wings along which the air slides.
-fn refuse_sliding(wing: &Wing) -> Result<(), Problem> {
-    let slides = |tunnel: &Tunnel| tunnel.friction != FrictionName::Everywhere;
-    if !wing.tunnel.as_ref().is_some_and(slides) {
-        return Ok(());
-    }
-    Err(Problem::new(
-        "coupling.scheme",
-        "coupling.scheme = \"links\" holds the air along the surface, too, but it is to slide along that of the wing (structure.wing.tunnel.friction)",
-        "take scheme = \"kernel\", or give structure.wing.tunnel.friction = \"everywhere\"",
-    ))
 }
 
 fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {

@@ -14,6 +14,7 @@ use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{
     AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage, capabilities,
+    steps_take_multigrid,
 };
 
 /// Nodes from which `--cloth auto` puts the fabric on a real GPU: an estimate, for no GPU has been at hand. On a software adapter the
@@ -257,7 +258,8 @@ fn fabric_fits(scene: &Scene, device: &Device) -> Result<(), DeviceError> {
     let what = format!("the minimiser's memory for {nodes} nodes");
     let remedy = "use a coarser mesh, or --cloth host";
     // The static equilibrium takes multigrid as its initial Hessian.
-    let bytes = largest_buffer_bytes(&body.structure, scene.equilibrium.is_some());
+    let multigrid = steps_take_multigrid(scene) || scene.equilibrium.is_some();
+    let bytes = largest_buffer_bytes(&body.structure, multigrid);
     fits(what, bytes, remedy, device)
 }
 

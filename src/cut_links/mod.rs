@@ -22,18 +22,23 @@
 //! along the faces of the sheet from where they have cells ([`FacePressures`]). Mass: each side gets the mean velocity of both layers in place of its own.
 //!
 //! * [`search`]: which links are cut, and where;
+//! * [`by_triangle`]: the cuts in the order of triangles;
 //! * [`bounce`]: what comes back;
 //! * [`places`]: where it lies in memory;
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
-//! * [`slide`]: what comes back where the air slides along the surface.
+//! * [`slide`]: what comes back where the air slides along the surface;
+//! * [`spaces`]: which faces look at the same air.
 
 pub mod bounce;
+pub mod by_triangle;
 pub mod faces;
 pub mod places;
 pub mod search;
 pub mod slide;
+pub mod spaces;
 
 pub use bounce::{Return, SIDES, Side};
+pub use by_triangle::CutsByTriangle;
 pub use faces::{FacePressures, Through};
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
 pub use slide::{Images, Leaving};

@@ -13,8 +13,9 @@ use crate::lattice::DIRECTIONS;
 /// another [cells].
 const GENERAL_POSITION: DVec3 = DVec3::new(1.2e-5, 2.7e-5, 3.9e-5);
 
-/// Triangles below which one thread works alone.
-const TRIANGLES_AT_ONCE: usize = 256;
+/// Triangles and links that one task works on.
+const TRIANGLES_AT_ONCE: usize = 64;
+const LINKS_AT_ONCE: usize = 1024;
 
 /// Cells of a lattice, cell centres at whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,16 +97,24 @@ fn as_vector(c: [i32; 3]) -> DVec3 {
 #[derive(Debug, Clone, Default)]
 pub struct CutLinks {
     links: Vec<CutLink>,
+    /// Of the cuts.
+    order: Vec<Order>,
     /// By cell of a box, the pairs of links from there that are cut.
     mask: Mask,
 }
 
-/// A cut of a link of cell and pair `key`.
+/// A cut of a link.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
+    /// Of cell A and pair: what links are ordered by.
     key: u64,
+    cells: [[i32; 3]; 2],
+    pair: u8,
     cut: Cut,
 }
+
+/// Key of a hit, and its place in the parts that were found: ordered by key, then by triangle.
+type Order = (u64, u32, u32);
 
 #[derive(Debug, Clone, Default)]
 struct Mask {
@@ -211,7 +220,7 @@ impl CutLinks {
             .par_chunks(TRIANGLES_AT_ONCE)
             .enumerate()
             .map(|(part, chunk)| {
-                let mut hits = Vec::with_capacity(6 * chunk.len());
+                let mut hits = Vec::with_capacity(12 * chunk.len());
                 for (k, nodes) in chunk.iter().enumerate() {
                     let triangle = (part * TRIANGLES_AT_ONCE + k) as u32;
                     cuts_of(triangle, *nodes, positions, domain, &mut hits);
@@ -219,23 +228,23 @@ impl CutLinks {
                 hits
             })
             .collect();
-        let mut hits = parts.concat();
-        hits.par_sort_unstable_by(|a, b| {
-            (a.key.cmp(&b.key))
-                .then(a.cut.at.total_cmp(&b.cut.at))
-                .then(a.cut.triangle.cmp(&b.cut.triangle))
-        });
+        self.order.clear();
+        for (part, hits) in parts.iter().enumerate() {
+            let placed = hits.iter().enumerate();
+            let order = placed.map(|(k, hit)| (hit.key, part as u32, k as u32));
+            self.order.extend(order);
+        }
+        self.order.par_sort_unstable();
         self.links.clear();
-        for group in hits.chunk_by(|a, b| a.key == b.key) {
-            if let Some(link) = link_of(group, domain) {
-                self.links.push(link);
-            }
+        let hit = |&(_, part, k): &Order| &parts[part as usize][k as usize];
+        for group in self.order.chunk_by(|a, b| a.0 == b.0) {
+            self.links.extend(link_of(group.iter().map(hit)));
         }
         self.mask.lay(&self.links);
         let mask = &self.mask;
         self.links
             .par_iter_mut()
-            .with_min_len(4 * TRIANGLES_AT_ONCE)
+            .with_min_len(LINKS_AT_ONCE)
             .for_each(|link| {
                 let c = DIRECTIONS[2 * usize::from(link.pair) + 1];
                 let before = |cell: [i32; 3], sign: i32| {
@@ -277,22 +286,36 @@ impl CutLinks {
     }
 }
 
-/// The link of a group of cuts, nearest to A first.
-fn link_of(group: &[Hit], domain: &Domain) -> Option<CutLink> {
-    let (first, last) = (group.first()?, group.last()?);
-    let pair = (first.key % 9) as u8;
-    let number = first.key / 9;
-    let [nx, ny, _] = domain.cells.map(|n| n as u64);
-    let cell = [number % nx, number / nx % ny, number / nx / ny].map(|n| n as i32);
-    let c = DIRECTIONS[2 * usize::from(pair) + 1];
-    let other = domain.cell(std::array::from_fn(|a| i64::from(cell[a] + c[a])))?;
-    Some(CutLink {
-        cells: [cell, other],
-        pair,
-        layers: group.len() as u32,
-        cuts: [first.cut, last.cut],
-        blocked: [false; 2],
-    })
+/// The link of some cuts.
+fn link_of<'a>(hits: impl Iterator<Item = &'a Hit>) -> Option<CutLink> {
+    let nearer = |a: &Cut, b: &Cut| {
+        let order = a.at.total_cmp(&b.at).then(a.triangle.cmp(&b.triangle));
+        order.is_lt()
+    };
+    let mut link: Option<CutLink> = None;
+    for hit in hits {
+        let link = link.get_or_insert(CutLink {
+            cells: hit.cells,
+            pair: hit.pair,
+            layers: 0,
+            cuts: [hit.cut; 2],
+            blocked: [false; 2],
+        });
+        link.layers += 1;
+        if nearer(&hit.cut, &link.cuts[0]) {
+            link.cuts[0] = hit.cut;
+        }
+        if nearer(&link.cuts[1], &hit.cut) {
+            link.cuts[1] = hit.cut;
+        }
+    }
+    link
+}
+
+/// The largest whole number that is not larger; without a call to the system's library, which `f64::floor` is on some machines.
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(x < towards_zero as f64)
 }
 
 /// Twice the area from edge `from`–`to` to a point, positive to its left.
@@ -324,7 +347,7 @@ fn cuts_of(
         let range = |a: usize| {
             let [p, q, r] = seen.map(|place| place[a]);
             let (low, high) = (p.min(q).min(r), p.max(q).max(r));
-            low.ceil() as i64..=high.floor() as i64
+            -floor(-low)..=floor(high)
         };
         let (rows, columns) = (range(1), range(0));
         if rows.is_empty() || columns.is_empty() {
@@ -337,23 +360,25 @@ fn cuts_of(
                     continue;
                 };
                 let place: f64 = (0..3).map(|k| weights[k] * corners[k][along]).sum();
-                let whole = place.floor();
+                let whole = floor(place);
                 let mut cell = [0; 3];
-                cell[along] = whole as i64;
-                cell[left] = u + i64::from(c[left]) * whole as i64;
-                cell[right] = v + i64::from(c[right]) * whole as i64;
+                cell[along] = whole;
+                cell[left] = u + i64::from(c[left]) * whole;
+                cell[right] = v + i64::from(c[right]) * whole;
                 let other = std::array::from_fn(|a| cell[a] + i64::from(c[a]));
-                let (Some(cell), Some(_)) = (domain.cell(cell), domain.cell(other)) else {
+                let (Some(cell), Some(other)) = (domain.cell(cell), domain.cell(other)) else {
                     continue;
                 };
                 let [nx, ny, _] = domain.cells.map(|n| n as u64);
                 let [x, y, z] = cell.map(|n| n as u64);
                 hits.push(Hit {
                     key: 9 * (x + nx * (y + ny * z)) + pair as u64,
+                    cells: [cell, other],
+                    pair: pair as u8,
                     cut: Cut {
                         triangle,
                         weights,
-                        at: place - whole,
+                        at: place - whole as f64,
                     },
                 });
             }

@@ -214,3 +214,27 @@ fn a_node_outside_is_told() {
     lost[3].x = f64::NAN;
     assert!(links.find(&lost, &triangles, &DOMAIN).is_err());
 }
+
+/// Sorted by triangle no cut is lost, and they stay in the order of links; triangles from a number on are left out.
+#[test]
+fn cuts_are_sorted_by_triangle() {
+    let (positions, triangles) = ball(DVec3::new(9.3, 9.8, 10.1), 5.2);
+    let links = found(&positions, &triangles, &DOMAIN);
+    let mut sorted = crate::cut_links::CutsByTriangle::default();
+    for count in [triangles.len(), triangles.len() / 2, 0] {
+        sorted.sort(links.links(), count);
+        let mut cuts = 0;
+        for &triangle in sorted.triangles() {
+            let of_it = sorted.of(triangle);
+            assert!(!of_it.is_empty() && of_it.is_sorted());
+            for &(link, side) in of_it {
+                let cut = &links.links()[link as usize].cuts[usize::from(side)];
+                assert_eq!(cut.triangle, triangle);
+            }
+            cuts += of_it.len();
+        }
+        let wanted = links.links().iter().flat_map(|link| link.cuts);
+        let wanted = wanted.filter(|cut| (cut.triangle as usize) < count).count();
+        assert_eq!(cuts, wanted);
+    }
+}

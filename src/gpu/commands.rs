@@ -1,9 +1,15 @@
-//! Commands being recorded, counted as they come.
+//! Commands being recorded, counted as they come, and writes between them.
+//!
+//! A submission costs the host and the device some microseconds, so that stages leave what nobody waits for to the next one. The order stays that in which
+//! they recorded and wrote.
 
-use std::sync::Arc;
+use std::sync::{Arc, MutexGuard, PoisonError};
 
-use super::device::Device;
+use bytemuck::Pod;
+
+use super::device::{Device, TRANSFER_BYTES};
 use super::meter::Meter;
+use super::recorded::Recorded;
 
 /// Commands for one submission.
 #[derive(Debug)]
@@ -22,6 +28,13 @@ pub(super) struct Pass<'a> {
 }
 
 impl Commands {
+    fn recorded(self) -> Recorded {
+        Recorded {
+            raw: self.raw,
+            timed_passes: self.timed_passes,
+        }
+    }
+
     /// Begins a compute pass; its name is that of the stage.
     pub(super) fn pass(&mut self, label: &'static str) -> Pass<'_> {
         let reserved = self.meter.begin_pass(label);
@@ -59,6 +72,12 @@ impl Pass<'_> {
     }
 }
 
+/// Largest write that is recorded among commands that wait; a larger one has them submitted first.
+const RECORDED_WRITE: usize = 1 << 20;
+
+/// Recorded commands that may wait: a device should not stand idle, nor be given work for long.
+const WAITING_LIMIT: usize = 16;
+
 impl Device {
     /// Starts recording commands.
     pub(super) fn record(&self, label: &str) -> Commands {
@@ -70,12 +89,91 @@ impl Device {
         }
     }
 
-    /// Submits commands, waiting for older ones if too many are in flight.
+    /// Leaves commands to the next submission: they are done before whatever is submitted or written later.
+    pub(super) fn leave(&self, commands: Commands) {
+        let mut waiting = self.waiting();
+        waiting.push(commands.recorded());
+        let many = waiting.len() >= WAITING_LIMIT;
+        drop(waiting);
+        if many {
+            self.submit_waiting();
+        }
+    }
+
+    /// Submits commands and those that wait, first waiting for older submissions if too many are in flight.
     pub(super) fn submit(&self, commands: Commands) {
-        let timed = commands.timed_passes;
-        self.submit_raw(commands.raw.finish());
+        self.waiting().push(commands.recorded());
+        self.submit_waiting();
+    }
+
+    /// Submits the commands that wait, if there are any.
+    pub fn submit_waiting(&self) {
+        // Held until they are submitted: whoever finds nothing waiting may rely on it.
+        let mut waiting = self.waiting();
+        if waiting.is_empty() {
+            return;
+        }
+        let timed = waiting.iter().map(|recorded| recorded.timed_passes).sum();
+        let commands = waiting.drain(..).map(|recorded| recorded.raw.finish());
+        let index = self.submit_raw(commands);
+        drop(waiting);
+        self.bound_in_flight(index);
         if timed > 0 {
             self.passes_submitted(timed);
         }
+    }
+
+    /// Writes `data` to a buffer, `offset` in elements, after what waits and before what is submitted later.
+    pub(super) fn write<T: Pod>(&self, buffer: &wgpu::Buffer, offset: usize, data: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let start = (offset * size_of::<T>()) as u64;
+        let alignment = wgpu::COPY_BUFFER_ALIGNMENT;
+        let aligned =
+            start.is_multiple_of(alignment) && (bytes.len() as u64).is_multiple_of(alignment);
+        let mut waiting = self.waiting();
+        if let (Some(recorded), true) =
+            (waiting.last_mut(), aligned && bytes.len() <= RECORDED_WRITE)
+        {
+            if bytes.is_empty() {
+                return;
+            }
+            // The queue's own writes would be done before what waits.
+            let size = bytes.len() as u64;
+            let staged = self.raw.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("write"),
+                size,
+                usage: wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: true,
+            });
+            // A device that cannot give it has failed, and says so where it is waited for.
+            let Ok(mut view) = staged.get_mapped_range_mut(..) else {
+                return;
+            };
+            view.copy_from_slice(bytes);
+            drop(view);
+            staged.unmap();
+            recorded
+                .raw
+                .copy_buffer_to_buffer(&staged, 0, buffer, start, size);
+            self.meter.wrote(size);
+            return;
+        }
+        drop(waiting);
+        self.submit_waiting();
+        let mut done = 0;
+        for chunk in bytes.chunks(TRANSFER_BYTES as usize) {
+            self.queue.write_buffer(buffer, start + done, chunk);
+            self.meter.wrote(chunk.len() as u64);
+            done += chunk.len() as u64;
+            if done < bytes.len() as u64 {
+                // A staging buffer each; they are released once submitted.
+                self.queue.submit([]);
+                self.meter.submitted();
+            }
+        }
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Vec<Recorded>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -14,6 +14,7 @@ use super::adapters::{self, AdapterChoice, AdapterInfo};
 use super::error::DeviceError;
 use super::latency::Latencies;
 use super::meter::{DeviceWork, Meter};
+use super::recorded::Recorded;
 use super::tuning::Tuning;
 
 /// Submissions in flight before the host waits for the oldest: enough to keep a device busy, few enough that what they hold is
@@ -41,6 +42,8 @@ pub struct Device {
     limits: wgpu::Limits,
     fault: Fault,
     in_flight: Mutex<VecDeque<wgpu::SubmissionIndex>>,
+    /// Recorded, and left to the next submission.
+    pub(super) waiting: Mutex<Vec<Recorded>>,
     pub(super) meter: Arc<Meter>,
     pub(super) latencies: OnceLock<Latencies>,
     tuning: Tuning,
@@ -96,6 +99,7 @@ impl Device {
             limits,
             fault,
             in_flight: Mutex::default(),
+            waiting: Mutex::default(),
             meter: Arc::default(),
             latencies: OnceLock::new(),
             tuning,
@@ -240,27 +244,17 @@ impl Device {
         )
     }
 
-    /// Writes `data` to a buffer, `offset` in elements, before the next submission.
-    pub(super) fn write<T: Pod>(&self, buffer: &wgpu::Buffer, offset: usize, data: &[T]) {
-        let bytes: &[u8] = bytemuck::cast_slice(data);
-        let start = (offset * size_of::<T>()) as u64;
-        let mut done = 0;
-        for chunk in bytes.chunks(TRANSFER_BYTES as usize) {
-            self.queue.write_buffer(buffer, start + done, chunk);
-            self.meter.wrote(chunk.len() as u64);
-            done += chunk.len() as u64;
-            if done < bytes.len() as u64 {
-                // A staging buffer each; they are released once submitted.
-                self.queue.submit([]);
-                self.meter.submitted();
-            }
-        }
+    /// Submits commands.
+    pub(super) fn submit_raw(
+        &self,
+        commands: impl Iterator<Item = wgpu::CommandBuffer>,
+    ) -> wgpu::SubmissionIndex {
+        self.meter.submitted();
+        self.queue.submit(commands)
     }
 
-    /// Submits commands, waiting for older ones if too many are in flight.
-    pub(super) fn submit_raw(&self, commands: wgpu::CommandBuffer) {
-        self.meter.submitted();
-        let index = self.queue.submit([commands]);
+    /// Waits for older submissions if too many are in flight with this one.
+    pub(super) fn bound_in_flight(&self, index: wgpu::SubmissionIndex) {
         let oldest = {
             let mut in_flight = self
                 .in_flight
@@ -311,8 +305,9 @@ impl Device {
         }
     }
 
-    /// Waits until everything submitted is done.
+    /// Waits until everything recorded is done.
     pub fn wait(&self) -> Result<(), DeviceError> {
+        self.submit_waiting();
         self.poll_counted(None);
         self.in_flight
             .lock()

@@ -31,6 +31,7 @@ mod pass_clock;
 mod pass_times;
 pub mod pipeline;
 mod quiet;
+mod recorded;
 pub mod shaders;
 mod transfer;
 mod tuning;

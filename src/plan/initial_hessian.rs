@@ -1,7 +1,7 @@
 //! Which initial Hessian the implicit steps of the fabric start from.
 
 use super::skips::Skip;
-use super::{Placement, structure_every};
+use super::structure_every;
 use crate::case::Scene;
 use crate::solve::InitialHessian;
 
@@ -10,6 +10,7 @@ use crate::solve::InitialHessian;
 /// Inertia holds the nodes in short steps, and block-Jacobi needs few evaluations, each a third as dear; in long steps its evaluations
 /// grow with the elements that one step couples, those of multigrid hardly. Measured (`cargo bench --bench cloth -- step`): the two
 /// meet between 5 and 20 elements, over meshes of 25² to 100² cells, a hundredfold in stiffness, and springs or tension-only membrane.
+/// Devices take the same: a cycle adds some 45 dispatches to the 9 and the one round trip of an evaluation, which makes it three to four times as dear, too.
 const ELEMENTS_CROSSED: f64 = 10.0;
 
 /// Elements that a stretching wave crosses in one implicit step; `None` without fabric or time steps.
@@ -19,10 +20,15 @@ pub(super) fn elements_crossed(scene: &Scene) -> Option<f64> {
     Some(scene.body.as_ref()?.structure.elements_crossed(time_step_s))
 }
 
+/// True where implicit steps start from multigrid.
+#[must_use]
+pub fn steps_take_multigrid(scene: &Scene) -> bool {
+    elements_crossed(scene) >= Some(ELEMENTS_CROSSED)
+}
+
 /// What implicit steps start from.
-pub fn of_steps(scene: &Scene, placement: &Placement) -> InitialHessian {
-    // On a device the choice is not measured yet.
-    if !placement.cloth_on_device() && elements_crossed(scene) >= Some(ELEMENTS_CROSSED) {
+pub fn of_steps(scene: &Scene) -> InitialHessian {
+    if steps_take_multigrid(scene) {
         InitialHessian::Multigrid
     } else {
         InitialHessian::BlockJacobi
@@ -30,29 +36,22 @@ pub fn of_steps(scene: &Scene, placement: &Placement) -> InitialHessian {
 }
 
 /// Length of an implicit step from which multigrid is faster [s]; infinite where it is never taken.
-pub fn multigrid_from_s(scene: &Scene, placement: &Placement) -> f64 {
-    match &scene.body {
-        Some(body) if !placement.cloth_on_device() => {
-            ELEMENTS_CROSSED / body.structure.elements_crossed(1.0)
-        }
-        _ => f64::INFINITY,
-    }
+pub fn multigrid_from_s(scene: &Scene) -> f64 {
+    scene.body.as_ref().map_or(f64::INFINITY, |body| {
+        ELEMENTS_CROSSED / body.structure.elements_crossed(1.0)
+    })
 }
 
 /// What the choice leaves out.
-pub fn skipped(scene: &Scene, placement: &Placement) -> Option<Skip> {
+pub fn skipped(scene: &Scene) -> Option<Skip> {
     let crossed = elements_crossed(scene)?;
-    let why = match of_steps(scene, placement) {
-        InitialHessian::Multigrid => return None,
-        InitialHessian::BlockJacobi if placement.cloth_on_device() => {
-            "block-Jacobi is used on a device".to_owned()
-        }
-        InitialHessian::BlockJacobi => format!(
-            "a stretching wave crosses {crossed:.2} elements in a step: block-Jacobi is faster up to {ELEMENTS_CROSSED}"
-        ),
-    };
+    if steps_take_multigrid(scene) {
+        return None;
+    }
     Some(Skip {
         what: "multigrid in the steps of the fabric",
-        why,
+        why: format!(
+            "a stretching wave crosses {crossed:.2} elements in a step: block-Jacobi is faster up to {ELEMENTS_CROSSED}"
+        ),
     })
 }

@@ -25,7 +25,7 @@ pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use disk::Disk;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
 pub use forecast::Evaluations;
-pub use initial_hessian::multigrid_from_s;
+pub use initial_hessian::{multigrid_from_s, steps_take_multigrid};
 pub use meshes::report as mesh_report;
 pub use phases::{Phase, phases};
 pub use placement::{AirPlacement, ClothPlacement, Placement, Precision};
@@ -72,12 +72,12 @@ impl Plan {
             start_steps,
             steps,
             sizes,
-            step_hessian: initial_hessian::of_steps(scene, &placement),
+            step_hessian: initial_hessian::of_steps(scene),
             evaluations: forecast::of(scene, &placement),
             evaluation_limit: scene.solver.evaluation_limit,
             skips: skips::skips(scene)
                 .into_iter()
-                .chain(initial_hessian::skipped(scene, &placement))
+                .chain(initial_hessian::skipped(scene))
                 .collect(),
             placement,
         }

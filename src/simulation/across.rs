@@ -27,19 +27,25 @@ pub(super) struct Across {
     targets: Vec<[f64; 3]>,
 }
 
+/// Triangles of the fabric along which the air slides; `None` where it is no wing in the wind.
+pub(super) fn sliding_triangles(scene: &Scene) -> Option<Vec<bool>> {
+    let wing = scene.wing()?;
+    let friction = wing.tunnel.as_ref()?.friction;
+    let inner = wing.built.inner_triangles();
+    let slides = |inner: bool| match friction {
+        FrictionName::None => true,
+        FrictionName::Outside => inner,
+        FrictionName::Everywhere => false,
+    };
+    Some(inner.into_iter().map(slides).collect())
+}
+
 impl Across {
     /// Those of the parts of a wing in the wind that let the air slide; `count` markers are there in all, those of the fabric first.
     pub(super) fn new(scene: &Scene, fabric: &[Marker], count: usize) -> Option<Self> {
-        let wing = scene.wing()?;
-        let friction = wing.tunnel.as_ref()?.friction;
-        let inner = wing.built.inner_triangles();
-        let slides = |triangle: u32| match friction {
-            FrictionName::None => true,
-            FrictionName::Outside => inner[triangle as usize],
-            FrictionName::Everywhere => false,
-        };
+        let slides = sliding_triangles(scene)?;
         let markers: Vec<usize> = (0..fabric.len())
-            .filter(|&k| slides(fabric[k].triangle))
+            .filter(|&k| slides[fabric[k].triangle as usize])
             .collect();
         (!markers.is_empty()).then(|| Self {
             normals: vec![DVec3::ZERO; markers.len()],

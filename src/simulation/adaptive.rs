@@ -17,7 +17,7 @@ use crate::case::Scene;
 use crate::case::scene::AdaptiveStep;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::TimeIntegration;
-use crate::plan::{Placement, multigrid_from_s};
+use crate::plan::multigrid_from_s;
 use crate::solve::InitialHessian;
 use crate::solve::lbfgs::Stop;
 
@@ -61,14 +61,14 @@ pub(super) enum Verdict {
 
 impl Adaptive {
     /// Of a scene; `None` where every step is one solve.
-    pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Self> {
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
         let time = scene.time.filter(|_| scene.body.is_some())?;
         let settings = time.adaptive?;
         let power = match time.integration {
             TimeIntegration::BackwardEuler => 2.0,
             TimeIntegration::Bdf2 => 3.0,
         };
-        let multigrid_from_s = multigrid_from_s(scene, placement);
+        let multigrid_from_s = multigrid_from_s(scene);
         Some(Self::new(settings, power, multigrid_from_s))
     }
 

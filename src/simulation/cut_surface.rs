@@ -1,16 +1,20 @@
 //! A surface of triangles that cuts links of the air's lattice, in lattice units ([`crate::cut_links`]): stages `find_links`, `read_links` and `bounce`.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::air::AirEngine;
 use super::bodies::normal_of;
+use super::sliding::Sliding;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
-    Cut, CutLink, CutLinks, Domain, FacePressures, Images, Leaving, OutOfAir, Return, SIDES,
-    Through,
+    Cut, CutLink, CutLinks, Domain, FacePressures, OutOfAir, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
+
+/// Links that one task works on.
+const LINKS_AT_ONCE: usize = 512;
 
 /// A surface in the air; what it is made of, its owner knows.
 #[derive(Debug)]
@@ -37,18 +41,6 @@ pub struct CutSurface {
     rest: Vec<[f64; 2]>,
     /// Force on the air by every side of every link.
     forces: Vec<[DVec3; 2]>,
-}
-
-/// Where the air slides along the surface.
-#[derive(Debug, Default)]
-struct Sliding {
-    /// Of the triangles.
-    slides: Vec<bool>,
-    images: Images,
-    /// What left the cells of the images.
-    leaving: Vec<Leaving>,
-    /// Mass that the air lost.
-    lost: f64,
 }
 
 /// What the air does to the surface at one cut, in a step: along `leaving` the force `push` − `stiffness` leaving·v.
@@ -105,20 +97,18 @@ impl CutSurface {
         self
     }
 
-    /// The same where the air slides without friction along the triangles for which `slides`, one for each, is true. Where nothing does, nothing is added.
+    /// The same where the air slides without friction along the triangles for which `slides`, one for each, is true, its nodes at `positions` at first, in any unit. Where
+    /// nothing slides, nothing is added.
     #[must_use]
-    pub fn sliding(mut self, slides: Vec<bool>) -> Self {
-        self.sliding = slides.contains(&true).then(|| Sliding {
-            slides,
-            ..Sliding::default()
-        });
+    pub fn sliding(mut self, slides: Vec<bool>, positions: &[DVec3]) -> Self {
+        self.sliding = Sliding::new(slides, &self.triangles, positions);
         self
     }
 
-    /// Mass that the air lost where it slides, since the start [cells of density 1]: near zero along a whole wall, not at every cell.
+    /// Mass that was given back to the air where it slides, since the start, loss and gain alike [cells of density 1].
     #[must_use]
-    pub fn mass_lost(&self) -> f64 {
-        self.sliding.as_ref().map_or(0.0, |sliding| sliding.lost)
+    pub fn mass_returned(&self) -> f64 {
+        self.sliding.as_ref().map_or(0.0, Sliding::returned)
     }
 
     /// Nodes of its triangles.
@@ -167,11 +157,14 @@ impl CutSurface {
             self.areas[k] = 0.5 * (b - a).cross(c - a).length();
         }
         self.links.find(positions, &self.triangles, &self.domain)?;
-        if let Some(Sliding { slides, images, .. }) = &mut self.sliding {
-            let normals = &self.normals;
+        if let Some(mut sliding) = self.sliding.take() {
+            let mut images = std::mem::take(&mut sliding.images);
             images.find(&self.links, &self.domain, |triangle| {
-                slides[triangle].then_some(normals[triangle])
+                let normal = self.normals[triangle];
+                sliding.along(triangle as u32).then_some(normal)
             });
+            sliding.images = images;
+            self.sliding = Some(sliding);
         }
         self.found = true;
         Ok(())
@@ -200,12 +193,11 @@ impl CutSurface {
             self.faces.take(&seen);
         }
         self.inside.clear();
-        for link in seen.links {
-            self.inside.push(match link.layers {
+        self.inside
+            .extend(seen.links.iter().map(|link| match link.layers {
                 1 => 0.0,
                 _ => self.faces.between(&seen, link),
-            });
-        }
+            }));
         if let Some(through) = &mut self.through {
             through.take(&seen, &self.inside, (velocities, &self.areas));
         }
@@ -268,34 +260,36 @@ impl CutSurface {
 
     /// What the air does to the surface by what was read, cut by cut.
     pub fn reactions(&self) -> impl Iterator<Item = (&Cut, CutReaction)> {
-        self.links().iter().enumerate().flat_map(|(k, link)| {
-            let c = link.direction();
-            let length = c.length();
-            let weight = WEIGHTS[link.leaving(0)];
-            SIDES.map(|side| {
-                let cut = &link.cuts[side];
-                let leaving = if side == 0 { c } else { -c } / length;
-                let returned = &self.returns[k][side];
-                let stiffness = 6.0 * weight * returned.strength * length * length;
-                let push = (returned.push() - 2.0 * weight * self.inside[k]) * length
-                    - stiffness * leaving.dot(self.through(cut));
-                let reaction = CutReaction {
-                    leaving,
-                    stiffness,
-                    push,
-                };
-                (cut, reaction)
-            })
-        })
+        (0..self.links().len()).flat_map(|link| SIDES.map(|side| self.reaction(link, side)))
+    }
+
+    /// The same at one side of a link.
+    #[must_use]
+    pub fn reaction(&self, number: usize, side: usize) -> (&Cut, CutReaction) {
+        let link = &self.links()[number];
+        let c = link.direction();
+        let length = c.length();
+        let weight = WEIGHTS[link.leaving(0)];
+        let cut = &link.cuts[side];
+        let leaving = if side == 0 { c } else { -c } / length;
+        let returned = &self.returns[number][side];
+        let stiffness = 6.0 * weight * returned.strength * length * length;
+        let push = (returned.push() - 2.0 * weight * self.inside[number]) * length
+            - stiffness * leaving.dot(self.through(cut));
+        let reaction = CutReaction {
+            leaving,
+            stiffness,
+            push,
+        };
+        (cut, reaction)
     }
 
     /// Value of a field on nodes at a cut.
     #[must_use]
     pub fn at(&self, cut: &Cut, field: &[DVec3]) -> DVec3 {
-        let nodes = self.triangles[cut.triangle as usize].into_iter();
-        (nodes.zip(cut.weights))
-            .map(|(node, share)| field[node as usize] * share)
-            .sum()
+        let [a, b, c] = self.triangles[cut.triangle as usize].map(|node| field[node as usize]);
+        let [of_a, of_b, of_c] = cut.weights;
+        a * of_a + b * of_b + c * of_c
     }
 
     /// Stage `bounce`, for nodes that move with `velocities` [cells per step].
@@ -315,38 +309,34 @@ impl CutSurface {
         let mut back = std::mem::take(&mut self.back);
         let mut rest = std::mem::take(&mut self.rest);
         let mut forces = std::mem::take(&mut self.forces);
-        back.clear();
-        rest.clear();
-        forces.clear();
-        let mut sliding = self.sliding.take();
-        for (link, returns) in self.links().iter().zip(&self.returns) {
-            let c = link.direction();
-            let weight = WEIGHTS[link.leaving(0)];
-            let along = SIDES.map(|side| {
-                let cut = &link.cuts[side];
-                c.dot(self.at(cut, velocities) + self.through(cut))
-            });
-            // Both sides at one velocity: what one loses the other gains.
-            let mean = 0.5 * (along[0] + along[1]);
-            let (mut r, mut left, mut force) = ([0.0; 2], [0.0; 2], [DVec3::ZERO; 2]);
-            for side in SIDES {
-                let sign = if side == 0 { 1.0 } else { -1.0 };
-                let returned = &returns[side];
-                r[side] = returned.back(weight, sign * along[side]);
-                left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
-                if let Some(sliding) = &mut sliding
-                    && sliding.slides[link.cuts[side].triangle as usize]
-                {
-                    sliding.lost += left[side];
-                    left[side] = 0.0;
+        let count = self.links().len();
+        back.resize(count, [0.0; 2]);
+        rest.resize(count, [0.0; 2]);
+        forces.resize(count, [DVec3::ZERO; 2]);
+        let formed = (back.par_iter_mut().zip(&mut rest)).zip(&mut forces);
+        (formed.zip(self.links()).zip(&self.returns))
+            .with_min_len(LINKS_AT_ONCE)
+            .for_each(|((((r, left), force), link), returns)| {
+                let c = link.direction();
+                let weight = WEIGHTS[link.leaving(0)];
+                let of = |cut: &Cut| c.dot(self.at(cut, velocities) + self.through(cut));
+                let mut along = [of(&link.cuts[0]); 2];
+                if link.layers > 1 {
+                    along[1] = of(&link.cuts[1]);
                 }
-                force[side] = c * (-sign * (returned.out + r[side]));
-            }
-            back.push(r);
-            rest.push(left);
-            forces.push(force);
+                // Both sides at one velocity: what one loses the other gains.
+                let mean = 0.5 * (along[0] + along[1]);
+                for side in SIDES {
+                    let sign = if side == 0 { 1.0 } else { -1.0 };
+                    let returned = &returns[side];
+                    r[side] = returned.back(weight, sign * along[side]);
+                    left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
+                    force[side] = c * (-sign * (returned.out + r[side]));
+                }
+            });
+        if let Some(sliding) = &mut self.sliding {
+            sliding.keep_mass(self.links.links(), &self.normals, &mut rest);
         }
-        self.sliding = sliding;
         (self.back, self.rest, self.forces) = (back, rest, forces);
     }
 

@@ -215,7 +215,11 @@ impl Levels {
         acceleration: Option<[f64; 3]>,
         markers: Option<&MarkerEngine>,
     ) -> Result<(), DeviceError> {
-        self.finest_mut().collide_stream(acceleration, markers)
+        let finest = self.finest_mut();
+        finest.collide_stream(acceleration, markers)?;
+        // A device works on it while the host prepares what comes next.
+        finest.submit();
+        Ok(())
     }
 
     /// Stage `coarser_levels`: of the lattices around the finest one those steps that are due after its last, under the same acceleration. True if

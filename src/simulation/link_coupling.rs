@@ -11,7 +11,9 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::across::sliding_triangles;
 use super::air::AirEngine;
 use super::bodies::Load;
 use super::cut_surface::CutSurface;
@@ -19,7 +21,7 @@ use crate::case::Scene;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, TriangleReaction};
-use crate::cut_links::OutOfAir;
+use crate::cut_links::{CutsByTriangle, OutOfAir};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::EXCHANGED_CELLS;
@@ -49,16 +51,16 @@ pub struct LinkCoupling {
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
     reactions: Vec<TriangleReaction>,
-    /// Place of every triangle of the fabric among the reactions.
-    places: Vec<u32>,
+    /// Those of the fabric.
+    cuts: CutsByTriangle,
     force_on_air: [f64; 3],
     fabric_force_on_air: [f64; 3],
     loads: Vec<Load>,
     fastest: f64,
 }
 
-/// No reaction yet.
-const NOWHERE: u32 = u32::MAX;
+/// Triangles that one task works on.
+const TRIANGLES_AT_ONCE: usize = 128;
 
 impl LinkCoupling {
     pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
@@ -101,7 +103,10 @@ impl LinkCoupling {
         // Of an equilateral triangle.
         let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
         let nodes = positions_m.len();
-        let surface = CutSurface::new(engine, triangles, nodes, (kept, open));
+        let mut slides = sliding_triangles(scene).unwrap_or_default();
+        slides.resize(triangles.len(), false);
+        let surface =
+            CutSurface::new(engine, triangles, nodes, (kept, open)).sliding(slides, &positions_m);
         Self {
             units,
             surface: surface.permeable(&laws, edge_cells),
@@ -113,7 +118,7 @@ impl LinkCoupling {
                 .collect(),
             velocities: vec![DVec3::ZERO; nodes],
             reactions: Vec::new(),
-            places: vec![NOWHERE; fabric_triangles],
+            cuts: CutsByTriangle::default(),
             force_on_air: [0.0; 3],
             fabric_force_on_air: [0.0; 3],
             loads: vec![Load::default(); scene.rigid_bodies.len()],
@@ -222,25 +227,24 @@ impl LinkCoupling {
 
     /// Makes them from what was read.
     pub(super) fn gather_reactions(&mut self) {
-        for reaction in &self.reactions {
-            self.places[reaction.triangle as usize] = NOWHERE;
-        }
-        self.reactions.clear();
+        self.cuts.sort(self.surface.links(), self.fabric_triangles);
         let (stiffness_kg_s, force_n) = (self.units.stiffness_kg_s(), self.units.force_n());
-        for (cut, reaction) in self.surface.reactions() {
-            let Some(place) = self.places.get_mut(cut.triangle as usize) else {
-                continue;
-            };
-            if *place == NOWHERE {
-                *place = self.reactions.len() as u32;
-                self.reactions.push(TriangleReaction::none(cut.triangle));
-            }
-            self.reactions[*place as usize].add(
-                cut.weights,
-                reaction.leaving,
-                [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
-            );
-        }
+        let (surface, cuts) = (&self.surface, &self.cuts);
+        (cuts.triangles().par_iter())
+            .with_min_len(TRIANGLES_AT_ONCE)
+            .map(|&triangle| {
+                let mut sum = TriangleReaction::none(triangle);
+                for &(link, side) in cuts.of(triangle) {
+                    let (cut, reaction) = surface.reaction(link as usize, usize::from(side));
+                    sum.add(
+                        cut.weights,
+                        reaction.leaving,
+                        [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
+                    );
+                }
+                sum
+            })
+            .collect_into_vec(&mut self.reactions);
     }
 
     /// Velocities of a step that ends at `time_s`; before release all is held.

@@ -297,4 +297,11 @@ impl AirEngine {
             fluid.collide_stream(acceleration, forces)
         })
     }
+
+    /// Has a device begin with what was left to a later submission.
+    pub(super) fn submit(&self) {
+        if let Self::Gpu(fluid) = self {
+            fluid.device().submit_waiting();
+        }
+    }
 }

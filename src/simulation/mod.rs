@@ -29,6 +29,7 @@ mod opening;
 mod panels;
 mod parts;
 mod permeable;
+mod sliding;
 mod state;
 mod statics;
 mod structure_state;
@@ -214,7 +215,7 @@ impl Simulation {
             }
             _ => None,
         };
-        let adaptive = Adaptive::of(&scene, &plan.placement);
+        let adaptive = Adaptive::of(&scene);
         let every = plan.every(Stage::SolveCloth).unwrap_or(1);
         let cadence = (every > 1).then(|| Cadence::new(every, plan.start_steps));
         Ok(Self {
@@ -267,6 +268,11 @@ impl Simulation {
             )?)),
             _ => Ok(None),
         }
+    }
+
+    /// [`Simulation::advance`] on one of the threads that compute: from any other every parallel loop would wake one, and wait for it.
+    pub fn advance_among_threads(&mut self) -> Result<(), Failure> {
+        rayon::scope(|_| self.advance())
     }
 
     /// One step: the plan's stages in the plan's order.

@@ -22,6 +22,7 @@ mod poiseuille;
 mod report;
 mod session;
 mod shear_layer;
+mod sliding_wall;
 mod soak;
 mod sphere;
 mod taylor_green;
@@ -37,7 +38,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 42] = [
+pub const PROBLEMS: [Problem; 43] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -82,6 +83,11 @@ pub const PROBLEMS: [Problem; 42] = [
         name: "openings",
         updates: [200.0, 9_000.0],
         compute: openings::compute,
+    },
+    Problem {
+        name: "sliding-wall",
+        updates: [2_250.0, 23_000.0],
+        compute: sliding_wall::compute,
     },
     Problem {
         name: "sphere",

@@ -190,7 +190,9 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 23] {
             limit: 0.04,
             supports: Supports::Lift,
             remedy: "take lift from the panel method (equilibrium.trim): wings do not fly on such a lattice",
-            value: |of| (of.kind == Kind::Wing).then(|| KERNEL_CELLS / of.cells()),
+            value: |of| {
+                (of.kind == Kind::Wing && !of.cuts_links()).then(|| KERNEL_CELLS / of.cells())
+            },
         },
         Rule {
             name: "cells across the thickness",

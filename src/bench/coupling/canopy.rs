@@ -130,7 +130,7 @@ pub(super) fn run(
     let (mut fastest, mut evaluations, mut first_row) = (0.0_f64, 0, 0);
     while simulation.step_count() < end {
         let before = *simulation.cost();
-        match simulation.advance() {
+        match simulation.advance_among_threads() {
             Ok(()) => {}
             // Blown up: the row keeps what it is.
             Err(Failure::Diverged(_)) => return Ok(point),

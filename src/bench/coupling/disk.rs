@@ -102,7 +102,7 @@ pub(super) fn run_for(
     let mut first = None;
     while simulation.step_count() < end {
         let before = *simulation.cost();
-        match simulation.advance() {
+        match simulation.advance_among_threads() {
             Ok(()) => {}
             // Blown up: the row keeps what it is.
             Err(Failure::Diverged(_)) => return Ok(point),

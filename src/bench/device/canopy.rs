@@ -143,14 +143,14 @@ fn one(
     let start = Instant::now();
     let mut simulation = Simulation::new(case.scene.clone(), plan, taken)?;
     for _ in 0..start_steps + u64::from(before) {
-        simulation.advance()?;
+        simulation.advance_among_threads()?;
     }
     wait()?;
     let set_up_s = start.elapsed().as_secs_f64();
     let (cost, work) = (*simulation.cost(), device.work());
     let start = Instant::now();
     for _ in 0..timed {
-        simulation.advance()?;
+        simulation.advance_among_threads()?;
     }
     wait()?;
     let milliseconds = 1e3 * start.elapsed().as_secs_f64() / f64::from(timed);
@@ -189,7 +189,7 @@ fn one(
         device.time_passes();
         let start = Instant::now();
         for _ in 0..clocked {
-            simulation.advance()?;
+            simulation.advance_among_threads()?;
         }
         device.wait()?;
         let clocked_ms = 1e3 * start.elapsed().as_secs_f64() / f64::from(clocked);

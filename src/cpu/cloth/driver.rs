@@ -19,7 +19,8 @@ use crate::solve::stiffening::{self, Levels};
 /// Measured (`cargo bench --bench cloth -- peers`): a cold sheet of 50² to 200² cells takes a half to a quarter of the time. Springs that
 /// push take up to four times as long, since the projection leaves out what makes them buckle. Implicit
 /// steps are left to L-BFGS: Newton's method was slower with springs, and is not measured there with tension-only fabric.
-fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -> bool {
+#[must_use]
+pub fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessian) -> bool {
     kind == InitialHessian::Multigrid
         && input.time_step_s.is_none()
         && structure.springs.is_empty()

@@ -28,7 +28,7 @@ pub mod cone;
 pub mod contact;
 mod cut_reactions;
 pub mod dashpots;
-mod driver;
+pub mod driver;
 mod energies;
 pub mod evaluator;
 pub mod gather;

@@ -1,7 +1,7 @@
 //! Stages `read_links` and `bounce`: what leaves along cut links, and what comes back ([`crate::cut_links`]).
 //!
 //! The two populations of a link lie at one place in memory, and no other link touches them: a cut is a swap with a term of the wall, and the order of
-//! links does not matter. The share of the population at rest is added in their order.
+//! links does not matter: those of one pair of directions are a task. The share of the population at rest is added in their order.
 
 use rayon::prelude::*;
 
@@ -49,13 +49,36 @@ impl<T: Real> Fluid<T> {
     /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
     pub fn bounce(&mut self, links: &[CutLink], back: &[[f64; 2]], rest: &[[f64; 2]]) {
         let places = Places::new(self.grid, &self.setup, self.odd);
-        for ((link, back), rest) in links.iter().zip(back).zip(rest) {
-            for side in SIDES {
-                let (array, element) = places.back(link, side);
-                self.populations[array][element] = T::of(back[side]);
-                let at_rest = &mut self.populations[0][places.rest(link, side)];
-                *at_rest = T::of(at_rest.to_f64() + rest[side]);
-            }
+        let mut of_pair: [Vec<u32>; DIRECTION_COUNT / 2] = Default::default();
+        for (number, link) in links.iter().enumerate() {
+            of_pair[usize::from(link.pair)].push(number as u32);
         }
+        let [at_rest, moving @ ..] = self.populations.arrays_mut();
+        // The links of a pair of directions write to its two arrays alone.
+        let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [T]], &Vec<u32>))| {
+            for number in of_pair {
+                let number = *number as usize;
+                for side in SIDES {
+                    let (array, element) = places.back(&links[number], side);
+                    arrays[array - 1 - 2 * pair][element] = T::of(back[number][side]);
+                }
+            }
+        };
+        let (mut moving, of_pair) = (moving, of_pair);
+        rayon::join(
+            || {
+                for (link, rest) in links.iter().zip(rest) {
+                    for side in SIDES {
+                        let at_rest = &mut at_rest[places.rest(link, side)];
+                        *at_rest = T::of(at_rest.to_f64() + rest[side]);
+                    }
+                }
+            },
+            || {
+                (moving.par_chunks_mut(2).zip(&of_pair))
+                    .enumerate()
+                    .for_each(along);
+            },
+        );
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `elements` | the structure as words for the shaders; which slots every node gathers |
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
+//! | `curvature` | what Newton's method asks of them |
 //! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that [`crate::solve::lbfgs`] works in |
 //! | `workspace` | its buffers and pipelines |
@@ -19,6 +20,7 @@
 //! rounding: for a hanging cable of stiffness EA about 2⁻²⁴ √(EA/T) of the loads' (4e-6 reached in `cases/cloth/hanging-chain.toml`, where
 //! this is 8e-6), because the transverse part of the rounding moves a cable that only T holds, while the loads only stretch it.
 
+mod curvature;
 mod elements;
 mod gathering;
 pub mod parameters;

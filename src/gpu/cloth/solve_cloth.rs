@@ -1,4 +1,5 @@
-//! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/objective.rs`, minimised by the same L-BFGS.
+//! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/objective.rs`, minimised by the same L-BFGS or, in equilibria of
+//! tension-only fabric, by the same Newton's method.
 //!
 //! With p = x̂ + dt v̄ the prediction (v̄ = v̂, that of their supports at held nodes; x̂, v̂ and dt of [`crate::cpu::cloth::integration`]) and Δ = x − p, the
 //! objective is
@@ -11,6 +12,7 @@ use glam::DVec3;
 
 use crate::cloth::Structure;
 use crate::cpu::cloth::dashpots::dashpots;
+use crate::cpu::cloth::driver::newton_pays;
 use crate::cpu::cloth::initial_hessian::FREE_NODE_STIFFNESS;
 use crate::cpu::cloth::integration::StepBase;
 use crate::cpu::cloth::loads::{add_pull_of_the_air, step_loads};
@@ -20,6 +22,7 @@ use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, S
 use crate::gpu::error::DeviceError;
 use crate::immersed::permeable::Permeable;
 use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
+use crate::solve::newton;
 use crate::solve::{Landing, Step, VectorSpace};
 
 use super::Cloth;
@@ -60,7 +63,11 @@ impl Cloth {
         self.place_at_prediction(&point)?;
         let mut options = options(structure, input, settings);
         options.displacement_floor_m = options.displacement_floor_m.max(ROUND_OFF_M);
-        let outcome = lbfgs::minimise_watched(&mut space, &mut point, &options, watch)?;
+        let outcome = if newton_pays(structure, input, settings.initial_hessian) {
+            newton::minimise_watched(&mut space, &mut point, &options, watch)?
+        } else {
+            lbfgs::minimise_watched(&mut space, &mut point, &options, watch)?
+        };
         let remainder = std::mem::take(&mut space.remainder);
         drop(space);
         self.remainder = remainder;
@@ -350,7 +357,7 @@ impl Cloth {
                 .raw
                 .copy_buffer_to_buffer(from, 0, to, u64::from(point.0) * bytes, bytes);
         }
-        self.device.submit(commands);
+        self.device.leave(commands);
         Ok(())
     }
 

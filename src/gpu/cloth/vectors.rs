@@ -19,9 +19,9 @@ use super::stiffness::Stiffness;
 use super::workspace::{ENTRY, FIRST_FREE, HEADER, Workspace};
 
 /// In place of a slot: none.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// In place of a slot: the energies.
-const ENERGY: u32 = u32::MAX - 1;
+pub(super) const ENERGY: u32 = u32::MAX - 1;
 /// Error of the energy by round-off, over the sum of its parts' magnitudes: a few roundings of 6e-8 per part.
 const ROUND_OFF: f64 = 1e-6;
 
@@ -38,11 +38,11 @@ pub(super) struct Slot(pub u32);
 
 /// One row of products (a, a′, b, b′).
 #[derive(Debug, Clone, Copy)]
-struct Product {
+pub(super) struct Product {
     /// a·b; of the energies: their sum.
-    plain: f64,
+    pub plain: f64,
     /// (a − a′)·(b − b′); of the energies: the sum of their magnitudes.
-    change: f64,
+    pub change: f64,
     /// a·(b − b′)
     mixed: f64,
     /// Longest displacement in b; NaN if an element is not finite.
@@ -122,7 +122,7 @@ impl<'a> Space<'a> {
     }
 
     /// Runs the program, `dispatches`, then the products, and brings the length of the step and the products back.
-    fn run(
+    pub(super) fn run(
         &mut self,
         stage: ClothStage,
         rows: &[[u32; 4]],
@@ -170,8 +170,35 @@ impl<'a> Space<'a> {
         }
     }
 
+    /// Moves and evaluates, as `stage_of_trial` says.
+    pub(super) fn move_and_evaluate(&self, commands: &mut Commands) {
+        let mut pass = commands.pass("cloth attempt");
+        let groups = [self.workspace.strides, 1];
+        self.workspace.advance.dispatch(&mut pass, groups);
+        self.evaluate(&mut pass);
+    }
+
+    /// Parameters of a trial that writes its gradient and, with block-Jacobi, H₀ times it.
+    pub(super) fn stage_of_trial(
+        &self,
+        from: &Step<'_, PointSlot, Slot>,
+        point: &PointSlot,
+        [gradient, preconditioned]: [&Slot; 2],
+    ) -> ClothStage {
+        ClothStage {
+            point: point.0,
+            start: from.point.0,
+            direction: from.direction.0,
+            gradient: gradient.0,
+            preconditioned: preconditioned.0,
+            length: from.length as f32,
+            step_limit: from.step_limit_m.min(f64::from(f32::MAX)) as f32,
+            ..self.stage
+        }
+    }
+
     /// H₀ times vectors, (from, to).
-    fn precondition(
+    pub(super) fn precondition(
         &self,
         commands: &mut Commands,
         transforms: &[[u32; 2]],
@@ -226,7 +253,7 @@ impl<'a> Space<'a> {
         }
     }
 
-    fn objective(&self, energy: &Product) -> (f64, f64) {
+    pub(super) fn objective(&self, energy: &Product) -> (f64, f64) {
         (energy.plain + self.constant_j, ROUND_OFF * energy.change)
     }
 }
@@ -253,7 +280,7 @@ fn sum_row(row: &[u32]) -> Product {
     }
 }
 
-fn incomplete() -> DeviceError {
+pub(super) fn incomplete() -> DeviceError {
     DeviceError::Command("a report of the cloth is incomplete".to_owned())
 }
 
@@ -336,16 +363,7 @@ impl VectorSpace for Space<'_> {
         stored: &[&Slot],
     ) -> Result<Attempt, DeviceError> {
         let (gradient, preconditioned) = (to.gradient.0, to.preconditioned.0);
-        let stage = ClothStage {
-            point: to.point.0,
-            start: from.point.0,
-            direction: from.direction.0,
-            gradient,
-            preconditioned,
-            length: from.length as f32,
-            step_limit: from.step_limit_m.min(f64::from(f32::MAX)) as f32,
-            ..self.stage
-        };
+        let stage = self.stage_of_trial(from, to.point, [to.gradient, to.preconditioned]);
         let mut rows = vec![
             [ENERGY, NONE, NONE, NONE],
             [gradient, from.gradient.0, from.direction.0, NONE],
@@ -362,14 +380,7 @@ impl VectorSpace for Space<'_> {
                 .map(|vector| [gradient, from.gradient.0, vector.0, NONE]),
         );
         let (length, products) = self.run(stage, &rows, |space, commands| {
-            let workspace = space.workspace;
-            {
-                let mut pass = commands.pass("cloth attempt");
-                workspace
-                    .advance
-                    .dispatch(&mut pass, [workspace.strides, 1]);
-                space.evaluate(&mut pass);
-            }
+            space.move_and_evaluate(commands);
             if space.multigrid.is_some() {
                 space.precondition(commands, &[[gradient, preconditioned]])?;
             }

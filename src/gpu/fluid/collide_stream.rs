@@ -15,6 +15,9 @@ use crate::gpu::error::DeviceError;
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
 const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
 
+/// What takes no longer is left to the next submission; of a few such, one stays below the limit.
+const SHORT: Duration = Duration::from_millis(15);
+
 /// Planes of the first submission.
 const FIRST_PLANES: usize = 8;
 
@@ -149,7 +152,12 @@ impl Fluid {
     /// also compile, or find a device still asleep, take longer.
     fn submit_timed(&mut self, commands: Commands, planes: usize) -> Result<(), DeviceError> {
         if self.timed_submissions >= TIMED_SUBMISSIONS {
-            self.device.submit(commands);
+            let takes = self.plane_time.unwrap_or_default() * planes as u32;
+            if takes <= SHORT {
+                self.device.leave(commands);
+            } else {
+                self.device.submit(commands);
+            }
             return self.device.check();
         }
         self.device.wait()?;

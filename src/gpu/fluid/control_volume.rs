@@ -115,7 +115,7 @@ impl Fluid {
             side.bound
                 .dispatch(&mut pass, self.device.workgroups(64 * portions as u64));
         }
-        self.device.submit(commands);
+        self.device.leave(commands);
         watch.waiting.push(self.odd);
         Ok(())
     }

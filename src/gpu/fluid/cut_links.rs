@@ -160,7 +160,7 @@ impl Fluid {
             let mut pass = commands.pass("bounce");
             room.bound[1].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
         }
-        device.submit(commands);
+        device.leave(commands);
         self.link_lists = Some(lists);
         self.device.check()
     }

@@ -142,7 +142,7 @@ impl Tie {
                     .dispatch(&mut pass, device.workgroups(stage.threads));
             }
         }
-        device.submit(commands);
+        device.leave(commands);
         device.check()
     }
 }

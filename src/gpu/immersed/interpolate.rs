@@ -132,7 +132,7 @@ impl Immersed {
                 .place_markers
                 .dispatch(&mut pass, self.device.workgroups(sorted.len() as u64));
         }
-        self.device.submit(commands);
+        self.device.leave(commands);
         Ok(Ok(()))
     }
 }

@@ -27,7 +27,7 @@ impl Immersed {
                 .repeat_forcing
                 .dispatch(&mut pass, self.device.workgroups(count as u64));
         }
-        self.device.submit(commands);
+        self.device.leave(commands);
         self.spread();
         Ok(())
     }

@@ -39,7 +39,7 @@ impl Immersed {
                 .spread
                 .dispatch(&mut pass, self.device.workgroups(cells));
         }
-        self.device.submit(commands);
+        self.device.leave(commands);
         self.active = true;
     }
 

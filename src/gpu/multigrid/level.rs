@@ -22,6 +22,7 @@ pub(super) struct Cycle {
     pub(super) interpolate_correction: Pipeline,
     pub(super) smooth_corrected: Pipeline,
     pub(super) solve_coarsest: Pipeline,
+    pub(super) multiply: Pipeline,
 }
 
 /// Pipelines of a refresh.
@@ -168,6 +169,11 @@ impl Buffers {
             .ok_or_else(|| DeviceError::Command(format!("no buffer {wanted} on a level")))
     }
 
+    /// Where [`Level::multiply`] leaves the product.
+    pub const fn product(&self) -> &wgpu::Buffer {
+        &self.steps[0]
+    }
+
     /// Gives a pipeline the buffers of this level, and `more`.
     fn bind(
         &self,
@@ -198,6 +204,8 @@ pub(super) struct Level {
     up: Vec<Dispatch>,
     /// With the inverse instead of the smoother.
     direct: Option<Dispatch>,
+    /// The matrix times the solution, into a step.
+    multiply: Dispatch,
     galerkin: Option<Dispatch>,
     invert_diagonal: Dispatch,
     power_start: Dispatch,
@@ -232,6 +240,10 @@ impl Level {
             down: vec![rows(&cycle.smooth_from_zero, &[("new_step", a)])?],
             up: Vec::new(),
             direct: None,
+            multiply: rows(
+                &cycle.multiply,
+                &[("operand", own.get("solution")?), ("new_step", a)],
+            )?,
             galerkin: None,
             invert_diagonal: rows(&refresh.invert_diagonal, &[])?,
             power_start: rows(&refresh.power_start, &[])?,
@@ -302,6 +314,11 @@ impl Level {
             Some(Dispatch(bound, groups)) if direct => bound.dispatch(pass, *groups),
             _ => record(&self.down, pass),
         }
+    }
+
+    /// The matrix times the solution; the product is in the first of the steps.
+    pub fn multiply(&self, pass: &mut Pass<'_>) {
+        self.multiply.0.dispatch(pass, self.multiply.1);
     }
 
     /// Corrects and smooths.

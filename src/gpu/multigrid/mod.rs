@@ -62,6 +62,7 @@ impl Multigrid {
             interpolate_correction,
             smooth_corrected,
             solve_coarsest,
+            multiply,
         ] = device.pipelines(
             &shaders::MULTIGRID,
             [
@@ -72,6 +73,7 @@ impl Multigrid {
                 "interpolate_correction",
                 "smooth_corrected",
                 "solve_coarsest",
+                "multiply",
             ],
             &[],
         )?;
@@ -83,6 +85,7 @@ impl Multigrid {
             interpolate_correction,
             smooth_corrected,
             solve_coarsest,
+            multiply,
         };
         let [
             galerkin,
@@ -244,6 +247,28 @@ impl Multigrid {
         commands
             .raw
             .copy_buffer_to_buffer(finest.get("solution")?, 0, vectors, to, bytes);
+        Ok(())
+    }
+
+    /// Records the product of the finest matrix with the vector at byte `from` of `vectors`; it goes to byte `to`.
+    pub(super) fn multiply(
+        &self,
+        commands: &mut Commands,
+        vectors: &wgpu::Buffer,
+        [from, to]: [u64; 2],
+    ) -> Result<(), DeviceError> {
+        let finest = self.level(0)?;
+        let bytes = finest.vector_bytes;
+        let operand = finest.get("solution")?;
+        commands
+            .raw
+            .copy_buffer_to_buffer(vectors, from, operand, 0, bytes);
+        if let Some(level) = self.levels.first() {
+            level.multiply(&mut commands.pass("multigrid_multiply"));
+        }
+        commands
+            .raw
+            .copy_buffer_to_buffer(finest.product(), 0, vectors, to, bytes);
         Ok(())
     }
 

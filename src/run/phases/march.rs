@@ -126,10 +126,10 @@ impl Run<'_> {
         self.whole = false;
         self.fail_on_purpose();
         let before = self.simulation.step_count();
-        self.simulation.advance()?;
+        self.simulation.advance_among_threads()?;
         // Boxes of finer cells are ahead until the air around them has made its step.
         while !self.simulation.stands_together() {
-            self.simulation.advance()?;
+            self.simulation.advance_among_threads()?;
         }
         self.whole = true;
         let done = self.simulation.step_count();

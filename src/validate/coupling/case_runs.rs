@@ -93,7 +93,7 @@ pub(super) fn run(session: &mut Session, case: Case) -> Result<Outcome, Stop> {
         if step >= start && (step - start).is_multiple_of(every) {
             record.add(&mut simulation)?;
         }
-        match simulation.advance() {
+        match simulation.advance_among_threads() {
             Err(Failure::Diverged(_)) => {
                 broke_down = true;
                 break;

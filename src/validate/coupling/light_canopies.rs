@@ -88,7 +88,7 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
         slip: f64::NAN,
     };
     while simulation.step_count() < planned {
-        match simulation.advance() {
+        match simulation.advance_among_threads() {
             Ok(()) => {}
             Err(Failure::Device(error)) => return Err(Stop::Device(error)),
             // Blown up: what the row must show.
