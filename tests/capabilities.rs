@@ -41,7 +41,7 @@ const HOST_ALONE: [(&str, &str); 12] = [
     ("parafoil-brake", "[contact]"),
     ("paraglider", "several fabrics"),
     ("personnel-descent", "coupling.scheme"),
-    ("ram-air-parachute", "a wing in the wind"),
+    ("ram-air-parachute", "coupling.scheme"),
     ("ringslot-drop", "coupling.scheme"),
     ("wing-27", "several fabrics"),
     ("wing-school", "several fabrics"),

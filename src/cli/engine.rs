@@ -257,7 +257,7 @@ fn fabric_fits(scene: &Scene, device: &Device) -> Result<(), DeviceError> {
     let nodes = body.structure.node_count();
     let what = format!("the minimiser's memory for {nodes} nodes");
     let remedy = "use a coarser mesh, or --cloth host";
-    // The static equilibrium takes multigrid as its initial Hessian.
+    // Equilibria, and long steps, take multigrid as their initial Hessian.
     let multigrid = steps_take_multigrid(scene) || scene.equilibrium.is_some();
     let bytes = largest_buffer_bytes(&body.structure, multigrid);
     fits(what, bytes, remedy, device)

@@ -10,7 +10,8 @@
 //! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
-//! the lattice makes stairs of the wall. *What it costs*: the mass of the air is kept along a whole wall nearly, not at every cell.
+//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. What is left over is given back to the whole wall
+//! (`src/simulation/sliding.rs`), so that the air keeps its mass.
 
 use glam::{DMat3, DVec3};
 

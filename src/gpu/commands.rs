@@ -100,7 +100,7 @@ impl Device {
         }
     }
 
-    /// Submits commands and those that wait, first waiting for older submissions if too many are in flight.
+    /// Submits what waits and then these, and waits for an older submission if too many are in flight.
     pub(super) fn submit(&self, commands: Commands) {
         self.waiting().push(commands.recorded());
         self.submit_waiting();

@@ -96,6 +96,8 @@ impl PassClock {
 impl Device {
     /// Times every pass from now on by the device's own clock, from zero; false where the device has none.
     pub fn time_passes(&self) -> bool {
+        // Passes that wait are of the clock before.
+        self.submit_waiting();
         let clock = PassClock::new(self);
         let possible = clock.is_some();
         *self.meter.clock() = clock;
@@ -104,11 +106,13 @@ impl Device {
 
     /// Ends that, and forgets what was timed.
     pub fn stop_timing_passes(&self) {
+        self.submit_waiting();
         *self.meter.clock() = None;
     }
 
     /// What passes took since they are timed, the longest first; `None` where they are not.
     pub fn pass_times(&self) -> Result<Option<Vec<PassTime>>, DeviceError> {
+        self.submit_waiting();
         let mut clock = self.meter.clock();
         let Some(clock) = clock.as_mut() else {
             return Ok(None);

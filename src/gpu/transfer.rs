@@ -10,7 +10,7 @@ use super::device::{Device, TIMEOUT, TRANSFER_BYTES};
 use super::error::DeviceError;
 
 impl Device {
-    /// Elements `first..first + count` of a buffer, after everything submitted so far.
+    /// Elements `first..first + count` of a buffer, after everything recorded so far.
     pub(super) fn read<T: Pod>(
         &self,
         buffer: &wgpu::Buffer,

@@ -11,7 +11,7 @@ pub enum AirPlacement {
     Gpu(Storage),
 }
 
-/// Where the fabric is solved. L-BFGS itself always runs on the host; this says where its vectors are.
+/// Where the fabric is solved. The minimiser itself always runs on the host; this says where its vectors are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClothPlacement {
     /// Host memory, in double precision.

@@ -105,7 +105,7 @@ impl CutSurface {
         self
     }
 
-    /// Mass that was given back to the air where it slides, since the start, loss and gain alike [cells of density 1].
+    /// Mass that was given back to the air where it slides, since this surface was made, loss and gain alike [cells of density 1].
     #[must_use]
     pub fn mass_returned(&self) -> f64 {
         self.sliding.as_ref().map_or(0.0, Sliding::returned)
@@ -149,6 +149,7 @@ impl CutSurface {
         if self.found && self.positions == positions {
             return Ok(());
         }
+        self.found = false;
         self.positions.copy_from_slice(positions);
         for (k, nodes) in self.triangles.iter().enumerate() {
             let corners = nodes.map(|n| positions[n as usize]);
@@ -209,14 +210,19 @@ impl CutSurface {
         let Some(mut sliding) = self.sliding.take() else {
             return Ok(());
         };
-        let Sliding {
-            images, leaving, ..
-        } = &mut sliding;
-        match air {
-            AirEngine::CpuF32(fluid) => fluid.read_images(images.cells(), leaving),
-            AirEngine::CpuF64(fluid) => fluid.read_images(images.cells(), leaving),
-            AirEngine::Gpu(fluid) => fluid.read_images(images.cells(), leaving)?,
-        }
+        let (cells, leaving) = (sliding.images.cells(), &mut sliding.leaving);
+        let read = match air {
+            AirEngine::CpuF32(fluid) => {
+                fluid.read_images(cells, leaving);
+                Ok(())
+            }
+            AirEngine::CpuF64(fluid) => {
+                fluid.read_images(cells, leaving);
+                Ok(())
+            }
+            AirEngine::Gpu(fluid) => fluid.read_images(cells, leaving),
+        };
+        let (images, leaving) = (&sliding.images, &sliding.leaving);
         let mut returns = std::mem::take(&mut self.returns);
         let links = self.links.links();
         let wall = |link: &CutLink, side: usize| {
@@ -241,7 +247,7 @@ impl CutSurface {
         });
         self.returns = returns;
         self.sliding = Some(sliding);
-        Ok(())
+        read
     }
 
     /// Velocity of the air through the surface at a cut.

@@ -42,7 +42,7 @@ impl Sliding {
         self.slides[triangle as usize]
     }
 
-    /// Mass given back to the air since the start, loss and gain alike.
+    /// Mass given back to the air since this was made, loss and gain alike.
     pub(super) const fn returned(&self) -> f64 {
         self.returned
     }

@@ -86,7 +86,7 @@ pub const PROBLEMS: [Problem; 43] = [
     },
     Problem {
         name: "sliding-wall",
-        updates: [2_250.0, 23_000.0],
+        updates: [1_580.0, 23_000.0],
         compute: sliding_wall::compute,
     },
     Problem {

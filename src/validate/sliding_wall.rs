@@ -43,8 +43,8 @@ const PLACES: [[f64; 2]; 4] = [[0.0, 0.0], [0.25, 0.5], [0.5, 0.0], [0.75, 0.5]]
 const BOX: f64 = 8.0;
 const ACROSS: usize = 4;
 
-/// Chords that the stream goes, and those of them, at the end, that are judged.
-const CHORDS: f64 = 10.0;
+/// Chords that the stream goes, in the quick and the full set, and those of them, at the end, that are judged.
+const CHORDS: [f64; 2] = [7.0, 10.0];
 const JUDGED: f64 = 2.0;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
@@ -110,7 +110,7 @@ fn section(session: &mut Session, chord: usize) -> Result<(), Stop> {
     let row = session
         .row(cells, format!("{of}: lift, mean of four places"), mean(0))
         .reference(LIFT, "potential flow");
-    // With 16 cells the nose is a third of a cell round.
+    // With 16 cells the nose is a quarter of a cell round.
     if chord >= GATED_CELLS {
         row.gate(Gate::Within(BAND_OF_LIFT));
     }
@@ -175,14 +175,15 @@ fn coefficients(
     }
     let mut air = session.air(setup, &|_| (0.0, [SPEED, 0.0, 0.0]))?;
     air.set_inlet_velocity([SPEED, 0.0, 0.0]);
-    let (count, all) = (positions.len(), vec![slides; triangles.len()]);
+    let (count, sliding) = (positions.len(), vec![slides; triangles.len()]);
     let surface = CutSurface::new(&air, triangles, count, (0, false));
-    let mut surface = surface.sliding(all, &positions);
+    let mut surface = surface.sliding(sliding, &positions);
     let steps = |chords: f64| (chords * chord / SPEED) as usize;
     let mut sum = DVec3::ZERO;
-    for done in 0..steps(CHORDS) {
+    let all = steps(session.size(CHORDS[0], CHORDS[1]));
+    for done in 0..all {
         let force = step(session, &mut air, &mut surface, &positions)?;
-        if done + steps(JUDGED) >= steps(CHORDS) {
+        if done + steps(JUDGED) >= all {
             sum -= force;
         }
     }

@@ -36,7 +36,7 @@ impl Curvature for Space<'_> {
                         .multigrid
                         .multiply(commands, &space.workspace.vectors, places)
                 }
-                // Not reached: without multigrid L-BFGS drives.
+                // Not reached: Newton's method drives with multigrid alone.
                 None => Err(DeviceError::Command("there is no matrix".to_owned())),
             }
         })
@@ -58,13 +58,14 @@ impl Curvature for Space<'_> {
         let stage = self.stage_of_trial(from, point, [gradient, from.preconditioned]);
         let rows = [
             [ENERGY, NONE, NONE, NONE],
-            [gradient.0, from.gradient.0, from.direction.0, NONE],
+            [gradient.0, NONE, from.direction.0, NONE],
+            [from.gradient.0, NONE, from.direction.0, NONE],
         ];
         let (length, products) = self.run(stage, &rows, |space, commands| {
             space.move_and_evaluate(commands);
             Ok(())
         })?;
-        let [energy, along] = products[..] else {
+        let [energy, along, before] = products[..] else {
             return Err(incomplete());
         };
         let (objective, round_off) = self.objective(&energy);
@@ -72,7 +73,7 @@ impl Curvature for Space<'_> {
             objective,
             round_off,
             length,
-            slope_before: along.plain - along.change,
+            slope_before: before.plain,
             slope: along.plain,
         })
     }

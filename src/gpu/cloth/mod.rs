@@ -4,9 +4,9 @@
 //! |---|---|
 //! | `elements` | the structure as words for the shaders; which slots every node gathers |
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
-//! | `curvature` | what Newton's method asks of them |
 //! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
-//! | `vectors` | the vector space that [`crate::solve::lbfgs`] works in |
+//! | `vectors` | the vector space that the minimisers work in |
+//! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
 //!

@@ -15,7 +15,7 @@ use crate::gpu::error::DeviceError;
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
 const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
 
-/// What takes no longer is left to the next submission; of a few such, one stays below the limit.
+/// What takes no longer is left to the next submission: as many as may wait stay below the limit together.
 const SHORT: Duration = Duration::from_millis(15);
 
 /// Planes of the first submission.
