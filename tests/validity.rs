@@ -197,6 +197,8 @@ fn coarse_wing() {
         "{}",
         links.printed
     );
+    let row = "NO  cells across the chord for lift, cut links";
+    assert!(links.printed.contains(row), "{}", links.printed);
     let finished = check("kernel");
     assert_eq!(finished.code, 0, "{}", finished.errors);
     for text in [
