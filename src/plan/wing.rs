@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::aero::potential_flow;
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::wing::{FrictionName, HeldName, LineKind, Profile, Side, Tunnel, Wing};
 use crate::trim::Settings;
 use crate::trim::skin::Skin;
@@ -156,9 +157,13 @@ fn write_tunnel(
         })
         .fold(0.0, f64::max);
     let width = measures.flat_span_m / wing.built.cells as f64;
+    let reach = match scene.coupling.map(|coupling| coupling.scheme) {
+        Some(Scheme::Links) => "",
+        _ => "; the kernel reaches 2 on both sides of fabric",
+    };
     writeln!(
         out,
-        "  cells of air        {:.1} per chord, {:.1} across the thickest section, {:.1} across a cell; the kernel reaches 2 on both sides of fabric",
+        "  cells of air        {:.1} per chord, {:.1} across the thickest section, {:.1} across a cell{reach}",
         chord / cell,
         thickness * rib.chord_m / cell,
         width / cell
