@@ -104,7 +104,8 @@
 //! falls (`[air.descent]`) every mass, the air's too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
 //! With `coupling.scheme = "links"` there are no markers: what leaves a cell along a link that the surface cuts comes back to it, and the fabric feels at every cut a force that is
-//! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`). Where the air slides along a wing, what left the cells about the mirror image comes back instead.
+//! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`). Where the air slides along a surface, what left the cells about the mirror image comes back
+//! instead; a model of the boundary layer may give the stress on it ([`cut_links::boundary_layer`]).
 //!
 //! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down): the state is carried
 //! over in SI units and the stages stay the same ([`simulation::Simulation::change_lattice`], `docs/steady-runs.md`).

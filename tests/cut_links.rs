@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Trial;
+use ripstop::case::coupling::Friction;
 use ripstop::case::{self, Case, Choices};
 use ripstop::lattice::Operator;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
@@ -31,7 +32,7 @@ pub fn trials() -> Vec<Trial> {
     .collect()
 }
 
-fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
+pub fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
     Setup {
         cells,
         ends: StreamwiseEnds::Periodic,
@@ -44,8 +45,8 @@ fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
     }
 }
 
-/// One step of the air and the surface in it, which moves with `velocities`.
-fn step(
+/// One step of the air and the surface in it, which moves with `velocities`; the force on the air.
+pub fn step(
     air: &mut AirEngine,
     surface: &mut CutSurface,
     positions: &[DVec3],
@@ -230,10 +231,10 @@ impl Body for Slides {
             };
             let (positions, triangles) = plane_of(sides);
             let still = vec![DVec3::ZERO; positions.len()];
-            let drag = [true, false].map(|slides| {
+            let drag = [Friction::None, Friction::NoSlip].map(|friction| {
                 let mut air = engine.air(setup.clone(), &initial);
                 let mut surface = CutSurface::new(&air, triangles.clone(), 4, (0, false))
-                    .sliding(vec![slides; triangles.len()], &positions);
+                    .with_friction(vec![friction; triangles.len()], 0.0, &positions);
                 let mass = mass_and_momentum(&air)[0];
                 let taken: f64 = (0..STEPS)
                     .map(|_| -step(&mut air, &mut surface, &positions, &still).dot(along))
@@ -248,7 +249,7 @@ impl Body for Slides {
                 // What had to be given back in a step is little beside what streams past the wall.
                 let returned = surface.mass_returned() / (STEPS as f64 * SPEED * count);
                 assert!(returned < 1e-3, "{cells:?} {returned:e}");
-                if slides {
+                if friction == Friction::None {
                     for (excess, u) in states(&air) {
                         let off = (DVec3::from_array(u) - along * SPEED).length();
                         // The disturbance begins with up to 0.087 of the speed.
@@ -266,7 +267,8 @@ impl Body for Slides {
     }
 }
 
-fn canopy(changes: &[&str]) -> Case {
+/// The shipped canopy on few cells, a hundredth of a second after release, with these changes.
+pub fn canopy(changes: &[&str]) -> Case {
     let links = [
         "coupling.scheme=links",
         "time.end_s=0.01",

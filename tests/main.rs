@@ -82,6 +82,7 @@ mod tolerances;
 mod trim;
 mod validate;
 mod validity;
+mod wall_friction;
 mod walls;
 mod wing;
 mod wing_design;
@@ -101,6 +102,7 @@ fn main() -> std::process::ExitCode {
         eddy_viscosity::trials(),
         cloth::trials(),
         contact::trials(),
+        wall_friction::trials(),
         walls::trials(),
         wing::trials(),
         wing_design::trials(),

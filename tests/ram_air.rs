@@ -260,14 +260,14 @@ fn symmetry() {
     assert!(lift.abs() < ram_air::SYMMETRY * drag, "{lift} of {drag}");
     // ½ ρ U² S = 72 N.
     assert!(side_n.abs() < ram_air::SYMMETRY * drag * 72.0, "{side_n}");
-    let [_, held_drag, ..] = run(0.0, "outside");
+    let [_, held_drag, ..] = run(0.0, "no_slip");
     assert!(
         held_drag > ram_air::HELD_DRAG * drag,
         "{held_drag} against {drag}"
     );
     let [up, drag, imbalance, _] = run(10.0, "none");
     let [down, ..] = run(-10.0, "none");
-    let [held_up, ..] = run(10.0, "outside");
+    let [held_up, ..] = run(10.0, "no_slip");
     assert!(held_up < ram_air::HELD_LIFT * up, "{held_up} against {up}");
     assert!(imbalance < ram_air::IMBALANCE, "{imbalance}");
     let [least, most] = ram_air::LIFT_AT_10_DEG;

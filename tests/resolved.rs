@@ -89,6 +89,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
 
 /// What brings keys into cases that no shipped one has.
 const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
+    ("flat-circular-tunnel", None, &["fabric.friction=model"]),
     (
         "slung-weight",
         None,

@@ -23,7 +23,7 @@ const FAST: [&str; 5] = [
 const PERMEABLE: [&str; 3] = ["permeable-screen", "openings", "falling-disk"];
 
 /// Walls along which the air slides, and the lift that they give a section.
-const SLIDING: [&str; 1] = ["sliding-wall"];
+const SLIDING: [&str; 2] = ["sliding-wall", "wall-friction"];
 
 /// The immersed boundary. Light canopies have trials of their own (`canopy`).
 const COUPLING: [&str; 2] = ["immersed-boundary", "spherical-couette"];

@@ -21,7 +21,7 @@ const OVER_RELAXATION: f64 = 1.6;
 /// Most passes of forcing.
 const PASSES_LIMIT: u32 = 20;
 
-pub use super::file::Scheme;
+pub use super::file::{Friction, Scheme};
 
 /// Coupling of air with fabric and rigid bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -19,6 +19,7 @@ mod error;
 mod fabric;
 mod faces;
 pub mod file;
+mod friction;
 mod grid_sequence;
 mod identity;
 mod inlet;

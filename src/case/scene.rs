@@ -16,6 +16,7 @@ pub use super::density::{LIQUID_KG_M3, SOUND_M_S};
 pub use super::descent::{CarriedMass, Carrier, Descent};
 pub use super::equilibrium::Equilibrium;
 use super::file::File;
+pub use super::friction::SurfaceFriction;
 pub use super::lattice_speed::LATTICE_SPEED_LIMIT;
 pub use super::mesh_examination::ExaminedMesh;
 use super::mesh_examination::FromFiles;
@@ -28,8 +29,9 @@ pub use super::time::{AdaptiveStep, Time};
 use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
-    air, bare_wing, bodies, comparison, coupling, descent, equilibrium, output, refinement,
-    rigging, shift, solver, steady, structure, supports, time, unused, usual, usual_box,
+    air, bare_wing, bodies, comparison, coupling, descent, equilibrium, friction, output,
+    refinement, rigging, shift, solver, steady, structure, supports, time, unused, usual,
+    usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
@@ -53,6 +55,8 @@ pub struct Scene {
     pub supports: Vec<Support>,
     /// Coupling of the air with fabric and bodies; present if there is something to couple.
     pub coupling: Option<Coupling>,
+    /// How the air passes along them; present with the coupling.
+    pub friction: Option<SurfaceFriction>,
     /// Gravity [m/s²].
     pub gravity_m_s2: Option<DVec3>,
     /// What falls, and the box of the air with it; absent: the box stands.
@@ -151,6 +155,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         refinement::check(file, air, body.as_ref(), &rigid_bodies, time.as_ref())?;
     }
     let coupling = coupling::check(file, air.as_ref(), body.as_mut())?;
+    let friction = friction::check(file, (air.as_ref(), body.as_ref()), coupling.as_ref())?;
     let carried = descent::carried(file, body.as_ref())?;
     let descent = descent::check(
         file,
@@ -186,6 +191,7 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         rigid_bodies,
         supports,
         coupling,
+        friction,
         gravity_m_s2,
         descent,
         carried,

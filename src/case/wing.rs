@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::fabric::{USUAL_RESIDUAL, check_fabric_at};
+pub use super::file::HeldName;
 use super::file::{self, File};
-pub use super::file::{FrictionName, HeldName};
 use super::problem::Problem;
 use super::trim;
 use super::usual;
@@ -166,12 +166,8 @@ pub(super) fn check(
         })
     };
     let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
-    let passes = file.coupling.as_ref().and_then(|c| c.passes);
     whole.tunnel = (table.tunnel.as_ref())
-        .map(|written| {
-            let passes = usual::or("coupling.passes", passes, 1);
-            wing_tunnel::place(&mut whole.built, table, (written, passes))
-        })
+        .map(|written| wing_tunnel::place(&mut whole.built, table, written))
         .transpose()?;
     whole.pulls = wing_tunnel::pulls(file, table, &whole.built)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {
@@ -490,6 +486,13 @@ fn check_fabrics(written: &file::WingFabrics) -> Result<PartFabrics, Problem> {
                 format!("{key}.permeability"),
                 "a wing's fabric cannot be permeable yet",
                 "remove the table",
+            ));
+        }
+        if fabric.friction.is_some() {
+            return Err(Problem::new(
+                format!("{key}.friction"),
+                "the air passes along the parts of a wing as structure.wing.tunnel says, which tells outside from inside",
+                "remove it; give structure.wing.tunnel.friction and inner_friction",
             ));
         }
         check_fabric_at(&key, fabric, USUAL_RESIDUAL)

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::file::{self, File, FrictionName, HalfName, HeldName};
+use super::file::{self, File, Friction, HalfName, HeldName};
 use super::problem::Problem;
 use super::usual;
 use super::values::{vector, wing_key as key, within};
@@ -18,8 +18,10 @@ pub struct Tunnel {
     pub pitch_rad: f64,
     /// What is held.
     pub held: HeldName,
-    /// Which parts hold the air back along them, too, not only across.
-    pub friction: FrictionName,
+    /// How the air passes along panels and the ribs at the tips.
+    pub friction: Friction,
+    /// The same of what stands inside.
+    pub inner_friction: Friction,
     /// The shape as designed, in its place and attitude [m], `[node_count]`; the wing may start laid together.
     pub designed_m: Vec<DVec3>,
 }
@@ -106,7 +108,7 @@ pub(super) fn check_air(file: &File, table: &file::Wing) -> Result<(), Problem> 
 pub(super) fn place(
     wing: &mut wing::BuiltWing,
     table: &file::Wing,
-    (written, passes): (&file::WingTunnel, u32),
+    written: &file::WingTunnel,
 ) -> Result<Tunnel, Problem> {
     let key = |name: &str| key(&format!("tunnel.{name}"));
     let place_m = vector(&key("place_m"), written.place_m)?;
@@ -138,20 +140,12 @@ pub(super) fn place(
             "remove it, or hold less",
         ));
     }
-    let friction = usual::or(key("friction"), written.friction, FrictionName::None);
-    if passes > 1 && friction != FrictionName::Everywhere {
-        return Err(Problem::new(
-            "coupling.passes",
-            format!(
-                "coupling.passes is given, but markers that let the air slide along them ({}) are solved in a single pass",
-                key("friction")
-            ),
-            format!(
-                "remove coupling.passes, or give {} = \"everywhere\"",
-                key("friction")
-            ),
-        ));
-    }
+    let friction = usual::or(key("friction"), written.friction, Friction::None);
+    let inner_friction = usual::or(
+        key("inner_friction"),
+        written.inner_friction,
+        Friction::None,
+    );
     let middle_m = wing.hang_points.iter().fold(DVec3::ZERO, |sum, &node| {
         sum + 0.5 * wing.structure.positions_m[node as usize]
     });
@@ -184,6 +178,7 @@ pub(super) fn place(
         pitch_rad,
         held,
         friction,
+        inner_friction,
         designed_m,
     })
 }

@@ -9,6 +9,7 @@ use super::exit;
 use super::failure::Failure;
 use super::log::say;
 use crate::case::Scene;
+use crate::case::coupling::Friction;
 use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
@@ -75,6 +76,8 @@ impl PrecisionChoice {
 
 const F64_ON_DEVICE: &str = "--precision f64 needs --engine cpu: devices compute in f32";
 
+const F16_AND_FRICTION: &str = "--precision f16-storage rounds away what friction = \"model\" takes from the air in a step: take f32, or another friction";
+
 const F16_ON_CPU: &str =
     "--precision f16-storage needs a device (--engine gpu): the CPU gains nothing from 16 bits";
 
@@ -126,6 +129,10 @@ impl EngineArguments {
         }
         if engine == Engine::Cpu && self.precision == PrecisionChoice::F16Storage {
             return misuse(F16_ON_CPU);
+        }
+        let modelled = (scene.friction.as_ref()).is_some_and(|f| f.has(Friction::Model));
+        if modelled && self.precision == PrecisionChoice::F16Storage {
+            return misuse(F16_AND_FRICTION);
         }
         if engine == Engine::Cpu && named.is_some() && self.cloth != ClothChoice::Device {
             return misuse(

@@ -27,9 +27,11 @@
 //! * [`places`]: where it lies in memory;
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
 //! * [`slide`]: what comes back where the air slides along the surface;
+//! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
 //! * [`spaces`]: which faces look at the same air.
 
 pub mod bounce;
+pub mod boundary_layer;
 pub mod by_triangle;
 pub mod faces;
 pub mod places;
@@ -38,7 +40,8 @@ pub mod slide;
 pub mod spaces;
 
 pub use bounce::{Return, SIDES, Side};
+pub use boundary_layer::BoundaryLayers;
 pub use by_triangle::CutsByTriangle;
 pub use faces::{FacePressures, Through};
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
-pub use slide::{Images, Leaving};
+pub use slide::{Changed, Images, Leaving, Wall};

@@ -267,15 +267,11 @@ impl CutLinks {
         &self.links
     }
 
-    /// True where the link from a cell in a direction (not 0) is cut.
+    /// True where the link from a cell to the `next` in a direction (not 0) is cut; over sides that repeat, `next` is the cell there.
     #[must_use]
-    pub fn cuts(&self, cell: [i32; 3], direction: usize) -> bool {
+    pub fn cuts(&self, cell: [i32; 3], next: [i32; 3], direction: usize) -> bool {
         let pair = (direction - 1) / 2;
-        if direction % 2 == 1 {
-            return self.mask.has(cell, pair as u8);
-        }
-        let c = DIRECTIONS[direction];
-        let from = std::array::from_fn(|a| cell[a] + c[a]);
+        let from = if direction % 2 == 1 { cell } else { next };
         self.mask.has(from, pair as u8)
     }
 

@@ -1,23 +1,30 @@
 //! Which faces of a surface look at the same air.
 //!
-//! Around an edge the triangles follow each other by angle; between one and the next lies air that the faces towards it share. At a rim, where a triangle ends alone, the air of
-//! both of its faces meets, but they count as apart: so the inside of a cell with an intake is a space of its own.
+//! Around an edge the triangles follow each other by angle; between one and the next lies air that the faces towards it share. At a rim, where a triangle ends alone, the air goes round
+//! from one of its faces to the other: they share it, too, but no boundary layer goes on there.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// Spaces of air by triangle and face: 0 where its normal points, 1 behind.
+/// Spaces of air by face.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Spaces {
-    of: Vec<[u32; 2]>,
+    of: Vec<u32>,
     count: usize,
+    /// Of every face, twice the triangle's number plus its own: the face that follows it around the edge from node k to the next.
+    beside: Vec<[Option<u32>; 3]>,
 }
+
+/// A triangle at an edge: its number, which of its edges that is, its third node, and whether it follows the edge from the node of the smaller number.
+type Corner = (u32, usize, u32, bool);
 
 /// A triangle at an edge, seen along it from the node of the smaller number.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
     triangle: u32,
+    /// Which of its edges this is.
+    edge: usize,
     /// Angle of its half-plane.
     angle: f64,
     /// The face that looks to larger angles.
@@ -28,18 +35,22 @@ impl Spaces {
     /// Of a surface with its nodes at `positions`, in any unit.
     #[must_use]
     pub fn new(triangles: &[[u32; 3]], positions: &[DVec3]) -> Self {
-        let mut edges: HashMap<[u32; 2], Vec<(u32, u32, bool)>> = HashMap::new();
+        let mut edges: HashMap<[u32; 2], Vec<Corner>> = HashMap::new();
         for (number, nodes) in triangles.iter().enumerate() {
             for k in 0..3 {
                 let [a, b, c] = [0, 1, 2].map(|j| nodes[(k + j) % 3]);
                 let forwards = a < b;
-                let leaf = (number as u32, c, forwards);
+                let leaf = (number as u32, k, c, forwards);
                 edges.entry([a.min(b), a.max(b)]).or_default().push(leaf);
             }
         }
         let mut parents: Vec<u32> = (0..2 * triangles.len() as u32).collect();
+        let mut beside = vec![[None; 3]; parents.len()];
         for ([from, to], leaves) in edges {
-            if leaves.len() < 2 {
+            if let [(triangle, ..)] = leaves[..] {
+                // The air goes round a rim.
+                let [own, other] = [0, 1].map(|side| root(&mut parents, 2 * triangle + side));
+                parents[own.max(other) as usize] = own.min(other);
                 continue;
             }
             let start = positions[from as usize];
@@ -47,10 +58,11 @@ impl Spaces {
             let first = along.any_orthonormal_vector();
             let second = along.cross(first);
             let mut around: Vec<Leaf> = (leaves.into_iter())
-                .map(|(triangle, corner, forwards)| {
+                .map(|(triangle, edge, corner, forwards)| {
                     let out = positions[corner as usize] - start;
                     Leaf {
                         triangle,
+                        edge,
                         angle: out.dot(second).atan2(out.dot(first)),
                         ahead: u32::from(!forwards),
                     }
@@ -61,6 +73,8 @@ impl Spaces {
                 let next = &around[(k + 1) % around.len()];
                 let own = 2 * leaf.triangle + leaf.ahead;
                 let other = 2 * next.triangle + 1 - next.ahead;
+                beside[own as usize][leaf.edge] = Some(other);
+                beside[other as usize][next.edge] = Some(own);
                 let [own, other] = [own, other].map(|face| root(&mut parents, face));
                 // The smaller number stays, so that the order of edges does not matter.
                 parents[own.max(other) as usize] = own.min(other);
@@ -76,19 +90,24 @@ impl Spaces {
             }
             *place
         };
-        let of = (0..triangles.len() as u32)
-            .map(|triangle| [number(2 * triangle), number(2 * triangle + 1)])
-            .collect();
+        let of = (0..2 * triangles.len() as u32).map(&mut number).collect();
         Self {
             of,
             count: count as usize,
+            beside,
         }
     }
 
-    /// The space that a face of a triangle looks at.
+    /// The faces that follow a face, twice the triangle's number plus 1 behind its normal, around its edges from node to node; `None` at a rim.
     #[must_use]
-    pub fn of(&self, triangle: u32, face: usize) -> usize {
-        self.of[triangle as usize][face] as usize
+    pub fn beside(&self, face: usize) -> [Option<u32>; 3] {
+        self.beside[face]
+    }
+
+    /// The space that a face looks at: twice the triangle's number, plus 1 behind its normal.
+    #[must_use]
+    pub fn of(&self, face: usize) -> usize {
+        self.of[face] as usize
     }
 
     /// How many there are.
@@ -152,13 +171,21 @@ mod tests {
         let all = Spaces::new(&triangles(&quads), &positions);
         assert_eq!(all.count(), 3);
         // The wall between them looks at both insides, and an end wall at the outside and one of them.
-        let [middle, end] = [9, 8].map(|quad: u32| [0, 1].map(|face| all.of(2 * quad, face)));
+        let [middle, end] = [9, 8].map(|quad| [0, 1].map(|face| all.of(4 * quad + face)));
         let shared = middle.iter().filter(|space| end.contains(space)).count();
         assert!(middle[0] != middle[1] && end[0] != end[1] && shared == 1);
-        // Open at one end: still two spaces, since a rim does not join its faces; without the wall between them, too.
+        // Faces beside each other look at one space, and know each other.
+        for face in 0..2 * triangles(&quads).len() {
+            for other in all.beside(face) {
+                let other = other.unwrap() as usize;
+                assert_eq!(all.of(other), all.of(face));
+                assert!(all.beside(other).contains(&Some(face as u32)));
+            }
+        }
+        // Open at one end: the air inside and that outside are one; without the wall between them, all of it.
         quads.remove(10);
-        assert_eq!(Spaces::new(&triangles(&quads), &positions).count(), 3);
-        quads.remove(9);
         assert_eq!(Spaces::new(&triangles(&quads), &positions).count(), 2);
+        quads.remove(9);
+        assert_eq!(Spaces::new(&triangles(&quads), &positions).count(), 1);
     }
 }

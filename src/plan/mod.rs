@@ -7,6 +7,7 @@ mod disk;
 mod duration;
 mod estimate;
 mod forecast;
+mod friction;
 mod initial_hessian;
 mod levels;
 mod meshes;

@@ -5,8 +5,8 @@ use std::fmt::{self, Write};
 use glam::DVec3;
 
 use super::{
-    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, levels, meshes,
-    openings, permeability, phases, wing,
+    AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, friction, levels,
+    meshes, openings, permeability, phases, wing,
 };
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
@@ -217,6 +217,7 @@ impl Plan {
         wing::write(out, scene)?;
         self.write_bodies(out, scene)?;
         permeability::write(out, scene)?;
+        friction::write(out, scene)?;
         descent::write(out, scene)?;
         if self.steps > 0 {
             writeln!(

@@ -1,7 +1,7 @@
 //! What a run leaves out, and why.
 
 use crate::case::Scene;
-use crate::case::coupling::Scheme;
+use crate::case::coupling::{Friction, Scheme};
 use crate::case::scene::{Air, Body, BodyKind, Flow};
 
 /// Something that the scene does not need.
@@ -125,6 +125,20 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
             "air through surfaces",
             "no fabric.permeability, no bodies.NAME.permeability".into(),
         );
+    }
+    if let Some(friction) = &scene.friction {
+        if !friction.has(Friction::Model) {
+            skip(
+                "models of boundary layers",
+                "nothing has friction = \"model\"".into(),
+            );
+        }
+        if by_links && !friction.has(Friction::Model) && !friction.has(Friction::None) {
+            skip(
+                "images of cells, along which the air slides",
+                "the air sticks to every surface".into(),
+            );
+        }
     }
     if scene.coupling.is_some() && scene.descent.is_none() {
         skip("a fall (accelerated box)", "no [air.descent]".into());

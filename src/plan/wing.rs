@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::aero::potential_flow;
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
-use crate::case::wing::{FrictionName, HeldName, LineKind, Profile, Side, Tunnel, Wing};
+use crate::case::wing::{HeldName, LineKind, Profile, Side, Tunnel, Wing};
 use crate::trim::Settings;
 use crate::trim::skin::Skin;
 
@@ -131,12 +131,6 @@ fn write_tunnel(
         out,
         "  in the wind         nose up {pitch:.1} degrees at the start; {held}"
     )?;
-    let friction = match tunnel.friction {
-        FrictionName::None => "none: the air slides along panels, ribs and diagonals",
-        FrictionName::Outside => "panels and ribs at the tips hold the air; inside it slides",
-        FrictionName::Everywhere => "panels, ribs and diagonals hold the air",
-    };
-    writeln!(out, "  friction            {friction}")?;
     for pull in &wing.pulls {
         let most = pull.points.iter().map(|p| p[1]).fold(0.0, f64::max);
         writeln!(

@@ -2,7 +2,7 @@
 //!
 //! The kernel gives the air the velocity of a wall over two cells on both of its sides. On panels these are boundary layers many times as thick as those
 //! of a paraglider, which leave the upper side at the nose; inside, ribs would stop all air between them where a cell is less than some
-//! eight cells of air wide, and the pressure before the intake would not get in. So all parts of a wing but those of `structure.wing.tunnel.friction` hold air
+//! eight cells of air wide, and the pressure before the intake would not get in. So parts of a wing with `structure.wing.tunnel.friction` = `none` hold air
 //! back across themselves, and let it pass along them without friction: the reaction is K n n·(v − u*), in the fabric's implicit step as in what
 //! the air gets.
 
@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::bodies::normal_of;
 use super::markers::MarkerEngine;
 use crate::case::Scene;
-use crate::case::wing::FrictionName;
+use crate::case::coupling::Friction;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::Cloth;
 use crate::immersed::markers::Marker;
@@ -27,25 +27,12 @@ pub(super) struct Across {
     targets: Vec<[f64; 3]>,
 }
 
-/// Triangles of the fabric along which the air slides; `None` where it is no wing in the wind.
-pub(super) fn sliding_triangles(scene: &Scene) -> Option<Vec<bool>> {
-    let wing = scene.wing()?;
-    let friction = wing.tunnel.as_ref()?.friction;
-    let inner = wing.built.inner_triangles();
-    let slides = |inner: bool| match friction {
-        FrictionName::None => true,
-        FrictionName::Outside => inner,
-        FrictionName::Everywhere => false,
-    };
-    Some(inner.into_iter().map(slides).collect())
-}
-
 impl Across {
     /// Those of the parts of a wing in the wind that let the air slide; `count` markers are there in all, those of the fabric first.
     pub(super) fn new(scene: &Scene, fabric: &[Marker], count: usize) -> Option<Self> {
-        let slides = sliding_triangles(scene)?;
+        let friction = &scene.friction.as_ref()?.fabric;
         let markers: Vec<usize> = (0..fabric.len())
-            .filter(|&k| slides[fabric[k].triangle as usize])
+            .filter(|&k| friction[fabric[k].triangle as usize] == Friction::None)
             .collect();
         (!markers.is_empty()).then(|| Self {
             normals: vec![DVec3::ZERO; markers.len()],

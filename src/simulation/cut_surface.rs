@@ -5,10 +5,12 @@ use rayon::prelude::*;
 
 use super::air::AirEngine;
 use super::bodies::normal_of;
-use super::sliding::Sliding;
+use super::sliding::{LayersIn, Sliding};
+use crate::case::coupling::Friction;
+use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
-    Cut, CutLink, CutLinks, Domain, FacePressures, OutOfAir, Return, SIDES, Through,
+    BoundaryLayers, Cut, CutLink, CutLinks, Domain, FacePressures, OutOfAir, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -20,6 +22,8 @@ const LINKS_AT_ONCE: usize = 512;
 #[derive(Debug)]
 pub struct CutSurface {
     domain: Domain,
+    /// Kinematic viscosity of the air [cells² per step].
+    viscosity: f64,
     triangles: Vec<[u32; 3]>,
     /// Of the nodes [cells].
     positions: Vec<DVec3>,
@@ -72,6 +76,7 @@ impl CutSurface {
                 kept,
                 open,
             },
+            viscosity: (setup.relaxation_time - 0.5) / 3.0,
             positions: vec![DVec3::ZERO; count],
             normals: vec![DVec3::ZERO; triangles.len()],
             areas: vec![0.0; triangles.len()],
@@ -97,12 +102,27 @@ impl CutSurface {
         self
     }
 
-    /// The same where the air slides without friction along the triangles for which `slides`, one for each, is true, its nodes at `positions` at first, in any unit. Where
-    /// nothing slides, nothing is added.
+    /// The same with the `friction` of every triangle, its nodes at `positions` at first, in any unit; modelled boundary layers turn turbulent at the Reynolds number `transition_reynolds`
+    /// of the length of run, 0 at their front. Where the air sticks everywhere, nothing is added.
     #[must_use]
-    pub fn sliding(mut self, slides: Vec<bool>, positions: &[DVec3]) -> Self {
-        self.sliding = Sliding::new(slides, &self.triangles, positions);
+    pub fn with_friction(
+        mut self,
+        friction: Vec<Friction>,
+        transition_reynolds: f64,
+        positions: &[DVec3],
+    ) -> Self {
+        let layers = LayersIn {
+            viscosity: self.viscosity,
+            transition_reynolds,
+        };
+        self.sliding = Sliding::new(friction, layers, &self.triangles, positions);
         self
+    }
+
+    /// Boundary layers that are modelled, in lattice units; `None` where none are.
+    #[must_use]
+    pub fn boundary_layers(&self) -> Option<&BoundaryLayers> {
+        self.sliding.as_ref().and_then(Sliding::layers)
     }
 
     /// Mass that was given back to the air where it slides, since this surface was made, loss and gain alike [cells of density 1].
@@ -135,13 +155,15 @@ impl CutSurface {
             .flat_map(|(link, forces)| SIDES.map(|side| (&link.cuts[side], forces[side])))
     }
 
-    /// True if the cells of all links, and those behind them, lie in the box of cells `first..end`.
+    /// True if the cells of all links, those behind them, and those that lose the stress of boundary layers, lie in the box of cells `first..end`.
     #[must_use]
     pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
         let inside = |cell: [i32; 3]| {
             (0..3).all(|a| cell[a] > first[a] as i32 && cell[a] + 1 < end[a] as i32)
         };
-        self.links().iter().flat_map(|link| link.cells).all(inside)
+        let changed = self.sliding.as_ref().map_or(&[][..], Sliding::changed);
+        (self.links().iter().flat_map(|link| link.cells)).all(inside)
+            && changed.iter().map(|change| change.cell).all(inside)
     }
 
     /// Stage `find_links`, for nodes at `positions` [cells].
@@ -158,14 +180,8 @@ impl CutSurface {
             self.areas[k] = 0.5 * (b - a).cross(c - a).length();
         }
         self.links.find(positions, &self.triangles, &self.domain)?;
-        if let Some(mut sliding) = self.sliding.take() {
-            let mut images = std::mem::take(&mut sliding.images);
-            images.find(&self.links, &self.domain, |triangle| {
-                let normal = self.normals[triangle];
-                sliding.along(triangle as u32).then_some(normal)
-            });
-            sliding.images = images;
-            self.sliding = Some(sliding);
+        if let Some(sliding) = &mut self.sliding {
+            sliding.find(&self.links, &self.domain, &self.normals);
         }
         self.found = true;
         Ok(())
@@ -210,7 +226,7 @@ impl CutSurface {
         let Some(mut sliding) = self.sliding.take() else {
             return Ok(());
         };
-        let (cells, leaving) = (sliding.images.cells(), &mut sliding.leaving);
+        let (cells, leaving) = sliding.read();
         let read = match air {
             AirEngine::CpuF32(fluid) => {
                 fluid.read_images(cells, leaving);
@@ -222,29 +238,10 @@ impl CutSurface {
             }
             AirEngine::Gpu(fluid) => fluid.read_images(cells, leaving),
         };
-        let (images, leaving) = (&sliding.images, &sliding.leaving);
         let mut returns = std::mem::take(&mut self.returns);
-        let links = self.links.links();
-        let wall = |link: &CutLink, side: usize| {
-            let cut = &link.cuts[side];
-            (
-                self.normals[cut.triangle as usize],
-                self.at(cut, velocities),
-            )
-        };
-        images.returned(links, leaving, wall, |number, side, [back, strength]| {
-            let link = &links[number];
-            let weight = WEIGHTS[link.leaving(side)];
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            let along = sign * link.direction().dot(wall(link, side).1);
-            // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
-            returns[number][side] = Return {
-                out: returns[number][side].out,
-                share: 0.0,
-                further: back + 6.0 * weight * strength * along,
-                strength,
-            };
-        });
+        let velocity = |link: &CutLink, side: usize| self.at(&link.cuts[side], velocities);
+        let shape = (&*self.triangles, &*self.positions, &*self.normals);
+        sliding.answer(self.links.links(), shape, velocity, &mut returns);
         self.returns = returns;
         self.sliding = Some(sliding);
         read
@@ -290,6 +287,13 @@ impl CutSurface {
         (cut, reaction)
     }
 
+    /// Force by the stress of a modelled boundary layer at one side of a link; `None` where no layer is.
+    #[must_use]
+    pub fn friction(&self, number: usize, side: usize) -> Option<DVec3> {
+        let taken = self.sliding.as_ref()?.taken().get(number)?[side];
+        (taken != DVec3::ZERO).then_some(taken)
+    }
+
     /// Value of a field on nodes at a cut.
     #[must_use]
     pub fn at(&self, cut: &Cut, field: &[DVec3]) -> DVec3 {
@@ -302,10 +306,12 @@ impl CutSurface {
     pub fn bounce(&mut self, air: &mut AirEngine, velocities: &[DVec3]) -> Result<(), DeviceError> {
         self.form_returns(velocities);
         let links = self.links.links();
+        let changed = self.sliding.as_ref().map_or(&[][..], Sliding::changed);
+        let (back, rest) = (&self.back, &self.rest);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.bounce(links, &self.back, &self.rest),
-            AirEngine::CpuF64(fluid) => fluid.bounce(links, &self.back, &self.rest),
-            AirEngine::Gpu(fluid) => fluid.bounce(links, &self.back, &self.rest)?,
+            AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed),
+            AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed),
+            AirEngine::Gpu(fluid) => fluid.bounce(links, back, rest, changed)?,
         }
         Ok(())
     }
@@ -342,6 +348,11 @@ impl CutSurface {
             });
         if let Some(sliding) = &mut self.sliding {
             sliding.keep_mass(self.links.links(), &self.normals, &mut rest);
+            for (forces, taken) in forces.iter_mut().zip(sliding.taken()) {
+                for side in SIDES {
+                    forces[side] -= taken[side];
+                }
+            }
         }
         (self.back, self.rest, self.forces) = (back, rest, forces);
     }
@@ -352,9 +363,12 @@ impl CutSurface {
         self.faces.excess()
     }
 
-    /// Goes on from them, nodes at `positions` [cells].
-    pub(super) fn go_on(&mut self, excess: Vec<[f64; 2]>, positions: Vec<DVec3>) {
+    /// Goes on from them and from the boundary layers, nodes at `positions` [cells].
+    pub(super) fn go_on(&mut self, excess: Vec<[f64; 2]>, layers: &[Saved], positions: Vec<DVec3>) {
         self.faces.go_on(excess);
+        if let Some(own) = self.sliding.as_mut().and_then(Sliding::layers_mut) {
+            own.go_on(layers);
+        }
         self.positions = positions;
         self.found = false;
     }

@@ -13,14 +13,15 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::across::sliding_triangles;
 use super::air::AirEngine;
 use super::bodies::Load;
 use super::cut_surface::CutSurface;
 use crate::case::Scene;
+use crate::case::coupling::Friction;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, TriangleReaction};
+use crate::cut_links::slide::REACH;
 use crate::cut_links::{CutsByTriangle, OutOfAir};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
@@ -97,16 +98,27 @@ impl LinkCoupling {
                 nodes: first as usize..positions_m.len(),
             });
         }
-        let kept = if air.depth() > 0 { EXCHANGED_CELLS } else { 0 };
+        let modelled = (scene.friction.as_ref()).is_some_and(|f| f.has(Friction::Model));
+        let kept = match air.depth() {
+            0 => 0,
+            _ => EXCHANGED_CELLS + if modelled { REACH } else { 0 },
+        };
         let open = scene.passes_through_a_face();
         let mean_m2 = areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64;
         // Of an equilateral triangle.
         let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
         let nodes = positions_m.len();
-        let mut slides = sliding_triangles(scene).unwrap_or_default();
-        slides.resize(triangles.len(), false);
-        let surface =
-            CutSurface::new(engine, triangles, nodes, (kept, open)).sliding(slides, &positions_m);
+        let surface = CutSurface::new(engine, triangles, nodes, (kept, open));
+        let surface = match &scene.friction {
+            Some(friction) => {
+                let bodies = scene.rigid_bodies.iter().zip(&friction.bodies);
+                let of_bodies =
+                    bodies.flat_map(|(body, own)| vec![*own; body.surface.triangles.len()]);
+                let all = (friction.fabric.iter().copied()).chain(of_bodies);
+                surface.with_friction(all.collect(), friction.transition_reynolds, &positions_m)
+            }
+            None => surface,
+        };
         Self {
             units,
             surface: surface.permeable(&laws, edge_cells),
@@ -241,6 +253,9 @@ impl LinkCoupling {
                         reaction.leaving,
                         [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
                     );
+                    if let Some(friction) = surface.friction(link as usize, usize::from(side)) {
+                        sum.add_force(cut.weights, friction * force_n);
+                    }
                 }
                 sum
             })
@@ -338,6 +353,9 @@ impl LinkCoupling {
 
     pub(super) fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put("link_face_pressures", self.surface.face_pressures())?;
+        if let Some(layers) = self.surface.boundary_layers() {
+            out.put("link_boundary_layers", &layers.saved())?;
+        }
         out.put("link_velocities", &self.velocities)?;
         out.put("link_positions", &self.positions)?;
         let sums: Vec<[f64; 3]> = [self.force_on_air, self.fabric_force_on_air]
@@ -353,7 +371,11 @@ impl LinkCoupling {
         let excess = from.take_exactly("link_face_pressures", count)?;
         self.velocities = from.take_exactly("link_velocities", count)?;
         self.positions = from.take_exactly("link_positions", count)?;
-        self.surface.go_on(excess, self.positions.clone());
+        let layers = match self.surface.boundary_layers() {
+            Some(layers) => from.take_exactly("link_boundary_layers", layers.saved().len())?,
+            None => Vec::new(),
+        };
+        self.surface.go_on(excess, &layers, self.positions.clone());
         let sums: Vec<[f64; 3]> = from.take_exactly("link_forces", 2 + 2 * self.loads.len())?;
         (self.force_on_air, self.fabric_force_on_air) = (sums[0], sums[1]);
         for (load, pair) in self.loads.iter_mut().zip(sums[2..].chunks_exact(2)) {

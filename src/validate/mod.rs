@@ -27,6 +27,7 @@ mod soak;
 mod sphere;
 mod taylor_green;
 mod taylor_green_vortex;
+mod wall_friction;
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -38,7 +39,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 43] = [
+pub const PROBLEMS: [Problem; 44] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -88,6 +89,11 @@ pub const PROBLEMS: [Problem; 43] = [
         name: "sliding-wall",
         updates: [1_580.0, 23_000.0],
         compute: sliding_wall::compute,
+    },
+    Problem {
+        name: "wall-friction",
+        updates: [80.0, 15_500.0],
+        compute: wall_friction::compute,
     },
     Problem {
         name: "sphere",

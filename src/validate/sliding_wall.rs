@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::flows::periodic;
 use super::report::Gate;
 use super::session::{Session, Stop};
+use crate::case::coupling::Friction;
 use crate::geometry::profile::Profile;
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
@@ -16,6 +17,10 @@ use crate::simulation::{AirEngine, CutSurface};
 
 /// Most of the drag where the air sticks that a plane may take.
 const BAND_OF_DRAG: f64 = 0.05;
+
+/// Width of a channel between turned planes [cells]; the share of its flow that may be lost while the stream goes four fifths of the box.
+const CHANNEL: f64 = 8.0;
+const BAND_OF_FLOW: f64 = 0.01;
 
 /// Speed of the streams [cells per step].
 const SPEED: f64 = 0.08;
@@ -49,6 +54,7 @@ const JUDGED: f64 = 2.0;
 
 pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
     planes(session)?;
+    channel(session)?;
     for chord in session.size(&[24][..], &[16, 24, 32, 48]) {
         section(session, *chord)?;
     }
@@ -68,12 +74,15 @@ fn planes(session: &mut Session) -> Result<(), Stop> {
         let start = middle - 0.5 * (side + across);
         let positions = vec![start, start + side, start + side + across, start + across];
         let mut drag = [0.0; 2];
-        for (slides, drag) in [true, false].into_iter().zip(&mut drag) {
+        for (friction, drag) in [Friction::None, Friction::NoSlip]
+            .into_iter()
+            .zip(&mut drag)
+        {
             let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
             let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
             let triangles = vec![[0, 1, 2], [2, 3, 0]];
             let surface = CutSurface::new(&air, triangles, 4, (0, false));
-            let mut surface = surface.sliding(vec![slides; 2], &positions);
+            let mut surface = surface.with_friction(vec![friction; 2], 0.0, &positions);
             for _ in 0..STEPS {
                 *drag -= step(session, &mut air, &mut surface, &positions)?.dot(along);
             }
@@ -100,7 +109,7 @@ fn disturbed(stream: DVec3, cell: [usize; 3]) -> [f64; 3] {
 fn section(session: &mut Session, chord: usize) -> Result<(), Stop> {
     let mut lifts = Vec::new();
     for place in PLACES {
-        lifts.push(coefficients(session, chord, place, true)?);
+        lifts.push(coefficients(session, chord, place, Friction::None)?);
     }
     let cells = setup(chord).cells;
     let mean = |k: usize| lifts.iter().map(|c| c[k]).sum::<f64>() / lifts.len() as f64;
@@ -117,7 +126,7 @@ fn section(session: &mut Session, chord: usize) -> Result<(), Stop> {
     session.row(cells, format!("{of}: lift, scatter"), scatter);
     session.row(cells, format!("{of}: drag, mean"), mean(1));
     if chord == GATED_CELLS {
-        let [lift, drag] = coefficients(session, chord, PLACES[0], false)?;
+        let [lift, drag] = coefficients(session, chord, PLACES[0], Friction::NoSlip)?;
         session.row(cells, format!("{of}, the air sticks: lift"), lift);
         session.row(cells, format!("{of}, the air sticks: drag"), drag);
     }
@@ -143,7 +152,7 @@ fn coefficients(
     session: &mut Session,
     chord: usize,
     place: [f64; 2],
-    slides: bool,
+    friction: Friction,
 ) -> Result<[f64; 2], Stop> {
     let setup = setup(chord);
     let length = setup.cells[0] as f64;
@@ -175,9 +184,9 @@ fn coefficients(
     }
     let mut air = session.air(setup, &|_| (0.0, [SPEED, 0.0, 0.0]))?;
     air.set_inlet_velocity([SPEED, 0.0, 0.0]);
-    let (count, sliding) = (positions.len(), vec![slides; triangles.len()]);
+    let (count, friction) = (positions.len(), vec![friction; triangles.len()]);
     let surface = CutSurface::new(&air, triangles, count, (0, false));
-    let mut surface = surface.sliding(sliding, &positions);
+    let mut surface = surface.with_friction(friction, 0.0, &positions);
     let steps = |chords: f64| (chords * chord / SPEED) as usize;
     let mut sum = DVec3::ZERO;
     let all = steps(session.size(CHORDS[0], CHORDS[1]));
@@ -191,8 +200,52 @@ fn coefficients(
     Ok([sum.z / unit, sum.x / unit])
 }
 
+/// Two planes that lie anyhow in the lattice: what flows between them goes on.
+fn channel(session: &mut Session) -> Result<(), Stop> {
+    let cells = [40, 20, 6];
+    let (side, across) = (DVec3::new(40.0, 20.0, 0.0), DVec3::new(0.0, 0.0, 6.0));
+    let along = side.normalize();
+    let apart = DVec3::Z.cross(along) * CHANNEL;
+    let mut positions = Vec::new();
+    for from in [
+        DVec3::new(-0.07, 0.11, -0.5),
+        DVec3::new(-0.07, 0.11, -0.5) + apart,
+    ] {
+        positions.extend([from, from + side, from + side + across, from + across]);
+    }
+    let triangles = vec![[0, 1, 2], [2, 3, 0], [4, 5, 6], [6, 7, 4]];
+    let mut drag = [0.0; 2];
+    for (friction, drag) in [Friction::None, Friction::NoSlip]
+        .into_iter()
+        .zip(&mut drag)
+    {
+        let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
+        let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
+        let surface = CutSurface::new(&air, triangles.clone(), 8, (0, false));
+        let mut surface = surface.with_friction(vec![friction; 4], 0.0, &positions);
+        for _ in 0..STEPS {
+            *drag -= step(session, &mut air, &mut surface, &positions)?.dot(along);
+        }
+    }
+    let momentum = SPEED * cells.iter().product::<usize>() as f64;
+    let of = "channels turned by 26.6 degrees, 8 and 10 cells wide";
+    session
+        .row(
+            cells,
+            format!("{of}: share of the flow that is lost"),
+            (drag[0] / momentum).abs(),
+        )
+        .gate(Gate::AtMost(BAND_OF_FLOW));
+    session.row(
+        cells,
+        format!("{of}: the same where the air sticks"),
+        drag[1] / momentum,
+    );
+    Ok(())
+}
+
 /// One step of air around a surface that stands still; its force on the air.
-fn step(
+pub(super) fn step(
     session: &mut Session,
     air: &mut AirEngine,
     surface: &mut CutSurface,

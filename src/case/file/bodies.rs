@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::fabric::Permeability;
+use super::friction::Friction;
 use crate::geometry::mesh::doctor::Kind;
 
 /// A rigid body in the air (docs/rigid-bodies.md). Exactly one shape: `sphere`, `disk`, `plate`, `cylinder` or `mesh`. Its name has letters,
@@ -33,6 +34,8 @@ pub struct Body {
     pub reference: Option<Reference>,
     /// How air passes an open surface, such as a panel in an opening; absent: not at all. Not together with `coupling.passes`.
     pub permeability: Option<Permeability>,
+    /// How the air passes along the surface; `no_slip` if absent.
+    pub friction: Option<Friction>,
 }
 
 impl Body {

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::friction::Friction;
+
 /// Woven fabric, an orthotropic membrane.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -30,6 +32,8 @@ pub struct Fabric {
     pub yield_stress_pa: Option<f64>,
     /// How air passes the fabric, only with `[air]`; absent: not at all. Not in `[structure.wing.fabrics]`.
     pub permeability: Option<Permeability>,
+    /// How the air passes along the fabric, only with `[air]`; `no_slip` if absent. Not in `[structure.wing.fabrics]`: a wing has `structure.wing.tunnel.friction`.
+    pub friction: Option<Friction>,
 }
 
 /// A law of permeability; exactly one.

@@ -37,6 +37,9 @@ pub struct Coupling {
     pub marker_spacing_cells: Option<f64>,
     /// Multiplies the masses of the structure, to study light and heavy sheets; 1 if absent.
     pub mass_factor: Option<f64>,
+    /// Reynolds number of the length of run at which boundary layers of surfaces with `friction = "model"` turn from laminar to turbulent, 0 to 1e9; 0 if absent: they are
+    /// turbulent from their front on (docs/cut-links.md#boundary-layers-that-the-cells-do-not-hold).
+    pub transition_reynolds: Option<f64>,
 }
 
 /// How air and surfaces meet (docs/cut-links.md).

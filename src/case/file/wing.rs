@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fabric::Fabric;
+use super::friction::Friction;
 
 /// The whole plan of a ram-air wing, and the mesh to make of it (docs/wings.md). x runs from nose to trailing edge, z up; the nose of the
 /// middle is the origin. Both halves are mirror images. Ribs count from the middle outwards.
@@ -66,20 +67,10 @@ pub struct WingTunnel {
     pub start_thickness_ratio: Option<f64>,
     /// What is held; `hang_points` if absent.
     pub held: Option<HeldName>,
-    /// Which parts hold the air back along them, too, not only across; `none` if absent.
-    pub friction: Option<FrictionName>,
-}
-
-/// Which parts of a wing in the wind hold the air back along them, not only across.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FrictionName {
-    /// None: air slides along them all.
-    None,
-    /// Panels and the ribs at the tips: what the wind outside meets.
-    Outside,
-    /// Ribs inside and diagonals, too.
-    Everywhere,
+    /// How the air passes along panels and the ribs at the tips, what the wind outside meets; `none` if absent.
+    pub friction: Option<Friction>,
+    /// How the air passes along ribs inside, mini-ribs and diagonals; `none` if absent.
+    pub inner_friction: Option<Friction>,
 }
 
 /// What of a wing in the wind is held.

@@ -57,6 +57,13 @@ impl TriangleReaction {
         self.rest_w += 0.5 * p * p / k;
     }
 
+    /// Adds a force at these weights that does not depend on how the triangle moves [N].
+    pub fn add_force(&mut self, weights: [f64; 3], force_n: DVec3) {
+        for (sum, weight) in self.pull_n.iter_mut().zip(weights) {
+            *sum += force_n * weight;
+        }
+    }
+
     /// Stiffness between two corners [kg/s].
     #[must_use]
     pub const fn between(&self, a: usize, b: usize) -> DMat3 {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{CutLink, Leaving, Return, SIDES};
+use crate::cut_links::{Changed, CutLink, Leaving, Return, SIDES};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Links that one task reads.
@@ -46,9 +46,20 @@ impl<T: Real> Fluid<T> {
             });
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
-    pub fn bounce(&mut self, links: &[CutLink], back: &[[f64; 2]], rest: &[[f64; 2]]) {
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and takes what is `changed` along open links.
+    pub fn bounce(
+        &mut self,
+        links: &[CutLink],
+        back: &[[f64; 2]],
+        rest: &[[f64; 2]],
+        changed: &[Changed],
+    ) {
         let places = Places::new(self.grid, &self.setup, self.odd);
+        for change in changed {
+            let (array, element) = places.leaving(change.cell, change.direction);
+            self.populations.arrays_mut()[array][element] =
+                T::of(change.population + change.change);
+        }
         let mut of_pair: [Vec<u32>; DIRECTION_COUNT / 2] = Default::default();
         for (number, link) in links.iter().enumerate() {
             of_pair[usize::from(link.pair)].push(number as u32);

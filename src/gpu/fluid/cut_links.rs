@@ -3,7 +3,7 @@
 use super::Fluid;
 use super::link_lists::{LinkLists, LinkParameters};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{CutLink, Leaving, Return, SIDES};
+use crate::cut_links::{Changed, CutLink, Leaving, Return, SIDES};
 use crate::gpu::error::DeviceError;
 use crate::lattice::DIRECTION_COUNT;
 
@@ -114,18 +114,19 @@ impl Fluid {
         Ok(())
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, and adds to the population at `rest` there.
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and takes what is `changed` along open links.
     pub fn bounce(
         &mut self,
         links: &[CutLink],
         back: &[[f64; 2]],
         rest: &[[f64; 2]],
+        changed: &[Changed],
     ) -> Result<(), DeviceError> {
         if links.is_empty() {
             return Ok(());
         }
         let places = Places::new(self.grid, &self.setup, self.odd);
-        let mut lists = self.lists(4 * links.len())?;
+        let mut lists = self.lists(4 * links.len() + changed.len())?;
         lists.places.clear();
         lists.numbers.clear();
         lists.rest.clear();
@@ -138,6 +139,17 @@ impl Fluid {
                         .rest
                         .push((places.rest(link, side) as u32, rest[side]));
                 }
+            }
+        }
+        for change in changed {
+            let place = places.leaving(change.cell, change.direction);
+            if change.direction == 0 {
+                lists.rest.push((place.1 as u32, change.change));
+            } else {
+                lists.places.push(listed(place));
+                lists
+                    .numbers
+                    .push((change.population + change.change) as f32);
             }
         }
         // All that goes to one cell at once, in the order of links: a stable sort.
