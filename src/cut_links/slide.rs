@@ -504,7 +504,13 @@ fn cells_of_image(
         if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
             continue;
         }
-        let Some(cell) = neighbour(links, domain, own, direction) else {
+        // Walls beyond a side that repeats are not looked for: with them a thin section between such sides breaks down on 24 cells (docs/cut-links.md#limits).
+        let c = DIRECTIONS[direction];
+        let next: [i32; 3] = std::array::from_fn(|a| own[a] + c[a]);
+        if direction > 0 && links.cuts(own, next, direction) {
+            continue;
+        }
+        let Some(cell) = domain.cell(next.map(i64::from)) else {
             continue;
         };
         new.1 = cell;
