@@ -15,7 +15,7 @@
 //! * laminar: l(λ) ν U/θ with Thwaites' l, λ = θ²/ν dU/ds; inside the layer U follows from u by Pohlhausen's profile without pressure gradient.
 //!
 //! *Departure*: wall models of large-eddy simulations suppose that y lies inside the layer. Here the layer is mostly thinner than a cell, and a law of the wall alone would give it the
-//! friction of one as thick as y: 40 % less on a plate of 16 cells at Re = 10⁵.
+//! friction of one as thick as y: by arithmetic, some 40 % less on a plate of 16 cells at Re = 10⁵.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ use super::spaces::Spaces;
 /// Share of a step that a face takes of the velocity that its links see now.
 const NEW_SHARE: f64 = 0.3;
 
-/// Shape factor of laminar layers' profile: thickness over momentum thickness, Pohlhausen's 5.84/0.686.
+/// Thickness of a laminar layer over its momentum thickness, Pohlhausen's 5.84/0.686.
 const LAMINAR_THICKNESS: f64 = 8.5;
 /// The same of the profile u ∝ y^(1/7).
 const TURBULENT_THICKNESS: f64 = 72.0 / 7.0;
@@ -150,13 +150,7 @@ impl BoundaryLayers {
         })
     }
 
-    /// True for a triangle with layers.
-    #[must_use]
-    pub fn on(&self, triangle: usize) -> bool {
-        self.modelled[triangle]
-    }
-
-    /// Stress on a face of this unit normal, from the air to the wall [density × cells² per step²]; none where no layer is modelled.
+    /// Stress on a face, from the air to the wall [density × cells² per step²]; none where no layer is modelled.
     #[must_use]
     pub fn stress(&self, face: Face) -> DVec3 {
         self.stresses[face]
