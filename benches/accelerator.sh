@@ -27,7 +27,7 @@ libraries=(libvulkan.so.1 libX11.so.6 libXext.so.6 libxcb.so.1 libXau.so.6 libXd
     libGLdispatch.so.0 libGLX.so.0 libEGL.so.1)
 
 # Problems of `ripstop validate` that a device takes part in, cheap ones first (tests/validate.rs compares the names).
-problems=(couette poiseuille taylor-green immersed-boundary soak acoustic-pulse levels shear-layer beltrami permeable-screen openings sliding-wall wall-friction
+problems=(couette poiseuille taylor-green immersed-boundary soak acoustic-pulse levels shear-layer beltrami permeable-screen openings sliding-wall wall-friction wing-lift
     spherical-couette sphere disk force-routes levels-around-bodies canopy-opening falling-disk membrane-patch catenary heavy-cantilever shear-panel pressure-vessels
     hencky airbag drum free-oscillations hostile-starts light-canopies flexible-plate flag marker-spacing taylor-green-vortex cavity)
 

@@ -113,6 +113,17 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
         "sphere",
         None,
         &[
+            "coupling.scheme=links",
+            "resolution.cells_per_diameter=absent",
+            "resolution.cell_size_m=0.0125",
+            "bodies.sphere.sphere=absent",
+            "bodies.sphere.wing={ naca = \"0020\", stations = [{ position_m = [0.0, 0.0, 0.0], chord_m = 0.1 }, { position_m = [0.0, 0.1, 0.0], chord_m = 0.1 }] }",
+        ],
+    ),
+    (
+        "sphere",
+        None,
+        &[
             "bodies.sphere.motion.constant_rotation.rate_rad_s=1e-3",
             "bodies.sphere.motion.constant_rotation.axis=[1.0, 0.0, 0.0]",
         ],

@@ -22,8 +22,8 @@ const FAST: [&str; 5] = [
 /// Flow through what air passes, and a fall in a box that follows.
 const PERMEABLE: [&str; 3] = ["permeable-screen", "openings", "falling-disk"];
 
-/// Walls along which the air slides, and the lift that they give a section.
-const SLIDING: [&str; 2] = ["sliding-wall", "wall-friction"];
+/// Walls along which the air slides, and the lift that they give a section and a wing.
+const SLIDING: [&str; 3] = ["sliding-wall", "wall-friction", "wing-lift"];
 
 /// The immersed boundary. Light canopies have trials of their own (`canopy`).
 const COUPLING: [&str; 2] = ["immersed-boundary", "spherical-couette"];

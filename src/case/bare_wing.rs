@@ -363,31 +363,38 @@ fn angles(written: &file::BareWing) -> Result<Vec<f64>, Problem> {
     ))
 }
 
-fn check_profile(
-    name: &str,
-    written: &file::BareProfile,
+/// The outline of a profile by the digits of NACA or a file.
+pub(super) fn check_outline(
+    key: &str,
+    written: (&Option<String>, &Option<String>),
     folder: &Path,
-) -> Result<BareProfile, Problem> {
-    let key = key(&format!("profiles.{name}"));
-    let outline = match (&written.naca, &written.file) {
+) -> Result<Profile, Problem> {
+    match written {
         (Some(digits), None) => Profile::naca(digits).map_err(|why| {
-            Problem::new(&key, why.to_string(), "e.g. naca = \"23015\"")
-        })?,
+            Problem::new(key, why.to_string(), "e.g. naca = \"23015\"")
+        }),
         (None, Some(file)) => Profile::read(&folder.join(file)).map_err(|why: ProfileError| {
             Problem::new(
                 format!("{key}.file"),
                 format!("cannot read the profile {}: {why}", folder.join(file).display()),
                 "give a file in Selig's format, relative to the case file: a title, then x/c and y/c per line from the upper trailing edge around the nose to the lower one",
             )
-        })?,
-        _ => {
-            return Err(Problem::new(
-                &key,
-                "a profile needs exactly one of `naca` and `file`",
-                "give naca = \"23015\", or file = \"profile.dat\" with coordinates in Selig's format",
-            ));
-        }
-    };
+        }),
+        _ => Err(Problem::new(
+            key,
+            "a profile needs exactly one of `naca` and `file`",
+            "give naca = \"23015\", or file = \"profile.dat\" with coordinates in Selig's format",
+        )),
+    }
+}
+
+fn check_profile(
+    name: &str,
+    written: &file::BareProfile,
+    folder: &Path,
+) -> Result<BareProfile, Problem> {
+    let key = key(&format!("profiles.{name}"));
+    let outline = check_outline(&key, (&written.naca, &written.file), folder)?;
     let is_given = written.polar.is_some() || written.polar_file.is_some();
     if is_given && (written.critical_amplification.is_some() || written.transition.is_some()) {
         return Err(Problem::new(
@@ -430,13 +437,13 @@ fn check_profile(
 }
 
 /// Mean aerodynamic chord: ∫ c² ds/∫ c ds, and where its quarter lies.
-struct MeanChord {
-    chord_m: f64,
+pub(super) struct MeanChord {
+    pub(super) chord_m: f64,
     quarter_m: DVec3,
 }
 
 impl MeanChord {
-    fn of(wing: &Wing) -> Self {
+    pub(super) fn of(wing: &Wing) -> Self {
         // Pieces are short against what is linear between stations.
         const PIECES: usize = 64;
         let (mut area, mut square, mut quarter) = (0.0, 0.0, DVec3::ZERO);

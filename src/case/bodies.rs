@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::air::{Air, Flow};
+use super::body_wing;
 use super::file::Scheme;
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles};
@@ -92,6 +93,13 @@ pub enum Shape {
         length_m: f64,
         /// True if its ends are closed.
         closed: bool,
+    },
+    /// A closed wing by its sections.
+    Wing {
+        /// Area of the chords, the wing laid flat [m²].
+        area_m2: f64,
+        /// Mean aerodynamic chord [m].
+        chord_m: f64,
     },
     /// A surface from a file.
     Mesh,
@@ -308,26 +316,35 @@ fn check_shape(
         &table.disk,
         &table.plate,
         &table.cylinder,
+        &table.wing,
         &table.mesh,
     ) {
-        (Some(sphere), None, None, None, None) => Shape::Sphere {
+        (Some(sphere), None, None, None, None, None) => Shape::Sphere {
             diameter_m: size("sphere.diameter_m", sphere.diameter_m)?,
         },
-        (None, Some(disk), None, None, None) => Shape::Disk {
+        (None, Some(disk), None, None, None, None) => Shape::Disk {
             diameter_m: size("disk.diameter_m", disk.diameter_m)?,
         },
-        (None, None, Some(plate), None, None) => Shape::Plate {
+        (None, None, Some(plate), None, None, None) => Shape::Plate {
             size_m: [
                 size("plate.size_m", plate.size_m[0])?,
                 size("plate.size_m", plate.size_m[1])?,
             ],
         },
-        (None, None, None, Some(cylinder), None) => Shape::Cylinder {
+        (None, None, None, Some(cylinder), None, None) => Shape::Cylinder {
             diameter_m: size("cylinder.diameter_m", cylinder.diameter_m)?,
             length_m: size("cylinder.length_m", cylinder.length_m)?,
             closed: cylinder.closed,
         },
-        (None, None, None, None, Some(mesh)) => {
+        (None, None, None, None, Some(wing), None) => {
+            let drawn = body_wing::check(&written.key("wing"), wing, files.folder, edge_m)?;
+            let shape = Shape::Wing {
+                area_m2: drawn.area_m2,
+                chord_m: drawn.chord_m,
+            };
+            return Ok((shape, drawn.surface));
+        }
+        (None, None, None, None, None, Some(mesh)) => {
             let cell_size_m = edge_m / EDGE_CELLS;
             let (surface, examined) =
                 read_mesh(&written.key("mesh"), mesh, files.folder, Some(cell_size_m))?;
@@ -339,7 +356,7 @@ fn check_shape(
             return Err(Problem::new(
                 written.key.as_str(),
                 format!("[{}] needs exactly one shape", written.key),
-                "keep or add just one of sphere, disk, plate, cylinder, mesh",
+                "keep or add just one of sphere, disk, plate, cylinder, wing, mesh",
             ));
         }
     };
@@ -363,7 +380,7 @@ fn check_shape(
             length_m,
             closed,
         } => surfaces::cylinder(0.5 * diameter_m, length_m, closed, edge_m),
-        Shape::Mesh => Surface::default(),
+        Shape::Wing { .. } | Shape::Mesh => Surface::default(),
     };
     Ok((shape, surface))
 }
@@ -452,7 +469,7 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
 }
 
 impl Shape {
-    /// Usual reference area: what the shape shows to the wind at its largest [m²]; `None` for a mesh.
+    /// Usual reference area: what the shape shows to the wind at its largest, of a wing that of the chords [m²]; `None` for a mesh.
     #[must_use]
     pub fn area_m2(self) -> Option<f64> {
         match self {
@@ -465,11 +482,12 @@ impl Shape {
                 length_m,
                 ..
             } => Some(diameter_m * length_m),
+            Self::Wing { area_m2, .. } => Some(area_m2),
             Self::Mesh => None,
         }
     }
 
-    /// Usual reference length: diameter, or the plate's smaller side [m]; `None` for a mesh.
+    /// Usual reference length: diameter, the plate's smaller side, or the wing's mean chord [m]; `None` for a mesh.
     #[must_use]
     pub fn length_m(self) -> Option<f64> {
         match self {
@@ -477,6 +495,7 @@ impl Shape {
             | Self::Disk { diameter_m }
             | Self::Cylinder { diameter_m, .. } => Some(diameter_m),
             Self::Plate { size_m } => Some(size_m[0].min(size_m[1])),
+            Self::Wing { chord_m, .. } => Some(chord_m),
             Self::Mesh => None,
         }
     }

@@ -128,6 +128,25 @@ pub(super) fn check(
     Ok(Some(friction))
 }
 
+/// Whether anything is written to have modelled boundary layers, before it is checked.
+pub(super) fn models_layers(file: &File, body: Option<&Body>) -> bool {
+    let tunnel = body
+        .and_then(Body::wing)
+        .and_then(|wing| wing.tunnel.as_ref());
+    let of_wing = tunnel.map(|tunnel| [tunnel.friction, tunnel.inner_friction]);
+    let further = match &file.structure {
+        Some(Structure::Mesh(mesh)) => Some(mesh.further.values()),
+        _ => None,
+    };
+    let of_further = (further.into_iter().flatten())
+        .filter_map(|further| further.fabric.as_ref().and_then(|fabric| fabric.friction));
+    (of_wing.into_iter().flatten())
+        .chain(file.fabric.iter().filter_map(|fabric| fabric.friction))
+        .chain(of_further)
+        .chain(file.bodies.values().filter_map(|body| body.friction))
+        .any(|friction| friction == Friction::Model)
+}
+
 /// Friction of a wing's triangles.
 fn of_wing(wing: &Wing, coupling: &Coupling) -> Result<Vec<Friction>, Problem> {
     let inner = wing.built.inner_triangles();

@@ -7,6 +7,7 @@ mod air;
 pub mod bare_wing;
 mod bodies;
 mod body;
+mod body_wing;
 mod cable_material;
 mod comparison;
 mod contact;

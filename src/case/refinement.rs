@@ -11,15 +11,16 @@ use super::air::{Air, Flow};
 use super::bodies::RigidBody;
 use super::body::Body;
 use super::file::{self, Around, File};
+use super::friction;
 use super::inlet;
 use super::problem::Problem;
 use super::time::Time;
 use super::usual;
 use super::values::within;
-use crate::lattice::nest::{self, Refinement};
+use crate::lattice::nest::{self, CHANGED_BY_LAYERS, Refinement};
 use lattice::{Lattice, repeats, sponge_begins_m};
 use reach::Standing;
-use written::{Branch, KEPT_CELLS, KEY, by_hand, key, order, tree};
+use written::{Branch, KEY, by_hand, key, order, tree};
 
 /// Lays the boxes, and tells the scales where positions on the lattice are counted from.
 pub(super) fn check(
@@ -46,7 +47,12 @@ pub(super) fn check(
         ));
     }
     let end_s = time.map_or(0.0, |time| time.end_s);
-    let standing = Standing::of(body, bodies, end_s);
+    let mut standing = Standing::of(body, bodies, end_s);
+    if friction::models_layers(file, body)
+        && let Some(standing) = &mut standing
+    {
+        standing.kept_cells += CHANGED_BY_LAYERS;
+    }
     let boxes = match &written.boxes {
         Some(boxes) => laid_by_hand(boxes, air, standing.as_ref())?,
         None => {
@@ -94,7 +100,7 @@ fn refuse_cut(air: &Air, standing: &Standing, by_hand: bool) -> Result<(), Probl
     let cell = air.units.cell_size_m;
     let low = air.units.origin_m;
     let high = low + DVec3::from_array(finest.cells.map(|n| n as f64)) * cell;
-    let kept = KEPT_CELLS as f64 * cell;
+    let kept = standing.kept_cells as f64 * cell;
     let axes = ['x', 'y', 'z'];
     for a in (0..3).filter(|a| !finest.spans[*a]) {
         let gaps = [standing.start.0[a] - low[a], high[a] - standing.start.1[a]];
@@ -105,8 +111,17 @@ fn refuse_cut(air: &Air, standing: &Standing, by_hand: bool) -> Result<(), Probl
                 name,
                 format!(
                     "the innermost box, from ({:.3}, {:.3}, {:.3}) to ({:.3}, {:.3}, {:.3}) m, leaves {:.3} m along {} to what stands in it, which \
-                     is less than the {KEPT_CELLS} cells ({:.3} m) that its markers need",
-                    low.x, low.y, low.z, high.x, high.y, high.z, least, axes[a], kept,
+                     is less than the {} cells ({:.3} m) that its markers or cut links need",
+                    low.x,
+                    low.y,
+                    low.z,
+                    high.x,
+                    high.y,
+                    high.z,
+                    least,
+                    axes[a],
+                    standing.kept_cells,
+                    kept,
                 ),
                 if by_hand {
                     "lay the boxes around all that stands in the air"

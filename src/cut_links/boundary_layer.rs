@@ -1,7 +1,7 @@
 //! Boundary layers that the cells do not hold: the shear stress that a wall along which the air slides gets from a model.
 //!
-//! Every face of every triangle carries the velocity of the air two to three cells off, and the momentum thickness θ of the layer there. Between a face and those upstream of it, a
-//! distance s along the flow apart, von Kármán's momentum integral holds, with U the velocity beside the layer:
+//! Every face of every triangle carries the velocity of the air two to three cells off, its speed five to six cells off, and the momentum thickness θ of the layer there. Between a face and those
+//! upstream of it, a distance s along the flow apart, von Kármán's momentum integral holds, with U the speed beside the layer, the larger of the two:
 //!
 //! * laminar: θ² U⁶ grows by 0.45 ν ∫U⁵ ds (Thwaites 1949, doi:10.1017/S0001925900000184);
 //! * turbulent, with a shape factor of 1.5 and c_f = 0.0177 (U θ/ν)^(−1/5): θ^(6/5) U⁴ (U/ν)^(1/5) grows by 0.0106 ∫U⁴ ds;
@@ -12,7 +12,9 @@
 //! The stress follows from the velocity u at the distance y, or at the edge δ of a layer that is thinner than that:
 //!
 //! * turbulent, δ = 72/7 θ: Reichardt's law u = u_τ (ln(1 + κ y⁺)/κ + 7.8 (1 − e^(−y⁺/11) − y⁺/11 e^(−y⁺/3))), κ = 0.41 (Reichardt 1951, doi:10.1002/zamm.19510310704);
-//! * laminar: l(λ) ν U/θ with Thwaites' l, λ = θ²/ν dU/ds; inside the layer U follows from u by Pohlhausen's profile without pressure gradient.
+//! * laminar: l(λ) ν U/θ with Thwaites' l, λ = θ²/ν dU/ds; in a layer thicker than the further distance the speed there is taken over Pohlhausen's profile.
+//!
+//! The layers march in every fourth step of the air ([`STEPS_OF_A_MARCH`]); in between the stress stays.
 //!
 //! *Departure*: wall models of large-eddy simulations suppose that y lies inside the layer. Here the layer is mostly thinner than a cell, and a law of the wall alone would give it the
 //! friction of one as thick as y: by arithmetic, some 40 % less on a plate of 16 cells at Re = 10⁵.
@@ -22,7 +24,10 @@ use rayon::prelude::*;
 
 use super::spaces::Spaces;
 
-/// Share of a step that a face takes of the velocity that its links see now.
+/// Steps of the air from one march of the layers, by a triangle, to the next: where triangles are a cell long, they march twice as fast as the air or faster.
+const STEPS_OF_A_MARCH: u64 = 4;
+
+/// Share that a face takes, in a march, of the velocity that its links see now.
 const NEW_SHARE: f64 = 0.3;
 
 /// Thickness of a laminar layer over its momentum thickness, Pohlhausen's 5.84/0.686.
@@ -61,44 +66,42 @@ pub type Face = usize;
 pub struct Sample {
     /// Where.
     pub face: Face,
-    /// Velocity of the air beyond that of the wall [cells per step].
-    pub velocity: DVec3,
-    /// Distance from the wall [cells].
-    pub height: f64,
+    /// Velocity of the air beyond that of the wall, near it and further off [cells per step].
+    pub velocities: [DVec3; 2],
+    /// Distances of both places from the wall [cells].
+    pub heights: [f64; 2],
 }
 
 /// State of the layer on one face.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Layer {
-    /// Velocity of the air beyond that of the wall [cells per step].
+    /// Velocity of the air beyond that of the wall, near it [cells per step].
     velocity: DVec3,
-    /// Distance from the wall of where it was taken; 0 before anything was [cells].
-    height: f64,
+    /// Its speed further off [cells per step].
+    further_speed: f64,
+    /// Distances from the wall of where they were taken; 0 before anything was [cells].
+    heights: [f64; 2],
     /// Momentum thickness θ [cells].
     thickness: f64,
-    /// That velocity over the one at the edge of the layer; 1 outside it.
-    fullness: f64,
+    /// From the air to the wall [density × cells² per step²].
+    stress: DVec3,
 }
 
 impl Layer {
-    /// Velocity at the edge of the layer [cells per step].
-    fn edge_speed(&self) -> f64 {
-        self.velocity.length() / self.fullness
+    /// True once a link saw the air.
+    fn known(&self) -> bool {
+        self.heights[0] > 0.0
     }
 
-    /// Velocity where it was taken over the one at the edge: by the seventh root, or Pohlhausen's profile.
-    fn fullness_at(&self, turbulent: bool) -> f64 {
-        if turbulent {
-            let part = self.height / (TURBULENT_THICKNESS * self.thickness);
-            return part.min(1.0).powf(1.0 / 7.0);
-        }
-        let part = (self.height / (LAMINAR_THICKNESS * self.thickness)).min(1.0);
-        part * (2.0 + part * part * (part - 2.0))
+    /// Speed at the edge of the layer: further off where the layer is thicker than the nearer distance, for the air is slower there otherwise. It does not follow from the layer's thickness, which it
+    /// decides: by the profile of a thick layer it would, and the thickness of one face and the next would swing between nothing and the thickest.
+    fn edge_speed(&self) -> f64 {
+        self.velocity.length().max(self.further_speed)
     }
 }
 
-/// Numbers of one face in a checkpoint: velocity, height, momentum thickness, fullness.
-pub type Saved = [f64; 6];
+/// Numbers of one face in a checkpoint: velocity near, speed further off, both heights, momentum thickness, stress.
+pub type Saved = [f64; 10];
 
 /// Layers on the faces of a surface, in lattice units.
 #[derive(Debug, Clone)]
@@ -111,9 +114,17 @@ pub struct BoundaryLayers {
     layers: Vec<Layer>,
     /// Those before, while they march.
     before: Vec<Layer>,
-    sums: Vec<(DVec3, f64, f64)>,
-    /// On every face, from the air to the wall [density × cells² per step²].
-    stresses: Vec<DVec3>,
+    sums: Vec<Sum>,
+    /// Steps of the air until the layers march again.
+    steps_left: u64,
+}
+
+/// What the links of a face see, summed.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    velocities: [DVec3; 2],
+    heights: [f64; 2],
+    count: f64,
 }
 
 /// Where the triangles are.
@@ -146,14 +157,25 @@ impl BoundaryLayers {
             layers: vec![Layer::default(); faces],
             before: Vec::new(),
             sums: Vec::new(),
-            stresses: vec![DVec3::ZERO; faces],
+            steps_left: 0,
         })
+    }
+
+    /// Counts a step of the air; true where the layers march in it.
+    pub fn count_step(&mut self) -> bool {
+        let marches = self.steps_left == 0;
+        self.steps_left = if marches {
+            STEPS_OF_A_MARCH - 1
+        } else {
+            self.steps_left - 1
+        };
+        marches
     }
 
     /// Stress on a face, from the air to the wall [density × cells² per step²]; none where no layer is modelled.
     #[must_use]
     pub fn stress(&self, face: Face) -> DVec3 {
-        self.stresses[face]
+        self.layers[face].stress
     }
 
     /// Momentum thickness of the layer on a face [cells].
@@ -162,63 +184,72 @@ impl BoundaryLayers {
         self.layers[face].thickness
     }
 
-    /// Takes what the links of this step see, and marches by one triangle.
-    pub fn step(&mut self, shape: Shape<'_>, samples: impl Iterator<Item = Sample>) {
+    /// Takes what the links see, and marches by one triangle.
+    pub fn march(&mut self, shape: Shape<'_>, samples: impl Iterator<Item = Sample>) {
         self.take(shape, samples);
-        self.march(shape);
+        self.grow(shape);
     }
 
     fn take(&mut self, shape: Shape<'_>, samples: impl Iterator<Item = Sample>) {
         self.sums.clear();
-        self.sums.resize(self.layers.len(), (DVec3::ZERO, 0.0, 0.0));
+        self.sums.resize(self.layers.len(), Sum::default());
         for sample in samples {
-            let (velocity, height, count) = &mut self.sums[sample.face];
-            *velocity += sample.velocity;
-            *height += sample.height;
-            *count += 1.0;
+            let sum = &mut self.sums[sample.face];
+            for k in 0..2 {
+                sum.velocities[k] += sample.velocities[k];
+                sum.heights[k] += sample.heights[k];
+            }
+            sum.count += 1.0;
         }
         std::mem::swap(&mut self.layers, &mut self.before);
         self.layers.resize(self.before.len(), Layer::default());
         let (before, sums, modelled) = (&self.before, &self.sums, &self.modelled);
         (self.layers.par_iter_mut().zip(sums).enumerate())
             .with_min_len(FACES_AT_ONCE)
-            .for_each(|(face, (layer, (velocity, height, count)))| {
+            .for_each(|(face, (layer, sum))| {
                 *layer = before[face];
                 if !modelled[face / 2] {
                     return;
                 }
-                let (velocity, height) = if *count > 0.0 {
-                    (*velocity / *count, *height / *count)
+                let normal = shape.normals[face / 2];
+                let along = |velocity: DVec3| velocity - normal * normal.dot(velocity);
+                let (velocity, further_speed, heights);
+                if sum.count > 0.0 {
+                    let of_one = 1.0 / sum.count;
+                    velocity = along(sum.velocities[0] * of_one);
+                    further_speed = along(sum.velocities[1] * of_one).length();
+                    heights = sum.heights.map(|height| height * of_one);
                 } else {
-                    // No link cuts a triangle that is smaller than a cell: what those about it see.
-                    let about = (shape.spaces.beside(face).into_iter().flatten())
-                        .map(|other| &before[other as usize])
-                        .filter(|other| other.height > 0.0);
-                    let (mut sum, mut height, mut count) = (DVec3::ZERO, 0.0, 0.0);
-                    for other in about {
-                        sum += other.velocity;
-                        height += other.height;
-                        count += 1.0;
+                    // No link cuts a triangle that is smaller than a cell: what those about it saw.
+                    let (mut of_all, mut count) = (Layer::default(), 0.0);
+                    for other in shape.spaces.beside(face).into_iter().flatten() {
+                        let other = &before[other as usize];
+                        if other.known() {
+                            of_all.velocity += other.velocity;
+                            of_all.further_speed += other.further_speed;
+                            for k in 0..2 {
+                                of_all.heights[k] += other.heights[k];
+                            }
+                            count += 1.0;
+                        }
                     }
                     if count == 0.0 {
                         return;
                     }
-                    (sum / count, height / count)
-                };
-                let normal = shape.normals[face / 2];
-                let along = velocity - normal * normal.dot(velocity);
-                let new = if layer.height > 0.0 {
-                    NEW_SHARE
-                } else {
-                    layer.fullness = 1.0;
-                    1.0
-                };
-                layer.velocity += (along - layer.velocity) * new;
-                layer.height += (height - layer.height) * new;
+                    velocity = along(of_all.velocity / count);
+                    further_speed = of_all.further_speed / count;
+                    heights = of_all.heights.map(|height| height / count);
+                }
+                let new = if layer.known() { NEW_SHARE } else { 1.0 };
+                layer.velocity += (velocity - layer.velocity) * new;
+                layer.further_speed += (further_speed - layer.further_speed) * new;
+                for k in 0..2 {
+                    layer.heights[k] += (heights[k] - layer.heights[k]) * new;
+                }
             });
     }
 
-    fn march(&mut self, shape: Shape<'_>) {
+    fn grow(&mut self, shape: Shape<'_>) {
         self.before.clone_from(&self.layers);
         let (before, modelled) = (&self.before, &self.modelled);
         let nodes = (shape.triangles.iter().zip(modelled))
@@ -233,51 +264,59 @@ impl BoundaryLayers {
         );
         let thickest = (THICKEST * (high - low).length()).max(THINNEST);
         let (viscosity, transition) = (self.viscosity, self.transition);
-        (self
-            .layers
-            .par_iter_mut()
-            .zip(&mut self.stresses)
-            .enumerate())
-        .with_min_len(FACES_AT_ONCE)
-        .for_each(|(face, (layer, stress))| {
-            let speed = layer.velocity.length();
-            if !modelled[face / 2] || layer.height == 0.0 || speed == 0.0 {
-                *stress = DVec3::ZERO;
-                return;
-            }
-            let upstream = upstream(face, layer, (before, modelled), shape);
-            let grown = grown(&upstream, layer.edge_speed(), (viscosity, transition));
-            layer.thickness = grown.thickness.clamp(THINNEST, thickest);
-            // At once it would swing: θ falls with the third power of what is taken for the velocity at the edge.
-            layer.fullness += NEW_SHARE * (layer.fullness_at(grown.turbulent) - layer.fullness);
-            let of_wall = if grown.turbulent {
-                turbulent_stress(layer, viscosity)
-            } else {
-                laminar_stress(layer, (viscosity, grown.gradient))
-            };
-            *stress = layer.velocity * (of_wall / speed).min(MOST_OF_VELOCITY);
-        });
+        (self.layers.par_iter_mut().enumerate())
+            .with_min_len(FACES_AT_ONCE)
+            .for_each(|(face, layer)| {
+                let speed = layer.velocity.length();
+                if !modelled[face / 2] || !layer.known() || speed == 0.0 {
+                    layer.stress = DVec3::ZERO;
+                    return;
+                }
+                let upstream = upstream(face, layer, (before, modelled), shape);
+                let grown = grown(&upstream, layer.edge_speed(), (viscosity, transition));
+                layer.thickness = grown.thickness.clamp(THINNEST, thickest);
+                let of_wall = if grown.turbulent {
+                    turbulent_stress(layer, viscosity)
+                } else {
+                    laminar_stress(layer, (viscosity, grown.gradient))
+                };
+                layer.stress = layer.velocity * (of_wall / speed).min(MOST_OF_VELOCITY);
+            });
     }
 
-    /// What a checkpoint keeps.
+    /// What a checkpoint keeps of the faces.
     #[must_use]
     pub fn saved(&self) -> Vec<Saved> {
-        (self.layers.iter())
-            .map(|layer| {
-                let [x, y, z] = layer.velocity.to_array();
-                [x, y, z, layer.height, layer.thickness, layer.fullness]
-            })
-            .collect()
+        let numbers = |layer: &Layer| {
+            let ([u, v, w], [x, y, z]) = (layer.velocity.to_array(), layer.stress.to_array());
+            let [near, further] = layer.heights;
+            let Layer {
+                further_speed,
+                thickness,
+                ..
+            } = *layer;
+            [u, v, w, further_speed, near, further, thickness, x, y, z]
+        };
+        self.layers.iter().map(numbers).collect()
     }
 
-    /// Goes on from it.
-    pub fn go_on(&mut self, saved: &[Saved]) {
-        for (layer, &[x, y, z, height, thickness, fullness]) in self.layers.iter_mut().zip(saved) {
+    /// Steps of the air until the layers march again.
+    #[must_use]
+    pub const fn steps_left(&self) -> u64 {
+        self.steps_left
+    }
+
+    /// Goes on from them.
+    pub fn go_on(&mut self, saved: &[Saved], steps_left: u64) {
+        self.steps_left = steps_left;
+        for (layer, saved) in self.layers.iter_mut().zip(saved) {
+            let &[u, v, w, further_speed, near, further, thickness, x, y, z] = saved;
             *layer = Layer {
-                velocity: DVec3::new(x, y, z),
-                height,
+                velocity: DVec3::new(u, v, w),
+                further_speed,
+                heights: [near, further],
                 thickness,
-                fullness,
+                stress: DVec3::new(x, y, z),
             };
         }
     }
@@ -321,7 +360,7 @@ fn upstream(
         all += flux;
         let edge = 0.5 * (from + to);
         let other = shape.spaces.beside(face)[k].map(|other| other as usize);
-        *inflow = match other.filter(|&other| modelled[other / 2] && before[other].height > 0.0) {
+        *inflow = match other.filter(|&other| modelled[other / 2] && before[other].known()) {
             // The layer begins here; beyond a rim the stream is as fast as on the face.
             None => Inflow {
                 share: flux,
@@ -444,7 +483,7 @@ const NEWTON_STEPS: usize = 4;
 fn turbulent_stress(layer: &Layer, viscosity: f64) -> f64 {
     let speed = layer.velocity.length();
     let thickness = TURBULENT_THICKNESS * layer.thickness;
-    let height = layer.height.min(thickness).max(f64::MIN_POSITIVE);
+    let height = layer.heights[0].min(thickness).max(f64::MIN_POSITIVE);
     let reynolds = speed * height / viscosity;
     // Blasius' law of friction, or the straight profile.
     let mut friction = speed * (0.0225 * reynolds.powf(-0.25)).max(1.0 / reynolds).sqrt();
@@ -469,8 +508,11 @@ fn laminar_stress(layer: &Layer, (viscosity, gradient): (f64, f64)) -> f64 {
     let thickness = layer.thickness.max(f64::MIN_POSITIVE);
     let lambda = thickness * thickness / viscosity * gradient;
     let lambda = lambda.clamp(PRESSURE_GRADIENTS[0], PRESSURE_GRADIENTS[1]);
+    // Speed outside a layer that is thicker than the further distance, by Pohlhausen's profile without pressure gradient.
+    let part = (layer.heights[1] / (LAMINAR_THICKNESS * thickness)).min(1.0);
+    let speed = layer.edge_speed() / (part * (2.0 + part * part * (part - 2.0)));
     // Where the layer is about to separate the table's fit passes zero.
-    thwaites(lambda).max(0.0) * viscosity * layer.edge_speed() / thickness
+    thwaites(lambda).max(0.0) * viscosity * speed / thickness
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ fn triangles_that_the_stream_crosses_askew_change_nothing() {
             (b - a).cross(c - a).normalize()
         })
         .collect();
-    let spaces = Spaces::new(&triangles, &positions);
+    let spaces = Spaces::new(&triangles, &positions, |_| true);
     let shape = Shape {
         triangles: &triangles,
         positions: &positions,
@@ -66,10 +66,10 @@ fn triangles_that_the_stream_crosses_askew_change_nothing() {
         for _ in 0..3 * LENGTH {
             let samples = (0..2 * triangles.len()).map(|face| Sample {
                 face,
-                velocity: direction * SPEED,
-                height: 2.5,
+                velocities: [direction * SPEED; 2],
+                heights: HEIGHTS,
             });
-            layers.step(shape, samples);
+            layers.march(shape, samples);
         }
         let mut seen = 0;
         for (number, nodes) in triangles.iter().enumerate() {
@@ -98,13 +98,8 @@ struct Marched {
     along: Vec<f64>,
 }
 
-/// Layers along a plate of 200 cells in air that flows along it with `speed` of the distance from its front, taken `height` off it.
-fn marched(
-    viscosity: f64,
-    transition_reynolds: f64,
-    height: f64,
-    speed: impl Fn(f64) -> f64,
-) -> Marched {
+/// Layers along a plate of 200 cells in air that flows along it with `speed` of the distances from its front and from it, taken at two `HEIGHTS`.
+fn marched(viscosity: f64, transition_reynolds: f64, speed: impl Fn(f64, f64) -> f64) -> Marched {
     const LENGTH: usize = 200;
     let (positions, triangles) = plate(LENGTH, 20.0);
     let direction = glam::DQuat::from_rotation_z(20_f64.to_radians()) * DVec3::X;
@@ -118,7 +113,7 @@ fn marched(
         .map(|t| t.map(|node| positions[node as usize].dot(direction)))
         .map(|x| x.iter().sum::<f64>() / 3.0)
         .collect();
-    let spaces = Spaces::new(&triangles, &positions);
+    let spaces = Spaces::new(&triangles, &positions, |_| true);
     let modelled = vec![true; triangles.len()];
     let mut layers = BoundaryLayers::new(modelled, viscosity, transition_reynolds).unwrap();
     let shape = Shape {
@@ -130,11 +125,11 @@ fn marched(
     for _ in 0..3 * LENGTH {
         let samples = (0..2 * triangles.len()).map(|face| Sample {
             face,
-            velocity: direction * speed(along[face / 2]),
-            height,
+            velocities: HEIGHTS.map(|height| direction * speed(along[face / 2], height)),
+            heights: HEIGHTS,
         });
         // Every third triangle has no link.
-        layers.step(shape, samples.filter(|sample| sample.face / 2 % 3 != 1));
+        layers.march(shape, samples.filter(|sample| sample.face / 2 % 3 != 1));
     }
     Marched { layers, along }
 }
@@ -162,13 +157,14 @@ impl Marched {
 }
 
 const SPEED: f64 = 0.1;
+const HEIGHTS: [f64; 2] = [2.5, 5.5];
 
 #[test]
 fn a_laminar_layer_is_that_of_blasius() {
     // Thinner than 2.5 cells up to the end.
     for reynolds in [2e5, 1e6] {
         let viscosity = SPEED * 200.0 / reynolds;
-        let plate = marched(viscosity, 1e9, 2.5, |_| SPEED);
+        let plate = marched(viscosity, 1e9, |_, _| SPEED);
         for (x, thickness, _) in plate.between(20.0, 200.0) {
             let exact = 0.664 * (viscosity * x / SPEED).sqrt();
             assert!(
@@ -193,12 +189,12 @@ fn a_laminar_layer_is_that_of_blasius() {
 fn a_turbulent_layer_has_the_friction_of_prandtl_and_schlichting() {
     for reynolds in [1e5_f64, 1e6, 1e7] {
         let viscosity = SPEED * 200.0 / reynolds;
-        // Where the layer is thicker than 2.5 cells, the velocity of its profile.
-        let speed = |x: f64| {
+        // Inside the layer the velocity of its profile.
+        let speed = |x: f64, height: f64| {
             let thickness = 0.37 * x * (SPEED * x / viscosity).powf(-0.2);
-            SPEED * (2.5 / thickness).min(1.0).powf(1.0 / 7.0)
+            SPEED * (height / thickness).min(1.0).powf(1.0 / 7.0)
         };
-        let plate = marched(viscosity, 0.0, 2.5, speed);
+        let plate = marched(viscosity, 0.0, speed);
         let friction = plate.mean_stress() / (0.5 * SPEED * SPEED);
         let exact = 0.455 / reynolds.log10().powf(2.58);
         assert!(
@@ -211,7 +207,7 @@ fn a_turbulent_layer_has_the_friction_of_prandtl_and_schlichting() {
 #[test]
 fn a_layer_turns_turbulent_where_it_is_told_to() {
     let viscosity = SPEED * 200.0 / 1e6;
-    let plate = marched(viscosity, 5e5, 2.5, |_| SPEED);
+    let plate = marched(viscosity, 5e5, |_, _| SPEED);
     // At half the length.
     let mean = |from: f64, to: f64| {
         let found: Vec<f64> = plate
@@ -236,7 +232,7 @@ fn a_layer_turns_turbulent_where_it_is_told_to() {
 fn at_a_stagnation_line_the_layer_is_that_of_hiemenz() {
     // Both ways from the middle; Thwaites: θ² = 0.075 ν/(dU/ds), everywhere the same.
     let (viscosity, strain) = (1e-5, 1e-3);
-    let plate = marched(viscosity, 1e9, 2.5, |x| strain * (x - 100.0));
+    let plate = marched(viscosity, 1e9, |x, _| strain * (x - 100.0));
     for (x, thickness, _) in plate.between(120.0, 190.0) {
         let exact = (0.075 * viscosity / strain).sqrt();
         assert!(
@@ -251,9 +247,9 @@ fn far_from_the_edge_of_a_thick_layer_the_law_of_the_wall_holds() {
     // 2.5 cells off, in a layer of a hundred.
     let layer = Layer {
         velocity: DVec3::X * 0.08,
-        height: 2.5,
+        heights: HEIGHTS,
         thickness: 20.0,
-        fullness: 1.0,
+        ..Layer::default()
     };
     let viscosity = 1e-5;
     let friction_velocity = turbulent_stress(&layer, viscosity).sqrt();

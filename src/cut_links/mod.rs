@@ -28,6 +28,7 @@
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
 //! * [`slide`]: what comes back where the air slides along the surface;
 //! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
+//! * [`stress`]: where that is taken from the air;
 //! * [`spaces`]: which faces look at the same air.
 
 pub mod bounce;
@@ -38,10 +39,12 @@ pub mod places;
 pub mod search;
 pub mod slide;
 pub mod spaces;
+pub mod stress;
 
 pub use bounce::{Return, SIDES, Side};
 pub use boundary_layer::BoundaryLayers;
 pub use by_triangle::CutsByTriangle;
 pub use faces::{FacePressures, Through};
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
-pub use slide::{Changed, Images, Leaving, Wall};
+pub use slide::{Images, Leaving};
+pub use stress::{ChangedByPair, Stress};

@@ -3,7 +3,7 @@
 use super::bounce::Side;
 use super::search::CutLink;
 use crate::lattice::grid::{Grid, Setup};
-use crate::lattice::{DIRECTIONS, opposite};
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, opposite};
 
 /// Number of an array and element in it.
 pub type Place = (usize, usize);
@@ -17,16 +17,25 @@ pub struct Places {
     repeats: [bool; 3],
     /// The step to come is an odd one.
     odd: bool,
+    /// For each direction the array of what leaves a cell, and how far its element lies from that of the cell, where no side repeats between.
+    leaving: [(usize, isize); DIRECTION_COUNT],
 }
 
 impl Places {
     /// Of a lattice of this layout and set-up.
     #[must_use]
-    pub const fn new(grid: Grid, setup: &Setup, odd: bool) -> Self {
+    pub fn new(grid: Grid, setup: &Setup, odd: bool) -> Self {
+        let own = grid.index([0; 3]);
+        let leaving = std::array::from_fn(|direction| {
+            let next = grid.index(DIRECTIONS[direction].map(i64::from));
+            let (array, element) = grid.slot(next, direction, odd);
+            (array, element.wrapping_sub(own) as isize)
+        });
         Self {
             grid,
             repeats: setup.repeats(),
             odd,
+            leaving,
         }
     }
 
@@ -67,10 +76,19 @@ impl Places {
         }
     }
 
-    /// What left a cell in a direction.
-    #[must_use]
-    pub fn leaving(&self, cell: [i32; 3], direction: usize) -> Place {
-        self.of(self.beside(cell, DIRECTIONS[direction]), direction)
+    /// What left a cell, by direction.
+    #[inline]
+    pub fn leaving(&self, cell: [i32; 3]) -> impl Fn(usize) -> Place {
+        let index = self.grid.index(cell.map(i64::from));
+        let at_a_side = (0..3)
+            .any(|a| self.repeats[a] && (cell[a] == 0 || cell[a] + 1 == self.grid.cells[a] as i32));
+        move |direction| {
+            if at_a_side {
+                return self.of(self.beside(cell, DIRECTIONS[direction]), direction);
+            }
+            let (array, by) = self.leaving[direction];
+            (array, index.wrapping_add_signed(by))
+        }
     }
 
     /// What comes back to a side's cell.

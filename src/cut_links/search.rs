@@ -179,6 +179,20 @@ impl Domain {
         Some(cell.map(|c| c as i32))
     }
 
+    /// True where the air goes on around a place [cells]: not beyond its end, nor where it repeats, within a fiftieth of a cell.
+    pub(crate) fn goes_round(&self, place: DVec3) -> bool {
+        const NEAR: f64 = 0.02;
+        (0..3).all(|a| {
+            let (place, end) = (place[a] + 0.5, self.cells[a] as f64);
+            let place = if self.repeats[a] {
+                place.rem_euclid(end)
+            } else {
+                place
+            };
+            (NEAR..end - NEAR).contains(&place)
+        })
+    }
+
     /// Refuses nodes that stand where the surface may not.
     fn holds(&self, positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), OutOfAir> {
         if self.open {

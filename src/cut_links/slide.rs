@@ -10,42 +10,36 @@
 //! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
-//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. What is left over is given back to the whole wall
-//! (`src/simulation/sliding.rs`), so that the air keeps its mass.
+//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain; what is lost
+//! beyond that goes back to the cell's population at rest, and the sum of the first, where a wall is not plane, to the whole wall (`src/simulation/sliding.rs`): the air keeps its mass.
 //!
-//! # Shear stress of a model
+//! In gaps less than three cells wide the air sticks: there is no room for an image, and enclosed air from which nothing takes energy breaks down.
 //!
-//! The stress τ that a model of the boundary layer puts on the wall ([`super::boundary_layer`]) is not taken from the link: what comes back follows from further cells, which would fill up
-//! again what the first one lost, to a tenth of τ and less where the wall lies askew. So half of it is taken from the cells of the image, half from a cell two further off, from
-//! populations along open links, and the cell keeps its mass. Measured: a plate's friction is that of its law within a seventh on 16 to 64 cells, however it is turned (`ripstop validate wall-friction`).
-//! A link stands for the area 9 w (d·n) |d − n (d·n)|², whose sum over the links is that of the wall, since Σ w c c c c is isotropic.
+//! The shear stress that a model of the boundary layer puts on the wall is not taken from the link: [`super::stress`].
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::boundary_layer::{BoundaryLayers, Face, Sample};
+use super::boundary_layer::{Face, Sample};
 use super::search::{CutLink, CutLinks, Domain};
+use crate::lattice::nest::CHANGED_BY_LAYERS;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, opposite};
 
 /// What leaves a cell, by direction; shifted populations.
 pub type Leaving = [f64; DIRECTION_COUNT];
 
 /// Cells that an image is taken from.
-const CELLS_OF_AN_IMAGE: usize = 3;
+pub(super) const CELLS_OF_AN_IMAGE: usize = 3;
 
 /// Length below which an image counts as lying on a cell's centre, to the fourth power [cells⁴].
 const ON_A_CENTRE: f64 = 1e-3;
 
-/// Cells from the one beside a wall to the one whose velocity a model of the boundary layer takes: that is two to three and a half cells off, so that the stress does not follow from
-/// what it does to the first cell.
-const CELLS_OFF: usize = 2;
+/// Cells from the one beside a wall to those whose velocities a model of the boundary layer takes: the first is two to three and a half cells off, so that the stress does not follow from
+/// what it does to the first cell; the second tells the speed outside a layer that is thicker.
+const CELLS_OFF: [usize; 2] = [CHANGED_BY_LAYERS - 1, 5];
 
-/// Cells beyond that of a link which a model of the boundary layer changes: what leaves that cell arrives one further.
-pub const REACH: usize = CELLS_OFF + 1;
-
-/// Share of a model's stress that is taken there, the rest from the cells of the image: by 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
-/// ½ 91 to 116 % (16 to 64 cells, turned by 0 to 45°).
-const TAKEN_OFF: f64 = 0.5;
+/// Free cells beyond the first that a wall needs before it for the air to slide.
+const ROOM: usize = 2;
 
 /// Links, cells and images that one task works on.
 const LINKS_AT_ONCE: usize = 512;
@@ -116,50 +110,23 @@ impl Air {
 
 /// Mirror image of the cell behind a cut: shares of cells in the air.
 #[derive(Debug, Clone, Copy)]
-struct Image {
-    link: u32,
-    side: u8,
-    cells: [(f64, u32); CELLS_OF_AN_IMAGE],
+pub(super) struct Image {
+    pub(super) link: u32,
+    pub(super) side: u8,
+    /// Unit normal away from the air.
+    pub(super) away: DVec3,
+    pub(super) cells: [(f64, u32); CELLS_OF_AN_IMAGE],
     /// Where a model gives the stress.
-    modelled: Option<Modelled>,
+    pub(super) off: Option<Off>,
 }
 
 /// What an image knows for a model of the boundary layer.
 #[derive(Debug, Clone, Copy)]
-struct Modelled {
-    /// The cell off the wall from which the velocity is taken, and its distance from the wall [cells].
-    off: u32,
-    height: f64,
-    /// Shares of the stress that the cells of the image and that one lose; 1 in all, or 0 where none of them can.
-    shares: [f64; CELLS_OF_AN_IMAGE + 1],
-}
-
-/// The directions along an axis in which links of a cell are open; one at least.
-type Open = [Option<u8>; 2];
-
-/// How a cell loses momentum: by what leaves it along the three axes.
-type Loses = [Open; 3];
-
-/// A population that a model of the boundary layer changes, as it leaves its cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Changed {
-    /// The cell.
-    pub cell: [i32; 3],
-    /// Direction in which it leaves; 0 at rest.
-    pub direction: usize,
-    /// The shifted population.
-    pub population: f64,
-    /// What is added to it.
-    pub change: f64,
-}
-
-/// The wall at a cut that slides.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Wall {
-    /// Unit normal of its triangle.
-    pub normal: DVec3,
-    /// Velocity [cells per step].
-    pub velocity: DVec3,
+pub(super) struct Off {
+    pub(super) face: u32,
+    /// The cells off the wall from which velocities are taken, and their distances from the wall [cells].
+    pub(super) cells: [u32; 2],
+    heights: [f64; 2],
 }
 
 /// How the air slides along a triangle.
@@ -175,33 +142,51 @@ pub struct Slides {
 #[derive(Debug, Clone, Copy)]
 pub struct Back {
     /// Number of the link.
-    pub link: usize,
+    pub link: u32,
     /// Side of it.
-    pub side: usize,
-    /// What comes back to a wall as fast as it was.
-    pub population: f64,
+    pub side: u8,
+    /// What comes back, less what the wall's velocity adds.
+    pub further: f64,
     /// α.
     pub strength: f64,
+    /// Mass that leaves along the link, and does not come back, where the air slides along a plane: 6 w d·(j − ρ V − n n·(j − ρ V)).
+    pub along: f64,
 }
 
 /// Images of all cut links at which the air slides.
 #[derive(Debug, Clone, Default)]
 pub struct Images {
     images: Vec<Image>,
-    /// Cells that they are taken from, in order.
+    /// Cells that they are taken from and the nearer ones off the wall, in the order of memory; behind them the further ones.
     cells: Vec<[i32; 3]>,
-    /// How each of them loses momentum; empty where no layer is modelled.
-    loses: Vec<Option<Loses>>,
-    /// What each of them loses in this step.
-    lost: Vec<DVec3>,
+    /// How many stand before the further ones.
+    nearer: usize,
+    /// Of the nearer cells, as it leaves them.
+    air: Vec<Air>,
+    /// By image, what the cells off the wall move with beyond it.
+    velocities: Vec<[DVec3; 2]>,
 }
 
-/// An image as it is found, and its cells: those that it is taken from, and the one off the wall.
+/// An image as it is found, and its cells: those that it is taken from, and those off the wall with their distances.
 type Found = (
     Image,
     [[i32; 3]; CELLS_OF_AN_IMAGE],
-    Option<([i32; 3], f64)>,
+    Option<[([i32; 3], f64); 2]>,
 );
+
+/// Cells in the order of memory, each once.
+fn in_order(cells: &mut Vec<[i32; 3]>) {
+    cells.par_sort_unstable_by_key(in_memory);
+    cells.dedup();
+}
+
+fn in_memory(&[x, y, z]: &[i32; 3]) -> [i32; 3] {
+    [z, y, x]
+}
+
+fn place_among(cells: &[[i32; 3]], cell: [i32; 3]) -> u32 {
+    cells.partition_point(|other| in_memory(other) < in_memory(&cell)) as u32
+}
 
 impl Images {
     /// Lays them out for `links`; `slides` tells how the air slides along a triangle, if it does.
@@ -211,57 +196,59 @@ impl Images {
         domain: &Domain,
         slides: impl Fn(usize) -> Option<Slides> + Sync,
     ) {
+        let air = Surroundings { links, domain };
         let look = |(task, some): (usize, &[CutLink])| -> Vec<Found> {
-            let mut found = Vec::new();
-            for (number, link) in some.iter().enumerate() {
-                for side in super::SIDES {
-                    let Some(slides) = slides(link.cuts[side].triangle as usize) else {
-                        continue;
-                    };
-                    let cells = cells_of_image(links, domain, link, side, slides.normal);
-                    let sum: f64 = cells.iter().map(|(share, _)| share).sum();
-                    let image = Image {
-                        link: (task * LINKS_AT_ONCE + number) as u32,
-                        side: side as u8,
-                        cells: cells.map(|(share, _)| (share / sum, 0)),
-                        modelled: None,
-                    };
-                    let off = (slides.modelled)
-                        .then(|| cell_off(links, domain, link, side, slides.normal));
-                    found.push((image, cells.map(|(_, cell)| cell), off));
-                }
-            }
-            found
+            let sides = (some.iter().enumerate())
+                .flat_map(|(number, link)| super::SIDES.map(|side| (number, link, side)));
+            let found = sides.filter_map(|(number, link, side)| {
+                let slides = slides(link.cuts[side].triangle as usize)?;
+                let away = away(link, side, slides.normal);
+                let off = air.off(link, side, away)?;
+                let cells = air.cells_of_image(link, side, away);
+                let sum: f64 = cells.iter().map(|(share, _)| share).sum();
+                let image = Image {
+                    link: (task * LINKS_AT_ONCE + number) as u32,
+                    side: side as u8,
+                    away,
+                    cells: cells.map(|(share, _)| (share / sum, 0)),
+                    off: slides.modelled.then(|| Off {
+                        face: face(link, side, slides.normal) as u32,
+                        cells: [0; 2],
+                        heights: off.map(|(_, height)| height),
+                    }),
+                };
+                Some((
+                    image,
+                    cells.map(|(_, cell)| cell),
+                    slides.modelled.then_some(off),
+                ))
+            });
+            found.collect()
         };
         let found: Vec<Vec<Found>> = (links.links().par_chunks(LINKS_AT_ONCE).enumerate())
             .map(look)
             .collect();
         self.cells.clear();
+        let mut further = Vec::new();
         for (_, cells, off) in found.iter().flatten() {
             self.cells.extend(cells);
-            self.cells.extend(off.map(|(cell, _)| cell));
+            if let Some([(near, _), (far, _)]) = off {
+                self.cells.push(*near);
+                further.push(*far);
+            }
         }
-        self.cells.par_sort_unstable();
-        self.cells.dedup();
-        let modelled = found.iter().flatten().any(|(_, _, off)| off.is_some());
-        self.loses.clear();
-        if modelled {
-            (self.cells.par_iter())
-                .with_min_len(LINKS_AT_ONCE)
-                .map(|cell| loses(links, domain, *cell))
-                .collect_into_vec(&mut self.loses);
-        }
-        let (cells, loses) = (&self.cells, &self.loses);
-        let place = |cell: [i32; 3]| cells.partition_point(|other| *other < cell) as u32;
+        in_order(&mut self.cells);
+        in_order(&mut further);
+        self.nearer = self.cells.len();
+        let nearer = &self.cells;
         let placed = |(mut image, asked, off): Found| {
             for ((_, to), cell) in image.cells.iter_mut().zip(asked) {
-                *to = place(cell);
+                *to = place_among(nearer, cell);
             }
-            image.modelled = off.map(|(cell, height)| Modelled {
-                off: place(cell),
-                height,
-                shares: shares_of_loss(&image, place(cell), loses),
-            });
+            if let (Some(own), Some([(near, _), (far, _)])) = (&mut image.off, off) {
+                let far = nearer.len() as u32 + place_among(&further, far);
+                own.cells = [place_among(nearer, near), far];
+            }
             image
         };
         let placed: Vec<Vec<Image>> = (found.into_par_iter())
@@ -269,114 +256,76 @@ impl Images {
             .collect();
         self.images.clear();
         self.images.extend(placed.into_iter().flatten());
+        self.cells.extend(further);
     }
 
-    /// Cells of which is asked what left them.
+    /// Cells of which is asked what left them; the `further` ones where the layers march.
     #[must_use]
-    pub fn cells(&self) -> &[[i32; 3]] {
-        &self.cells
+    pub fn cells(&self, further: bool) -> &[[i32; 3]] {
+        if further {
+            &self.cells
+        } else {
+            &self.cells[..self.nearer]
+        }
     }
 
-    /// What models of the boundary layer take, from what `leaving` the cells; `wall` tells of the wall at a side.
+    /// In the order of links.
+    pub(super) fn all(&self) -> &[Image] {
+        &self.images
+    }
+
+    /// Links and sides that slide, in the order of links.
+    pub fn sides(&self) -> impl Iterator<Item = (usize, usize)> {
+        (self.images.iter()).map(|image| (image.link as usize, usize::from(image.side)))
+    }
+
+    /// What models of the boundary layer take, from what `leaving` the cells, further ones among them; `wall` tells the wall's velocity at a side.
     pub fn samples(
-        &self,
+        &mut self,
         links: &[CutLink],
         leaving: &[Leaving],
-        wall: impl Fn(&CutLink, usize) -> Wall,
+        wall: impl Fn(&CutLink, usize) -> DVec3 + Sync,
     ) -> impl Iterator<Item = Sample> {
-        self.images.iter().filter_map(move |image| {
-            let (link, side) = (&links[image.link as usize], usize::from(image.side));
-            let modelled = image.modelled?;
-            let air = Air::new(&leaving[modelled.off as usize]);
-            let wall = wall(link, side);
+        let seen = |image: &Image| {
+            image.off.map_or([DVec3::ZERO; 2], |off| {
+                let wall = wall(&links[image.link as usize], usize::from(image.side));
+                off.cells
+                    .map(|cell| velocity(&leaving[cell as usize]) - wall)
+            })
+        };
+        (self.images.par_iter())
+            .with_min_len(LINKS_AT_ONCE)
+            .map(seen)
+            .collect_into_vec(&mut self.velocities);
+        let seen = self.images.iter().zip(&self.velocities);
+        seen.filter_map(|(image, velocities)| {
+            let off = image.off?;
             Some(Sample {
-                face: face(link, side, wall.normal),
-                velocity: air.momentum / air.density - wall.velocity,
-                height: modelled.height,
+                face: off.face as Face,
+                velocities: *velocities,
+                heights: off.heights,
             })
         })
     }
 
-    /// Takes the stress of `layers` from the air: tells which populations are `changed`, from what `leaving` the cells, and what every side of every link has `taken`, zero where nothing is modelled.
-    pub fn take_stress(
-        &mut self,
-        (links, normals): (&[CutLink], &[DVec3]),
-        leaving: &[Leaving],
-        layers: &BoundaryLayers,
-        (changed, taken): (&mut Vec<Changed>, &mut Vec<[DVec3; 2]>),
-    ) {
-        self.lost.clear();
-        self.lost.resize(self.cells.len(), DVec3::ZERO);
-        taken.clear();
-        taken.resize(links.len(), [DVec3::ZERO; 2]);
-        for image in &self.images {
-            let Some(modelled) = image.modelled else {
-                continue;
-            };
-            let (number, side) = (image.link as usize, usize::from(image.side));
-            let link = &links[number];
-            let normal = normals[link.cuts[side].triangle as usize];
-            let (d, n) = (vector(link.leaving(side)), away(link, side, normal));
-            let across = d.dot(n);
-            let area =
-                9.0 * WEIGHTS[link.leaving(side)] * across * (d - n * across).length_squared();
-            let stress = layers.stress(face(link, side, normal)) * area;
-            let cells = image.cells.map(|(_, cell)| cell);
-            let from = cells.into_iter().chain([modelled.off]);
-            for (cell, share) in from.zip(modelled.shares) {
-                self.lost[cell as usize] += stress * share;
-                taken[number][side] += stress * share;
-            }
-        }
-        changed.clear();
-        let lost = self.lost.iter().zip(&self.loses).zip(leaving);
-        for (cell, ((lost, loses), leaving)) in self.cells.iter().zip(lost) {
-            let Some(loses) = loses else { continue };
-            if *lost == DVec3::ZERO {
-                continue;
-            }
-            let mut to_rest = 0.0;
-            let mut change = |direction: usize, change: f64| {
-                changed.push(Changed {
-                    cell: *cell,
-                    direction,
-                    population: leaving[direction],
-                    change,
-                });
-            };
-            for (open, lost) in loses.iter().zip(lost.to_array()) {
-                let each = lost / open.iter().flatten().count() as f64;
-                for (direction, sign) in open.iter().zip([-1.0, 1.0]) {
-                    if let Some(direction) = direction {
-                        change(usize::from(*direction), sign * each);
-                        to_rest -= sign * each;
-                    }
-                }
-            }
-            // Beside a wall one link of an axis may be cut; the cell keeps its mass.
-            if to_rest != 0.0 {
-                change(0, to_rest);
-            }
-        }
-    }
-
-    /// What comes back to every side that slides, from what `leaving` the cells; `wall` tells of the wall at a side.
+    /// What comes back to every side that slides, from what `leaving` the cells; `wall` tells the wall's velocity at a side.
     pub fn returned(
-        &self,
+        &mut self,
         links: &[CutLink],
         leaving: &[Leaving],
-        wall: impl Fn(&CutLink, usize) -> Wall + Sync,
+        wall: impl Fn(&CutLink, usize) -> DVec3 + Sync,
         back: &mut Vec<Back>,
     ) {
-        let air: Vec<Air> = (leaving.par_iter())
+        (leaving[..self.nearer].par_iter())
             .with_min_len(LINKS_AT_ONCE)
             .map(Air::new)
-            .collect();
+            .collect_into_vec(&mut self.air);
+        let air = &self.air;
         (self.images.par_iter())
             .with_min_len(LINKS_AT_ONCE)
             .map(|image| {
-                let (number, side) = (image.link as usize, usize::from(image.side));
-                let link = &links[number];
+                let side = usize::from(image.side);
+                let link = &links[image.link as usize];
                 let from = opposite(link.leaving(side));
                 let (mut at, mut came) = (Air::default(), 0.0);
                 for (share, cell) in image.cells {
@@ -384,52 +333,28 @@ impl Images {
                     at.add(share, &air[cell]);
                     came += share * leaving[cell][from];
                 }
-                let [population, strength] = reflected(link, side, came, &at, wall(link, side));
+                let wall = (image.away, wall(link, side));
+                let [further, strength, along] = reflected(link, side, came, &at, wall);
                 Back {
-                    link: number,
-                    side,
-                    population,
+                    link: image.link,
+                    side: image.side,
+                    further,
                     strength,
+                    along,
                 }
             })
             .collect_into_vec(back);
     }
 }
 
-/// How a cell loses momentum; `None` where both links along an axis are cut.
-fn loses(links: &CutLinks, domain: &Domain, cell: [i32; 3]) -> Option<Loses> {
-    let along = |a: usize| {
-        let open = [1, -1].map(|sign| {
-            let direction = (1..DIRECTION_COUNT).find(|&direction| {
-                let c = DIRECTIONS[direction];
-                (0..3).all(|other| c[other] == if other == a { sign } else { 0 })
-            })?;
-            neighbour(links, domain, cell, direction)?;
-            Some(direction as u8)
-        });
-        (open != [None; 2]).then_some(open)
-    };
-    Some([along(0)?, along(1)?, along(2)?])
-}
-
-/// Shares of a model's stress that the cells of an image and the one off the wall lose, of those that can.
-fn shares_of_loss(
-    image: &Image,
-    off: u32,
-    loses: &[Option<Loses>],
-) -> [f64; CELLS_OF_AN_IMAGE + 1] {
-    let mut shares = [TAKEN_OFF; CELLS_OF_AN_IMAGE + 1];
-    for (to, (share, _)) in shares.iter_mut().zip(image.cells) {
-        *to = (1.0 - TAKEN_OFF) * share;
+/// Velocity of a cell.
+fn velocity(leaving: &Leaving) -> DVec3 {
+    let (mut density, mut momentum) = (1.0, DVec3::ZERO);
+    for (direction, population) in leaving.iter().enumerate() {
+        density += population;
+        momentum += vector(direction) * *population;
     }
-    let cells = image.cells.map(|(_, cell)| cell);
-    for (share, cell) in shares.iter_mut().zip(cells.into_iter().chain([off])) {
-        if loses[cell as usize].is_none() {
-            *share = 0.0;
-        }
-    }
-    let sum: f64 = shares.iter().sum();
-    shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
+    momentum / density
 }
 
 /// Face of a cut's triangle that a side looks at, by the triangle's normal.
@@ -448,93 +373,117 @@ fn away(link: &CutLink, side: usize, normal: DVec3) -> DVec3 {
     }
 }
 
-/// The neighbour of a cell in the air, or the cell that it repeats; `None` where a wall or the end of the air is between.
-fn neighbour(
-    links: &CutLinks,
-    domain: &Domain,
-    cell: [i32; 3],
-    direction: usize,
-) -> Option<[i32; 3]> {
-    let c = DIRECTIONS[direction];
-    let next = domain.cell(std::array::from_fn(|a| i64::from(cell[a] + c[a])))?;
-    (direction == 0 || !links.cuts(cell, next, direction)).then_some(next)
+/// What a cell may meet next.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Next {
+    /// A cell of the air, or the one that it repeats.
+    Cell([i32; 3]),
+    /// A wall.
+    Wall,
+    /// The end of the air.
+    End,
 }
 
-/// A cell off the wall, and its distance from it: straight ahead as far as a direction of the lattice leads, and fewer cells where another wall is near.
-fn cell_off(
-    links: &CutLinks,
-    domain: &Domain,
-    link: &CutLink,
-    side: usize,
-    normal: DVec3,
-) -> ([i32; 3], f64) {
-    let n = away(link, side, normal);
-    let off = |direction: usize| -vector(direction).dot(n);
-    let straight = |direction: usize| off(direction) / vector(direction).length();
-    let ahead = (1..DIRECTION_COUNT)
-        .max_by(|a, b| straight(*a).total_cmp(&straight(*b)))
-        .unwrap_or(0);
-    let mut cell = link.cells[side];
-    let mut height = link.distance(side) * -off(link.leaving(side));
-    for _ in 0..CELLS_OFF {
-        let Some(next) = neighbour(links, domain, cell, ahead) else {
-            break;
-        };
-        cell = next;
-        height += off(ahead);
-    }
-    (cell, height)
+/// Links that are cut, and the air around them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    pub(super) links: &'a CutLinks,
+    pub(super) domain: &'a Domain,
 }
 
-/// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air.
-fn cells_of_image(
-    links: &CutLinks,
-    domain: &Domain,
-    link: &CutLink,
-    side: usize,
-    normal: DVec3,
-) -> [(f64, [i32; 3]); CELLS_OF_AN_IMAGE] {
-    let own = link.cells[side];
-    let (d, n) = (vector(link.leaving(side)), away(link, side, normal));
-    let image = d - n * (2.0 * (1.0 - link.distance(side)) * d.dot(n));
-    let mut nearest = [(0.0, own); CELLS_OF_AN_IMAGE];
-    for direction in 0..DIRECTION_COUNT {
-        let distance = (vector(direction) - image).length_squared();
-        let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own);
-        if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
-            continue;
-        }
-        // Walls beyond a side that repeats are not looked for: with them a thin section between such sides breaks down on 24 cells (docs/cut-links.md#limits).
+impl Surroundings<'_> {
+    /// What lies in a direction (not 0) of a cell.
+    pub(super) fn next(&self, cell: [i32; 3], direction: usize) -> Next {
         let c = DIRECTIONS[direction];
-        let next: [i32; 3] = std::array::from_fn(|a| own[a] + c[a]);
-        if direction > 0 && links.cuts(own, next, direction) {
-            continue;
+        let place = std::array::from_fn(|a| i64::from(cell[a] + c[a]));
+        match self.domain.cell(place) {
+            None => Next::End,
+            Some(next) if self.links.cuts(cell, next, direction) => Next::Wall,
+            Some(next) => Next::Cell(next),
         }
-        let Some(cell) = domain.cell(next.map(i64::from)) else {
-            continue;
-        };
-        new.1 = cell;
-        for held in &mut nearest {
-            if new.0 > held.0 {
-                std::mem::swap(held, &mut new);
+    }
+
+    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends; `None` where another wall leaves no room to slide.
+    fn off(&self, link: &CutLink, side: usize, away: DVec3) -> Option<[([i32; 3], f64); 2]> {
+        let off = |direction: usize| -vector(direction).dot(away);
+        let straight = |direction: usize| off(direction) / vector(direction).length();
+        let ahead = (1..DIRECTION_COUNT)
+            .max_by(|a, b| straight(*a).total_cmp(&straight(*b)))
+            .unwrap_or(1);
+        let mut cell = link.cells[side];
+        let mut height = link.distance(side) * -off(link.leaving(side));
+        let mut found = [(cell, height); 2];
+        for done in 1..=CELLS_OFF[1] {
+            match self.next(cell, ahead) {
+                Next::Wall if done <= ROOM => return None,
+                Next::Cell(next) => cell = next,
+                Next::Wall | Next::End => break,
+            }
+            height += off(ahead);
+            for (found, cells) in found.iter_mut().zip(CELLS_OFF) {
+                if done <= cells {
+                    *found = (cell, height);
+                }
             }
         }
+        Some(found)
     }
-    nearest
+
+    /// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air.
+    fn cells_of_image(
+        &self,
+        link: &CutLink,
+        side: usize,
+        away: DVec3,
+    ) -> [(f64, [i32; 3]); CELLS_OF_AN_IMAGE] {
+        let own = link.cells[side];
+        let d = vector(link.leaving(side));
+        let image = d - away * (2.0 * (1.0 - link.distance(side)) * d.dot(away));
+        let mut nearest = [(0.0, own); CELLS_OF_AN_IMAGE];
+        for direction in 0..DIRECTION_COUNT {
+            let distance = (vector(direction) - image).length_squared();
+            let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own);
+            if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
+                continue;
+            }
+            if direction > 0 {
+                let Next::Cell(cell) = self.next(own, direction) else {
+                    continue;
+                };
+                new.1 = cell;
+            }
+            for held in &mut nearest {
+                if new.0 > held.0 {
+                    std::mem::swap(held, &mut new);
+                }
+            }
+        }
+        nearest
+    }
 }
 
-/// What comes back, and α.
-fn reflected(link: &CutLink, side: usize, back: f64, air: &Air, wall: Wall) -> [f64; 2] {
+/// What comes back, less what the wall's velocity adds; α; and what leaves along a plane.
+fn reflected(
+    link: &CutLink,
+    side: usize,
+    back: f64,
+    air: &Air,
+    (away, velocity): (DVec3, DVec3),
+) -> [f64; 3] {
     let direction = link.leaving(side);
     let (weight, d) = (WEIGHTS[direction], vector(direction));
-    let n = away(link, side, wall.normal);
-    let across = d.dot(n);
-    let alpha = (0.5 / link.distance(side)).min(1.0);
-    let passing = n.dot(air.momentum - wall.velocity * air.density);
-    let flux = air.flux(n) - air.momentum * n.dot(wall.velocity);
-    let shear = flux - n * n.dot(flux);
+    let across = d.dot(away);
+    let strength = (0.5 / link.distance(side)).min(1.0);
+    let relative = air.momentum - velocity * air.density;
+    let passing = away.dot(relative);
+    let flux = air.flux(away) - air.momentum * away.dot(velocity);
+    let shear = flux - away * away.dot(flux);
+    // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
+    let added = 6.0 * weight * strength * d.dot(velocity);
     [
-        back + 6.0 * weight * alpha * across * passing - 18.0 * weight * across * d.dot(shear),
-        alpha,
+        back + 6.0 * weight * strength * across * passing - 18.0 * weight * across * d.dot(shear)
+            + added,
+        strength,
+        6.0 * weight * d.dot(relative - away * passing),
     ]
 }

@@ -1,7 +1,7 @@
 //! Which faces of a surface look at the same air.
 //!
 //! Around an edge the triangles follow each other by angle; between one and the next lies air that the faces towards it share. At a rim, where a triangle ends alone, the air goes round
-//! from one of its faces to the other: they share it, too, but no boundary layer goes on there.
+//! from one of its faces to the other: they share it, too, but no boundary layer goes on there. Where the surface ends with the air, or at a side that repeats, it does not.
 
 use std::collections::HashMap;
 
@@ -32,9 +32,9 @@ struct Leaf {
 }
 
 impl Spaces {
-    /// Of a surface with its nodes at `positions`, in any unit.
+    /// Of a surface with its nodes at `positions`, in any unit; `rim` tells by the middle of an edge of one triangle if the air goes round there.
     #[must_use]
-    pub fn new(triangles: &[[u32; 3]], positions: &[DVec3]) -> Self {
+    pub fn new(triangles: &[[u32; 3]], positions: &[DVec3], rim: impl Fn(DVec3) -> bool) -> Self {
         let mut edges: HashMap<[u32; 2], Vec<Corner>> = HashMap::new();
         for (number, nodes) in triangles.iter().enumerate() {
             for k in 0..3 {
@@ -48,7 +48,10 @@ impl Spaces {
         let mut beside = vec![[None; 3]; parents.len()];
         for ([from, to], leaves) in edges {
             if let [(triangle, ..)] = leaves[..] {
-                // The air goes round a rim.
+                let middle = 0.5 * (positions[from as usize] + positions[to as usize]);
+                if !rim(middle) {
+                    continue;
+                }
                 let [own, other] = [0, 1].map(|side| root(&mut parents, 2 * triangle + side));
                 parents[own.max(other) as usize] = own.min(other);
                 continue;
@@ -168,7 +171,7 @@ mod tests {
             };
             halves.enumerate().map(turned).collect()
         };
-        let all = Spaces::new(&triangles(&quads), &positions);
+        let all = Spaces::new(&triangles(&quads), &positions, |_| true);
         assert_eq!(all.count(), 3);
         // The wall between them looks at both insides, and an end wall at the outside and one of them.
         let [middle, end] = [9, 8].map(|quad| [0, 1].map(|face| all.of(4 * quad + face)));
@@ -184,8 +187,11 @@ mod tests {
         }
         // Open at one end: the air inside and that outside are one; without the wall between them, all of it.
         quads.remove(10);
-        assert_eq!(Spaces::new(&triangles(&quads), &positions).count(), 2);
+        let count = |quads: &[[u32; 4]], open: bool| {
+            Spaces::new(&triangles(quads), &positions, |_| open).count()
+        };
+        assert_eq!([true, false].map(|open| count(&quads, open)), [2, 3]);
         quads.remove(9);
-        assert_eq!(Spaces::new(&triangles(&quads), &positions).count(), 1);
+        assert_eq!([true, false].map(|open| count(&quads, open)), [1, 2]);
     }
 }

@@ -70,6 +70,9 @@ pub const BAND: RangeInclusive<i64> = 1..=1;
 /// Fine cells at the faces of a box that it exchanges with the lattice around it: shell and band.
 pub const EXCHANGED_CELLS: usize = 4;
 
+/// Cells beyond that of a cut link which a model of the boundary layer changes: from the next but one what leaves it arrives one further.
+pub const CHANGED_BY_LAYERS: usize = 3;
+
 /// Coarse cells that lie at least between a box and the faces of the lattice around it: source, and a cell whose populations its outermost cells stream from.
 pub const CLEARANCE: usize = 3;
 

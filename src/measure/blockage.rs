@@ -173,6 +173,7 @@ fn law(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Law, &'static str> 
         Shape::Cylinder { .. } => Ok(Law::Cylinder(width.min(height))),
         Shape::Sphere { .. } if SUBCRITICAL.contains(&reynolds) => Ok(Law::Maskell(SPHERE)),
         Shape::Sphere { .. } => Err("it holds for a sphere at Re 1e3 to 2e5 only"),
+        Shape::Wing { .. } => Err("the body is a wing"),
         Shape::Mesh => Err("the body is a mesh"),
     }
 }

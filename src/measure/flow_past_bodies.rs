@@ -76,7 +76,7 @@ fn steady_reynolds_number(shape: Shape) -> f64 {
     match shape {
         Shape::Sphere { .. } => 210.0,
         Shape::Disk { .. } => 116.0,
-        Shape::Plate { .. } | Shape::Cylinder { .. } | Shape::Mesh => 47.0,
+        Shape::Plate { .. } | Shape::Cylinder { .. } | Shape::Wing { .. } | Shape::Mesh => 47.0,
     }
 }
 

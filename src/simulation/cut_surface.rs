@@ -5,12 +5,13 @@ use rayon::prelude::*;
 
 use super::air::AirEngine;
 use super::bodies::normal_of;
-use super::sliding::{LayersIn, Sliding};
+use super::sliding::{LayersIn, NOTHING, Sliding};
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
-    BoundaryLayers, Cut, CutLink, CutLinks, Domain, FacePressures, OutOfAir, Return, SIDES, Through,
+    BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, Domain, FacePressures, Leaving,
+    OutOfAir, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -102,7 +103,7 @@ impl CutSurface {
         self
     }
 
-    /// The same with the `friction` of every triangle, its nodes at `positions` at first, in any unit; modelled boundary layers turn turbulent at the Reynolds number `transition_reynolds`
+    /// The same with the `friction` of every triangle, its nodes at `positions` at first [cells]; modelled boundary layers turn turbulent at the Reynolds number `transition_reynolds`
     /// of the length of run, 0 at their front. Where the air sticks everywhere, nothing is added.
     #[must_use]
     pub fn with_friction(
@@ -115,7 +116,7 @@ impl CutSurface {
             viscosity: self.viscosity,
             transition_reynolds,
         };
-        self.sliding = Sliding::new(friction, layers, &self.triangles, positions);
+        self.sliding = Sliding::new(friction, layers, (&self.triangles, positions), &self.domain);
         self
     }
 
@@ -161,9 +162,10 @@ impl CutSurface {
         let inside = |cell: [i32; 3]| {
             (0..3).all(|a| cell[a] > first[a] as i32 && cell[a] + 1 < end[a] as i32)
         };
-        let changed = self.sliding.as_ref().map_or(&[][..], Sliding::changed);
         (self.links().iter().flat_map(|link| link.cells)).all(inside)
-            && changed.iter().map(|change| change.cell).all(inside)
+            && (self.changed().1.iter().flatten())
+                .map(|change| change.cell)
+                .all(inside)
     }
 
     /// Stage `find_links`, for nodes at `positions` [cells].
@@ -302,15 +304,20 @@ impl CutSurface {
         a * of_a + b * of_b + c * of_c
     }
 
+    /// What left the cells of the images, and the populations that lose the stress of boundary layers.
+    fn changed(&self) -> (&[Leaving], &ChangedByPair) {
+        (self.sliding.as_ref()).map_or((&[], NOTHING), Sliding::changed)
+    }
+
     /// Stage `bounce`, for nodes that move with `velocities` [cells per step].
     pub fn bounce(&mut self, air: &mut AirEngine, velocities: &[DVec3]) -> Result<(), DeviceError> {
         self.form_returns(velocities);
         let links = self.links.links();
-        let changed = self.sliding.as_ref().map_or(&[][..], Sliding::changed);
+        let changed = self.changed();
         let (back, rest) = (&self.back, &self.rest);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed),
-            AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed),
+            AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed.1),
+            AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed.1),
             AirEngine::Gpu(fluid) => fluid.bounce(links, back, rest, changed)?,
         }
         Ok(())
@@ -347,7 +354,7 @@ impl CutSurface {
                 }
             });
         if let Some(sliding) = &mut self.sliding {
-            sliding.keep_mass(self.links.links(), &self.normals, &mut rest);
+            sliding.keep_mass(self.links.links(), &mut rest);
             for (forces, taken) in forces.iter_mut().zip(sliding.taken()) {
                 for side in SIDES {
                     forces[side] -= taken[side];
@@ -364,10 +371,15 @@ impl CutSurface {
     }
 
     /// Goes on from them and from the boundary layers, nodes at `positions` [cells].
-    pub(super) fn go_on(&mut self, excess: Vec<[f64; 2]>, layers: &[Saved], positions: Vec<DVec3>) {
+    pub(super) fn go_on(
+        &mut self,
+        excess: Vec<[f64; 2]>,
+        (layers, steps_left): (&[Saved], u64),
+        positions: Vec<DVec3>,
+    ) {
         self.faces.go_on(excess);
         if let Some(own) = self.sliding.as_mut().and_then(Sliding::layers_mut) {
-            own.go_on(layers);
+            own.go_on(layers, steps_left);
         }
         self.positions = positions;
         self.found = false;

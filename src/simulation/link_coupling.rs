@@ -21,11 +21,10 @@ use crate::case::coupling::Friction;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, TriangleReaction};
-use crate::cut_links::slide::REACH;
 use crate::cut_links::{CutsByTriangle, OutOfAir};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
-use crate::lattice::nest::EXCHANGED_CELLS;
+use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
 use crate::rigid::PrescribedMotion;
 use crate::units::Units;
 
@@ -62,6 +61,22 @@ pub struct LinkCoupling {
 
 /// Triangles that one task works on.
 const TRIANGLES_AT_ONCE: usize = 128;
+
+/// Puts the nodes of bodies where they are at `time_s`; `lattice` converts from metres.
+fn place_bodies(
+    bodies: &[Body],
+    time_s: f64,
+    lattice: impl Fn(DVec3) -> DVec3,
+    positions: &mut [DVec3],
+) {
+    for body in bodies {
+        let placement = body.motion.at(time_s);
+        let nodes = &mut positions[body.nodes.clone()];
+        for (position, &place_m) in nodes.iter_mut().zip(&body.positions_m) {
+            *position = lattice(placement.position_m(place_m));
+        }
+    }
+}
 
 impl LinkCoupling {
     pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
@@ -101,13 +116,16 @@ impl LinkCoupling {
         let modelled = (scene.friction.as_ref()).is_some_and(|f| f.has(Friction::Model));
         let kept = match air.depth() {
             0 => 0,
-            _ => EXCHANGED_CELLS + if modelled { REACH } else { 0 },
+            _ => EXCHANGED_CELLS + if modelled { CHANGED_BY_LAYERS } else { 0 },
         };
         let open = scene.passes_through_a_face();
         let mean_m2 = areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64;
         // Of an equilateral triangle.
         let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
         let nodes = positions_m.len();
+        let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
+        let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
+        place_bodies(&bodies, 0.0, lattice, &mut positions);
         let surface = CutSurface::new(engine, triangles, nodes, (kept, open));
         let surface = match &scene.friction {
             Some(friction) => {
@@ -115,7 +133,7 @@ impl LinkCoupling {
                 let of_bodies =
                     bodies.flat_map(|(body, own)| vec![*own; body.surface.triangles.len()]);
                 let all = (friction.fabric.iter().copied()).chain(of_bodies);
-                surface.with_friction(all.collect(), friction.transition_reynolds, &positions_m)
+                surface.with_friction(all.collect(), friction.transition_reynolds, &positions)
             }
             None => surface,
         };
@@ -125,9 +143,7 @@ impl LinkCoupling {
             fabric_triangles,
             bodies,
             body_of,
-            positions: (positions_m.into_iter())
-                .map(|place_m| DVec3::from_array(units.position_to_lattice(place_m)))
-                .collect(),
+            positions,
             velocities: vec![DVec3::ZERO; nodes],
             reactions: Vec::new(),
             cuts: CutsByTriangle::default(),
@@ -202,13 +218,7 @@ impl LinkCoupling {
                 *position = lattice(*place_m);
             }
         }
-        for body in &self.bodies {
-            let placement = body.motion.at(time_s);
-            let nodes = &mut self.positions[body.nodes.clone()];
-            for (position, &place_m) in nodes.iter_mut().zip(&body.positions_m) {
-                *position = lattice(placement.position_m(place_m));
-            }
-        }
+        place_bodies(&self.bodies, time_s, lattice, &mut self.positions);
     }
 
     /// Stage `find_links`, for fabric where it stands, and bodies where they are at `time_s`.
@@ -355,6 +365,7 @@ impl LinkCoupling {
         out.put("link_face_pressures", self.surface.face_pressures())?;
         if let Some(layers) = self.surface.boundary_layers() {
             out.put("link_boundary_layers", &layers.saved())?;
+            out.put("link_boundary_layer_steps_left", &[layers.steps_left()])?;
         }
         out.put("link_velocities", &self.velocities)?;
         out.put("link_positions", &self.positions)?;
@@ -371,11 +382,15 @@ impl LinkCoupling {
         let excess = from.take_exactly("link_face_pressures", count)?;
         self.velocities = from.take_exactly("link_velocities", count)?;
         self.positions = from.take_exactly("link_positions", count)?;
-        let layers = match self.surface.boundary_layers() {
-            Some(layers) => from.take_exactly("link_boundary_layers", layers.saved().len())?,
-            None => Vec::new(),
+        let (layers, steps_left) = match self.surface.boundary_layers() {
+            Some(layers) => (
+                from.take_exactly("link_boundary_layers", layers.saved().len())?,
+                from.take_exactly("link_boundary_layer_steps_left", 1)?[0],
+            ),
+            None => (Vec::new(), 0),
         };
-        self.surface.go_on(excess, &layers, self.positions.clone());
+        let layers = (&*layers, steps_left);
+        self.surface.go_on(excess, layers, self.positions.clone());
         let sums: Vec<[f64; 3]> = from.take_exactly("link_forces", 2 + 2 * self.loads.len())?;
         (self.force_on_air, self.fabric_force_on_air) = (sums[0], sums[1]);
         for (load, pair) in self.loads.iter_mut().zip(sums[2..].chunks_exact(2)) {

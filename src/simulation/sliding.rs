@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
-use crate::cut_links::slide::{self, Back, Changed, Slides};
+use crate::cut_links::slide::{self, Back, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
-    BoundaryLayers, CutLink, CutLinks, Domain, Images, Leaving, Return, SIDES, Wall,
+    BoundaryLayers, ChangedByPair, CutLink, CutLinks, Domain, Images, Leaving, Return, Stress,
 };
 use crate::lattice::WEIGHTS;
 
@@ -21,16 +21,28 @@ pub(super) struct Sliding {
     leaving: Vec<Leaving>,
     back: Vec<Back>,
     spaces: Spaces,
+    /// Number of the space that each image looks at.
+    space_of: Vec<u32>,
     /// `None` where no boundary layer is modelled.
-    layers: Option<BoundaryLayers>,
-    /// Populations that lose the stress of the layers.
-    changed: Vec<Changed>,
-    /// What every side of every link takes of the air's momentum so; empty without layers.
-    taken: Vec<[DVec3; 2]>,
+    modelled: Option<Modelled>,
     /// Of every space: what its sides lost in the step, and the sum of their weights.
     sums: Vec<[f64; 2]>,
     returned: f64,
 }
+
+/// Boundary layers that are modelled, and what they take from the air.
+#[derive(Debug)]
+struct Modelled {
+    layers: BoundaryLayers,
+    /// They march in this step.
+    march: bool,
+    stress: Stress,
+    /// The stress is that of the layers and images as they are now.
+    taken: bool,
+}
+
+/// No population changes.
+pub(super) const NOTHING: &ChangedByPair = &[const { Vec::new() }; 4];
 
 /// What the air needs to know of walls with boundary layers that the cells do not hold, in lattice units.
 #[derive(Debug, Clone, Copy)]
@@ -42,22 +54,27 @@ pub struct LayersIn {
 }
 
 impl Sliding {
-    /// With the `friction` of all triangles; `None` where the air sticks to all. Their nodes stand at `positions` at first, in any unit.
+    /// With the `friction` of all triangles in the air of a domain; `None` where the air sticks to all. Their nodes stand at `positions` at first [cells].
     pub(super) fn new(
         friction: Vec<Friction>,
         layers: LayersIn,
-        triangles: &[[u32; 3]],
-        positions: &[DVec3],
+        (triangles, positions): (&[[u32; 3]], &[DVec3]),
+        domain: &Domain,
     ) -> Option<Self> {
         let modelled = friction.iter().map(|f| *f == Friction::Model).collect();
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
             leaving: Vec::new(),
             back: Vec::new(),
-            spaces: Spaces::new(triangles, positions),
-            layers: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds),
-            changed: Vec::new(),
-            taken: Vec::new(),
+            spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
+            space_of: Vec::new(),
+            modelled: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds)
+                .map(|layers| Modelled {
+                    layers,
+                    march: false,
+                    stress: Stress::default(),
+                    taken: false,
+                }),
             friction,
             sums: Vec::new(),
             returned: 0.0,
@@ -74,11 +91,27 @@ impl Sliding {
             };
             (friction[triangle] != Friction::NoSlip).then_some(slides)
         });
+        if let Some(modelled) = &mut self.modelled {
+            modelled.stress.find(links, domain, &self.images);
+            modelled.taken = false;
+        }
+        let (links, spaces) = (links.links(), &self.spaces);
+        let space = |(link, side): (usize, usize)| {
+            let normal = normals[links[link].cuts[side].triangle as usize];
+            spaces.of(slide::face(&links[link], side, normal)) as u32
+        };
+        self.space_of.clear();
+        self.space_of.extend(self.images.sides().map(space));
     }
 
-    /// Cells of which is asked what left them, and where that goes.
+    /// Begins a step: cells of which is asked what left them, and where that goes.
     pub(super) fn read(&mut self) -> (&[[i32; 3]], &mut Vec<Leaving>) {
-        (self.images.cells(), &mut self.leaving)
+        let mut march = false;
+        if let Some(modelled) = &mut self.modelled {
+            modelled.march = modelled.layers.count_step();
+            march = modelled.march;
+        }
+        (self.images.cells(march), &mut self.leaving)
     }
 
     /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side.
@@ -89,57 +122,55 @@ impl Sliding {
         velocity: impl Fn(&CutLink, usize) -> DVec3 + Sync,
         returns: &mut [[Return; 2]],
     ) {
-        let wall = |link: &CutLink, side: usize| Wall {
-            normal: normals[link.cuts[side].triangle as usize],
-            velocity: velocity(link, side),
-        };
         let (images, leaving) = (&mut self.images, &self.leaving);
-        if let Some(layers) = &mut self.layers {
-            let shape = Shape {
-                triangles,
-                positions,
-                normals,
-                spaces: &self.spaces,
-            };
-            layers.step(shape, images.samples(links, leaving, wall));
-            let results = (&mut self.changed, &mut self.taken);
-            images.take_stress((links, normals), leaving, layers, results);
+        if let Some(modelled) = &mut self.modelled {
+            if modelled.march {
+                let shape = Shape {
+                    triangles,
+                    positions,
+                    normals,
+                    spaces: &self.spaces,
+                };
+                let samples = images.samples(links, leaving, &velocity);
+                modelled.layers.march(shape, samples);
+                modelled.taken = false;
+            }
+            if !modelled.taken {
+                modelled.stress.take(links, images, &modelled.layers);
+                modelled.taken = true;
+            }
         }
-        images.returned(links, leaving, wall, &mut self.back);
+        images.returned(links, leaving, velocity, &mut self.back);
         for back in &self.back {
-            let (link, side) = (&links[back.link], back.side);
-            let weight = WEIGHTS[link.leaving(side)];
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            let along = sign * link.direction().dot(velocity(link, side));
-            let returned = &mut returns[back.link][side];
-            // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
+            let returned = &mut returns[back.link as usize][usize::from(back.side)];
             *returned = Return {
                 out: returned.out,
                 share: 0.0,
-                further: back.population + 6.0 * weight * back.strength * along,
+                further: back.further,
                 strength: back.strength,
             };
         }
     }
 
-    /// Populations that lose the stress of modelled layers in this step.
-    pub(super) fn changed(&self) -> &[Changed] {
-        &self.changed
+    /// What left the cells of the images, and the populations that lose the stress of modelled layers in this step.
+    pub(super) fn changed(&self) -> (&[Leaving], &ChangedByPair) {
+        let changed = (self.modelled.as_ref()).map_or(NOTHING, |m| m.stress.changed());
+        (&self.leaving, changed)
     }
 
     /// What every side of every link takes of the air's momentum by that stress; empty without layers.
     pub(super) fn taken(&self) -> &[[DVec3; 2]] {
-        &self.taken
+        (self.modelled.as_ref()).map_or(&[][..], |modelled| modelled.stress.taken())
     }
 
     /// Layers that are modelled.
-    pub(super) const fn layers(&self) -> Option<&BoundaryLayers> {
-        self.layers.as_ref()
+    pub(super) fn layers(&self) -> Option<&BoundaryLayers> {
+        self.modelled.as_ref().map(|modelled| &modelled.layers)
     }
 
     /// The same, to go on from.
-    pub(super) const fn layers_mut(&mut self) -> Option<&mut BoundaryLayers> {
-        self.layers.as_mut()
+    pub(super) fn layers_mut(&mut self) -> Option<&mut BoundaryLayers> {
+        self.modelled.as_mut().map(|modelled| &mut modelled.layers)
     }
 
     /// Mass given back to the air since this was made, loss and gain alike.
@@ -147,38 +178,25 @@ impl Sliding {
         self.returned
     }
 
-    /// Gives back what the air lost in the step at all sides where it slides, `rest` of each: in equal parts, by weight, to those that look at the same space.
+    /// Gives back what the air lost in the step at the sides where it slides, `rest` of each: to the side itself what it lost beyond what leaves along a plane; the sum of that in equal parts, by weight,
+    /// to all sides that look at the same space.
     ///
-    /// Along a plane wall in a uniform stream some sides lose what others gain, so that what each lost must not come back to itself: it would be rough.
-    pub(super) fn keep_mass(
-        &mut self,
-        links: &[CutLink],
-        normals: &[DVec3],
-        rest: &mut [[f64; 2]],
-    ) {
-        let (friction, spaces, sums) = (&self.friction, &self.spaces, &mut self.sums);
-        let space = |link: &CutLink, side: usize| {
-            let triangle = link.cuts[side].triangle as usize;
-            let slides = friction[triangle] != Friction::NoSlip;
-            slides.then(|| spaces.of(slide::face(link, side, normals[triangle])))
-        };
+    /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
+    pub(super) fn keep_mass(&mut self, links: &[CutLink], rest: &mut [[f64; 2]]) {
+        let sums = &mut self.sums;
         sums.clear();
-        sums.resize(spaces.count(), [0.0; 2]);
-        for (link, rest) in links.iter().zip(&*rest) {
-            for side in SIDES {
-                if let Some(space) = space(link, side) {
-                    sums[space][0] += rest[side];
-                    sums[space][1] += WEIGHTS[link.leaving(side)];
-                }
-            }
+        sums.resize(self.spaces.count(), [0.0; 2]);
+        let weight =
+            |back: &Back| WEIGHTS[links[back.link as usize].leaving(usize::from(back.side))];
+        for (back, space) in self.back.iter().zip(&self.space_of) {
+            let [lost, weights] = &mut sums[*space as usize];
+            *lost += back.along;
+            *weights += weight(back);
         }
-        for (link, rest) in links.iter().zip(rest) {
-            for side in SIDES {
-                if let Some(space) = space(link, side) {
-                    let [lost, weights] = sums[space];
-                    rest[side] = lost / weights * WEIGHTS[link.leaving(side)];
-                }
-            }
+        for (back, space) in self.back.iter().zip(&self.space_of) {
+            let [lost, weights] = sums[*space as usize];
+            rest[back.link as usize][usize::from(back.side)] +=
+                lost / weights * weight(back) - back.along;
         }
         self.returned += sums.iter().map(|[lost, _]| lost.abs()).sum::<f64>();
     }

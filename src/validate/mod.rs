@@ -28,6 +28,7 @@ mod sphere;
 mod taylor_green;
 mod taylor_green_vortex;
 mod wall_friction;
+mod wing_lift;
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -39,7 +40,7 @@ pub use session::{Order, Problem, Stop};
 use crate::run::Observer;
 
 /// All problems, cheap ones first.
-pub const PROBLEMS: [Problem; 44] = [
+pub const PROBLEMS: [Problem; 45] = [
     Problem {
         name: "poiseuille",
         updates: [92.0, 800.0],
@@ -94,6 +95,11 @@ pub const PROBLEMS: [Problem; 44] = [
         name: "wall-friction",
         updates: [80.0, 15_500.0],
         compute: wall_friction::compute,
+    },
+    Problem {
+        name: "wing-lift",
+        updates: [250.0, 60_000.0],
+        compute: wing_lift::compute,
     },
     Problem {
         name: "sphere",

@@ -7,12 +7,12 @@ use super::fabric::Permeability;
 use super::friction::Friction;
 use crate::geometry::mesh::doctor::Kind;
 
-/// A rigid body in the air (docs/rigid-bodies.md). Exactly one shape: `sphere`, `disk`, `plate`, `cylinder` or `mesh`. Its name has letters,
+/// A rigid body in the air (docs/rigid-bodies.md). Exactly one shape: `sphere`, `disk`, `plate`, `cylinder`, `wing` or `mesh`. Its name has letters,
 /// digits, - and _.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// Middle of its shape at t = 0; of a mesh the file's origin [m]. If absent of a single sphere, disk, plate or cylinder it stands in the middle
+    /// Middle of its shape at t = 0; of a wing or a mesh the origin of its places [m]. If absent of a single sphere, disk, plate or cylinder it stands in the middle
     /// of the tunnel's section. A held body may pass through sides that are not periodic and through the outlet: what lies outside is left out
     /// (docs/rigid-bodies.md#bodies-that-pass-through-a-face).
     pub position_m: Option<[f64; 3]>,
@@ -26,6 +26,8 @@ pub struct Body {
     pub plate: Option<PlateShape>,
     /// A circular cylinder along z.
     pub cylinder: Option<CylinderShape>,
+    /// A closed wing by its sections.
+    pub wing: Option<WingShape>,
     /// A surface from a file.
     pub mesh: Option<SurfaceFile>,
     /// How it moves; absent: it is held.
@@ -111,6 +113,34 @@ pub struct CylinderShape {
     pub length_m: f64,
     /// Whether it has flat ends.
     pub closed: bool,
+}
+
+/// A closed wing by its sections. x runs downstream, y to the right, z up; `rotation` about y by a positive angle lifts its nose.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WingShape {
+    /// Four or five digits of the NACA profile of all sections. Exactly one of `naca` and `file`.
+    pub naca: Option<String>,
+    /// File of the profile's coordinates in Selig's format, relative to the case file.
+    pub file: Option<String>,
+    /// Sections in order of the span; everything varies linearly between them.
+    pub stations: Vec<WingStation>,
+    /// Where along the chord the positions of the stations are, 0 at the nose; 0.25 if absent.
+    pub chord_fraction: Option<f64>,
+    /// Whether the stations are the right half of a wing that is symmetric about y = 0; `true` if absent. Else they run from the left tip to the right one.
+    pub symmetric: Option<bool>,
+}
+
+/// A section of a wing.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WingStation {
+    /// Point of the chord at `chord_fraction` [m].
+    pub position_m: [f64; 3],
+    /// Chord [m].
+    pub chord_m: f64,
+    /// Turn about that point, nose up [°]; 0 if absent.
+    pub twist_deg: Option<f64>,
 }
 
 /// A surface from a file, closed or open.

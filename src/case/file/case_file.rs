@@ -100,11 +100,15 @@ pub struct File {
 impl File {
     /// Other files that the case takes its structure and bodies from, relative to its own.
     pub(in crate::case) fn named_files(&self) -> Vec<&str> {
-        let of_bodies = self.bodies.values().filter_map(|body| body.mesh.as_ref());
+        let of_bodies = self.bodies.values().flat_map(|body| {
+            let mesh = body.mesh.as_ref().map(|mesh| &mesh.file);
+            mesh.into_iter()
+                .chain(body.wing.iter().flat_map(|wing| &wing.file))
+        });
         let of_structure = self.structure.iter().flat_map(Structure::named_files);
         let of_wing = self.aero.iter().flat_map(|aero| aero.wing.named_files());
         of_bodies
-            .map(|mesh| mesh.file.as_str())
+            .map(String::as_str)
             .chain(of_structure)
             .chain(of_wing)
             .collect()

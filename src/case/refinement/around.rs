@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::lattice::{Lattice, repeats, sponge_begins_m};
 use super::reach::Standing;
-use super::written::{KEPT_CELLS, key};
+use super::written::key;
 use crate::case::air::Air;
 use crate::case::problem::Problem;
 use crate::lattice::nest::{self, CLEARANCE, Refinement};
@@ -77,7 +77,7 @@ fn cost(air: &Air, boxes: &[Refinement]) -> f64 {
 fn nested(air: &Air, standing: &Standing, margin: f64, depth: u32) -> Option<Vec<Refinement>> {
     let length = standing.length_m;
     let cell = air.units.cell_size_m;
-    let kept = (margin * length).max((KEPT_CELLS + 2) as f64 * cell);
+    let kept = (margin * length).max((standing.kept_cells + 2) as f64 * cell);
     let (low, high) = standing.reach;
     let mut wanted = vec![(
         low - DVec3::splat(kept),
@@ -124,7 +124,7 @@ fn nested(air: &Air, standing: &Standing, margin: f64, depth: u32) -> Option<Vec
     debug_assert_eq!(nest::depth(&boxes), depth as usize);
     let (low_m, high_m) = standing.reach;
     let fits = (0..3).all(|a| {
-        let kept = KEPT_CELLS as f64 * cell;
+        let kept = standing.kept_cells as f64 * cell;
         let far = lattice.corner_m[a] + lattice.cells[a] as f64 * lattice.cell_m;
         lattice.repeats[a] || (low_m[a] - lattice.corner_m[a] >= kept && far - high_m[a] >= kept)
     });

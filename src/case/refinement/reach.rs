@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::written::Corners;
+use super::written::{Corners, KEPT_CELLS};
 use crate::case::bodies::RigidBody;
 use crate::case::body::{Body, BodyKind};
 
@@ -28,6 +28,8 @@ pub(super) struct Standing {
     pub start: Corners,
     /// Corners of all places to which it can come [m].
     pub reach: Corners,
+    /// Finest cells between it and the faces of its box, at least.
+    pub kept_cells: usize,
 }
 
 const EMPTY: Corners = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -52,6 +54,7 @@ impl Standing {
                     length_m: before.length_m.max(one.length_m),
                     start: joined(before.start, one.start),
                     reach: joined(before.reach, one.reach),
+                    ..before
                 },
             });
         }
@@ -111,6 +114,7 @@ fn of_fabric(body: &Body) -> Option<Standing> {
         length_m,
         start,
         reach: joined(start, reach),
+        kept_cells: KEPT_CELLS,
     })
 }
 
@@ -132,5 +136,6 @@ fn of_rigid(body: &RigidBody, end_s: f64) -> Standing {
         length_m: (high - low).max_element(),
         start: way,
         reach: way,
+        kept_cells: KEPT_CELLS,
     }
 }

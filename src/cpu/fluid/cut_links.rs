@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{Changed, CutLink, Leaving, Return, SIDES};
+use crate::cut_links::{ChangedByPair, CutLink, Leaving, Return, SIDES};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Links that one task reads.
@@ -17,7 +17,8 @@ impl<T: Real> Fluid<T> {
     /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
     pub fn read_links(&self, links: &[CutLink], returns: &mut Vec<[Return; 2]>) {
         let places = Places::new(self.grid, &self.setup, self.odd);
-        let read = |(array, element): Place| self.populations[array][element].to_f64();
+        let arrays = self.arrays();
+        let read = |(array, element): Place| arrays[array][element].to_f64();
         returns.resize(links.len(), [Return::default(); 2]);
         returns
             .par_iter_mut()
@@ -32,34 +33,35 @@ impl<T: Real> Fluid<T> {
             });
     }
 
+    fn arrays(&self) -> [&[T]; DIRECTION_COUNT] {
+        std::array::from_fn(|array| &self.populations[array])
+    }
+
     /// Stage `read_images`: what left cells in all directions.
     pub fn read_images(&self, cells: &[[i32; 3]], leaving: &mut Vec<Leaving>) {
         let places = Places::new(self.grid, &self.setup, self.odd);
+        let arrays = self.arrays();
         leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
         (leaving.par_iter_mut().zip(cells))
             .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
             .for_each(|(leaving, cell)| {
+                let place = places.leaving(*cell);
                 *leaving = std::array::from_fn(|direction| {
-                    let (array, element) = places.leaving(*cell, direction);
-                    self.populations[array][element].to_f64()
+                    let (array, element) = place(direction);
+                    arrays[array][element].to_f64()
                 });
             });
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and takes what is `changed` along open links.
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links.
     pub fn bounce(
         &mut self,
         links: &[CutLink],
         back: &[[f64; 2]],
         rest: &[[f64; 2]],
-        changed: &[Changed],
+        changed: &ChangedByPair,
     ) {
         let places = Places::new(self.grid, &self.setup, self.odd);
-        for change in changed {
-            let (array, element) = places.leaving(change.cell, change.direction);
-            self.populations.arrays_mut()[array][element] =
-                T::of(change.population + change.change);
-        }
         let mut of_pair: [Vec<u32>; DIRECTION_COUNT / 2] = Default::default();
         for (number, link) in links.iter().enumerate() {
             of_pair[usize::from(link.pair)].push(number as u32);
@@ -67,6 +69,11 @@ impl<T: Real> Fluid<T> {
         let [at_rest, moving @ ..] = self.populations.arrays_mut();
         // The links of a pair of directions write to its two arrays alone.
         let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [T]], &Vec<u32>))| {
+            for change in changed.get(1 + pair).into_iter().flatten() {
+                let (array, element) = places.leaving(change.cell)(usize::from(change.direction));
+                let population = &mut arrays[array - 1 - 2 * pair][element];
+                *population = T::of(population.to_f64() + change.change);
+            }
             for number in of_pair {
                 let number = *number as usize;
                 for side in SIDES {
@@ -78,6 +85,10 @@ impl<T: Real> Fluid<T> {
         let (mut moving, of_pair) = (moving, of_pair);
         rayon::join(
             || {
+                for change in &changed[0] {
+                    let at_rest = &mut at_rest[self.grid.index(change.cell.map(i64::from))];
+                    *at_rest = T::of(at_rest.to_f64() + change.change);
+                }
                 for (link, rest) in links.iter().zip(rest) {
                     for side in SIDES {
                         let at_rest = &mut at_rest[places.rest(link, side)];

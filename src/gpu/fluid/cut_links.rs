@@ -3,7 +3,7 @@
 use super::Fluid;
 use super::link_lists::{LinkLists, LinkParameters};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{Changed, CutLink, Leaving, Return, SIDES};
+use crate::cut_links::{ChangedByPair, CutLink, Leaving, Return, SIDES};
 use crate::gpu::error::DeviceError;
 use crate::lattice::DIRECTION_COUNT;
 
@@ -99,7 +99,7 @@ impl Fluid {
         let mut lists = self.lists(DIRECTION_COUNT * cells.len())?;
         lists.places.clear();
         for cell in cells {
-            let of_cell = (0..DIRECTION_COUNT).map(|direction| places.leaving(*cell, direction));
+            let of_cell = (0..DIRECTION_COUNT).map(places.leaving(*cell));
             lists.places.extend(of_cell.map(listed));
         }
         self.read_listed(&lists, "read_images", |numbers| {
@@ -114,19 +114,20 @@ impl Fluid {
         Ok(())
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and takes what is `changed` along open links.
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links to what was `leaving`.
     pub fn bounce(
         &mut self,
         links: &[CutLink],
         back: &[[f64; 2]],
         rest: &[[f64; 2]],
-        changed: &[Changed],
+        (leaving, changed): (&[Leaving], &ChangedByPair),
     ) -> Result<(), DeviceError> {
         if links.is_empty() {
             return Ok(());
         }
         let places = Places::new(self.grid, &self.setup, self.odd);
-        let mut lists = self.lists(4 * links.len() + changed.len())?;
+        let changes = changed.iter().map(Vec::len).sum::<usize>();
+        let mut lists = self.lists(4 * links.len() + changes)?;
         lists.places.clear();
         lists.numbers.clear();
         lists.rest.clear();
@@ -141,15 +142,15 @@ impl Fluid {
                 }
             }
         }
-        for change in changed {
-            let place = places.leaving(change.cell, change.direction);
-            if change.direction == 0 {
+        for change in changed.iter().flatten() {
+            let direction = usize::from(change.direction);
+            let place = places.leaving(change.cell)(direction);
+            if direction == 0 {
                 lists.rest.push((place.1 as u32, change.change));
             } else {
                 lists.places.push(listed(place));
-                lists
-                    .numbers
-                    .push((change.population + change.change) as f32);
+                let population = leaving[change.number as usize][direction];
+                lists.numbers.push((population + change.change) as f32);
             }
         }
         // All that goes to one cell at once, in the order of links: a stable sort.
