@@ -2,7 +2,7 @@
 //!
 //! Not from the link: what comes back follows from further cells, which would fill up again what the first one lost, to a tenth of the stress and less where the wall lies askew. So half of
 //! it is taken from the cells of the image, half from a cell two further off, from populations along open links, and the cell keeps its mass. Measured: a plate's friction is that of its law
-//! within a seventh on 16 to 64 cells, however it is turned (`ripstop validate wall-friction`).
+//! within a tenth on 16 to 128 cells, however it is turned (`ripstop validate wall-friction`).
 //!
 //! A link stands for the area 9 w (d·n) |d − n (d·n)|², whose sum over the links is that of the wall, since Σ w c c c c is isotropic.
 

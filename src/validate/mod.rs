@@ -98,7 +98,7 @@ pub const PROBLEMS: [Problem; 45] = [
     },
     Problem {
         name: "wing-lift",
-        updates: [250.0, 60_000.0],
+        updates: [250.0, 28_000.0],
         compute: wing_lift::compute,
     },
     Problem {
