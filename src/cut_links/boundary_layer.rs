@@ -14,7 +14,7 @@
 //! * turbulent, δ = 72/7 θ: Reichardt's law u = u_τ (ln(1 + κ y⁺)/κ + 7.8 (1 − e^(−y⁺/11) − y⁺/11 e^(−y⁺/3))), κ = 0.41 (Reichardt 1951, doi:10.1002/zamm.19510310704);
 //! * laminar: l(λ) ν U/θ with Thwaites' l, λ = θ²/ν dU/ds; in a layer thicker than the further distance the speed there is taken over Pohlhausen's profile.
 //!
-//! The layers march in every fourth step of the air ([`STEPS_OF_A_MARCH`]); in between the stress stays.
+//! The layers march in every fourth step of the air; in between the stress stays.
 //!
 //! *Departure*: wall models of large-eddy simulations suppose that y lies inside the layer. Here the layer is mostly thinner than a cell, and a law of the wall alone would give it the
 //! friction of one as thick as y: by arithmetic, some 40 % less on a plate of 16 cells at Re = 10⁵.
