@@ -350,7 +350,11 @@ fn absent() {
 
 /// A run stored and taken up goes on bit by bit.
 fn taken_up_alike() {
-    let case = canopy(&["time.end_s=0.02"]);
+    goes_on_alike(&canopy(&["time.end_s=0.02"]));
+}
+
+/// The same of any case with fabric that cuts links.
+pub fn goes_on_alike(case: &Case) {
     let fresh = || {
         let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
         Simulation::new(case.scene.clone(), plan, None).unwrap()

@@ -7,12 +7,11 @@ use ripstop::lattice::Operator;
 use ripstop::lattice::grid::Setup;
 use ripstop::plan::Plan;
 use ripstop::run::without_files;
-use ripstop::simulation::{Coupled, CutSurface, Simulation};
+use ripstop::simulation::CutSurface;
 
-use crate::cut_links::{canopy, periodic, step};
+use crate::cut_links::{canopy, goes_on_alike, periodic, step};
 use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, plain};
 use crate::read_outs::latest;
-use crate::resumed::{bits_of_nodes, taken_up};
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -127,21 +126,5 @@ impl Body for LightCanopy {
 /// A run with boundary layers, stored and taken up, goes on bit by bit.
 fn taken_up_alike() {
     let case = canopy(&["time.end_s=0.02", "fabric.friction=model", OPERATOR]);
-    let fresh = || {
-        let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
-        Simulation::new(case.scene.clone(), plan, None).unwrap()
-    };
-    let mut run = fresh();
-    let release = run.plan().start_steps;
-    while run.step_count() < release + 30 {
-        run.advance().unwrap();
-    }
-    let mut again = taken_up(&mut run, fresh());
-    for _ in 0..15 {
-        run.advance().unwrap();
-        again.advance().unwrap();
-    }
-    assert_eq!(bits_of_nodes(&run), bits_of_nodes(&again));
-    let force = |simulation: &Simulation| simulation.coupled().map(Coupled::force_on_air);
-    assert_eq!(force(&run), force(&again));
+    goes_on_alike(&case);
 }

@@ -31,7 +31,7 @@ const EDGE_CELLS: f64 = 1.2;
 pub const MARKER_MOTION_LIMIT: f64 = 0.25;
 
 /// Most triangles that a shape is divided into.
-const TRIANGLE_LIMIT: f64 = 2e7;
+pub(super) const TRIANGLE_LIMIT: f64 = 2e7;
 
 /// Instants at which a prescribed motion is looked at.
 const LOOKS: u32 = 400;

@@ -6,19 +6,18 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::bare_wing::{MeanChord, check_outline};
+use super::bodies::TRIANGLE_LIMIT;
 use super::file;
 use super::problem::Problem;
 use super::usual;
 use super::values::{positive, vector, within};
 use crate::aero::AeroError;
 use crate::aero::surface::{Station, Wing};
+use crate::geometry::profile::Profile;
 use crate::rigid::Surface;
 
 /// Fewest points along each side of a section, and strips.
-const FEWEST: usize = 8;
-
-/// Most of them.
-const MOST: usize = 20_000;
+const FEWEST: f64 = 8.0;
 
 /// A wing that is drawn.
 pub(super) struct DrawnWing {
@@ -77,11 +76,44 @@ pub(super) fn check(
             "give the right half, y > 0, from the middle outwards; or, with symmetric = false, the whole wing from the left tip to the right one",
         ));
     }
+    let parts = Parts::of(&whole, edge_m);
+    if 4.0 * parts.per_side * parts.strips > TRIANGLE_LIMIT {
+        return Err(Problem::new(
+            key,
+            format!("{key}: the wing's surface is too large for triangles of {edge_m:e} m"),
+            "choose larger cells or a smaller wing",
+        ));
+    }
     Ok(DrawnWing {
         area_m2: wing.flat_area_m2(),
         chord_m: MeanChord::of(&wing).chord_m,
-        surface: skin(&whole, edge_m).map_err(wrong)?,
+        surface: skin(&whole, &profile, parts).map_err(wrong)?,
     })
+}
+
+/// How a wing is divided.
+#[derive(Debug, Clone, Copy)]
+struct Parts {
+    /// Along each side of a section.
+    per_side: f64,
+    /// Along the span.
+    strips: f64,
+}
+
+impl Parts {
+    /// With edges of about `edge_m`.
+    fn of(wing: &Wing, edge_m: f64) -> Self {
+        let parts = |length: f64| (length / edge_m).ceil().max(FEWEST);
+        let chords = wing.stations.iter().map(|station| station.chord_m);
+        let along_span = wing.stations.windows(2).map(|pair| {
+            let step = pair[1].position_m - pair[0].position_m;
+            step.y.hypot(step.z)
+        });
+        Self {
+            per_side: parts(chords.fold(0.0, f64::max)),
+            strips: parts(along_span.sum()),
+        }
+    }
 }
 
 /// Both halves, from tip to tip.
@@ -103,17 +135,13 @@ fn whole(wing: &Wing) -> Wing {
 }
 
 /// Triangles of the skin and of flat tips, normals outwards.
-fn skin(wing: &Wing, edge_m: f64) -> Result<Surface, AeroError> {
-    let largest = |of: fn(&Station) -> f64| wing.stations.iter().map(of).fold(0.0, f64::max);
-    let parts = |length: f64| ((length / edge_m).ceil() as usize).clamp(FEWEST, MOST);
-    let per_side = parts(largest(|station| station.chord_m));
-    let span = wing.flat_area_m2() / largest(|station| station.chord_m);
-    let strips = parts(span.max(wing.projected_span_m()));
+fn skin(wing: &Wing, profile: &Profile, parts: Parts) -> Result<Surface, AeroError> {
+    let [per_side, strips] = [parts.per_side, parts.strips].map(|count| count as usize);
     let around = 2 * per_side;
     let mut surface = Surface::default();
+    let points = profile.resampled(per_side);
     for station in wing.divided(strips, 0.0)?.stations {
         // The last point is the first.
-        let points = station.profile.resampled(per_side);
         let places = points[..around].iter();
         (surface.positions_m).extend(places.map(|p| station.place(*p, wing.chord_fraction)));
     }
@@ -146,7 +174,6 @@ fn skin(wing: &Wing, edge_m: f64) -> Result<Surface, AeroError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::profile::Profile;
 
     #[test]
     fn the_skin_encloses_the_volume_of_its_sections() {
@@ -164,7 +191,8 @@ mod tests {
             is_symmetric: true,
         };
         wing.roll_along_span();
-        let surface = skin(&whole(&wing), 0.05).unwrap();
+        let whole = whole(&wing);
+        let surface = skin(&whole, &profile, Parts::of(&whole, 0.05)).unwrap();
         assert!(surface.is_closed());
         // The sections' area is 0.685 t/c c² (four digits, thickness only), mean of c² 7/12. The sections lean, and follow each other along y / cos roll.
         let exact = 0.685 * 0.12 * 7.0 / 12.0 * 4.0;

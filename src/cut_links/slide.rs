@@ -203,7 +203,7 @@ impl Images {
             let found = sides.filter_map(|(number, link, side)| {
                 let slides = slides(link.cuts[side].triangle as usize)?;
                 let away = away(link, side, slides.normal);
-                let off = air.off(link, side, away)?;
+                let off = air.off(link, side, (away, slides.modelled))?;
                 let cells = air.cells_of_image(link, side, away);
                 let sum: f64 = cells.iter().map(|(share, _)| share).sum();
                 let image = Image {
@@ -403,8 +403,13 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends; `None` where another wall leaves no room to slide.
-    fn off(&self, link: &CutLink, side: usize, away: DVec3) -> Option<[([i32; 3], f64); 2]> {
+    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends; `None` where another wall leaves no room to slide. What is not `modelled` asks for that alone.
+    fn off(
+        &self,
+        link: &CutLink,
+        side: usize,
+        (away, modelled): (DVec3, bool),
+    ) -> Option<[([i32; 3], f64); 2]> {
         let off = |direction: usize| -vector(direction).dot(away);
         let straight = |direction: usize| off(direction) / vector(direction).length();
         let ahead = (1..DIRECTION_COUNT)
@@ -413,7 +418,8 @@ impl Surroundings<'_> {
         let mut cell = link.cells[side];
         let mut height = link.distance(side) * -off(link.leaving(side));
         let mut found = [(cell, height); 2];
-        for done in 1..=CELLS_OFF[1] {
+        let last = if modelled { CELLS_OFF[1] } else { ROOM };
+        for done in 1..=last {
             match self.next(cell, ahead) {
                 Next::Wall if done <= ROOM => return None,
                 Next::Cell(next) => cell = next,
@@ -486,4 +492,50 @@ fn reflected(
         strength,
         6.0 * weight * d.dot(relative - away * passing),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between two plates less than three cells apart the air sticks, farther apart it slides; outside it slides anyhow.
+    #[test]
+    fn air_sticks_in_narrow_gaps() {
+        let domain = Domain {
+            cells: [20; 3],
+            repeats: [false; 3],
+            kept: 0,
+            open: false,
+        };
+        for (cells_between, slides) in [(1, false), (2, false), (3, true), (4, true)] {
+            let plate = |height: f64| {
+                [[5.2, 5.3], [14.6, 5.3], [14.6, 14.7], [5.2, 14.7]]
+                    .map(|[x, y]| DVec3::new(x, y, height))
+            };
+            let upper = 8.4 + f64::from(cells_between);
+            let positions = [plate(8.4), plate(upper)].concat();
+            let triangles = [[0, 1, 2], [2, 3, 0], [4, 5, 6], [6, 7, 4]];
+            let mut links = CutLinks::default();
+            links.find(&positions, &triangles, &domain).unwrap();
+            for modelled in [false, true] {
+                let mut images = Images::default();
+                images.find(&links, &domain, |_| {
+                    Some(Slides {
+                        normal: DVec3::Z,
+                        modelled,
+                    })
+                });
+                // Off the rims, beside which the way across is free.
+                let between = |(link, side): &(usize, usize)| {
+                    let [x, y, z] = links.links()[*link].cells[*side];
+                    (8.4..upper).contains(&f64::from(z))
+                        && [x, y].iter().all(|n| (7..13).contains(n))
+                };
+                let inside = images.sides().filter(between).count();
+                assert_eq!(inside > 0, slides, "{cells_between} cells");
+                let outside = images.sides().count() - inside;
+                assert!(outside > 500, "{cells_between} cells: {outside}");
+            }
+        }
+    }
 }

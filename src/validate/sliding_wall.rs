@@ -73,20 +73,8 @@ fn planes(session: &mut Session) -> Result<(), Stop> {
         let middle = DVec3::from_array(cells.map(|n| 0.5 * n as f64)) + v(-0.07, 0.11, -0.5);
         let start = middle - 0.5 * (side + across);
         let positions = vec![start, start + side, start + side + across, start + across];
-        let mut drag = [0.0; 2];
-        for (friction, drag) in [Friction::None, Friction::NoSlip]
-            .into_iter()
-            .zip(&mut drag)
-        {
-            let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
-            let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
-            let triangles = vec![[0, 1, 2], [2, 3, 0]];
-            let surface = CutSurface::new(&air, triangles, 4, (0, false));
-            let mut surface = surface.with_friction(vec![friction; 2], 0.0, &positions);
-            for _ in 0..STEPS {
-                *drag -= step(session, &mut air, &mut surface, &positions)?.dot(along);
-            }
-        }
+        let triangles = [[0, 1, 2], [2, 3, 0]];
+        let drag = drags(session, cells, along, (&positions, &triangles))?;
         session
             .row(
                 cells,
@@ -96,6 +84,29 @@ fn planes(session: &mut Session) -> Result<(), Stop> {
             .gate(Gate::AtMost(BAND_OF_DRAG));
     }
     Ok(())
+}
+
+/// What a disturbed stream along walls loses where it slides and where it sticks, summed over all steps.
+fn drags(
+    session: &mut Session,
+    cells: [usize; 3],
+    along: DVec3,
+    (positions, triangles): (&[DVec3], &[[u32; 3]]),
+) -> Result<[f64; 2], Stop> {
+    let mut drags = [0.0; 2];
+    for (friction, drag) in [Friction::None, Friction::NoSlip]
+        .into_iter()
+        .zip(&mut drags)
+    {
+        let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
+        let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
+        let surface = CutSurface::new(&air, triangles.to_vec(), positions.len(), (0, false));
+        let mut surface = surface.with_friction(vec![friction; triangles.len()], 0.0, positions);
+        for _ in 0..STEPS {
+            *drag -= step(session, &mut air, &mut surface, positions)?.dot(along);
+        }
+    }
+    Ok(drags)
 }
 
 /// A stream with noise of up to a twentieth of its speed.
@@ -213,20 +224,8 @@ fn channel(session: &mut Session) -> Result<(), Stop> {
     ] {
         positions.extend([from, from + side, from + side + across, from + across]);
     }
-    let triangles = vec![[0, 1, 2], [2, 3, 0], [4, 5, 6], [6, 7, 4]];
-    let mut drag = [0.0; 2];
-    for (friction, drag) in [Friction::None, Friction::NoSlip]
-        .into_iter()
-        .zip(&mut drag)
-    {
-        let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
-        let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
-        let surface = CutSurface::new(&air, triangles.clone(), 8, (0, false));
-        let mut surface = surface.with_friction(vec![friction; 4], 0.0, &positions);
-        for _ in 0..STEPS {
-            *drag -= step(session, &mut air, &mut surface, &positions)?.dot(along);
-        }
-    }
+    let triangles = [[0, 1, 2], [2, 3, 0], [4, 5, 6], [6, 7, 4]];
+    let drag = drags(session, cells, along, (&positions, &triangles))?;
     let momentum = SPEED * cells.iter().product::<usize>() as f64;
     let of = "channels turned by 26.6 degrees, 8 and 10 cells wide";
     session
