@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::air::{Air, Flow};
-use super::body_wing;
+use super::body_wing::{self, TRIANGLE_LIMIT};
 use super::file::Scheme;
 use super::file::{self, File};
 use super::mesh_examination::{self, ExaminedMesh, FromFiles};
@@ -29,9 +29,6 @@ const EDGE_CELLS: f64 = 1.2;
 
 /// Farthest that a marker may move in a step [cells].
 pub const MARKER_MOTION_LIMIT: f64 = 0.25;
-
-/// Most triangles that a shape is divided into.
-pub(super) const TRIANGLE_LIMIT: f64 = 2e7;
 
 /// Instants at which a prescribed motion is looked at.
 const LOOKS: u32 = 400;

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::bare_wing::{MeanChord, check_outline};
-use super::bodies::TRIANGLE_LIMIT;
 use super::file;
 use super::problem::Problem;
 use super::usual;
@@ -15,6 +14,9 @@ use crate::aero::AeroError;
 use crate::aero::surface::{Station, Wing};
 use crate::geometry::profile::Profile;
 use crate::rigid::Surface;
+
+/// Most triangles that a body is divided into, this or another.
+pub(super) const TRIANGLE_LIMIT: f64 = 2e7;
 
 /// Fewest points along each side of a section, and strips.
 const FEWEST: f64 = 8.0;
