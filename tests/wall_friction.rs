@@ -16,7 +16,14 @@ use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
     [
-        on_every_engine("wall_friction::of_a_turned_plate", TurnedPlate),
+        on_every_engine(
+            "wall_friction::of_a_turned_plate",
+            TurnedPlate { moves: false },
+        ),
+        on_every_engine(
+            "wall_friction::of_a_plate_that_moves",
+            TurnedPlate { moves: true },
+        ),
         on_every_engine("wall_friction::a_light_canopy_opens", LightCanopy),
         plain(
             "wall_friction::a_run_taken_up_goes_on_alike",
@@ -32,7 +39,10 @@ pub fn trials() -> Vec<Trial> {
 const OPERATOR: &str = "resolution.operator=stabilised_regularised";
 
 #[derive(Clone, Copy)]
-struct TurnedPlate;
+struct TurnedPlate {
+    /// Through air at rest, in place of a stream along it.
+    moves: bool,
+}
 
 impl Body for TurnedPlate {
     /// A plate of 16 cells that lies anyhow in the lattice has the friction of Prandtl and Schlichting's law, though its layer is a fortieth of a cell thick; the air loses what the plate
@@ -48,7 +58,12 @@ impl Body for TurnedPlate {
             operator: Operator::StabilisedRegularised,
             ..periodic(grid, 0.5 + 3.0 * SPEED * length / REYNOLDS)
         };
-        let mut air = engine.air(setup, &|_| (0.0, (along * SPEED).to_array()));
+        let [stream, motion] = if self.moves {
+            [DVec3::ZERO, along * -SPEED]
+        } else {
+            [along * SPEED, DVec3::ZERO]
+        };
+        let mut air = engine.air(setup, &|_| (0.0, stream.to_array()));
         let front = DVec3::new(16.37, 15.69, -0.5) - along * (0.5 * length);
         let mut positions = Vec::new();
         for i in 0..=CELLS {
@@ -63,12 +78,15 @@ impl Body for TurnedPlate {
         let friction = vec![Friction::Model; triangles.len()];
         let mut surface = CutSurface::new(&air, triangles, positions.len(), (0, false))
             .with_friction(friction, 0.0, &positions);
-        let still = vec![DVec3::ZERO; positions.len()];
+        let velocities = vec![motion; positions.len()];
         let before = mass_and_momentum(&air);
         let (mut given, mut drag) = (DVec3::ZERO, 0.0);
         // Two and a half lengths, of which the last is judged.
         for number in 0..400 {
-            let force = step(&mut air, &mut surface, &positions, &still);
+            let force = step(&mut air, &mut surface, &positions, &velocities);
+            for position in &mut positions {
+                *position += motion;
+            }
             given += force;
             if number >= 240 {
                 drag -= force.dot(along);

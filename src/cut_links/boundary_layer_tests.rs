@@ -64,12 +64,12 @@ fn triangles_that_the_stream_crosses_askew_change_nothing() {
         let modelled = vec![true; triangles.len()];
         let mut layers = BoundaryLayers::new(modelled, viscosity, 0.0).unwrap();
         for _ in 0..3 * LENGTH {
-            let samples = (0..2 * triangles.len()).map(|face| Sample {
-                face,
-                velocities: [direction * SPEED; 2],
-                heights: HEIGHTS,
+            layers.march(shape, |_| {
+                Some(Seen {
+                    velocities: [direction * SPEED; 2],
+                    heights: HEIGHTS,
+                })
             });
-            layers.march(shape, samples);
         }
         let mut seen = 0;
         for (number, nodes) in triangles.iter().enumerate() {
@@ -99,7 +99,11 @@ struct Marched {
 }
 
 /// Layers along a plate of 200 cells in air that flows along it with `speed` of the distances from its front and from it, taken at two `HEIGHTS`.
-fn marched(viscosity: f64, transition_reynolds: f64, speed: impl Fn(f64, f64) -> f64) -> Marched {
+fn marched(
+    viscosity: f64,
+    transition_reynolds: f64,
+    speed: impl Fn(f64, f64) -> f64 + Sync,
+) -> Marched {
     const LENGTH: usize = 200;
     let (positions, triangles) = plate(LENGTH, 20.0);
     let direction = glam::DQuat::from_rotation_z(20_f64.to_radians()) * DVec3::X;
@@ -123,13 +127,13 @@ fn marched(viscosity: f64, transition_reynolds: f64, speed: impl Fn(f64, f64) ->
         spaces: &spaces,
     };
     for _ in 0..3 * LENGTH {
-        let samples = (0..2 * triangles.len()).map(|face| Sample {
-            face,
-            velocities: HEIGHTS.map(|height| direction * speed(along[face / 2], height)),
-            heights: HEIGHTS,
-        });
         // Every third triangle has no link.
-        layers.march(shape, samples.filter(|sample| sample.face / 2 % 3 != 1));
+        layers.march(shape, |face| {
+            (face / 2 % 3 != 1).then(|| Seen {
+                velocities: HEIGHTS.map(|height| direction * speed(along[face / 2], height)),
+                heights: HEIGHTS,
+            })
+        });
     }
     Marched { layers, along }
 }

@@ -28,6 +28,7 @@
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
 //! * [`slide`]: what comes back where the air slides along the surface;
 //! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
+//! * `modelled`: what it needs to know of the air;
 //! * [`stress`]: where that is taken from the air;
 //! * [`spaces`]: which faces look at the same air.
 
@@ -35,6 +36,7 @@ pub mod bounce;
 pub mod boundary_layer;
 pub mod by_triangle;
 pub mod faces;
+mod modelled;
 pub mod places;
 pub mod search;
 pub mod slide;

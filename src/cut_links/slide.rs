@@ -20,7 +20,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::boundary_layer::{Face, Sample};
+use super::bounce::Return;
+use super::boundary_layer::{Face, Seen};
+use super::modelled::{Modelled, Off};
 use super::search::{CutLink, CutLinks, Domain};
 use crate::lattice::nest::CHANGED_BY_LAYERS;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, WEIGHTS, opposite};
@@ -113,20 +115,15 @@ impl Air {
 pub(super) struct Image {
     pub(super) link: u32,
     pub(super) side: u8,
-    /// Unit normal away from the air.
+    /// Direction d in which air leaves the side.
+    direction: u8,
+    /// Unit normal n away from the air.
     pub(super) away: DVec3,
+    /// d − n (d·n).
+    along: DVec3,
+    /// α.
+    strength: f64,
     pub(super) cells: [(f64, u32); CELLS_OF_AN_IMAGE],
-    /// Where a model gives the stress.
-    pub(super) off: Option<Off>,
-}
-
-/// What an image knows for a model of the boundary layer.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Off {
-    pub(super) face: u32,
-    /// The cells off the wall from which velocities are taken, and their distances from the wall [cells].
-    pub(super) cells: [u32; 2],
-    heights: [f64; 2],
 }
 
 /// How the air slides along a triangle.
@@ -138,41 +135,35 @@ pub struct Slides {
     pub modelled: bool,
 }
 
-/// What comes back to a side of a link that slides.
-#[derive(Debug, Clone, Copy)]
-pub struct Back {
-    /// Number of the link.
-    pub link: u32,
-    /// Side of it.
-    pub side: u8,
-    /// What comes back, less what the wall's velocity adds.
-    pub further: f64,
-    /// α.
-    pub strength: f64,
-    /// Mass that leaves along the link, and does not come back, where the air slides along a plane: 6 w d·(j − ρ V − n n·(j − ρ V)).
-    pub along: f64,
-}
-
 /// Images of all cut links at which the air slides.
 #[derive(Debug, Clone, Default)]
 pub struct Images {
     images: Vec<Image>,
-    /// Cells that they are taken from and the nearer ones off the wall, in the order of memory; behind them the further ones.
+    modelled: Modelled,
+    /// By link, the images of its sides; [`NO_IMAGE`] where the air sticks.
+    of_link: Vec<[u32; 2]>,
+    /// Cells that they are taken from; behind them the others near the wall that models of the boundary layer ask for, and last those further off. Each part is in the order of memory.
     cells: Vec<[i32; 3]>,
-    /// How many stand before the further ones.
-    nearer: usize,
-    /// Of the nearer cells, as it leaves them.
+    /// Where the first and the second part end.
+    ends: [usize; 2],
+    /// Of the cells, as it leaves them.
     air: Vec<Air>,
-    /// By image, what the cells off the wall move with beyond it.
-    velocities: Vec<[DVec3; 2]>,
 }
 
-/// An image as it is found, and its cells: those that it is taken from, and those off the wall with their distances.
-type Found = (
-    Image,
-    [[i32; 3]; CELLS_OF_AN_IMAGE],
-    Option<[([i32; 3], f64); 2]>,
-);
+/// No image, in [`Images::of_link`].
+const NO_IMAGE: u32 = u32::MAX;
+
+/// Cells off a wall, a near and a further one, and their distances from it [cells].
+type CellsOff = [([i32; 3], f64); 2];
+
+/// An image as it is found.
+struct Found {
+    image: Image,
+    /// Cells that it is taken from.
+    cells: [[i32; 3]; CELLS_OF_AN_IMAGE],
+    /// The face for a model of the boundary layer, and the cells off the wall.
+    off: Option<(Face, CellsOff)>,
+}
 
 /// Cells in the order of memory, each once.
 fn in_order(cells: &mut Vec<[i32; 3]>) {
@@ -182,6 +173,17 @@ fn in_order(cells: &mut Vec<[i32; 3]>) {
 
 fn in_memory(&[x, y, z]: &[i32; 3]) -> [i32; 3] {
     [z, y, x]
+}
+
+/// Cells of the images of which is asked what left them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// Those that the images are taken from.
+    Images,
+    /// Those near the wall, too, which lose the stress of modelled layers.
+    Near,
+    /// Those further off, too.
+    Further,
 }
 
 fn place_among(cells: &[[i32; 3]], cell: [i32; 3]) -> u32 {
@@ -206,22 +208,22 @@ impl Images {
                 let off = air.off(link, side, (away, slides.modelled))?;
                 let cells = air.cells_of_image(link, side, away);
                 let sum: f64 = cells.iter().map(|(share, _)| share).sum();
+                let direction = link.leaving(side);
+                let d = vector(direction);
                 let image = Image {
                     link: (task * LINKS_AT_ONCE + number) as u32,
                     side: side as u8,
+                    direction: direction as u8,
                     away,
+                    along: d - away * d.dot(away),
+                    strength: (0.5 / link.distance(side)).min(1.0),
                     cells: cells.map(|(share, _)| (share / sum, 0)),
-                    off: slides.modelled.then(|| Off {
-                        face: face(link, side, slides.normal) as u32,
-                        cells: [0; 2],
-                        heights: off.map(|(_, height)| height),
-                    }),
                 };
-                Some((
+                Some(Found {
                     image,
-                    cells.map(|(_, cell)| cell),
-                    slides.modelled.then_some(off),
-                ))
+                    cells: cells.map(|(_, cell)| cell),
+                    off: (slides.modelled).then(|| (face(link, side, slides.normal), off)),
+                })
             });
             found.collect()
         };
@@ -229,49 +231,85 @@ impl Images {
             .map(look)
             .collect();
         self.cells.clear();
-        let mut further = Vec::new();
-        for (_, cells, off) in found.iter().flatten() {
-            self.cells.extend(cells);
-            if let Some([(near, _), (far, _)]) = off {
-                self.cells.push(*near);
-                further.push(*far);
+        let (mut near, mut further) = (Vec::new(), Vec::new());
+        for found in found.iter().flatten() {
+            self.cells.extend(found.cells);
+            if let Some((_, [(near_wall, _), (far, _)])) = found.off {
+                near.push(near_wall);
+                further.push(far);
             }
         }
         in_order(&mut self.cells);
         in_order(&mut further);
-        self.nearer = self.cells.len();
-        let nearer = &self.cells;
-        let placed = |(mut image, asked, off): Found| {
-            for ((_, to), cell) in image.cells.iter_mut().zip(asked) {
-                *to = place_among(nearer, cell);
-            }
-            if let (Some(own), Some([(near, _), (far, _)])) = (&mut image.off, off) {
-                let far = nearer.len() as u32 + place_among(&further, far);
-                own.cells = [place_among(nearer, near), far];
-            }
-            image
+        let of_images = self.cells.len();
+        let place = |cell| {
+            let place = place_among(&self.cells, cell);
+            (self.cells.get(place as usize) == Some(&cell)).then_some(place)
         };
-        let placed: Vec<Vec<Image>> = (found.into_par_iter())
-            .map(|some| some.into_iter().map(placed).collect())
+        near.retain(|cell| place(*cell).is_none());
+        in_order(&mut near);
+        self.ends = [of_images, of_images + near.len()];
+        let [_, of_further] = self.ends;
+        let placed = |found: &Found| {
+            let mut image = found.image;
+            for ((_, to), cell) in image.cells.iter_mut().zip(found.cells) {
+                *to = place_among(&self.cells, cell);
+            }
+            let off = found
+                .off
+                .map(|(face, [(close, height), (far, far_height)])| Off {
+                    face: face as u32,
+                    image: 0,
+                    link: image.link,
+                    side: image.side,
+                    cells: [
+                        place(close)
+                            .unwrap_or_else(|| of_images as u32 + place_among(&near, close)),
+                        of_further as u32 + place_among(&further, far),
+                    ],
+                    heights: [height, far_height],
+                });
+            (image, off)
+        };
+        let placed: Vec<Vec<(Image, Option<Off>)>> = (found.par_iter())
+            .map(|some| some.iter().map(placed).collect())
             .collect();
         self.images.clear();
-        self.images.extend(placed.into_iter().flatten());
+        let mut modelled = Vec::new();
+        self.of_link.clear();
+        self.of_link.resize(links.links().len(), [NO_IMAGE; 2]);
+        for (image, off) in placed.into_iter().flatten() {
+            let number = self.images.len() as u32;
+            self.of_link[image.link as usize][usize::from(image.side)] = number;
+            self.images.push(image);
+            modelled.extend(off.map(|off| Off {
+                image: number,
+                ..off
+            }));
+        }
+        self.modelled.lay(&modelled);
+        self.cells.extend(near);
         self.cells.extend(further);
     }
 
-    /// Cells of which is asked what left them; the `further` ones where the layers march.
+    /// Cells of which is asked what left them.
     #[must_use]
-    pub fn cells(&self, further: bool) -> &[[i32; 3]] {
-        if further {
-            &self.cells
-        } else {
-            &self.cells[..self.nearer]
+    pub fn cells(&self, asked: Asked) -> &[[i32; 3]] {
+        match asked {
+            Asked::Images => &self.cells[..self.ends[0]],
+            Asked::Near => &self.cells[..self.ends[1]],
+            Asked::Further => &self.cells,
         }
     }
 
-    /// In the order of links.
-    pub(super) fn all(&self) -> &[Image] {
-        &self.images
+    /// The image of a number.
+    pub(super) fn image(&self, number: u32) -> &Image {
+        &self.images[number as usize]
+    }
+
+    /// Images where a model of the boundary layer gives the stress, in the order of faces.
+    pub(super) fn modelled(&self) -> &[Off] {
+        self.modelled.all()
     }
 
     /// Links and sides that slide, in the order of links.
@@ -279,82 +317,86 @@ impl Images {
         (self.images.iter()).map(|image| (image.link as usize, usize::from(image.side)))
     }
 
-    /// What models of the boundary layer take, from what `leaving` the cells, further ones among them; `wall` tells the wall's velocity at a side.
-    pub fn samples(
-        &mut self,
-        links: &[CutLink],
-        leaving: &[Leaving],
-        wall: impl Fn(&CutLink, usize) -> DVec3 + Sync,
-    ) -> impl Iterator<Item = Sample> {
-        let seen = |image: &Image| {
-            image.off.map_or([DVec3::ZERO; 2], |off| {
-                let wall = wall(&links[image.link as usize], usize::from(image.side));
-                off.cells
-                    .map(|cell| velocity(&leaving[cell as usize]) - wall)
-            })
-        };
-        (self.images.par_iter())
+    /// Takes what is `leaving` the cells.
+    pub fn take(&mut self, leaving: &[Leaving]) {
+        (leaving.par_iter())
             .with_min_len(LINKS_AT_ONCE)
-            .map(seen)
-            .collect_into_vec(&mut self.velocities);
-        let seen = self.images.iter().zip(&self.velocities);
-        seen.filter_map(|(image, velocities)| {
-            let off = image.off?;
-            Some(Sample {
-                face: off.face as Face,
-                velocities: *velocities,
-                heights: off.heights,
+            .map(Air::new)
+            .collect_into_vec(&mut self.air);
+    }
+
+    /// What a model of the boundary layer takes of the air beside a face, from what was taken of all cells; `wall` tells the wall's velocity at a side of a link.
+    pub fn seen(&self, face: Face, wall: impl Fn(usize, usize) -> DVec3) -> Option<Seen> {
+        self.modelled.seen(face, |off| {
+            let wall = wall(off.link as usize, usize::from(off.side));
+            off.cells.map(|cell| {
+                let air = &self.air[cell as usize];
+                air.momentum / air.density - wall
             })
         })
     }
 
-    /// What comes back to every side that slides, from what `leaving` the cells; `wall` tells the wall's velocity at a side.
+    /// Puts what comes back to every side that slides into `returns`, from what was taken and is `leaving` the cells; `wall` tells the wall's velocity at a side of a link. Into `along` goes
+    /// the mass that leaves along a side, and does not come back, where the air slides along a plane: 6 w d·(j − ρ V − n n·(j − ρ V)).
     pub fn returned(
-        &mut self,
-        links: &[CutLink],
+        &self,
         leaving: &[Leaving],
-        wall: impl Fn(&CutLink, usize) -> DVec3 + Sync,
-        back: &mut Vec<Back>,
+        wall: impl Fn(usize, usize) -> DVec3 + Sync,
+        returns: &mut [[Return; 2]],
+        along: &mut Vec<[f64; 2]>,
     ) {
-        (leaving[..self.nearer].par_iter())
-            .with_min_len(LINKS_AT_ONCE)
-            .map(Air::new)
-            .collect_into_vec(&mut self.air);
-        let air = &self.air;
-        (self.images.par_iter())
-            .with_min_len(LINKS_AT_ONCE)
-            .map(|image| {
-                let side = usize::from(image.side);
-                let link = &links[image.link as usize];
-                let from = opposite(link.leaving(side));
+        along.resize(returns.len(), [0.0; 2]);
+        (returns
+            .par_iter_mut()
+            .zip(along)
+            .zip(&self.of_link)
+            .enumerate())
+        .with_min_len(LINKS_AT_ONCE)
+        .for_each(|(link, ((returns, along), images))| {
+            for side in super::SIDES {
+                if images[side] == NO_IMAGE {
+                    continue;
+                }
+                let image = &self.images[images[side] as usize];
+                let from = opposite(usize::from(image.direction));
                 let (mut at, mut came) = (Air::default(), 0.0);
                 for (share, cell) in image.cells {
                     let cell = cell as usize;
-                    at.add(share, &air[cell]);
+                    at.add(share, &self.air[cell]);
                     came += share * leaving[cell][from];
                 }
-                let wall = (image.away, wall(link, side));
-                let [further, strength, along] = reflected(link, side, came, &at, wall);
-                Back {
-                    link: image.link,
-                    side: image.side,
+                let (further, lost) = image.reflected(came, &at, wall(link, side));
+                along[side] = lost;
+                returns[side] = Return {
+                    out: returns[side].out,
+                    share: 0.0,
                     further,
-                    strength,
-                    along,
-                }
-            })
-            .collect_into_vec(back);
+                    strength: image.strength,
+                };
+            }
+        });
     }
 }
 
-/// Velocity of a cell.
-fn velocity(leaving: &Leaving) -> DVec3 {
-    let (mut density, mut momentum) = (1.0, DVec3::ZERO);
-    for (direction, population) in leaving.iter().enumerate() {
-        density += population;
-        momentum += vector(direction) * *population;
+impl Image {
+    /// What comes back, less what the wall's velocity adds, and what leaves along a plane.
+    fn reflected(&self, came: f64, air: &Air, wall: DVec3) -> (f64, f64) {
+        let away = self.away;
+        let direction = usize::from(self.direction);
+        let six_weights = 6.0 * WEIGHTS[direction];
+        let d = vector(direction);
+        let across = d.dot(away);
+        let relative = air.momentum - wall * air.density;
+        let passing = away.dot(relative);
+        // d·s, s being the part along the wall of the flux across it.
+        let shear = self.along.dot(air.flux(away)) - self.along.dot(air.momentum) * away.dot(wall);
+        // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
+        let added = self.strength * (across * passing + d.dot(wall));
+        (
+            came + six_weights * (added - 3.0 * across * shear),
+            six_weights * self.along.dot(relative),
+        )
     }
-    momentum / density
 }
 
 /// Face of a cut's triangle that a side looks at, by the triangle's normal.
@@ -409,7 +451,7 @@ impl Surroundings<'_> {
         link: &CutLink,
         side: usize,
         (away, modelled): (DVec3, bool),
-    ) -> Option<[([i32; 3], f64); 2]> {
+    ) -> Option<CellsOff> {
         let off = |direction: usize| -vector(direction).dot(away);
         let straight = |direction: usize| off(direction) / vector(direction).length();
         let ahead = (1..DIRECTION_COUNT)
@@ -466,32 +508,6 @@ impl Surroundings<'_> {
         }
         nearest
     }
-}
-
-/// What comes back, less what the wall's velocity adds; α; and what leaves along a plane.
-fn reflected(
-    link: &CutLink,
-    side: usize,
-    back: f64,
-    air: &Air,
-    (away, velocity): (DVec3, DVec3),
-) -> [f64; 3] {
-    let direction = link.leaving(side);
-    let (weight, d) = (WEIGHTS[direction], vector(direction));
-    let across = d.dot(away);
-    let strength = (0.5 / link.distance(side)).min(1.0);
-    let relative = air.momentum - velocity * air.density;
-    let passing = away.dot(relative);
-    let flux = air.flux(away) - air.momentum * away.dot(velocity);
-    let shear = flux - away * away.dot(flux);
-    // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
-    let added = 6.0 * weight * strength * d.dot(velocity);
-    [
-        back + 6.0 * weight * strength * across * passing - 18.0 * weight * across * d.dot(shear)
-            + added,
-        strength,
-        6.0 * weight * d.dot(relative - away * passing),
-    ]
 }
 
 #[cfg(test)]

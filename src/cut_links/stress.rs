@@ -10,8 +10,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::boundary_layer::BoundaryLayers;
+use super::modelled::Off;
 use super::search::{CutLink, CutLinks, Domain};
-use super::slide::{CELLS_OF_AN_IMAGE, Image, Images, Next, Surroundings};
+use super::slide::{Asked, CELLS_OF_AN_IMAGE, Image, Images, Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 
 /// Share of a model's stress that is taken two cells off, the rest from the cells of the image: by 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
@@ -46,104 +47,121 @@ pub struct Changed {
 /// Populations that the stress changes: those at rest, and those along the three axes, which no other pair of directions touches.
 pub type ChangedByPair = [Vec<Changed>; 4];
 
-/// What the walls take.
+/// What the walls take. What is of images is in the order of [`Images::modelled`].
 #[derive(Debug, Clone, Default)]
 pub struct Stress {
     /// How each cell of the images loses momentum.
     loses: Vec<Option<Loses>>,
-    /// By image, which share of the stress its cells lose; 1 in all, or 0 where none of them can.
-    shares: Vec<[f64; LOSERS]>,
+    /// By image, for which part of the wall each of its cells loses [cells²]; zeros where none of them can.
+    areas: Vec<[f64; LOSERS]>,
     /// What each cell loses in a step.
     lost: Vec<DVec3>,
     /// By pair of directions, those at rest first.
     changed: ChangedByPair,
+    /// What each of them is times what its cell loses.
+    by: [Vec<DVec3>; 4],
     taken: Vec<[DVec3; 2]>,
 }
 
 /// Cells that lose at an image.
-fn losers(image: &Image) -> Option<[u32; LOSERS]> {
-    let [near, _] = image.off?.cells;
+fn losers(image: &Image, off: &Off) -> [u32; LOSERS] {
+    let [near, _] = off.cells;
     let [a, b, c] = image.cells.map(|(_, cell)| cell);
-    Some([a, b, c, near])
+    [a, b, c, near]
 }
 
 impl Stress {
-    /// Lays out for `images` which of their cells can lose.
+    /// Lays out for `images` which of their cells can lose, and how.
     pub fn find(&mut self, links: &CutLinks, domain: &Domain, images: &Images) {
         let air = Surroundings { links, domain };
-        (images.cells(false).par_iter())
+        (images.cells(Asked::Near).par_iter())
             .with_min_len(CELLS_AT_ONCE)
             .map(|cell| loses(&air, *cell))
             .collect_into_vec(&mut self.loses);
         let loses = &self.loses;
-        let shares = |image: &Image| {
+        let areas = |off: &Off| {
+            let image = images.image(off.image);
             let mut shares = [TAKEN_OFF; LOSERS];
-            let Some(cells) = losers(image) else {
-                return [0.0; LOSERS];
-            };
             for (to, (share, _)) in shares.iter_mut().zip(image.cells) {
                 *to = (1.0 - TAKEN_OFF) * share;
             }
-            for (share, cell) in shares.iter_mut().zip(cells) {
+            for (share, cell) in shares.iter_mut().zip(losers(image, off)) {
                 if loses[cell as usize].is_none() {
                     *share = 0.0;
                 }
             }
             let sum: f64 = shares.iter().sum();
-            shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
+            let link = &links.links()[off.link as usize];
+            let area = area(link, usize::from(off.side), image.away);
+            shares.map(|share| if sum > 0.0 { share / sum * area } else { 0.0 })
         };
-        (images.all().par_iter())
+        (images.modelled().par_iter())
             .with_min_len(CELLS_AT_ONCE)
-            .map(shares)
-            .collect_into_vec(&mut self.shares);
+            .map(areas)
+            .collect_into_vec(&mut self.areas);
+        self.lay(images);
     }
 
-    /// Takes the stress of `layers` from the cells, every step the same until this is called again.
-    pub fn take(&mut self, links: &[CutLink], images: &Images, layers: &BoundaryLayers) {
-        self.lost.clear();
-        self.lost.resize(self.loses.len(), DVec3::ZERO);
-        self.taken.clear();
-        self.taken.resize(links.len(), [DVec3::ZERO; 2]);
-        for (image, shares) in images.all().iter().zip(&self.shares) {
-            let (Some(off), Some(cells)) = (image.off, losers(image)) else {
-                continue;
-            };
-            let (link, side) = (&links[image.link as usize], usize::from(image.side));
-            let stress = layers.stress(off.face as usize) * area(link, side, image.away);
-            for (cell, share) in cells.into_iter().zip(shares) {
-                self.lost[cell as usize] += stress * *share;
-                self.taken[image.link as usize][side] += stress * *share;
+    /// Lays out what changes in the cells that lose.
+    fn lay(&mut self, images: &Images) {
+        let mut lose = vec![false; self.loses.len()];
+        for (off, areas) in images.modelled().iter().zip(&self.areas) {
+            for (cell, area) in losers(images.image(off.image), off).into_iter().zip(areas) {
+                lose[cell as usize] |= *area > 0.0;
             }
         }
-        let cells = images.cells(false).iter().zip(&self.loses).zip(&self.lost);
         self.changed.iter_mut().for_each(Vec::clear);
-        for (number, ((cell, loses), lost)) in cells.enumerate() {
+        self.by.iter_mut().for_each(Vec::clear);
+        let cells = images.cells(Asked::Near).iter().zip(&self.loses).zip(lose);
+        for (number, ((cell, loses), _)) in cells.enumerate().filter(|(_, (_, lose))| *lose) {
             let Some(loses) = loses else { continue };
-            if *lost == DVec3::ZERO {
-                continue;
-            }
-            let mut to_rest = 0.0;
-            let mut change = |direction: u8, change: f64| {
-                self.changed[usize::from(direction.div_ceil(2))].push(Changed {
+            let mut change = |direction: u8, by: DVec3| {
+                let pair = usize::from(direction.div_ceil(2));
+                self.by[pair].push(by);
+                self.changed[pair].push(Changed {
                     number: number as u32,
                     cell: *cell,
                     direction,
-                    change,
+                    change: 0.0,
                 });
             };
-            for (open, lost) in loses.iter().zip(lost.to_array()) {
-                let each = lost / open.iter().flatten().count() as f64;
-                for (direction, sign) in open.iter().zip([-1.0, 1.0]) {
+            let mut to_rest = DVec3::ZERO;
+            for (open, axis) in loses.iter().zip(DVec3::AXES) {
+                let each = axis / open.iter().flatten().count() as f64;
+                for (direction, by) in open.iter().zip([-each, each]) {
                     if let Some(direction) = direction {
-                        change(*direction, sign * each);
-                        to_rest -= sign * each;
+                        change(*direction, by);
+                        to_rest -= by;
                     }
                 }
             }
             // Beside a wall one link of an axis may be cut; the cell keeps its mass.
-            if to_rest != 0.0 {
+            if to_rest != DVec3::ZERO {
                 change(0, to_rest);
             }
+        }
+    }
+
+    /// Takes the stress of `layers` from the cells, every step the same until this is called again; so many `links` are cut.
+    pub fn take(&mut self, links: usize, images: &Images, layers: &BoundaryLayers) {
+        self.lost.clear();
+        self.lost.resize(self.loses.len(), DVec3::ZERO);
+        self.taken.clear();
+        self.taken.resize(links, [DVec3::ZERO; 2]);
+        for (off, areas) in images.modelled().iter().zip(&self.areas) {
+            let stress = layers.stress(off.face as usize);
+            let cells = losers(images.image(off.image), off);
+            for (cell, area) in cells.into_iter().zip(areas) {
+                self.lost[cell as usize] += stress * *area;
+            }
+            self.taken[off.link as usize][usize::from(off.side)] =
+                stress * areas.iter().sum::<f64>();
+        }
+        let lost = &self.lost;
+        for (changed, by) in self.changed.iter_mut().zip(&self.by) {
+            (changed.par_iter_mut().zip(by))
+                .with_min_len(CELLS_AT_ONCE)
+                .for_each(|(changed, by)| changed.change = by.dot(lost[changed.number as usize]));
         }
     }
 

@@ -228,7 +228,7 @@ impl CutSurface {
         let Some(mut sliding) = self.sliding.take() else {
             return Ok(());
         };
-        let (cells, leaving) = sliding.read();
+        let (cells, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
         let read = match air {
             AirEngine::CpuF32(fluid) => {
                 fluid.read_images(cells, leaving);
@@ -241,9 +241,16 @@ impl CutSurface {
             AirEngine::Gpu(fluid) => fluid.read_images(cells, leaving),
         };
         let mut returns = std::mem::take(&mut self.returns);
-        let velocity = |link: &CutLink, side: usize| self.at(&link.cuts[side], velocities);
+        let stands = velocities.iter().all(|velocity| *velocity == DVec3::ZERO);
+        let velocity = |link: usize, side: usize| {
+            if stands {
+                DVec3::ZERO
+            } else {
+                self.at(&self.links()[link].cuts[side], velocities)
+            }
+        };
         let shape = (&*self.triangles, &*self.positions, &*self.normals);
-        sliding.answer(self.links.links(), shape, velocity, &mut returns);
+        sliding.answer(shape, velocity, &mut returns);
         self.returns = returns;
         self.sliding = Some(sliding);
         read
@@ -333,9 +340,10 @@ impl CutSurface {
         rest.resize(count, [0.0; 2]);
         forces.resize(count, [DVec3::ZERO; 2]);
         let formed = (back.par_iter_mut().zip(&mut rest)).zip(&mut forces);
-        (formed.zip(self.links()).zip(&self.returns))
+        let taken = self.sliding.as_ref().map_or(&[][..], Sliding::taken);
+        (formed.zip(self.links()).zip(&self.returns).enumerate())
             .with_min_len(LINKS_AT_ONCE)
-            .for_each(|((((r, left), force), link), returns)| {
+            .for_each(|(number, ((((r, left), force), link), returns))| {
                 let c = link.direction();
                 let weight = WEIGHTS[link.leaving(0)];
                 let of = |cut: &Cut| c.dot(self.at(cut, velocities) + self.through(cut));
@@ -352,14 +360,14 @@ impl CutSurface {
                     left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
                     force[side] = c * (-sign * (returned.out + r[side]));
                 }
+                if let Some(taken) = taken.get(number) {
+                    for side in SIDES {
+                        force[side] -= taken[side];
+                    }
+                }
             });
         if let Some(sliding) = &mut self.sliding {
-            sliding.keep_mass(self.links.links(), &mut rest);
-            for (forces, taken) in forces.iter_mut().zip(sliding.taken()) {
-                for side in SIDES {
-                    forces[side] -= taken[side];
-                }
-            }
+            sliding.keep_mass(&mut rest);
         }
         (self.back, self.rest, self.forces) = (back, rest, forces);
     }

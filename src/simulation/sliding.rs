@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
-use crate::cut_links::slide::{self, Back, Slides};
+use crate::cut_links::slide::{self, Asked, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
-    BoundaryLayers, ChangedByPair, CutLink, CutLinks, Domain, Images, Leaving, Return, Stress,
+    BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Return, Stress,
 };
 use crate::lattice::WEIGHTS;
 
@@ -19,15 +19,27 @@ pub(super) struct Sliding {
     images: Images,
     /// What left the cells of the images.
     leaving: Vec<Leaving>,
-    back: Vec<Back>,
+    /// By link and side, the mass that leaves there, and does not come back, along a plane.
+    along: Vec<[f64; 2]>,
     spaces: Spaces,
-    /// Number of the space that each image looks at.
-    space_of: Vec<u32>,
+    /// Sides that slide, in the order of links.
+    sides: Vec<Side>,
     /// `None` where no boundary layer is modelled.
     modelled: Option<Modelled>,
     /// Of every space: what its sides lost in the step, and the sum of their weights.
     sums: Vec<[f64; 2]>,
     returned: f64,
+}
+
+/// A side of a link along which the air slides.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    link: u32,
+    side: u8,
+    /// Number of the space that it looks at.
+    space: u32,
+    /// Of the direction.
+    weight: f64,
 }
 
 /// Boundary layers that are modelled, and what they take from the air.
@@ -65,9 +77,9 @@ impl Sliding {
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
             leaving: Vec::new(),
-            back: Vec::new(),
+            along: Vec::new(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
-            space_of: Vec::new(),
+            sides: Vec::new(),
             modelled: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds)
                 .map(|layers| Modelled {
                     layers,
@@ -96,33 +108,45 @@ impl Sliding {
             modelled.taken = false;
         }
         let (links, spaces) = (links.links(), &self.spaces);
-        let space = |(link, side): (usize, usize)| {
-            let normal = normals[links[link].cuts[side].triangle as usize];
-            spaces.of(slide::face(&links[link], side, normal)) as u32
+        let side = |(number, side): (usize, usize)| {
+            let link = &links[number];
+            let normal = normals[link.cuts[side].triangle as usize];
+            Side {
+                link: number as u32,
+                side: side as u8,
+                space: spaces.of(slide::face(link, side, normal)) as u32,
+                weight: WEIGHTS[link.leaving(side)],
+            }
         };
-        self.space_of.clear();
-        self.space_of.extend(self.images.sides().map(space));
+        self.sides.clear();
+        self.sides.extend(self.images.sides().map(side));
     }
 
-    /// Begins a step: cells of which is asked what left them, and where that goes.
-    pub(super) fn read(&mut self) -> (&[[i32; 3]], &mut Vec<Leaving>) {
-        let mut march = false;
+    /// Begins a step: cells of which is asked what left them, and where that goes. A device changes what it was told, `on_device`.
+    pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], &mut Vec<Leaving>) {
+        let mut asked = if on_device {
+            Asked::Near
+        } else {
+            Asked::Images
+        };
         if let Some(modelled) = &mut self.modelled {
             modelled.march = modelled.layers.count_step();
-            march = modelled.march;
+            if modelled.march {
+                asked = Asked::Further;
+            }
         }
-        (self.images.cells(march), &mut self.leaving)
+        (self.images.cells(asked), &mut self.leaving)
     }
 
-    /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side.
+    /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side of a link.
     pub(super) fn answer(
         &mut self,
-        links: &[CutLink],
         (triangles, positions, normals): (&[[u32; 3]], &[DVec3], &[DVec3]),
-        velocity: impl Fn(&CutLink, usize) -> DVec3 + Sync,
+        velocity: impl Fn(usize, usize) -> DVec3 + Sync,
         returns: &mut [[Return; 2]],
     ) {
         let (images, leaving) = (&mut self.images, &self.leaving);
+        images.take(leaving);
         if let Some(modelled) = &mut self.modelled {
             if modelled.march {
                 let shape = Shape {
@@ -131,25 +155,16 @@ impl Sliding {
                     normals,
                     spaces: &self.spaces,
                 };
-                let samples = images.samples(links, leaving, &velocity);
-                modelled.layers.march(shape, samples);
+                let seen = |face| images.seen(face, &velocity);
+                modelled.layers.march(shape, seen);
                 modelled.taken = false;
             }
             if !modelled.taken {
-                modelled.stress.take(links, images, &modelled.layers);
+                (modelled.stress).take(returns.len(), images, &modelled.layers);
                 modelled.taken = true;
             }
         }
-        images.returned(links, leaving, velocity, &mut self.back);
-        for back in &self.back {
-            let returned = &mut returns[back.link as usize][usize::from(back.side)];
-            *returned = Return {
-                out: returned.out,
-                share: 0.0,
-                further: back.further,
-                strength: back.strength,
-            };
-        }
+        images.returned(leaving, velocity, returns, &mut self.along);
     }
 
     /// What left the cells of the images, and the populations that lose the stress of modelled layers in this step.
@@ -182,22 +197,23 @@ impl Sliding {
     /// to all sides that look at the same space.
     ///
     /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
-    pub(super) fn keep_mass(&mut self, links: &[CutLink], rest: &mut [[f64; 2]]) {
-        let sums = &mut self.sums;
+    pub(super) fn keep_mass(&mut self, rest: &mut [[f64; 2]]) {
+        let (sums, along) = (&mut self.sums, &self.along);
         sums.clear();
         sums.resize(self.spaces.count(), [0.0; 2]);
-        let weight =
-            |back: &Back| WEIGHTS[links[back.link as usize].leaving(usize::from(back.side))];
-        for (back, space) in self.back.iter().zip(&self.space_of) {
-            let [lost, weights] = &mut sums[*space as usize];
-            *lost += back.along;
-            *weights += weight(back);
-        }
-        for (back, space) in self.back.iter().zip(&self.space_of) {
-            let [lost, weights] = sums[*space as usize];
-            rest[back.link as usize][usize::from(back.side)] +=
-                lost / weights * weight(back) - back.along;
+        let along = |side: &Side| along[side.link as usize][usize::from(side.side)];
+        for side in &self.sides {
+            let [lost, weights] = &mut sums[side.space as usize];
+            *lost += along(side);
+            *weights += side.weight;
         }
         self.returned += sums.iter().map(|[lost, _]| lost.abs()).sum::<f64>();
+        for [lost, weights] in sums.iter_mut() {
+            *lost /= weights.max(f64::MIN_POSITIVE);
+        }
+        for side in &self.sides {
+            let [lost, _] = sums[side.space as usize];
+            rest[side.link as usize][usize::from(side.side)] += lost * side.weight - along(side);
+        }
     }
 }
