@@ -47,7 +47,7 @@ pub struct Changed {
 /// Populations that the stress changes: those at rest, and those along the three axes, which no other pair of directions touches.
 pub type ChangedByPair = [Vec<Changed>; 4];
 
-/// What the walls take. What is of images is in the order of [`Images::modelled`].
+/// What the walls take. What is of images is in the order of faces.
 #[derive(Debug, Clone, Default)]
 pub struct Stress {
     /// How each cell of the images loses momentum.
