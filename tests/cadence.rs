@@ -96,7 +96,7 @@ fn shortens(placement: Placement, engine: Engine) {
         }
         if stored.is_none() && cadence.shortened() > 3 && cadence.every() > 2 {
             stored = Some((straight.step_count(), taken_up(&mut straight, start())));
-            // Fabric on a software device takes its time.
+            // Fabric on a software device takes its time: there the run ends while all spans are short.
             if engine == Engine::Gpu {
                 left = 20;
             }
@@ -104,7 +104,7 @@ fn shortens(placement: Placement, engine: Engine) {
     }
     let cadence = *straight.cadence().unwrap();
     assert!(
-        cadence.shortened() > 3 && cadence.shortened() < cadence.spans(),
+        cadence.shortened() > 3 && (cadence.shortened() < cadence.spans() || engine == Engine::Gpu),
         "{cadence:?}"
     );
     let mean = cadence.mean().unwrap();

@@ -100,7 +100,7 @@ const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
     ]
 }
 
-const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 24] {
+const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
     [
         Rule {
             name: "cells across D_0",
@@ -131,6 +131,16 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 24] {
             supports: Supports::Opening,
             remedy: "raise resolution.cells_per_diameter, or release a wider mouth",
             value: |of| Some(of.mouth_m? / of.cell_m()),
+        },
+        Rule {
+            name: "cells across the boundary layer",
+            unit: "1",
+            meaning: "cells over the layer of a flat plate of length D_0, where the air sticks to the fabric; with 5 times to open change by 9 % on twice as fine cells, with 17 by 2 %",
+            bound: Bound::AtLeast,
+            limit: 16.0,
+            supports: Supports::Opening,
+            remedy: "take fabric.friction = \"model\", with resolution.operator = \"stabilised_regularised\"",
+            value: |of| of.boundary_layer_m().map(|layer_m| layer_m / of.cell_m()),
         },
         Rule {
             name: "cells across the narrowest hole",

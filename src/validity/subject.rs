@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::case::Scene;
-use crate::case::coupling::Scheme;
+use crate::case::coupling::{Friction, Scheme};
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
 use crate::geometry::wing::section::Side;
@@ -11,6 +11,9 @@ use crate::measure::flow_past_bodies;
 
 /// Projected diameter of an inflated canopy over its nominal one.
 pub const INFLATED: f64 = 0.7;
+
+/// Reynolds number of the length at which the boundary layer along a flat plate turns turbulent.
+const TURBULENT_REYNOLDS: f64 = 5e5;
 
 /// Places along a chord at which its thickness is looked for.
 const LOOKS: u32 = 50;
@@ -321,6 +324,19 @@ impl Subject<'_> {
     /// Reynolds number of the length.
     pub fn reynolds(&self) -> f64 {
         self.speed_m_s() * self.length_m / self.air.kinematic_viscosity_m2_s
+    }
+
+    /// Thickness of the boundary layer at the end of a flat plate as long as a canopy's D_0, laminar (Blasius) or turbulent (Prandtl), where the air sticks to fabric that cuts links [m].
+    pub fn boundary_layer_m(&self) -> Option<f64> {
+        let friction = self.scene.friction.as_ref()?;
+        let sticks = friction.fabric.iter().all(|own| *own == Friction::NoSlip);
+        let reynolds = self.reynolds();
+        let share = if reynolds < TURBULENT_REYNOLDS {
+            5.0 / reynolds.sqrt()
+        } else {
+            0.37 / reynolds.powf(0.2)
+        };
+        (self.kind == Kind::Canopy && self.cuts_links() && sticks).then_some(share * self.length_m)
     }
 
     /// Dynamic pressure of the wind [Pa].

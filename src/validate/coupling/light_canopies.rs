@@ -41,6 +41,16 @@ const COARSE: [&str; 5] = [
     "structure.flat_circular.rings=8",
 ];
 
+/// A tight fold of the case's own fabric on fine cells, where the air slides.
+const TIGHT: [&str; 6] = [
+    "coupling.scheme=links",
+    "resolution.operator=stabilised_regularised",
+    "resolution.cells_per_diameter=48.0",
+    "structure.flat_circular.folding.folded_diameter_ratio=0.12",
+    "structure.flat_circular.folding.opened_diameter_ratio=0.14",
+    "time.end_s=0.032",
+];
+
 const KERNEL: &str = "coupling.scheme=kernel";
 
 fn canopy(session: &Session, changes: &[String]) -> Result<Case, Stop> {
@@ -210,6 +220,14 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
                 )
                 .gate(Gate::AtMost(LARGEST_MASS_DEFECT));
         }
+    }
+    // Creases of a tight fold: where all that a link loses along one face went to the whole wall, single cells filled up until the run broke down.
+    for friction in session.size(&[][..], &["none", "model"]) {
+        let mut changes: Vec<String> = TIGHT.map(str::to_owned).to_vec();
+        changes.push(format!("fabric.friction={friction}"));
+        let outcome = inflate(session, &changes)?;
+        let what = format!("links, friction {friction}, folded to 0.12 D_0, 48 cells");
+        speeds(session, &what, &outcome);
     }
     let strong = [
         KERNEL.to_owned(),
