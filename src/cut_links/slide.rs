@@ -10,8 +10,8 @@
 //! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
-//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain; what is lost
-//! beyond that goes back to the cell's population at rest, and the sum of the first, where a wall is not plane, to the whole wall (`src/simulation/sliding.rs`): the air keeps its mass.
+//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain; the
+//! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass.
 //!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
 //! breaks down, and along a plane that ends at another one a link loses what no other gains.

@@ -2,7 +2,7 @@
 //!
 //! Not from the link: what comes back follows from further cells, which would fill up again what the first one lost, to a tenth of the stress and less where the wall lies askew. So half of
 //! it is taken from the cells of the image, half from a cell two further off, from populations along open links, and the cell keeps its mass. Measured: a plate's friction is that of its law
-//! within a tenth on 16 to 128 cells, however it is turned (`ripstop validate wall-friction`).
+//! within 15 % on 16 to 128 cells, however it is turned (`ripstop validate wall-friction`).
 //!
 //! A link stands for the area 9 w (d·n) |d − n (d·n)|², whose sum over the links is that of the wall, since Σ w c c c c is isotropic.
 
@@ -16,7 +16,7 @@ use super::slide::{Asked, CELLS_OF_AN_IMAGE, Image, Images, Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 
 /// Share of a model's stress that is taken two cells off, the rest from the cells of the image: by 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
-/// ½ 91 to 116 % (16 to 64 cells, turned by 0 to 45°; while all that a link lost went to the whole wall, now 94 to 108 % at 0 to 30°).
+/// ½ 91 to 116 % (16 to 64 cells, turned by 0 to 45°; while all that a link lost went to the whole wall, now 94 to 114 % at 0 to 30°).
 const TAKEN_OFF: f64 = 0.5;
 
 /// Cells that one task works on.
