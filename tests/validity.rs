@@ -15,6 +15,7 @@ pub fn trials() -> Vec<Trial> {
         ("validity::errors_are_foretold", foretold as fn()),
         ("validity::check_says_what_will_be_wrong", check_says),
         ("validity::wings_on_coarse_cells", coarse_wing),
+        ("validity::thin_boundary_layers", thin_layers),
         ("validity::strict_sphere", strict_sphere),
         ("validity::runs_beyond_their_limits", beyond),
         ("validity::results_and_their_support", support),
@@ -176,6 +177,41 @@ fn check_says() {
         assert_eq!(strict.code, 1);
         assert!(strict.errors.contains(row), "{}", strict.errors);
     }
+}
+
+/// Boundary layers of a canopy are thinner than its cells, which matters where the air sticks to it and nowhere else.
+fn thin_layers() {
+    let check = |changes: &[&str]| {
+        let mut all = vec!["check", "cases/flat-circular-tunnel.toml"];
+        all.extend(changes.iter().flat_map(|change| ["--set", change]));
+        let finished = ripstop(&all);
+        assert_eq!(finished.code, 0, "{changes:?}: {}", finished.errors);
+        finished.printed
+    };
+    // 0.37 (2·10⁶)^(−1/5) D_0 on 24 cells.
+    let row = "cells across the boundary layer";
+    let printed = check(&[]);
+    assert!(
+        printed.contains(&format!("NO  {row}              0.491 ")),
+        "{printed}"
+    );
+    for changes in [
+        &["fabric.friction=model"][..],
+        &["fabric.friction=none"],
+        &["coupling.scheme=kernel"],
+    ] {
+        let printed = check(changes);
+        assert!(!printed.contains(row), "{changes:?}: {printed}");
+    }
+    // Re = 193: 5 Re^(−1/2) D_0.
+    let printed = check(&[
+        "air.kinematic_viscosity_m2_s=0.155",
+        "resolution.cells_per_diameter=48.0",
+    ]);
+    assert!(
+        printed.contains(&format!("ok  {row}              17.3 ")),
+        "{printed}"
+    );
 }
 
 /// A ram-air wing with 16 cells per chord lacks most of its lift, unless it cuts links.

@@ -14,7 +14,7 @@
 //! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass.
 //!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
-//! breaks down, and along a plane that ends at another one a link loses what no other gains.
+//! breaks down, and so do cells of tight folds.
 //!
 //! The shear stress that a model of the boundary layer puts on the wall is not taken from the link: [`super::stress`].
 

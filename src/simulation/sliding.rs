@@ -18,7 +18,7 @@ use crate::lattice::WEIGHTS;
 /// it has a thrust of 0.002, 0.007, 0.016, 0.015, 0.026 and 0.022.
 const BLOCK: i32 = 4;
 
-/// Cut links of a cell from which on it shares with no other: in tight folds it would fill up.
+/// Cut links of a cell from which on it shares with no other, half of all: in tight folds it would fill up (docs/results/2026-11-26-sliding-in-creases.md).
 const CROWDED: u32 = 9;
 
 /// How the air slides along the surface.

@@ -207,7 +207,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across the chord for lift, cut links",
             unit: "1",
-            meaning: "cells over the chord of a wing that cuts links; with 24 and 36 a ram-air wing's lift is 9 % too low to 25 % too high, and with 48 a section's scatters by 5 %",
+            meaning: "cells over the chord of a wing that cuts links; a ram-air wing's lift is 7 % too low to 6 % too high with 24 and 36, a section's 5 % too low to 18 % too high with 24 to 48",
             bound: Bound::AtLeast,
             limit: 48.0,
             supports: Supports::Lift,
