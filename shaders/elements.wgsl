@@ -31,6 +31,9 @@ override MARKER_ENERGIES: u32 = 0u;
 override PERMEABLE_MARKERS: u32 = 1u;
 override PERMEABLE_MARKER_SLOTS: u32 = 0u;
 override PERMEABLE_MARKER_ENERGIES: u32 = 0u;
+override CUT_TRIANGLES: u32 = 1u;
+override CUT_TRIANGLE_SLOTS: u32 = 0u;
+override CUT_TRIANGLE_ENERGIES: u32 = 0u;
 
 @group(0) @binding(1) var<storage, read> whole: array<i32>;
 @group(0) @binding(2) var<storage, read> remainder: array<f32>;
@@ -62,6 +65,10 @@ override PERMEABLE_MARKER_ENERGIES: u32 = 0u;
 @group(0) @binding(30) var<storage, read> permeable_markers: array<u32>;
 // Words of a permeable marker in a step: normal, alpha, beta (src/immersed/permeable.rs).
 @group(0) @binding(31) var<storage, read> permeabilities: array<f32>;
+@group(0) @binding(32) var<storage, read> cut_triangles: array<u32>;
+// Words of a triangle that cuts the lattice, in a step: stiffness [kg/s] between its corners 00, 11, 22, 01, 12, 20, each kept as (xx, yy, zz, xy, xz, yz), and the
+// force of the predicted velocities on each corner [N].
+@group(0) @binding(33) var<storage, read> cut_reactions: array<f32>;
 
 fn place(node: u32) -> Place {
     let k = (stage.point * NODES + node) * 3u;
@@ -264,4 +271,24 @@ fn permeable_reaction(e: u32) -> PermeableReaction {
         1.0 / (linear + 2.0 * inertial * abs(through)),
         (0.5 * viscous + inertial * abs(through) / 3.0) * through * through,
     );
+}
+
+fn cut_words(first: u32, e: u32) -> vec3<f32> {
+    let k = first * CUT_TRIANGLES + e;
+    return vec3<f32>(cut_reactions[k], cut_reactions[k + CUT_TRIANGLES], cut_reactions[k + 2u * CUT_TRIANGLES]);
+}
+
+// Stiffness between a pair of corners times a velocity.
+fn cut_resistance(pair: u32, e: u32, v: vec3<f32>) -> vec3<f32> {
+    let diagonal = cut_words(6u * pair, e);
+    let off = cut_words(6u * pair + 3u, e);
+    return vec3<f32>(
+        diagonal.x * v.x + off.x * v.y + off.y * v.z,
+        off.x * v.x + diagonal.y * v.y + off.z * v.z,
+        off.y * v.x + off.z * v.y + diagonal.z * v.z,
+    );
+}
+
+fn cut_force(corner: u32, e: u32) -> vec3<f32> {
+    return cut_words(36u + 3u * corner, e);
 }

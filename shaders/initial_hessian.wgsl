@@ -215,6 +215,22 @@ fn permeable_marker_blocks(
     }
 }
 
+@compute @workgroup_size(64)
+fn cut_triangle_blocks(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    if e >= CUT_TRIANGLES {
+        return;
+    }
+    for (var corner = 0u; corner < 3u; corner++) {
+        let block = Block(stage.rate * cut_words(6u * corner, e), stage.rate * cut_words(6u * corner + 3u, e));
+        contribute_block(CUT_TRIANGLE_SLOTS + corner * CUT_TRIANGLES + e, block);
+    }
+}
+
 // Sums the blocks of every node and inverts them; held nodes get zero.
 @compute @workgroup_size(64)
 fn gather_blocks(

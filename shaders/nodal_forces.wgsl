@@ -288,6 +288,35 @@ fn permeable_marker_forces(
     gather_energy(PERMEABLE_MARKER_ENERGIES, PERMEABLE_MARKERS, group.y * groups.x + group.x, local, energy);
 }
 
+// Reaction of the air at the cuts of a triangle (src/cpu/cloth/triangle_reaction.rs): S w and the force of the prediction, w = displacement / dt.
+@compute @workgroup_size(64)
+fn cut_triangle_forces(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let e = thread_index(group, groups, local);
+    var energy = vec2<f32>(0.0);
+    if e < CUT_TRIANGLES {
+        let w0 = displacement(cut_triangles[e]) * stage.rate;
+        let w1 = displacement(cut_triangles[CUT_TRIANGLES + e]) * stage.rate;
+        let w2 = displacement(cut_triangles[2u * CUT_TRIANGLES + e]) * stage.rate;
+        let r0 = cut_resistance(0u, e, w0) + cut_resistance(3u, e, w1) + cut_resistance(5u, e, w2);
+        let r1 = cut_resistance(3u, e, w0) + cut_resistance(1u, e, w1) + cut_resistance(4u, e, w2);
+        let r2 = cut_resistance(5u, e, w0) + cut_resistance(4u, e, w1) + cut_resistance(2u, e, w2);
+        let f0 = cut_force(0u, e);
+        let f1 = cut_force(1u, e);
+        let f2 = cut_force(2u, e);
+        let resisted = 0.5 * (dot(w0, r0) + dot(w1, r1) + dot(w2, r2));
+        let worked = dot(w0, f0) + dot(w1, f1) + dot(w2, f2);
+        energy = stage.time_step * vec2<f32>(resisted + worked, abs(resisted) + abs(worked));
+        contribute(CUT_TRIANGLE_SLOTS + e, r0 + f0);
+        contribute(CUT_TRIANGLE_SLOTS + CUT_TRIANGLES + e, r1 + f1);
+        contribute(CUT_TRIANGLE_SLOTS + 2u * CUT_TRIANGLES + e, r2 + f2);
+    }
+    gather_energy(CUT_TRIANGLE_ENERGIES, CUT_TRIANGLES, group.y * groups.x + group.x, local, energy);
+}
+
 // Gradient of a node, which is written, with the energy of its motion and loads.
 struct AtNode {
     gradient: vec3<f32>,

@@ -325,6 +325,30 @@ fn permeable_marker_matrix(
     add_block(place_of(thread), sum);
 }
 
+@compute @workgroup_size(64)
+fn cut_triangle_matrix(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let thread = thread_index(group, groups, local);
+    if thread >= TOUCHED {
+        return;
+    }
+    var sum = isotropic(0.0);
+    for (var k = block_first[thread]; k < block_first[thread + 1u]; k++) {
+        let t = term(k);
+        // Of two corners the missing one is 2, 0, 1 in the order of the pairs behind those of a corner with itself.
+        var pair = t.row;
+        if t.row != t.column {
+            pair = 3u + (3u - t.row - t.column + 1u) % 3u;
+        }
+        let e = t.element;
+        sum = plus(sum, Block(stage.rate * cut_words(6u * pair, e), stage.rate * cut_words(6u * pair + 3u, e)));
+    }
+    add_block(place_of(thread), sum);
+}
+
 // Inertia; every term is a node.
 @compute @workgroup_size(64)
 fn node_matrix(

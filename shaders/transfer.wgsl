@@ -18,18 +18,28 @@ struct TransferParameters {
 // Ten numbers a cell: density excess, momentum, rate of strain.
 @group(0) @binding(21) var<storage, read_write> level_states: array<f32>;
 
-const STATE_NUMBERS: u32 = 10u;
+// No arrays below: an index that a loop counts up would keep them out of registers.
 
-alias Numbers = array<f32, 10>;
-
-fn numbers_of(s: LevelState, of_strain: f32) -> Numbers {
-    let normal = of_strain * s.normal;
-    let shear = of_strain * s.shear;
-    return Numbers(s.density_excess, s.momentum.x, s.momentum.y, s.momentum.z, normal.x, normal.y, normal.z, shear.x, shear.y, shear.z);
+fn state_at(place: u32) -> LevelState {
+    let n = transfer.number_stride;
+    return LevelState(level_states[place],
+        vec3<f32>(level_states[place + n], level_states[place + 2u * n], level_states[place + 3u * n]),
+        vec3<f32>(level_states[place + 4u * n], level_states[place + 5u * n], level_states[place + 6u * n]),
+        vec3<f32>(level_states[place + 7u * n], level_states[place + 8u * n], level_states[place + 9u * n]));
 }
 
-fn state_with(n: Numbers) -> LevelState {
-    return LevelState(n[0], vec3<f32>(n[1], n[2], n[3]), vec3<f32>(n[4], n[5], n[6]), vec3<f32>(n[7], n[8], n[9]));
+fn set_state(place: u32, s: LevelState) {
+    let n = transfer.number_stride;
+    level_states[place] = s.density_excess;
+    level_states[place + n] = s.momentum.x;
+    level_states[place + 2u * n] = s.momentum.y;
+    level_states[place + 3u * n] = s.momentum.z;
+    level_states[place + 4u * n] = s.normal.x;
+    level_states[place + 5u * n] = s.normal.y;
+    level_states[place + 6u * n] = s.normal.z;
+    level_states[place + 7u * n] = s.shear.x;
+    level_states[place + 8u * n] = s.shear.y;
+    level_states[place + 9u * n] = s.shear.z;
 }
 
 // Element of one of the eight fine cells of a coarse one.
@@ -46,16 +56,15 @@ fn restrict_states(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgro
         return;
     }
     let cell = transfer_cells[i];
-    var sums = Numbers();
+    var sum = LevelState();
     for (var child = 0u; child < 8u; child++) {
-        let numbers = numbers_of(level_state(gather(child_element(cell.x, child)), transfer.force.xyz), 2.0);
-        for (var k = 0u; k < STATE_NUMBERS; k++) {
-            sums[k] += numbers[k];
-        }
+        let state = level_state(gather(child_element(cell.x, child)), transfer.force.xyz);
+        sum.density_excess += state.density_excess;
+        sum.momentum += state.momentum;
+        sum.normal += 2.0 * state.normal;
+        sum.shear += 2.0 * state.shear;
     }
-    for (var k = 0u; k < STATE_NUMBERS; k++) {
-        level_states[cell.y + k * transfer.number_stride] = 0.125 * sums[k];
-    }
+    set_state(cell.y, LevelState(0.125 * sum.density_excess, 0.125 * sum.momentum, 0.125 * sum.normal, 0.125 * sum.shear));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -66,11 +75,7 @@ fn write_band(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         return;
     }
     let cell = transfer_cells[i];
-    var numbers: Numbers;
-    for (var k = 0u; k < STATE_NUMBERS; k++) {
-        numbers[k] = level_states[cell.y + k * transfer.number_stride];
-    }
-    place(cell.x, populations_with(state_with(numbers), transfer.force.xyz));
+    place(cell.x, populations_with(state_at(cell.y), transfer.force.xyz));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -81,10 +86,8 @@ fn read_source(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
         return;
     }
     let cell = transfer_cells[i];
-    let numbers = numbers_of(level_state(gather(cell.x), transfer.force.xyz), 0.5);
-    for (var k = 0u; k < STATE_NUMBERS; k++) {
-        level_states[cell.y + k * transfer.number_stride] = numbers[k];
-    }
+    let state = level_state(gather(cell.x), transfer.force.xyz);
+    set_state(cell.y, LevelState(state.density_excess, state.momentum, 0.5 * state.normal, 0.5 * state.shear));
 }
 
 // One of the two children of the middle of three cells: averages of the parabola that has theirs; `side` is 1 for the lower and -1 for the upper one.
@@ -94,6 +97,22 @@ fn child_of(below: f32, middle: f32, above: f32, side: f32) -> f32 {
 
 fn lower_or_upper(bit: u32) -> f32 {
     return 1.0 - 2.0 * f32(bit);
+}
+
+fn child_in_row(first: u32, side: vec3<f32>) -> f32 {
+    return child_of(level_states[first], level_states[first + 1u], level_states[first + 2u], side.x);
+}
+
+fn child_in_plane(first: u32, side: vec3<f32>) -> f32 {
+    let r = transfer.row_stride;
+    return child_of(child_in_row(first, side), child_in_row(first + r, side), child_in_row(first + 2u * r, side), side.y);
+}
+
+// Number `k` of a child, from those of 27 coarse cells of which `first` is the first.
+fn child_number(first: u32, k: u32, side: vec3<f32>) -> f32 {
+    let at = first + k * transfer.number_stride;
+    let p = transfer.plane_stride;
+    return child_of(child_in_plane(at, side), child_in_plane(at + p, side), child_in_plane(at + 2u * p, side), side.z);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -107,19 +126,10 @@ fn fill_shell(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
     let cell = transfer_cells[i / 8u];
     let child = i % 8u;
     let side = vec3<f32>(lower_or_upper(child & 1u), lower_or_upper((child >> 1u) & 1u), lower_or_upper(child >> 2u));
-    var numbers: Numbers;
-    for (var k = 0u; k < STATE_NUMBERS; k++) {
-        var planes: array<f32, 3>;
-        for (var z = 0u; z < 3u; z++) {
-            var rows: array<f32, 3>;
-            for (var y = 0u; y < 3u; y++) {
-                // The cell before the one in the middle.
-                let first = cell.y + k * transfer.number_stride + z * transfer.plane_stride + y * transfer.row_stride;
-                rows[y] = child_of(level_states[first], level_states[first + 1u], level_states[first + 2u], side.x);
-            }
-            planes[z] = child_of(rows[0], rows[1], rows[2], side.y);
-        }
-        numbers[k] = child_of(planes[0], planes[1], planes[2], side.z);
-    }
-    place(child_element(cell.x, child), populations_with(state_with(numbers), transfer.force.xyz));
+    let f = cell.y;
+    let state = LevelState(child_number(f, 0u, side),
+        vec3<f32>(child_number(f, 1u, side), child_number(f, 2u, side), child_number(f, 3u, side)),
+        vec3<f32>(child_number(f, 4u, side), child_number(f, 5u, side), child_number(f, 6u, side)),
+        vec3<f32>(child_number(f, 7u, side), child_number(f, 8u, side), child_number(f, 9u, side)));
+    place(child_element(cell.x, child), populations_with(state, transfer.force.xyz));
 }

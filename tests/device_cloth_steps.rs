@@ -8,7 +8,9 @@ use libtest_mimic::Trial;
 use ripstop::cloth::Structure;
 use ripstop::cpu::cloth::gather::Gather;
 use ripstop::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
-use ripstop::cpu::cloth::{Cloth, InitialHessian, Pressure, SolverSettings, StepInput};
+use ripstop::cpu::cloth::{
+    Cloth, InitialHessian, Pressure, SolverSettings, StepInput, TriangleReaction,
+};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::cable;
 use ripstop::geometry::sheet::FabricModel;
@@ -19,7 +21,7 @@ use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
 use crate::device_cloth::{SETTINGS, farthest, markers, on, on_device, square};
-use crate::sheets::{HOSTILE, fabric, hostile};
+use crate::sheets::{HOSTILE, fabric, hostile, noise};
 use crate::tolerances::device_cloth as tolerance;
 
 pub fn trials() -> Vec<Trial> {
@@ -27,6 +29,10 @@ pub fn trials() -> Vec<Trial> {
         on_device(
             "device_cloth_steps::one_step_with_markers",
             one_step_with_markers,
+        ),
+        on_device(
+            "device_cloth_steps::one_step_of_triangles_that_cut_links",
+            one_step_of_cut_triangles,
         ),
         on_device("device_cloth_steps::sheet_in_motion", sheet_in_motion),
         on_device("device_cloth_steps::supports_that_move", moved_supports),
@@ -66,7 +72,11 @@ pub fn both(
     settings: &SolverSettings,
     steps: usize,
 ) -> ([Cloth; 2], [usize; 2]) {
-    let mut on_device = on(device, &structure, input.markers);
+    let mut on_device = if input.cut_triangles.is_empty() {
+        on(device, &structure, input.markers)
+    } else {
+        DeviceCloth::new_cut(Arc::clone(device), &structure).unwrap()
+    };
     let mut cpu = Cloth::new(structure);
     let mut gpu = cpu.clone();
     let mut evaluations = [0; 2];
@@ -112,6 +122,57 @@ fn one_step_with_markers(device: &Arc<Device>) {
             assert_eq!(gpu.positions_m[held], start[held]);
             assert_eq!(gpu.velocities_m_s[held], DVec3::ZERO);
         }
+        assert!(evaluations[1] < 2 * evaluations[0] + 10, "{evaluations:?}");
+    }
+}
+
+/// Reactions of the air at cuts in all directions: six on most triangles, none on every fifth.
+fn cut_triangles(structure: &Structure) -> Vec<TriangleReaction> {
+    let mut random = noise(7);
+    let of = |triangle: u32| {
+        let mut sum = TriangleReaction::none(triangle);
+        for weights in [[0.6, 0.3, 0.1], [0.1, 0.2, 0.7], [0.3, 0.6, 0.1]] {
+            for axis in DVec3::AXES {
+                let direction = (axis + 0.3 * DVec3::new(random(), random(), random())).normalize();
+                let stiffness_kg_s = 0.01 * (1.0 + 0.5 * random());
+                let air_m_s = DVec3::new(0.2 * random(), 2.0 + random(), 0.1);
+                let push_n = stiffness_kg_s * air_m_s.dot(direction);
+                sum.add(weights, direction, [stiffness_kg_s, push_n]);
+            }
+        }
+        sum.add_force([0.2, 0.5, 0.3], DVec3::new(1e-3 * random(), 0.0, 1e-3));
+        sum
+    };
+    let all = 0..structure.triangles.len() as u32;
+    all.filter(|triangle| triangle % 5 != 0).map(of).collect()
+}
+
+/// Fabric that cuts links of the lattice, over a short step and, with multigrid, over one in which stretching waves cross the sheet.
+fn one_step_of_cut_triangles(device: &Arc<Device>) {
+    for (step_s, initial_hessian) in [
+        (2e-3, InitialHessian::BlockJacobi),
+        (0.02, InitialHessian::Multigrid),
+    ] {
+        let structure = curtain(16, FabricModel::Membrane);
+        let reactions = cut_triangles(&structure);
+        let input = StepInput {
+            time_step_s: Some(step_s),
+            gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+            cut_triangles: &reactions,
+            ..StepInput::default()
+        };
+        let settings = SolverSettings {
+            tolerance: 1e-4,
+            initial_hessian,
+            ..SETTINGS
+        };
+        let start = structure.positions_m.clone();
+        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
+        let moved = farthest(&start, &cpu.positions_m);
+        // It has nearly the speed of the air, which it would not have without.
+        assert!(moved > step_s, "{moved:e}");
+        let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
+        assert!(error < tolerance::CUT_STEP, "{initial_hessian:?} {error:e}");
         assert!(evaluations[1] < 2 * evaluations[0] + 10, "{evaluations:?}");
     }
 }

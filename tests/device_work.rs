@@ -33,6 +33,10 @@ pub fn trials() -> Vec<Trial> {
             "device_work::a_step_with_cut_links".to_owned(),
             step_with_links,
         ),
+        needs_device(
+            "device_work::a_step_with_walls_that_stand".to_owned(),
+            step_with_standing_walls,
+        ),
         needs_device("device_work::passes_are_timed".to_owned(), passes),
         needs_device("device_work::latencies".to_owned(), latencies),
         needs_device("device_work::tuned_kernels_same_bits".to_owned(), tunings),
@@ -141,6 +145,54 @@ fn step_with_links() {
             "{around}: {work:?}"
         );
     }
+}
+
+const SPHERE: &str = include_str!("../cases/sphere.toml");
+
+/// Where no surface moves, places stay on the device, those of even and of odd steps: of cut links, numbers alone go there.
+fn step_with_standing_walls() {
+    let device = own_device(Tuning::default());
+    let overrides = [
+        "coupling.scheme=links",
+        "bodies.sphere.friction=none",
+        "resolution.operator=stabilised_regularised",
+    ];
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: overrides.map(str::to_owned).to_vec(),
+    };
+    let case = case::parse("sphere", SPHERE, Path::new("."), &choices).unwrap();
+    let placement = Placement {
+        air: AirPlacement::Gpu(Storage::F32),
+        cloth: ClothPlacement::Host,
+        device: Some(device.info().name.clone()),
+        shared_memory: true,
+    };
+    let plan = Plan::new(&case.scene, placement);
+    let start_steps = plan.start_steps;
+    let mut simulation = Simulation::new(case.scene.clone(), plan, Some(device)).unwrap();
+    for _ in 0..start_steps {
+        simulation.advance().unwrap();
+    }
+    let asked = |simulation: &Simulation| {
+        [Stage::ReadLinks, Stage::Bounce].map(|stage| simulation.cost().of(stage).device)
+    };
+    let before = asked(&simulation);
+    for _ in 0..STEPS {
+        simulation.advance().unwrap();
+    }
+    let [read, bounce] = asked(&simulation);
+    let (read, bounce) = (read.since(&before[0]), bounce.since(&before[1]));
+    assert_eq!(read.written_bytes, 0, "{read:?}");
+    // Links, and cells about mirror images.
+    assert!(read.maps >= 2 * STEPS, "{read:?}");
+    let links = simulation.coupled().unwrap().point_count() as u64;
+    // Both sides of every link, and a number for every cell beside one.
+    let of_links = 8 * links * STEPS;
+    assert!(
+        (of_links..2 * of_links).contains(&bounce.written_bytes),
+        "{bounce:?}"
+    );
 }
 
 /// What a step asks for today. Whoever keeps more of the step on the device lowers these numbers.
@@ -300,12 +352,12 @@ fn tunings() {
             ..usual
         },
         Tuning {
-            workgroup: 256,
+            workgroup: 64,
             padding: Padding::Rows,
             bounds_checks: false,
         },
         Tuning {
-            padding: Padding::Planes,
+            padding: Padding::None,
             ..usual
         },
         Tuning {

@@ -40,6 +40,9 @@ pub(super) struct BenchArguments {
     /// Of `device`: no row begins that would not end within this time [default: 60, with --full 480].
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=86_400))]
     seconds: Option<u64>,
+    /// Of `device`: one table alone, beside latencies and copying [default: all].
+    #[arg(long, value_enum, value_name = "NAME")]
+    table: Option<device::Table>,
     /// Of `stability` and `stability-at-bodies`: one operator, by its name in case files [default: all].
     #[arg(long, value_name = "NAME", value_parser = operator)]
     operator: Option<Operator>,
@@ -210,6 +213,7 @@ fn measure_device(
     let extent = device::Extent {
         full: arguments.full,
         limit: Duration::from_secs(arguments.seconds.unwrap_or(usual)),
+        table: arguments.table,
     };
     Ok(device::measure(opened, extent, &arguments.out, watch)?)
 }

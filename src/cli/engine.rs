@@ -18,10 +18,10 @@ use crate::plan::{
     steps_take_multigrid,
 };
 
-/// Nodes from which `--cloth auto` puts the fabric on a real GPU: an estimate, for no GPU has been at hand. On a software adapter the
-/// host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`). What weighs
-/// against a GPU is one wait of some 50 µs per evaluation, as long as the host needs for 300 nodes; what weighs for it grows with them.
-pub const DEVICE_CLOTH_NODES: u64 = 20_000;
+/// Nodes from which `--cloth auto` puts the fabric on a real GPU. An evaluation of 674 nodes takes the host 0.25 ms and an NVIDIA H100 0.35 ms, nearly all of it latency; of
+/// 10 201 nodes 1.1 and 0.4 ms, of 100 489 nodes 3.4 ms on sixteen threads and 0.8 ms (docs/results/2026-11-26-graphics-card.md). In between it is an estimate. On a
+/// software adapter the host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
+pub const DEVICE_CLOTH_NODES: u64 = 4_000;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -37,7 +37,7 @@ pub(super) enum Engine {
 /// Where the fabric is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ClothChoice {
-    /// On a real GPU from 20 000 nodes on, else on the host.
+    /// On a real GPU from 4 000 nodes on, else on the host.
     Auto,
     /// Host memory, f64.
     Host,

@@ -1,8 +1,10 @@
 //! Fields on the nodes of a sheet, from what its cut links see: the pressure on both of its faces, and the air through it.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::bounce::{Return, SIDES};
+use super::by_triangle::CutsByTriangle;
 use super::search::CutLink;
 use crate::immersed::permeable::Resistance;
 use crate::lattice::WEIGHTS;
@@ -12,6 +14,9 @@ const NEW_SHARE: f64 = 0.3;
 
 /// Steps of carrying on to nodes without links, in every step of the air.
 const CARRIED: usize = 3;
+
+/// Triangles that one task works on.
+const TRIANGLES_AT_ONCE: usize = 128;
 
 /// Nodes that a face of the sheet joins.
 #[derive(Debug, Clone, Default)]
@@ -93,19 +98,33 @@ impl FacePressures {
         }
     }
 
-    /// Takes what the links of this step see.
-    pub fn take(&mut self, seen: &Seen<'_>) {
+    /// Takes what the links of this step see, sorted by triangle.
+    pub fn take(&mut self, seen: &Seen<'_>, cuts: &CutsByTriangle) {
         self.sums.fill([0.0; 2]);
         self.weights.fill([0.0; 2]);
-        for (link, returns) in seen.links.iter().zip(seen.returns) {
-            let weight = WEIGHTS[link.leaving(0)];
-            for side in SIDES {
-                let face = seen.face(link, side);
-                let cut = &link.cuts[side];
-                let nodes = seen.triangles[cut.triangle as usize];
-                for (node, share) in nodes.into_iter().zip(cut.weights) {
-                    self.sums[node as usize][face] += share * returns[side].out;
-                    self.weights[node as usize][face] += share * weight;
+        // By corner and face: sum, and sum of weights.
+        let of_triangles: Vec<[[[f64; 2]; 2]; 3]> = (cuts.triangles().par_iter())
+            .with_min_len(TRIANGLES_AT_ONCE)
+            .map(|triangle| {
+                let mut sums = [[[0.0; 2]; 2]; 3];
+                for &(number, side) in cuts.of(*triangle) {
+                    let (number, side) = (number as usize, usize::from(side));
+                    let link = &seen.links[number];
+                    let weight = WEIGHTS[link.leaving(0)];
+                    let face = seen.face(link, side);
+                    for (corner, share) in link.cuts[side].weights.into_iter().enumerate() {
+                        sums[corner][face][0] += share * seen.returns[number][side].out;
+                        sums[corner][face][1] += share * weight;
+                    }
+                }
+                sums
+            })
+            .collect();
+        for (triangle, of_corners) in cuts.triangles().iter().zip(of_triangles) {
+            for (node, faces) in seen.triangles[*triangle as usize].iter().zip(of_corners) {
+                for (face, [sum, weight]) in faces.into_iter().enumerate() {
+                    self.sums[*node as usize][face] += sum;
+                    self.weights[*node as usize][face] += weight;
                 }
             }
         }

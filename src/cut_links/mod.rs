@@ -35,6 +35,7 @@
 pub mod bounce;
 pub mod boundary_layer;
 pub mod by_triangle;
+pub mod cell_numbers;
 pub mod faces;
 mod modelled;
 pub mod places;
@@ -49,4 +50,4 @@ pub use by_triangle::CutsByTriangle;
 pub use faces::{FacePressures, Through};
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
 pub use slide::{Images, Leaving};
-pub use stress::{ChangedByPair, Stress};
+pub use stress::{Changed, ChangedByPair, Stress};

@@ -4,10 +4,15 @@
 //! triangle of that plane: the points in it are the lines that it cuts. Which side of an edge a point lies on is worked out from the edge's ends in the order of
 //! their numbers, so that both triangles at an edge get the same bits, and every line passes just one of them: a closed surface has no leak, wherever it stands.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::lattice::DIRECTIONS;
+
+/// Number of the next search.
+static NEXT_SEARCH: AtomicU64 = AtomicU64::new(1);
 
 /// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice: it would lie before it for one link and behind it for
 /// another [cells].
@@ -97,8 +102,12 @@ fn as_vector(c: [i32; 3]) -> DVec3 {
 #[derive(Debug, Clone, Default)]
 pub struct CutLinks {
     links: Vec<CutLink>,
+    /// Number of the search that found them, no other's in this process; 0 before.
+    search: u64,
     /// Of the cuts.
     order: Vec<Order>,
+    /// Where those of a link begin among them; one more at the end.
+    starts: Vec<u32>,
     /// By cell of a box, the pairs of links from there that are cut.
     mask: Mask,
 }
@@ -230,6 +239,7 @@ impl CutLinks {
         domain: &Domain,
     ) -> Result<(), OutOfAir> {
         domain.holds(positions, triangles)?;
+        self.search = NEXT_SEARCH.fetch_add(1, Ordering::Relaxed);
         let parts: Vec<Vec<Hit>> = triangles
             .par_chunks(TRIANGLES_AT_ONCE)
             .enumerate()
@@ -249,11 +259,23 @@ impl CutLinks {
             self.order.extend(order);
         }
         self.order.par_sort_unstable();
-        self.links.clear();
-        let hit = |&(_, part, k): &Order| &parts[part as usize][k as usize];
-        for group in self.order.chunk_by(|a, b| a.0 == b.0) {
-            self.links.extend(link_of(group.iter().map(hit)));
-        }
+        let order = &self.order;
+        self.starts.clear();
+        let first_of_a_link = |place: &usize| *place == 0 || order[*place - 1].0 != order[*place].0;
+        self.starts.extend(
+            (0..order.len())
+                .filter(first_of_a_link)
+                .map(|place| place as u32),
+        );
+        self.starts.push(order.len() as u32);
+        let hit = |place: u32| {
+            let (_, part, k) = order[place as usize];
+            &parts[part as usize][k as usize]
+        };
+        (self.starts.par_windows(2))
+            .with_min_len(LINKS_AT_ONCE)
+            .map(|bounds| link_of(hit(bounds[0]), (bounds[0]..bounds[1]).map(hit)))
+            .collect_into_vec(&mut self.links);
         self.mask.lay(&self.links);
         let mask = &self.mask;
         self.links
@@ -281,6 +303,12 @@ impl CutLinks {
         &self.links
     }
 
+    /// Number of the search that found them, by which others know whether they still have what they made of them.
+    #[must_use]
+    pub const fn search(&self) -> u64 {
+        self.search
+    }
+
     /// True where the link from a cell to the `next` in a direction (not 0) is cut; over sides that repeat, `next` is the cell there.
     #[must_use]
     pub fn cuts(&self, cell: [i32; 3], next: [i32; 3], direction: usize) -> bool {
@@ -296,21 +324,20 @@ impl CutLinks {
     }
 }
 
-/// The link of some cuts.
-fn link_of<'a>(hits: impl Iterator<Item = &'a Hit>) -> Option<CutLink> {
+/// The link of some cuts, `first` being one of them.
+fn link_of<'a>(first: &Hit, hits: impl Iterator<Item = &'a Hit>) -> CutLink {
     let nearer = |a: &Cut, b: &Cut| {
         let order = a.at.total_cmp(&b.at).then(a.triangle.cmp(&b.triangle));
         order.is_lt()
     };
-    let mut link: Option<CutLink> = None;
+    let mut link = CutLink {
+        cells: first.cells,
+        pair: first.pair,
+        layers: 0,
+        cuts: [first.cut; 2],
+        blocked: [false; 2],
+    };
     for hit in hits {
-        let link = link.get_or_insert(CutLink {
-            cells: hit.cells,
-            pair: hit.pair,
-            layers: 0,
-            cuts: [hit.cut; 2],
-            blocked: [false; 2],
-        });
         link.layers += 1;
         if nearer(&hit.cut, &link.cuts[0]) {
             link.cuts[0] = hit.cut;

@@ -222,7 +222,7 @@ fn cuts_are_sorted_by_triangle() {
     let links = found(&positions, &triangles, &DOMAIN);
     let mut sorted = crate::cut_links::CutsByTriangle::default();
     for count in [triangles.len(), triangles.len() / 2, 0] {
-        sorted.sort(links.links(), count);
+        sorted.sort(&links, count);
         let mut cuts = 0;
         for &triangle in sorted.triangles() {
             let of_it = sorted.of(triangle);

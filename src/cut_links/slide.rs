@@ -23,6 +23,7 @@ use rayon::prelude::*;
 
 use super::bounce::Return;
 use super::boundary_layer::{Face, Seen};
+use super::cell_numbers::CellNumbers;
 use super::modelled::{Modelled, Off};
 use super::search::{CutLink, CutLinks, Domain};
 use crate::lattice::nest::CHANGED_BY_LAYERS;
@@ -147,6 +148,8 @@ pub struct Images {
     cells: Vec<[i32; 3]>,
     /// Where the first and the second part end.
     ends: [usize; 2],
+    /// Numbers of the first two parts, and of the third.
+    numbers: [CellNumbers; 2],
     /// Of the cells, as it leaves them.
     air: Vec<Air>,
 }
@@ -166,16 +169,6 @@ struct Found {
     off: Option<(Face, CellsOff)>,
 }
 
-/// Cells in the order of memory, each once.
-fn in_order(cells: &mut Vec<[i32; 3]>) {
-    cells.par_sort_unstable_by_key(in_memory);
-    cells.dedup();
-}
-
-fn in_memory(&[x, y, z]: &[i32; 3]) -> [i32; 3] {
-    [z, y, x]
-}
-
 /// Cells of the images of which is asked what left them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
@@ -185,10 +178,6 @@ pub enum Asked {
     Near,
     /// Those further off, too.
     Further,
-}
-
-fn place_among(cells: &[[i32; 3]], cell: [i32; 3]) -> u32 {
-    cells.partition_point(|other| in_memory(other) < in_memory(&cell)) as u32
 }
 
 impl Images {
@@ -231,30 +220,26 @@ impl Images {
         let found: Vec<Vec<Found>> = (links.links().par_chunks(LINKS_AT_ONCE).enumerate())
             .map(look)
             .collect();
-        self.cells.clear();
-        let (mut near, mut further) = (Vec::new(), Vec::new());
-        for found in found.iter().flatten() {
-            self.cells.extend(found.cells);
-            if let Some((_, [(near_wall, _), (far, _)])) = found.off {
-                near.push(near_wall);
-                further.push(far);
-            }
-        }
-        in_order(&mut self.cells);
-        in_order(&mut further);
-        let of_images = self.cells.len();
-        let place = |cell| {
-            let place = place_among(&self.cells, cell);
-            (self.cells.get(place as usize) == Some(&cell)).then_some(place)
+        let of_images = || found.iter().flatten().flat_map(|found| found.cells);
+        let off = |which: usize| {
+            let off = found.iter().flatten().filter_map(|found| found.off);
+            off.map(move |(_, cells)| cells[which].0)
         };
-        near.retain(|cell| place(*cell).is_none());
-        in_order(&mut near);
-        self.ends = [of_images, of_images + near.len()];
-        let [_, of_further] = self.ends;
+        self.cells.clear();
+        let [numbers, further] = &mut self.numbers;
+        numbers.lay(of_images().chain(off(0)));
+        numbers.number(of_images(), &mut self.cells);
+        self.ends[0] = self.cells.len();
+        numbers.number(off(0), &mut self.cells);
+        self.ends[1] = self.cells.len();
+        further.lay(off(1));
+        further.number(off(1), &mut self.cells);
+        let number = |numbers: &CellNumbers, cell| numbers.get(cell).unwrap_or_default();
+        let [numbers, further] = &self.numbers;
         let placed = |found: &Found| {
             let mut image = found.image;
             for ((_, to), cell) in image.cells.iter_mut().zip(found.cells) {
-                *to = place_among(&self.cells, cell);
+                *to = number(numbers, cell);
             }
             let off = found
                 .off
@@ -263,11 +248,7 @@ impl Images {
                     image: 0,
                     link: image.link,
                     side: image.side,
-                    cells: [
-                        place(close)
-                            .unwrap_or_else(|| of_images as u32 + place_among(&near, close)),
-                        of_further as u32 + place_among(&further, far),
-                    ],
+                    cells: [number(numbers, close), number(further, far)],
                     heights: [height, far_height],
                 });
             (image, off)
@@ -289,8 +270,6 @@ impl Images {
             }));
         }
         self.modelled.lay(&modelled);
-        self.cells.extend(near);
-        self.cells.extend(further);
     }
 
     /// Cells of which is asked what left them.

@@ -73,24 +73,34 @@ impl Staging {
         device: &Device,
         show: impl FnOnce(&[u8]),
     ) -> Result<(), DeviceError> {
+        self.read_first(device, self.bytes, show)
+    }
+
+    /// The same of the first `bytes`, a multiple of 4.
+    pub(super) fn read_first(
+        &self,
+        device: &Device,
+        bytes: u64,
+        show: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceError> {
         let (sender, receiver) = mpsc::channel();
         self.buffer
-            .map_async(wgpu::MapMode::Read, 0..self.bytes, move |result| {
+            .map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
                 // The receiver waits below, or has given up.
                 let _ = sender.send(result.is_ok());
             });
         device.wait()?;
-        device.meter.mapped(self.bytes);
+        device.meter.mapped(bytes);
         // Another thread that polls at the same time may be the one that brings the answer, a little later.
         if receiver.recv_timeout(TIMEOUT) != Ok(true) {
             return Err(DeviceError::Lost(
                 "results could not be read back".to_owned(),
             ));
         }
-        self.show(device, show)
+        self.show(device, bytes, show)
     }
 
-    /// The same, but `spin` waits for the flag that is set as soon as the bytes are there.
+    /// All of them, but `spin` waits for the flag that is set as soon as the bytes are there.
     pub(super) fn read_spinning(
         &self,
         device: &Device,
@@ -105,14 +115,19 @@ impl Staging {
             });
         spin(&done)?;
         device.meter.mapped(self.bytes);
-        self.show(device, |_| {})
+        self.show(device, self.bytes, |_| {})
     }
 
-    fn show(&self, device: &Device, show: impl FnOnce(&[u8])) -> Result<(), DeviceError> {
+    fn show(
+        &self,
+        device: &Device,
+        bytes: u64,
+        show: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceError> {
         {
             let view = self
                 .buffer
-                .get_mapped_range(0..self.bytes)
+                .get_mapped_range(0..bytes)
                 .map_err(|error| DeviceError::Command(format!("reading back: {error}")))?;
             show(&view);
         }

@@ -1,20 +1,18 @@
 //! Choices about the kernel of the air that change its speed, not its formulas; `ripstop bench device` compares them.
 
-use super::shaders::WORKGROUP;
-
 /// How the arrays of populations are padded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Padding {
     /// Not at all.
-    #[default]
     None,
     /// Planes to multiples of 32 elements, so that the threads of a plane begin on a cache line.
+    #[default]
     Planes,
     /// Rows to multiples of 32 elements, so that neighbours along y and z begin on one too.
     Rows,
 }
 
-/// The choices; the default is what runs take.
+/// The choices; the default is what runs take, and what was fastest on an NVIDIA H100 (docs/results/2026-11-26-graphics-card.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tuning {
     /// Threads of a workgroup of `collide_stream`.
@@ -28,8 +26,8 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            workgroup: WORKGROUP,
-            padding: Padding::None,
+            workgroup: 256,
+            padding: Padding::Planes,
             bounds_checks: true,
         }
     }

@@ -6,7 +6,6 @@ use std::collections::HashMap;
 
 use super::Placement;
 use crate::case::Scene;
-use crate::case::coupling::Scheme;
 use crate::cloth::Structure;
 
 /// Something that a scene needs of the engine of its fabric, and that a device lacks.
@@ -22,20 +21,11 @@ const LEAVE_OUT: &str = "leave --cloth device out";
 /// A need: what it is, whether a scene has it, what to do.
 type Need = (&'static str, fn(&Scene) -> bool, &'static str);
 
-const NEEDS: [Need; 6] = [
+const NEEDS: [Need; 5] = [
     (
         "the case has [contact]",
         |scene| structure(scene).is_some_and(|s| s.contact.is_some()),
         "leave --cloth device out, or remove [contact]",
-    ),
-    (
-        "the case has coupling.scheme = \"links\"",
-        |scene| {
-            scene
-                .coupling
-                .is_some_and(|coupling| coupling.scheme == Scheme::Links)
-        },
-        LEAVE_OUT,
     ),
     (
         "the structure is sewn of several fabrics",

@@ -18,18 +18,23 @@ pub enum ClothEngine {
 }
 
 impl ClothEngine {
-    /// The engine for the fabric, if there is any, with markers as triangles and barycentric weights.
+    /// The engine for the fabric, if there is any, with markers as triangles and barycentric weights; or its triangles are `cut`.
     pub(super) fn new(
         placement: ClothPlacement,
         cloth: Option<&Cloth>,
-        markers: &[(u32, [f64; 3])],
+        (markers, cut): (&[(u32, [f64; 3])], bool),
         device: Option<&Arc<Device>>,
     ) -> Result<Self, DeviceError> {
         match (placement, cloth) {
             (ClothPlacement::Host, _) | (ClothPlacement::Device, None) => Ok(Self::Host),
             (ClothPlacement::Device, Some(cloth)) => {
                 let device = Arc::clone(needed(device)?);
-                let engine = gpu::cloth::Cloth::new(device, &cloth.structure, markers)?;
+                let structure = &cloth.structure;
+                let engine = if cut {
+                    gpu::cloth::Cloth::new_cut(device, structure)?
+                } else {
+                    gpu::cloth::Cloth::new(device, structure, markers)?
+                };
                 Ok(Self::Device(Box::new(engine)))
             }
         }

@@ -10,14 +10,28 @@ use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
-    BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, Domain, FacePressures, Leaving,
-    OutOfAir, Return, SIDES, Through,
+    BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain, FacePressures,
+    Leaving, OutOfAir, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
 
 /// Links that one task works on.
 const LINKS_AT_ONCE: usize = 512;
+
+/// Least and largest places of no cell.
+const NOWHERE: [[i32; 3]; 2] = [[i32::MAX; 3], [i32::MIN + 1; 3]];
+
+/// Links whose forces are summed together; part of the result, since sums are rounded part by part.
+const LINKS_OF_A_PART: usize = 4096;
+
+fn of_links<'a>(
+    links: &'a [CutLink],
+    forces: &'a [[DVec3; 2]],
+) -> impl Iterator<Item = (&'a Cut, DVec3)> {
+    (links.iter().zip(forces))
+        .flat_map(|(link, forces)| SIDES.map(|side| (&link.cuts[side], forces[side])))
+}
 
 /// A surface in the air; what it is made of, its owner knows.
 #[derive(Debug)]
@@ -32,8 +46,12 @@ pub struct CutSurface {
     normals: Vec<DVec3>,
     areas: Vec<f64>,
     links: CutLinks,
+    /// Sorted when first asked for.
+    cuts: CutsByTriangle,
     /// Links are those of the positions.
     found: bool,
+    /// What of the air they touch.
+    reach: [[i32; 3]; 2],
     returns: Vec<[Return; 2]>,
     /// Density excess between the layers of every link; zero with one.
     inside: Vec<f64>,
@@ -82,7 +100,9 @@ impl CutSurface {
             normals: vec![DVec3::ZERO; triangles.len()],
             areas: vec![0.0; triangles.len()],
             links: CutLinks::default(),
+            cuts: CutsByTriangle::default(),
             found: false,
+            reach: NOWHERE,
             returns: Vec::new(),
             inside: Vec::new(),
             faces: FacePressures::new(&triangles, count),
@@ -150,22 +170,53 @@ impl CutSurface {
         self.links.links()
     }
 
+    /// Sorts their cuts by triangle.
+    pub(super) fn sort_cuts(&mut self) {
+        self.cuts.sort(&self.links, self.triangles.len());
+    }
+
+    /// Their cuts by triangle, as they were sorted last.
+    pub(super) const fn sorted_cuts(&self) -> &CutsByTriangle {
+        &self.cuts
+    }
+
     /// Force on the air by both sides of every link in the last `bounce`.
     pub fn forces(&self) -> impl Iterator<Item = (&Cut, DVec3)> {
-        (self.links().iter().zip(&self.forces))
-            .flat_map(|(link, forces)| SIDES.map(|side| (&link.cuts[side], forces[side])))
+        of_links(self.links(), &self.forces)
+    }
+
+    /// What `of` makes of the forces of some links each, in their order.
+    pub(super) fn parts_of_forces<R: Send>(
+        &self,
+        of: impl Fn(&mut dyn Iterator<Item = (&Cut, DVec3)>) -> R + Sync,
+    ) -> Vec<R> {
+        (self.links().par_chunks(LINKS_OF_A_PART))
+            .zip(self.forces.par_chunks(LINKS_OF_A_PART))
+            .map(|(links, forces)| of(&mut of_links(links, forces)))
+            .collect()
     }
 
     /// True if the cells of all links, those behind them, and those that lose the stress of boundary layers, lie in the box of cells `first..end`.
     #[must_use]
     pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
-        let inside = |cell: [i32; 3]| {
-            (0..3).all(|a| cell[a] > first[a] as i32 && cell[a] + 1 < end[a] as i32)
+        let [low, high] = self.reach;
+        (0..3).all(|a| low[a] > first[a] as i32 && high[a] + 1 < end[a] as i32)
+    }
+
+    /// Least and largest places of these cells; [`NOWHERE`] if there are none.
+    fn find_reach(&self) -> [[i32; 3]; 2] {
+        let both = |one: [[i32; 3]; 2], other: [[i32; 3]; 2]| {
+            [
+                std::array::from_fn(|a| one[0][a].min(other[0][a])),
+                std::array::from_fn(|a| one[1][a].max(other[1][a])),
+            ]
         };
-        (self.links().iter().flat_map(|link| link.cells)).all(inside)
-            && (self.changed().1.iter().flatten())
-                .map(|change| change.cell)
-                .all(inside)
+        let of_links = (self.links().par_iter())
+            .with_min_len(LINKS_AT_ONCE)
+            .map(|link| both([link.cells[0]; 2], [link.cells[1]; 2]))
+            .reduce(|| NOWHERE, both);
+        let changed = self.changed().1.iter().flatten();
+        (changed.map(|change| [change.cell; 2])).fold(of_links, both)
     }
 
     /// Stage `find_links`, for nodes at `positions` [cells].
@@ -185,6 +236,7 @@ impl CutSurface {
         if let Some(sliding) = &mut self.sliding {
             sliding.find(&self.links, &self.domain, &self.normals);
         }
+        self.reach = self.find_reach();
         self.found = true;
         Ok(())
     }
@@ -195,11 +247,15 @@ impl CutSurface {
         air: &mut AirEngine,
         velocities: &[DVec3],
     ) -> Result<(), DeviceError> {
+        let mut returns = std::mem::take(&mut self.returns);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.read_links(self.links.links(), &mut self.returns),
-            AirEngine::CpuF64(fluid) => fluid.read_links(self.links.links(), &mut self.returns),
-            AirEngine::Gpu(fluid) => fluid.read_links(self.links.links(), &mut self.returns)?,
+            AirEngine::CpuF32(fluid) => fluid.read_links(self.links.links(), &mut returns),
+            AirEngine::CpuF64(fluid) => fluid.read_links(self.links.links(), &mut returns),
+            AirEngine::Gpu(fluid) => {
+                fluid.read_links(&self.links, self.changed().1, &mut returns)?;
+            }
         }
+        self.returns = returns;
         self.slide(air, velocities)?;
         let seen = Seen {
             triangles: &self.triangles,
@@ -209,14 +265,16 @@ impl CutSurface {
         };
         // Pressures of faces are asked for between two layers alone.
         if self.links.doubled() > 0 {
-            self.faces.take(&seen);
+            self.cuts.sort(&self.links, self.triangles.len());
+            self.faces.take(&seen, &self.cuts);
         }
-        self.inside.clear();
-        self.inside
-            .extend(seen.links.iter().map(|link| match link.layers {
+        (seen.links.par_iter())
+            .with_min_len(LINKS_AT_ONCE)
+            .map(|link| match link.layers {
                 1 => 0.0,
                 _ => self.faces.between(&seen, link),
-            }));
+            })
+            .collect_into_vec(&mut self.inside);
         if let Some(through) = &mut self.through {
             through.take(&seen, &self.inside, (velocities, &self.areas));
         }
@@ -238,7 +296,7 @@ impl CutSurface {
                 fluid.read_images(cells, leaving);
                 Ok(())
             }
-            AirEngine::Gpu(fluid) => fluid.read_images(cells, leaving),
+            AirEngine::Gpu(fluid) => fluid.read_images(self.links.search(), cells, leaving),
         };
         let mut returns = std::mem::take(&mut self.returns);
         let stands = velocities.iter().all(|velocity| *velocity == DVec3::ZERO);
@@ -325,7 +383,7 @@ impl CutSurface {
         match air {
             AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed.1),
             AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed.1),
-            AirEngine::Gpu(fluid) => fluid.bounce(links, back, rest, changed)?,
+            AirEngine::Gpu(fluid) => fluid.bounce(&self.links, back, rest, changed)?,
         }
         Ok(())
     }

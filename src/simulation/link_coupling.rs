@@ -21,7 +21,7 @@ use crate::case::coupling::Friction;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, TriangleReaction};
-use crate::cut_links::{CutsByTriangle, OutOfAir};
+use crate::cut_links::{Cut, OutOfAir};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
@@ -51,8 +51,6 @@ pub struct LinkCoupling {
     positions: Vec<DVec3>,
     velocities: Vec<DVec3>,
     reactions: Vec<TriangleReaction>,
-    /// Those of the fabric.
-    cuts: CutsByTriangle,
     force_on_air: [f64; 3],
     fabric_force_on_air: [f64; 3],
     loads: Vec<Load>,
@@ -146,7 +144,6 @@ impl LinkCoupling {
             positions,
             velocities: vec![DVec3::ZERO; nodes],
             reactions: Vec::new(),
-            cuts: CutsByTriangle::default(),
             force_on_air: [0.0; 3],
             fabric_force_on_air: [0.0; 3],
             loads: vec![Load::default(); scene.rigid_bodies.len()],
@@ -249,10 +246,12 @@ impl LinkCoupling {
 
     /// Makes them from what was read.
     pub(super) fn gather_reactions(&mut self) {
-        self.cuts.sort(self.surface.links(), self.fabric_triangles);
+        self.surface.sort_cuts();
         let (stiffness_kg_s, force_n) = (self.units.stiffness_kg_s(), self.units.force_n());
-        let (surface, cuts) = (&self.surface, &self.cuts);
-        (cuts.triangles().par_iter())
+        let (surface, cuts) = (&self.surface, self.surface.sorted_cuts());
+        let of_fabric = |triangle: &u32| (*triangle as usize) < self.fabric_triangles;
+        let count = cuts.triangles().partition_point(of_fabric);
+        (cuts.triangles()[..count].par_iter())
             .with_min_len(TRIANGLES_AT_ONCE)
             .map(|&triangle| {
                 let mut sum = TriangleReaction::none(triangle);
@@ -320,20 +319,34 @@ impl LinkCoupling {
                 DVec3::from_array(self.units.position_to_lattice(place_m))
             })
             .collect();
+        let of_part = |forces: &mut dyn Iterator<Item = (&Cut, DVec3)>| {
+            let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
+            let mut loads = vec![Load::default(); points.len()];
+            for (cut, force) in forces {
+                total += force;
+                let Some(of_body) = (cut.triangle as usize).checked_sub(self.fabric_triangles)
+                else {
+                    of_fabric += force;
+                    continue;
+                };
+                let body = self.body_of[of_body] as usize;
+                let arm = self.surface.at(cut, &self.positions) - points[body];
+                loads[body].add(&Load {
+                    force: (-force).to_array(),
+                    moment: (-arm.cross(force)).to_array(),
+                });
+            }
+            (total, of_fabric, loads)
+        };
+        let parts = self.surface.parts_of_forces(of_part);
         self.loads.fill(Load::default());
         let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
-        for (cut, force) in self.surface.forces() {
-            total += force;
-            let Some(of_body) = (cut.triangle as usize).checked_sub(self.fabric_triangles) else {
-                of_fabric += force;
-                continue;
-            };
-            let body = self.body_of[of_body] as usize;
-            let arm = self.surface.at(cut, &self.positions) - points[body];
-            self.loads[body].add(&Load {
-                force: (-force).to_array(),
-                moment: (-arm.cross(force)).to_array(),
-            });
+        for (part, part_of_fabric, loads) in parts {
+            total += part;
+            of_fabric += part_of_fabric;
+            for (sum, load) in self.loads.iter_mut().zip(&loads) {
+                sum.add(load);
+            }
         }
         self.force_on_air = total.to_array();
         self.fabric_force_on_air = of_fabric.to_array();

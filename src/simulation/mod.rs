@@ -195,7 +195,7 @@ impl Simulation {
         let cloth_engine = ClothEngine::new(
             plan.placement.cloth,
             cloth.as_ref(),
-            &markers,
+            (&markers, matches!(coupled, Some(Coupled::Links(_)))),
             device.as_ref(),
         )?;
         let impulses = match (&scene.air, &air, &coupled) {

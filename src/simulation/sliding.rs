@@ -1,10 +1,12 @@
 //! Parts of a surface that cuts links along which the air slides, and the mass that it owes the air there ([`crate::cut_links::slide`]).
 
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
+use crate::cut_links::cell_numbers::CellNumbers;
 use crate::cut_links::slide::{self, Asked, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
@@ -34,14 +36,22 @@ pub(super) struct Sliding {
     spaces: Spaces,
     /// Sides that slide, in the order of links.
     sides: Vec<Side>,
+    cut: CellNumbers,
     /// `None` where no boundary layer is modelled.
     modelled: Option<Modelled>,
-    /// Of every space, what its sides lost in the step along planes, and of every block, what they lost beyond; both with the sums of their weights.
-    sums: [Vec<[f64; 2]>; 2],
-    /// How many blocks there are.
-    blocks: usize,
+    /// Numbers of sides in the order of their blocks, and where those of a block begin; one more at the end.
+    of_blocks: Vec<u32>,
+    blocks: Vec<u32>,
+    /// What every side gives back.
+    given: Vec<f64>,
     returned: f64,
 }
+
+/// Sides that one task works on; part of the result, since sums are rounded part by part.
+const SIDES_AT_ONCE: usize = 2048;
+
+/// Blocks that one task works on.
+const BLOCKS_AT_ONCE: usize = 64;
 
 /// A side of a link along which the air slides.
 #[derive(Debug, Clone, Copy)]
@@ -92,6 +102,7 @@ impl Sliding {
             along: Vec::new(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
             sides: Vec::new(),
+            cut: CellNumbers::default(),
             modelled: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds)
                 .map(|layers| Modelled {
                     layers,
@@ -100,8 +111,9 @@ impl Sliding {
                     taken: false,
                 }),
             friction,
-            sums: Default::default(),
-            blocks: 0,
+            of_blocks: Vec::new(),
+            blocks: Vec::new(),
+            given: Vec::new(),
             returned: 0.0,
         })
     }
@@ -121,9 +133,13 @@ impl Sliding {
             modelled.taken = false;
         }
         let (links, spaces) = (links.links(), &self.spaces);
-        let mut cut: FxHashMap<[i32; 3], u32> = FxHashMap::default();
+        // Links that are cut at every cell, less one.
+        let cut = &mut self.cut;
+        cut.lay(links.iter().flat_map(|link| link.cells));
         for cell in links.iter().flat_map(|link| link.cells) {
-            *cut.entry(cell).or_insert(0) += 1;
+            if let Some(count) = cut.entry(cell) {
+                *count = count.wrapping_add(1);
+            }
         }
         let mut blocks: FxHashMap<(u32, [i32; 3]), u32> = FxHashMap::default();
         let side = |(number, side): (usize, usize)| {
@@ -131,7 +147,7 @@ impl Sliding {
             let normal = normals[link.cuts[side].triangle as usize];
             let space = spaces.of(slide::face(link, side, normal)) as u32;
             let cell = link.cells[side];
-            let block = if cut.get(&cell).is_some_and(|cut| *cut >= CROWDED) {
+            let block = if cut.get(cell).is_some_and(|cut| cut + 1 >= CROWDED) {
                 (u32::MAX, cell)
             } else {
                 (space, cell.map(|place| place.div_euclid(BLOCK)))
@@ -146,7 +162,18 @@ impl Sliding {
         };
         self.sides.clear();
         self.sides.extend(self.images.sides().map(side));
-        self.blocks = blocks.len();
+        let block = |side: &u32| self.sides[*side as usize].groups[1];
+        self.of_blocks.clear();
+        self.of_blocks.extend(0..self.sides.len() as u32);
+        self.of_blocks.par_sort_by_key(block);
+        self.blocks.clear();
+        self.blocks.resize(blocks.len() + 1, 0);
+        for side in &self.sides {
+            self.blocks[side.groups[1] as usize + 1] += 1;
+        }
+        for number in 0..blocks.len() {
+            self.blocks[number + 1] += self.blocks[number];
+        }
     }
 
     /// Begins a step: cells of which is asked what left them, and where that goes. A device changes what it was told, `on_device`.
@@ -225,28 +252,54 @@ impl Sliding {
     ///
     /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
     pub(super) fn keep_mass(&mut self, rest: &mut [[f64; 2]]) {
-        let (sums, along) = (&mut self.sums, &self.along);
-        for (sums, count) in sums.iter_mut().zip([self.spaces.count(), self.blocks]) {
-            sums.clear();
-            sums.resize(count, [0.0; 2]);
-        }
-        for side in &self.sides {
-            let place = (side.link as usize, usize::from(side.side));
-            let along = along[place.0][place.1];
-            let lost = [along, rest[place.0][place.1] - along];
-            for k in 0..2 {
-                let sum = &mut sums[k][side.groups[k] as usize];
-                sum[0] += lost[k];
-                sum[1] += side.weight;
+        let (sides, along) = (&self.sides, &self.along);
+        let place = |side: &Side| (side.link as usize, usize::from(side.side));
+        // What is lost, and by which weight in all.
+        let parts: Vec<Vec<[f64; 2]>> = (sides.par_chunks(SIDES_AT_ONCE))
+            .map(|sides| {
+                let mut sums = vec![[0.0; 2]; self.spaces.count()];
+                for side in sides {
+                    let (link, of_link) = place(side);
+                    let sum = &mut sums[side.groups[0] as usize];
+                    sum[0] += along[link][of_link];
+                    sum[1] += side.weight;
+                }
+                sums
+            })
+            .collect();
+        let mut of_spaces = vec![[0.0; 2]; self.spaces.count()];
+        for part in &parts {
+            for (sum, part) in of_spaces.iter_mut().zip(part) {
+                sum[0] += part[0];
+                sum[1] += part[1];
             }
         }
-        self.returned += sums[0].iter().map(|[lost, _]| lost.abs()).sum::<f64>();
-        for [lost, weights] in sums.iter_mut().flatten() {
-            *lost /= weights.max(f64::MIN_POSITIVE);
-        }
-        for side in &self.sides {
-            let [of_space, of_block] = [0, 1].map(|k| sums[k][side.groups[k] as usize][0]);
-            rest[side.link as usize][usize::from(side.side)] = (of_space + of_block) * side.weight;
+        self.returned += of_spaces.iter().map(|[lost, _]| lost.abs()).sum::<f64>();
+        let share = |[lost, weight]: [f64; 2]| lost / weight.max(f64::MIN_POSITIVE);
+        let rests = &*rest;
+        let of_blocks: Vec<f64> = (self.blocks.par_windows(2))
+            .with_min_len(BLOCKS_AT_ONCE)
+            .map(|bounds| {
+                let mut sum = [0.0; 2];
+                for side in &self.of_blocks[bounds[0] as usize..bounds[1] as usize] {
+                    let side = &sides[*side as usize];
+                    let (link, of_link) = place(side);
+                    sum[0] += rests[link][of_link] - along[link][of_link];
+                    sum[1] += side.weight;
+                }
+                share(sum)
+            })
+            .collect();
+        (sides.par_iter())
+            .with_min_len(SIDES_AT_ONCE)
+            .map(|side| {
+                let [space, block] = side.groups.map(|number| number as usize);
+                (share(of_spaces[space]) + of_blocks[block]) * side.weight
+            })
+            .collect_into_vec(&mut self.given);
+        for (side, given) in sides.iter().zip(&self.given) {
+            let (link, of_link) = place(side);
+            rest[link][of_link] = *given;
         }
     }
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::cloth::REFRESH_EVERY;
+use super::coupled::Coupled;
 use super::{ClothEngine, Failure, Simulation, StaticLoads, StructureState};
 use crate::case::Scene;
 use crate::cloth::Structure;
@@ -175,7 +176,8 @@ impl Simulation {
     /// Goes on with other fabric, on the device too where that solves it.
     pub(super) fn take_fabric(&mut self, cloth: Cloth) -> Result<(), DeviceError> {
         let placement = self.plan.placement.cloth;
-        self.cloth_engine = ClothEngine::new(placement, Some(&cloth), &[], self.device.as_ref())?;
+        let felt = (&[][..], matches!(self.coupled, Some(Coupled::Links(_))));
+        self.cloth_engine = ClothEngine::new(placement, Some(&cloth), felt, self.device.as_ref())?;
         self.cloth = Some(cloth);
         Ok(())
     }

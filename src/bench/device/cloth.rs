@@ -57,14 +57,14 @@ pub(super) fn rows(device: &Arc<Device>, rows: &mut Rows) -> Result<(), Stop> {
     };
     for equilibrium in [false, true] {
         // Milliseconds per evaluation and node, host and device.
-        let mut pace = [2e-3; 2];
+        let mut pace = [if equilibrium { 3e-3 } else { 5e-4 }; 2];
         for &(divisions, steps, limit) in sizes {
             let (problem, solves, most) = if equilibrium {
                 let most = EQUILIBRIUM_EVALUATIONS[usize::from(full)];
                 (Problem::Equilibrium, 1, most)
             } else {
                 // One more goes before those that are timed, and one behind.
-                (Problem::Steps { steps, limit }, steps + 2, limit.min(200))
+                (Problem::Steps { steps, limit }, steps + 2, limit.min(60))
             };
             let nodes = f64::from((divisions + 1) * (divisions + 1));
             let mut reference = None;

@@ -25,8 +25,8 @@ use serde_json::json;
 use super::{Stop, Watch};
 use crate::gpu::Device;
 use crate::output::{OutputError, write_atomically};
-pub use rows::Extent;
 use rows::{BYTES_PER_CELL, Rows};
+pub use rows::{Extent, Table};
 
 /// Measures a device; returns the path of the table.
 pub fn measure(
@@ -82,9 +82,23 @@ pub fn measure(
 fn all_tables(device: &Arc<Device>, copy: &mut Option<f64>, rows: &mut Rows) -> Result<(), Stop> {
     asking::latencies(device, rows)?;
     let rate = *copy.insert(asking::copy(device, rows)?);
-    let pace = air::sizes(device, rate, rows)?;
-    canopy::rows(device, rate, rows)?;
-    cloth::rows(device, rows)?;
-    asking::marker_lists(device, rows)?;
-    air::tunings(device, rate, pace, rows)
+    let of = rows.extent.table;
+    let wanted = |table| of.is_none_or(|only| only == table);
+    let mut pace = air::Pace::default();
+    if wanted(Table::BareAir) {
+        pace = air::sizes(device, rate, rows)?;
+    }
+    if wanted(Table::Canopy) {
+        canopy::rows(device, rate, rows)?;
+    }
+    if wanted(Table::Cloth) {
+        cloth::rows(device, rows)?;
+    }
+    if wanted(Table::MarkerLists) {
+        asking::marker_lists(device, rows)?;
+    }
+    if wanted(Table::Tunings) {
+        air::tunings(device, rate, pace, rows)?;
+    }
+    Ok(())
 }

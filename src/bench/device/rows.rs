@@ -17,6 +17,21 @@ use crate::plan::{AirPlacement, ClothPlacement, Placement};
 /// Bytes that a step moves per cell at least: every population read and written once, in 32 bits.
 pub(super) const BYTES_PER_CELL: f64 = (2 * DIRECTION_COUNT * 4) as f64;
 
+/// A table of the benchmark; latencies and copying, which others stand beside, are always measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Table {
+    /// Bare air over size, operator and storage.
+    BareAir,
+    /// A coupled canopy over cells per D_0.
+    Canopy,
+    /// Fabric on host and device.
+    Cloth,
+    /// Ways to tell the device which cells markers touch.
+    MarkerLists,
+    /// Bare air over threads of a workgroup, padding, and bounds checks.
+    Tunings,
+}
+
 /// How long, and how large.
 #[derive(Debug, Clone, Copy)]
 pub struct Extent {
@@ -24,6 +39,8 @@ pub struct Extent {
     pub full: bool,
     /// No row begins that would not end within this time.
     pub limit: Duration,
+    /// One table alone.
+    pub table: Option<Table>,
 }
 
 /// Where rows go, and what is left of the time.

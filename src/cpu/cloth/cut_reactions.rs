@@ -1,45 +1,179 @@
-//! Part of stage `solve_cloth` where the fabric cuts the lattice: the reactions of the air on its triangles ([`super::triangle_reaction`]).
+//! Part of stage `solve_cloth` where the fabric cuts the lattice: the reactions of the air on its triangles ([`super::triangle_reaction`]), summed once a solve.
+//!
+//! In the velocities v_n of the nodes they are ½ Σ v_nᵀ S_nm v_m − Σ p_n·v_n, with blocks S for each node and for each edge between two. An evaluation no longer knows how many triangles, and
+//! links, there are.
 
 use glam::{DMat3, DVec3};
 
 use super::loads::StepInput;
 use super::triangle_reaction::TriangleReaction;
+use super::vectors::{each_summed, fill};
 use crate::cloth::Structure;
 
-/// Adds the reactions at `point` to the gradient [N]; returns their part of the objective [J].
-pub(super) fn add_reactions(
-    structure: &Structure,
-    start: &[DVec3],
-    dt: f64,
-    input: &StepInput,
-    point: &[DVec3],
-    gradient: &mut [DVec3],
-) -> f64 {
-    let mut value = 0.0;
-    for reaction in input.cut_triangles {
-        let nodes = nodes_of(structure, reaction);
-        let velocities = nodes.map(|node| (point[node] - start[node]) / dt);
-        let (power, forces) = reaction.at(velocities);
-        value += dt * power;
-        for (node, force) in nodes.into_iter().zip(forces) {
-            gradient[node] += force;
-        }
-    }
-    value
+/// The neighbours of every node along the edges of triangles, and the edges of every triangle.
+#[derive(Debug, Clone, Default)]
+pub struct Edges {
+    /// Of a triangle: between its corners 0 and 1, 1 and 2, 2 and 0.
+    of_triangles: Vec<[u32; 3]>,
+    count: usize,
+    /// Where the neighbours of a node begin; one more at the end.
+    starts: Vec<u32>,
+    /// Neighbour and edge.
+    neighbours: Vec<[u32; 2]>,
 }
 
-/// Adds their blocks [N/m] to block-Jacobi's.
-pub(super) fn add_blocks(structure: &Structure, dt: f64, input: &StepInput, blocks: &mut [DMat3]) {
-    for reaction in input.cut_triangles {
-        for (corner, node) in nodes_of(structure, reaction).into_iter().enumerate() {
-            blocks[node] += reaction.between(corner, corner) * (1.0 / dt);
+impl Edges {
+    /// Of triangles among so many nodes.
+    pub fn new(node_count: usize, triangles: impl Iterator<Item = [u32; 3]> + Clone) -> Self {
+        let ends =
+            |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
+        let mut edges: Vec<[u32; 2]> = triangles.clone().flat_map(ends).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let number = |edge| edges.binary_search(&edge).unwrap_or_default() as u32;
+        let mut starts = vec![0; node_count + 1];
+        for node in edges.iter().flatten() {
+            starts[*node as usize + 1] += 1;
         }
+        for node in 0..node_count {
+            starts[node + 1] += starts[node];
+        }
+        let mut next = starts.clone();
+        let mut neighbours = vec![[0; 2]; 2 * edges.len()];
+        for (edge, &[a, b]) in edges.iter().enumerate() {
+            for (node, other) in [(a, b), (b, a)] {
+                let place = &mut next[node as usize];
+                neighbours[*place as usize] = [other, edge as u32];
+                *place += 1;
+            }
+        }
+        Self {
+            of_triangles: triangles.map(|nodes| ends(nodes).map(number)).collect(),
+            count: edges.len(),
+            starts,
+            neighbours,
+        }
+    }
+
+    fn at(&self, node: usize) -> &[[u32; 2]] {
+        &self.neighbours[self.starts[node] as usize..self.starts[node + 1] as usize]
     }
 }
 
-fn nodes_of(structure: &Structure, reaction: &TriangleReaction) -> [usize; 3] {
-    let nodes = structure.triangles[reaction.triangle as usize].nodes;
-    nodes.map(|node| node as usize)
+/// A symmetric block: xx, yy, zz and yz, xz, xy.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block([DVec3; 2]);
+
+impl Block {
+    fn add(&mut self, matrix: DMat3) {
+        let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        self.0[0] += DVec3::new(x.x, y.y, z.z);
+        self.0[1] += DVec3::new(y.z, x.z, x.y);
+    }
+
+    fn times(&self, v: DVec3) -> DVec3 {
+        let [diagonal, off] = self.0;
+        DVec3::new(
+            diagonal.x * v.x + off.z * v.y + off.y * v.z,
+            off.z * v.x + diagonal.y * v.y + off.x * v.z,
+            off.y * v.x + off.x * v.y + diagonal.z * v.z,
+        )
+    }
+
+    fn matrix(&self) -> DMat3 {
+        let [d, off] = self.0;
+        DMat3::from_cols(
+            DVec3::new(d.x, off.z, off.y),
+            DVec3::new(off.z, d.y, off.x),
+            DVec3::new(off.y, off.x, d.z),
+        )
+    }
+}
+
+/// The sums of a solve; empty where nothing is cut.
+#[derive(Debug, Clone, Default)]
+pub(super) struct CutSums {
+    /// Σ S of every node with itself, and of every edge [kg/s].
+    nodes: Vec<Block>,
+    edges: Vec<Block>,
+    /// Σ p [N].
+    pulls_n: Vec<DVec3>,
+    /// What is left where the fabric moves as the air does [W].
+    rest_w: f64,
+}
+
+impl CutSums {
+    /// Of the reactions on triangles with these nodes.
+    fn of<'a>(
+        edges: &Edges,
+        triangles: impl Fn(&TriangleReaction) -> [u32; 3],
+        reactions: impl Iterator<Item = &'a TriangleReaction>,
+    ) -> Self {
+        let node_count = edges.starts.len().saturating_sub(1);
+        let mut sums = Self {
+            nodes: vec![Block::default(); node_count],
+            edges: vec![Block::default(); edges.count],
+            pulls_n: vec![DVec3::ZERO; node_count],
+            rest_w: 0.0,
+        };
+        for reaction in reactions {
+            let of_triangle = edges.of_triangles[reaction.triangle as usize];
+            for (corner, node) in triangles(reaction).into_iter().enumerate() {
+                sums.nodes[node as usize].add(reaction.between(corner, corner));
+                sums.pulls_n[node as usize] += reaction.pull_n[corner];
+                let edge = of_triangle[corner] as usize;
+                sums.edges[edge].add(reaction.between(corner, (corner + 1) % 3));
+            }
+            sums.rest_w += reaction.rest_w;
+        }
+        sums
+    }
+
+    /// Those of a step; none in the static limit.
+    pub(super) fn new(structure: &Structure, edges: &Edges, input: &StepInput) -> Self {
+        if input.cut_triangles.is_empty() || input.time_step_s.is_none() {
+            return Self::default();
+        }
+        let nodes =
+            |reaction: &TriangleReaction| structure.triangles[reaction.triangle as usize].nodes;
+        Self::of(edges, nodes, input.cut_triangles.iter())
+    }
+
+    /// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
+    pub(super) fn add_reactions(
+        &self,
+        edges: &Edges,
+        [base, point]: [&[DVec3]; 2],
+        dt: f64,
+        gradient: &mut [DVec3],
+    ) -> f64 {
+        if self.nodes.is_empty() {
+            return 0.0;
+        }
+        let mut velocities = vec![DVec3::ZERO; point.len()];
+        fill(&mut velocities, |node| (point[node] - base[node]) / dt);
+        let resistance = |node: usize| {
+            let mut sum = self.nodes[node].times(velocities[node]);
+            for &[other, edge] in edges.at(node) {
+                sum += self.edges[edge as usize].times(velocities[other as usize]);
+            }
+            sum
+        };
+        let power = each_summed(gradient, |node, gradient| {
+            let (velocity, pull) = (velocities[node], self.pulls_n[node]);
+            let resistance = resistance(node);
+            *gradient += resistance - pull;
+            velocity.dot(0.5 * resistance - pull)
+        });
+        dt * (power + self.rest_w)
+    }
+
+    /// Adds their blocks [N/m] to block-Jacobi's.
+    pub(super) fn add_blocks(&self, dt: f64, blocks: &mut [DMat3]) {
+        for (block, own) in blocks.iter_mut().zip(&self.nodes) {
+            *block += own.matrix() * (1.0 / dt);
+        }
+    }
 }
 
 /// The reaction of every triangle by its number; empty where nothing is cut.
@@ -55,4 +189,59 @@ pub(super) fn by_triangle<'a>(
         found[reaction.triangle as usize] = Some(reaction);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Power, forces and blocks are those of the cuts one by one, on two triangles at one edge.
+    #[test]
+    fn triangles_do_what_their_cuts_do() {
+        let triangles = [[0, 1, 2], [2, 1, 3]];
+        let cuts = [
+            (0, [0.2, 0.5, 0.3], DVec3::new(0.6, 0.0, 0.8), [2.0, 0.3]),
+            (0, [0.7, 0.1, 0.2], DVec3::new(0.0, 1.0, 0.0), [0.5, -1.1]),
+            (1, [0.4, 0.4, 0.2], DVec3::new(0.0, -0.6, 0.8), [1.5, 0.7]),
+        ];
+        let dt = 0.25;
+        let base = [DVec3::new(0.3, -0.1, 0.2); 4];
+        let velocities = [
+            DVec3::new(0.1, -0.4, 0.3),
+            DVec3::new(-0.2, 0.6, 0.5),
+            DVec3::new(0.9, 0.1, -0.7),
+            DVec3::new(-0.5, 0.8, 0.4),
+        ];
+        let mut reactions = [0, 1].map(TriangleReaction::none);
+        let (mut value, mut forces) = (0.0, [DVec3::ZERO; 4]);
+        let mut diagonal = [DMat3::ZERO; 4];
+        for (triangle, weights, direction, [k, p]) in cuts {
+            reactions[triangle].add(weights, direction, [k, p]);
+            let nodes = triangles[triangle].map(|node| node as usize);
+            let v: DVec3 = (0..3).map(|a| velocities[nodes[a]] * weights[a]).sum();
+            value += dt * 0.5 * k * (direction.dot(v) - p / k).powi(2);
+            for (node, weight) in nodes.into_iter().zip(weights) {
+                forces[node] += direction * (weight * (k * direction.dot(v) - p));
+                diagonal[node] += super::super::initial_hessian::outer(direction, direction)
+                    * (k * weight * weight / dt);
+            }
+        }
+        let edges = Edges::new(4, triangles.into_iter());
+        let of = |reaction: &TriangleReaction| triangles[reaction.triangle as usize];
+        let sums = CutSums::of(&edges, of, reactions.iter());
+        let point: Vec<DVec3> = (base.iter().zip(velocities))
+            .map(|(b, v)| *b + v * dt)
+            .collect();
+        let mut gradient = [DVec3::ZERO; 4];
+        let found = sums.add_reactions(&edges, [&base, &point], dt, &mut gradient);
+        assert!((found - value).abs() < 1e-14, "{found} {value}");
+        for (found, force) in gradient.iter().zip(forces) {
+            assert!((*found - force).length() < 1e-14);
+        }
+        let mut blocks = [DMat3::ZERO; 4];
+        sums.add_blocks(dt, &mut blocks);
+        for (found, block) in blocks.iter().zip(diagonal) {
+            assert!(found.abs_diff_eq(block, 1e-14));
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Which elements meet at every node, so that nodes can be worked on in parallel: each adds up its own share, always in the same order.
 
+use super::cut_reactions::Edges;
 use super::membrane_lanes::MembraneLanes;
 use crate::cloth::Structure;
 
@@ -66,6 +67,8 @@ pub struct Gather {
     pub guides: Corners<1>,
     /// Membrane triangles, made ready for the lanes of vectors.
     pub membrane: MembraneLanes,
+    /// Edges of triangles.
+    pub edges: Edges,
 }
 
 impl Gather {
@@ -81,6 +84,7 @@ impl Gather {
             cables: Corners::new(count, structure.cables.iter().map(|c| c.nodes)),
             guides: Corners::new(count, structure.guides.iter().map(|g| [g.node])),
             membrane: MembraneLanes::new(structure),
+            edges: Edges::new(count, structure.triangles.iter().map(|t| t.nodes)),
         }
     }
 }

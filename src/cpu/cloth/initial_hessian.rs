@@ -4,9 +4,11 @@
 //! plus the positive part of the geometric stiffness.
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
-use crate::cloth::elements::EDGES;
-use crate::cloth::{Bending, CableSegment, Structure};
+use super::vectors::{ALONE, CHUNK};
+use crate::cloth::fabrics::Laws;
+use crate::cloth::{Bending, CableSegment, Structure, Triangle};
 
 /// Stiffness below which a node counts as held by nothing [N/m].
 pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
@@ -51,49 +53,59 @@ fn add_bending<const N: usize>(bendings: &[Bending<N>], blocks: &mut [DMat3]) {
     }
 }
 
+/// What a triangle adds at its corners.
+fn corner_blocks(triangle: &Triangle, laws: &Laws<'_>, positions: &[DVec3]) -> [DMat3; 3] {
+    let membrane = laws.of(triangle);
+    let edges = triangle.edge_vectors(positions);
+    let strain = triangle.strain(&edges);
+    let response = membrane.respond(&strain);
+    let tangent = membrane.tangent(&strain, &response);
+    let b = &triangle.strain_from_squares;
+    let area = triangle.rest_area_m2;
+    // By the squares of edges: area Bᵀ T B.
+    let squares: [[f64; 3]; 3] = {
+        let of_columns: [[f64; 3]; 3] = std::array::from_fn(|k| {
+            std::array::from_fn(|j| (0..3).map(|l| tangent[k][l] * b[l][j]).sum::<f64>())
+        });
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| area * (0..3).map(|k| b[k][i] * of_columns[k][j]).sum::<f64>())
+        })
+    };
+    let t = response.tension;
+    let q: [f64; 3] =
+        std::array::from_fn(|i| area * (b[0][i] * t[0] + b[1][i] * t[1] + b[2][i] * t[2]));
+    let of_edges = edges.map(|edge| outer(edge, edge));
+    std::array::from_fn(|corner| {
+        // One edge ends at the corner, the other begins there.
+        let (i, j) = ((corner + 1) % 3, (corner + 2) % 3);
+        let both = outer(edges[i], edges[j]);
+        let geometric: f64 = 2.0 * (q[i] + q[j]);
+        of_edges[i] * (4.0 * squares[i][i]) + of_edges[j] * (4.0 * squares[j][j])
+            - (both + both.transpose()) * (4.0 * squares[i][j])
+            + DMat3::from_diagonal(DVec3::splat(geometric.max(0.0)))
+    })
+}
+
 /// Adds the elastic blocks [N/m] to `blocks`, `[node_count]`.
 pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &mut [DMat3]) {
     if let Some(laws) = structure.laws() {
-        for triangle in &structure.triangles {
-            let membrane = laws.of(triangle);
-            let edges = triangle.edge_vectors(positions);
-            let strain = triangle.strain(&edges);
-            let response = membrane.respond(&strain);
-            let tangent = membrane.tangent(&strain, &response);
-            let b = &triangle.strain_from_squares;
-            let area = triangle.rest_area_m2;
-            let mut squares = [[0.0; 3]; 3];
-            for i in 0..3 {
-                for j in 0..3 {
-                    let mut sum = 0.0;
-                    for k in 0..3 {
-                        for l in 0..3 {
-                            sum += b[k][i] * tangent[k][l] * b[l][j];
-                        }
-                    }
-                    squares[i][j] = area * sum;
-                }
+        let mut add = |triangle: &Triangle, of_corners: [DMat3; 3]| {
+            for (node, block) in triangle.nodes.into_iter().zip(of_corners) {
+                blocks[node as usize] += block;
             }
-            let t = response.tension;
-            let q: [f64; 3] =
-                std::array::from_fn(|i| area * (b[0][i] * t[0] + b[1][i] * t[1] + b[2][i] * t[2]));
-            for corner in 0..3 {
-                let mut block = DMat3::ZERO;
-                let mut geometric = 0.0;
-                for (i, ei) in EDGES.into_iter().enumerate() {
-                    let Some(sign_i) = incidence(ei, corner) else {
-                        continue;
-                    };
-                    geometric += 2.0 * q[i];
-                    for (j, ej) in EDGES.into_iter().enumerate() {
-                        if let Some(sign_j) = incidence(ej, corner) {
-                            block +=
-                                outer(edges[i], edges[j]) * (4.0 * squares[i][j] * sign_i * sign_j);
-                        }
-                    }
-                }
-                block += DMat3::from_diagonal(DVec3::splat(geometric.max(0.0)));
-                blocks[triangle.nodes[corner] as usize] += block;
+        };
+        let triangles = &structure.triangles;
+        if triangles.len() <= ALONE {
+            for triangle in triangles {
+                add(triangle, corner_blocks(triangle, &laws, positions));
+            }
+        } else {
+            let of_all: Vec<[DMat3; 3]> = (triangles.par_iter())
+                .with_min_len(CHUNK)
+                .map(|triangle| corner_blocks(triangle, &laws, positions))
+                .collect();
+            for (triangle, of_corners) in triangles.iter().zip(of_all) {
+                add(triangle, of_corners);
             }
         }
     }
@@ -128,17 +140,6 @@ pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &m
     }
     for guide in &structure.guides {
         blocks[guide.node as usize] += DMat3::from_diagonal(guide.stiffness_n_m);
-    }
-}
-
-/// +1 where the edge ends at the corner, −1 where it starts there.
-fn incidence(edge: [usize; 2], corner: usize) -> Option<f64> {
-    if edge[1] == corner {
-        Some(1.0)
-    } else if edge[0] == corner {
-        Some(-1.0)
-    } else {
-        None
     }
 }
 

@@ -17,6 +17,7 @@ use std::convert::Infallible;
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::cut_reactions::CutSums;
 use super::dashpots::{Dashpot, dashpots};
 use super::gather::Gather;
 use super::integration::StepBase;
@@ -24,10 +25,7 @@ use super::loads::{StepInput, add_pull_of_the_air, step_loads};
 use super::marker_sums::MarkerSums;
 use super::softened::Soft;
 use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
-use super::{
-    Prepared, cut_reactions, initial_hessian, nodal_forces, permeable, pressure, reactions,
-    stiffness,
-};
+use super::{Prepared, initial_hessian, nodal_forces, permeable, pressure, reactions, stiffness};
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
 use crate::solve::block_cholesky::BlockCholesky;
@@ -47,6 +45,7 @@ pub(super) struct Objective<'a> {
     origin_m: Option<DVec3>,
     dashpots: Vec<Dashpot>,
     marker_sums: MarkerSums,
+    cut_sums: CutSums,
     /// What is minimised in place of the structure while a solve stiffens it.
     soft: Option<Soft>,
     kind: InitialHessian,
@@ -56,6 +55,11 @@ pub(super) struct Objective<'a> {
     forces: Vec<DVec3>,
     /// H₀ g at the end, where positions cannot hold it; empty where they can [m].
     pub(super) remainder: Vec<Vec3>,
+}
+
+/// True if all nodes are held: the air does nothing to them, and they need no Hessian.
+fn nothing_moves(structure: &Structure) -> bool {
+    structure.held.iter().all(|held| *held)
 }
 
 /// Legs in which the prediction of a step is approached while no fabric is in the way, each about an edge long.
@@ -78,6 +82,11 @@ impl<'a> Objective<'a> {
         if let Some(contacts) = &mut prepared.contacts {
             contacts.begin(structure, start, &input, &loads);
         }
+        let cut_sums = if nothing_moves(structure) {
+            CutSums::default()
+        } else {
+            CutSums::new(structure, &prepared.gather.edges, &input)
+        };
         Self {
             structure,
             prepared,
@@ -85,6 +94,7 @@ impl<'a> Objective<'a> {
             origin_m: input.pressure_follows().then(|| pressure::middle(start)),
             dashpots: dashpots(structure, start, input.time_step_s),
             marker_sums: MarkerSums::new(structure, &input),
+            cut_sums,
             soft: None,
             base,
             input,
@@ -144,8 +154,8 @@ impl<'a> Objective<'a> {
                 (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
             });
             let base = (&start[..], dt);
-            let (sums, input) = (&self.marker_sums, &self.input);
-            value += reactions::add_reactions(structure, sums, base, input, point, gradient);
+            let sums = (&self.marker_sums, &self.cut_sums, &gather.edges);
+            value += reactions::add_reactions(structure, sums, base, &self.input, point, gradient);
             for dashpot in &self.dashpots {
                 let (dissipation, pull) = dashpot.energy_and_gradient(start, point);
                 value += dissipation;
@@ -345,6 +355,9 @@ impl<'a> Objective<'a> {
         self.inverse_blocks.clear();
         self.inverse_blocks
             .resize(structure.node_count(), DMat3::ZERO);
+        if nothing_moves(structure) {
+            return;
+        }
         initial_hessian::add_elastic_blocks(structure, point, &mut self.inverse_blocks);
         if let Some(dt) = self.input.time_step_s {
             for (block, &mass) in self.inverse_blocks.iter_mut().zip(&structure.masses_kg) {
@@ -370,7 +383,7 @@ impl<'a> Objective<'a> {
                     self.inverse_blocks[node as usize] += marker.projection() * stiffness;
                 }
             }
-            cut_reactions::add_blocks(structure, dt, &self.input, &mut self.inverse_blocks);
+            self.cut_sums.add_blocks(dt, &mut self.inverse_blocks);
         }
         if let Some(contacts) = &self.prepared.contacts {
             contacts.add_blocks(&mut self.inverse_blocks);

@@ -2,15 +2,16 @@
 
 use glam::DVec3;
 
+use super::cut_reactions::{CutSums, Edges};
 use super::loads::StepInput;
 use super::marker_sums::MarkerSums;
-use super::{Cloth, cut_reactions, permeable};
+use super::{Cloth, permeable};
 use crate::cloth::Structure;
 
 /// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
 pub(super) fn add_reactions(
     structure: &Structure,
-    sums: &MarkerSums,
+    (sums, cuts, edges): (&MarkerSums, &CutSums, &Edges),
     (base, dt): (&[DVec3], f64),
     input: &StepInput,
     point: &[DVec3],
@@ -25,7 +26,7 @@ pub(super) fn add_reactions(
     }
     value += permeable::add_reactions(structure, base, dt, input, point, gradient);
     value += sums.add_reactions([base, point], dt, gradient);
-    value += cut_reactions::add_reactions(structure, base, dt, input, point, gradient);
+    value += cuts.add_reactions(edges, [base, point], dt, gradient);
     value
 }
 
@@ -35,12 +36,14 @@ impl Cloth {
     pub fn forces_of_the_air_n(&self, input: &StepInput) -> Vec<DVec3> {
         let rest = vec![DVec3::ZERO; self.structure.node_count()];
         let mut forces = rest.clone();
+        let edges = &self.prepared.gather.edges;
         let sums = MarkerSums::new(&self.structure, input);
+        let cuts = CutSums::new(&self.structure, edges, input);
         // Displacements in a unit of time are velocities.
         let base = (&rest[..], 1.0);
         add_reactions(
             &self.structure,
-            &sums,
+            (&sums, &cuts, edges),
             base,
             input,
             &self.velocities_m_s,

@@ -45,6 +45,25 @@ pub(super) fn each<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) 
     }
 }
 
+/// Does `of` to every item, given its number, and returns the sum over chunks of what it returns.
+pub(super) fn each_summed<T: Send>(
+    items: &mut [T],
+    of: impl Fn(usize, &mut T) -> f64 + Sync,
+) -> f64 {
+    let one = |(chunk, items): (usize, &mut [T])| -> f64 {
+        let first = chunk * CHUNK;
+        (items.iter_mut().enumerate())
+            .map(|(k, item)| of(first + k, item))
+            .sum()
+    };
+    let sums: Vec<f64> = if items.len() <= ALONE {
+        items.chunks_mut(CHUNK).enumerate().map(one).collect()
+    } else {
+        items.par_chunks_mut(CHUNK).enumerate().map(one).collect()
+    };
+    sums.iter().sum()
+}
+
 /// Sum over chunks of `count` items.
 pub(super) fn chunked_sum<const K: usize>(
     count: usize,
@@ -62,25 +81,52 @@ pub(super) fn chunked_sum<const K: usize>(
 /// Numbers that are summed side by side.
 const LANES: usize = 8;
 
-/// Dot product of two short vectors, in double precision.
-fn short_dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let (a, b): (&[f32], &[f32]) = (bytemuck::cast_slice(a), bytemuck::cast_slice(b));
-    let (mut a, mut b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.by_ref().zip(b.by_ref()) {
-        for k in 0..LANES {
-            sums[k] += f64::from(a[k]) * f64::from(b[k]);
+/// Does `of` with the widest vectors that the processor has; what it calls has to be inlined. Products and sums are not fused: the same bits everywhere.
+fn in_lanes<R>(of: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(of)
+}
+
+/// Dot products of short vectors with another, in double precision.
+#[inline(always)]
+fn short_dots<const K: usize>(vectors: [&[Vec3]; K], with: &[Vec3]) -> [f64; K] {
+    let with: &[f32] = bytemuck::cast_slice(with);
+    let vectors: [&[f32]; K] = vectors.map(|v| &bytemuck::cast_slice(v)[..with.len()]);
+    let whole = with.len() / LANES * LANES;
+    let mut sums = [[0.0; LANES]; K];
+    for first in (0..whole).step_by(LANES) {
+        let lanes = |v: &[f32]| -> [f64; LANES] {
+            let v = &v[first..first + LANES];
+            std::array::from_fn(|k| f64::from(v[k]))
+        };
+        let b = lanes(with);
+        for (sums, vector) in sums.iter_mut().zip(vectors) {
+            let a = lanes(vector);
+            for k in 0..LANES {
+                sums[k] += a[k] * b[k];
+            }
         }
     }
-    let mut rest = 0.0;
-    for (a, b) in a.remainder().iter().zip(b.remainder()) {
-        rest += f64::from(*a) * f64::from(*b);
-    }
-    sums.iter().sum::<f64>() + rest
+    std::array::from_fn(|of| {
+        let pairs = vectors[of][whole..].iter().zip(&with[whole..]);
+        let rest: f64 = pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+        sums[of].iter().sum::<f64>() + rest
+    })
+}
+
+#[inline(always)]
+fn short_dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let [dot] = short_dots([a], b);
+    dot
 }
 
 pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let [sum] = chunked_sum(a.len(), |range| [short_dot(&a[range.clone()], &b[range])]);
+    let of = |range: Range<usize>| {
+        in_lanes(
+            #[inline(always)]
+            || short_dot(&a[range.clone()], &b[range]),
+        )
+    };
+    let [sum] = chunked_sum(a.len(), |range| [of(range)]);
     sum
 }
 
@@ -156,18 +202,28 @@ pub(super) fn products(
         let preconditioned_change = difference(new_z, old_z);
         let along = &direction[range.clone()];
         let mut sums = Vec::with_capacity(OWN + 2 * stored.len());
-        sums.extend([
-            short_dot(new, along),
-            short_dot(&change, along),
-            short_dot(new, new_z),
-            short_dot(new, &preconditioned_change),
-            short_dot(&change, &preconditioned_change),
-            longest(new_z),
-        ]);
-        for vector in stored {
-            let vector = &vector[range.clone()];
-            sums.extend([short_dot(new, vector), short_dot(&change, vector)]);
-        }
+        in_lanes(
+            #[inline(always)]
+            || {
+                let [slope, slope_change] = short_dots([new, &change], along);
+                sums.extend([
+                    slope,
+                    slope_change,
+                    short_dot(new, new_z),
+                    short_dot(new, &preconditioned_change),
+                    short_dot(&change, &preconditioned_change),
+                ]);
+            },
+        );
+        sums.push(longest(new_z));
+        in_lanes(
+            #[inline(always)]
+            || {
+                for vector in stored {
+                    sums.extend(short_dots([new, &change], &vector[range.clone()]));
+                }
+            },
+        );
         sums
     });
     let mut sums = vec![0.0; OWN + 2 * stored.len()];
@@ -198,15 +254,20 @@ pub(super) fn combine(result: &mut [Vec3], terms: &[(f64, &[Vec3])]) {
     let one = |(chunk, result): (usize, &mut &mut [f32])| {
         let range = chunk * CHUNK..chunk * CHUNK + result.len();
         let mut sums = [0.0f64; CHUNK];
-        for (coefficient, vector) in terms {
-            let vector: &[f32] = bytemuck::cast_slice(vector);
-            for (sum, v) in sums.iter_mut().zip(&vector[range.clone()]) {
-                *sum += coefficient * f64::from(*v);
-            }
-        }
-        for (r, sum) in result.iter_mut().zip(&sums) {
-            *r = *sum as f32;
-        }
+        in_lanes(
+            #[inline(always)]
+            || {
+                for (coefficient, vector) in terms {
+                    let vector: &[f32] = bytemuck::cast_slice(vector);
+                    for (sum, v) in sums.iter_mut().zip(&vector[range.clone()]) {
+                        *sum += coefficient * f64::from(*v);
+                    }
+                }
+                for (r, sum) in result.iter_mut().zip(&sums) {
+                    *r = *sum as f32;
+                }
+            },
+        );
     };
     if chunks.len() * CHUNK <= 3 * ALONE {
         chunks.iter_mut().enumerate().for_each(one);

@@ -89,6 +89,15 @@ impl Kind {
     }
 }
 
+/// What triangles are besides fabric.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Triangles {
+    /// Pressure follows them.
+    pub faces: bool,
+    /// They cut the lattice of the air.
+    pub cut: bool,
+}
+
 /// The kinds that a structure has, and which slots every node gathers.
 #[derive(Debug)]
 pub(super) struct Elements {
@@ -154,8 +163,12 @@ fn law_pieces(laws: &[CableLaw]) -> (Vec<[f32; 4]>, Vec<u32>) {
 }
 
 impl Elements {
-    /// Lays out a structure; `markers` are (triangle, weights); triangles are faces too where pressure is to follow them.
-    pub fn new(structure: &Structure, markers: &[(u32, [f64; 3])], with_faces: bool) -> Self {
+    /// Lays out a structure; `markers` are (triangle, weights).
+    pub fn new(
+        structure: &Structure,
+        markers: &[(u32, [f64; 3])],
+        Triangles { faces, cut }: Triangles,
+    ) -> Self {
         let mut kinds = Vec::new();
         if structure.membrane.is_some() {
             kinds.push(Kind::new(
@@ -253,12 +266,16 @@ impl Elements {
                 words
             },
         ));
-        let faces = if with_faces {
-            &structure.triangles[..]
-        } else {
-            &[]
-        };
-        kinds.push(Kind::new("face", "faces", faces, |t| t.nodes, |_| []));
+        for (name, plural, _) in [
+            ("face", "faces", faces),
+            ("cut_triangle", "cut_triangles", cut),
+        ]
+        .into_iter()
+        .filter(|(_, _, there)| *there)
+        {
+            let triangles = &structure.triangles;
+            kinds.push(Kind::new(name, plural, triangles, |t| t.nodes, |_| []));
+        }
         let [name, plural] = match structure.permeability {
             None => ["marker", "markers"],
             Some(_) => ["permeable_marker", "permeable_markers"],

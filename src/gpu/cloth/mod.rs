@@ -44,10 +44,11 @@ use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::HISTORY;
 use crate::solve::multigrid::hierarchy::hierarchy;
 
-use elements::{Elements, split};
+use elements::{Elements, Triangles, split};
 use gathering::Gathering;
 use parameters::ClothStage;
 use points::PointSlot;
+use solve_cloth::CUT_WORDS;
 use stiffness::Stiffness;
 use vectors::POINTS;
 use workspace::{Operations, Workspace};
@@ -58,8 +59,8 @@ pub struct Cloth {
     device: Arc<Device>,
     nodes: usize,
     markers: Vec<(u32, [f64; 3])>,
-    /// Pressure can follow the triangles; made when a solve first asks for it.
-    faces: bool,
+    /// Pressure can follow them when a solve first asks for it.
+    triangles: Triangles,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     forces: Gathering,
     blocks: Gathering,
@@ -120,14 +121,23 @@ impl Cloth {
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
     ) -> Result<Self, DeviceError> {
-        Self::with_faces(device, structure, markers, false)
+        Self::with_triangles(device, structure, markers, Triangles::default())
     }
 
-    fn with_faces(
+    /// The same of fabric that cuts the lattice of the air.
+    pub fn new_cut(device: Arc<Device>, structure: &Structure) -> Result<Self, DeviceError> {
+        let triangles = Triangles {
+            faces: false,
+            cut: true,
+        };
+        Self::with_triangles(device, structure, &[], triangles)
+    }
+
+    fn with_triangles(
         device: Arc<Device>,
         structure: &Structure,
         markers: &[(u32, [f64; 3])],
-        faces: bool,
+        triangles: Triangles,
     ) -> Result<Self, DeviceError> {
         if structure.contact.is_some() {
             return Err(DeviceError::Feature {
@@ -144,7 +154,7 @@ impl Cloth {
             });
         }
         let nodes = structure.node_count();
-        let elements = Elements::new(structure, markers, faces);
+        let elements = Elements::new(structure, markers, triangles);
         let constants = constants(structure, &elements);
         let gathering = |shader, what| {
             Gathering::new(&device, shader, what, &elements.kinds, nodes, &constants)
@@ -216,6 +226,10 @@ impl Cloth {
                     "face_pressures",
                     device.storage("face pressures", 4 * kind.count as u64)?,
                 )),
+                "cut_triangle" => buffers.push((
+                    "cut_reactions",
+                    device.storage("cut reactions", 4 * (CUT_WORDS * kind.count) as u64)?,
+                )),
                 "permeable_marker" => buffers.push((
                     "permeabilities",
                     device.storage("permeabilities", 20 * kind.count as u64)?,
@@ -228,7 +242,7 @@ impl Cloth {
             device,
             nodes,
             markers: markers.to_vec(),
-            faces,
+            triangles,
             buffers,
             forces,
             blocks,
@@ -265,9 +279,13 @@ impl Cloth {
         structure: &Structure,
         (input, settings): (&StepInput, &SolverSettings),
     ) -> Result<(), DeviceError> {
-        if input.pressure_follows() && !self.faces {
+        if input.pressure_follows() && !self.triangles.faces {
             let device = Arc::clone(&self.device);
-            *self = Self::with_faces(device, structure, &self.markers, true)?;
+            let triangles = Triangles {
+                faces: true,
+                ..self.triangles
+            };
+            *self = Self::with_triangles(device, structure, &self.markers, triangles)?;
         }
         self.make_room(settings.history)?;
         if settings.initial_hessian == InitialHessian::Multigrid && self.multigrid.is_none() {
@@ -277,7 +295,7 @@ impl Cloth {
     }
 
     fn whole_hessian(&self, structure: &Structure) -> Result<WholeHessian, DeviceError> {
-        let elements = Elements::new(structure, &self.markers, self.faces);
+        let elements = Elements::new(structure, &self.markers, self.triangles);
         let constants = constants(structure, &elements);
         let shapes = hierarchy(graph(structure));
         let pattern = shapes

@@ -6,7 +6,7 @@
 //!
 //! Π = E(x) + ½ (1/dt² + β/dt) ΔᵀMΔ − (f − β M v̄)·Δ + ½ dt Σ_k K_k |Δ_k/dt + (v̄_k − u*_k)|² + constant,
 //!
-//! the same function as on the CPU; drag of a node, ½ dt c |Δ/dt + v̄ − u|², is added to its mass and load. The bracketed velocities and loads are computed on the host in `f64`.
+//! the same function as on the CPU, and where the fabric cuts the lattice the reactions of its triangles in place of the markers'; drag of a node, ½ dt c |Δ/dt + v̄ − u|², is added to its mass and load. The bracketed velocities and loads are computed on the host in `f64`.
 
 use glam::DVec3;
 
@@ -253,7 +253,7 @@ impl Cloth {
         let mut drive = loads.clone();
         add_pull_of_the_air(structure, input, &mut drive);
         let mut constant_j = 0.0;
-        if self.faces {
+        if self.triangles.faces {
             let pressures: Vec<f32> = if input.pressure_follows() {
                 self.refuse_open_edges(state, input)?;
                 pressure::add_forces(structure, &predicted, input.pressure, &mut drive);
@@ -319,6 +319,11 @@ impl Cloth {
             let words = permeability_words(input.permeable, self.markers.len());
             self.device.write(self.buffer("permeabilities")?, 0, &words);
         }
+        if self.triangles.cut {
+            let (words, still_j) = cut_reactions(structure, &velocity, input);
+            self.device.write(self.buffer("cut_reactions")?, 0, &words);
+            constant_j += still_j;
+        }
         let dashpots = dashpot_states(structure, start, &velocity, input.time_step_s);
         if !dashpots.is_empty() {
             let buffer = self.buffer("dashpot_states")?;
@@ -382,6 +387,38 @@ impl Cloth {
 fn base<'a>(state: &'a State, input: &StepInput) -> StepBase<'a> {
     let now = [&state.positions_m[..], &state.velocities_m_s];
     StepBase::new(now, state.step_before.as_ref(), input)
+}
+
+/// Words of a triangle that cuts the lattice: six symmetric blocks, and the force on each corner at the velocities of the prediction.
+pub(super) const CUT_WORDS: usize = 6 * 6 + 3 * 3;
+
+/// What the air does to triangles that cut its lattice, as `shaders/elements.wgsl` reads it, and its part of the objective that stays constant [J]; `velocity` is that of the prediction.
+fn cut_reactions(
+    structure: &Structure,
+    velocity: &dyn Fn(usize) -> DVec3,
+    input: &StepInput,
+) -> (Vec<f32>, f64) {
+    let count = structure.triangles.len();
+    let mut words = vec![0.0; CUT_WORDS * count];
+    let Some(dt) = input.time_step_s else {
+        return (words, 0.0);
+    };
+    let mut constant_j = 0.0;
+    for reaction in input.cut_triangles {
+        let triangle = reaction.triangle as usize;
+        let nodes = structure.triangles[triangle].nodes;
+        let (power_w, forces_n) = reaction.at(nodes.map(|node| velocity(node as usize)));
+        constant_j += dt * power_w;
+        let blocks = reaction.stiffness_kg_s.iter().flat_map(|block| {
+            let [x, y, z] = [block.x_axis, block.y_axis, block.z_axis];
+            [x.x, y.y, z.z, x.y, x.z, y.z]
+        });
+        let forces = forces_n.iter().flat_map(|force| force.to_array());
+        for (word, value) in blocks.chain(forces).enumerate() {
+            words[word * count + triangle] = value as f32;
+        }
+    }
+    (words, constant_j)
 }
 
 /// What damping needs of a step that starts at `start`, as `shaders/elements.wgsl` reads it; `velocity` is that of the prediction.

@@ -1,93 +1,82 @@
 //! Stages `read_links` and `bounce` ([`crate::cut_links`]): lists of places made on the host, a thread for each population.
 
+use rayon::prelude::*;
+
 use super::Fluid;
-use super::link_lists::{LinkLists, LinkParameters};
+use super::link_lists::{LinkLists, Listed};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{ChangedByPair, CutLink, Leaving, Return, SIDES};
+use crate::cut_links::{ChangedByPair, CutLink, CutLinks, Leaving, Return, SIDES};
 use crate::gpu::error::DeviceError;
 use crate::lattice::DIRECTION_COUNT;
 
-fn listed((array, element): Place) -> [u32; 2] {
+/// Links and cells that one task works on.
+const AT_ONCE: usize = 512;
+
+fn listed((array, element): Place) -> Listed {
     [array as u32, element as u32]
 }
 
 impl Fluid {
-    /// Lists with room for so many populations.
-    fn lists(&mut self, count: usize) -> Result<LinkLists, DeviceError> {
-        let mut lists = match self.link_lists.take() {
-            Some(lists) => lists,
-            None => LinkLists::new(&self.device, self.storage, &self.populations, count)?,
-        };
-        lists.reserve(&self.device, &self.populations, count)?;
-        Ok(lists)
+    fn lists(&mut self) -> Result<LinkLists, DeviceError> {
+        match self.link_lists.take() {
+            Some(lists) => Ok(lists),
+            None => LinkLists::new(&self.device, self.storage),
+        }
     }
 
-    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
+    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest. While the device reads, the places that stage `bounce` writes to are laid out, those that are
+    /// `changed` among them.
     pub fn read_links(
         &mut self,
-        links: &[CutLink],
+        links: &CutLinks,
+        changed: &ChangedByPair,
         returns: &mut Vec<[Return; 2]>,
     ) -> Result<(), DeviceError> {
+        let (search, links) = (links.search(), links.links());
         returns.resize(links.len(), [Return::default(); 2]);
         if links.is_empty() {
             return Ok(());
         }
         let places = Places::new(self.grid, &self.setup, self.odd);
-        // What left, and the further population; what left twice where there is none.
-        let mut lists = self.lists(4 * links.len())?;
-        lists.places.clear();
-        for link in links {
-            for side in SIDES {
-                let out = places.out(link, side);
-                let further = places.further(link, side).unwrap_or(out);
-                lists.places.extend([listed(out), listed(further)]);
-            }
+        let mut lists = self.lists()?;
+        let list = &mut lists.read_links[usize::from(self.odd)];
+        if !list.is_of(search, 4 * links.len()) {
+            // What left, and the further population; what left twice where there is none.
+            lists.places.resize(4 * links.len(), Listed::default());
+            (lists.places.par_chunks_mut(4).zip(links))
+                .with_min_len(AT_ONCE)
+                .for_each(|(listed_places, link)| {
+                    for side in SIDES {
+                        let out = places.out(link, side);
+                        let further = places.further(link, side).unwrap_or(out);
+                        listed_places[2 * side] = listed(out);
+                        listed_places[2 * side + 1] = listed(further);
+                    }
+                });
+            list.lay(&self.device, &self.populations, search, &lists.places)?;
         }
-        self.read_listed(&lists, "read_links", |numbers| {
-            for ((link, returns), read) in links
-                .iter()
-                .zip(returns.iter_mut())
-                .zip(numbers.chunks_exact(4))
-            {
-                for side in SIDES {
-                    let [out, further] = [0, 1].map(|k| f64::from(read[2 * side + k]));
-                    returns[side] = link.returned(side, out, further);
-                }
-            }
+        list.read(&self.device);
+        self.lay_bounce(&mut lists, (search, links), changed)?;
+        let list = &lists.read_links[usize::from(self.odd)];
+        list.numbers(&self.device, |numbers| {
+            (returns.par_iter_mut().zip(links))
+                .zip(numbers.par_chunks(4))
+                .with_min_len(AT_ONCE)
+                .for_each(|((returns, link), read)| {
+                    for side in SIDES {
+                        let [out, further] = [0, 1].map(|k| f64::from(read[2 * side + k]));
+                        returns[side] = link.returned(side, out, further);
+                    }
+                });
         })?;
         self.link_lists = Some(lists);
         Ok(())
     }
 
-    /// Reads the populations in a list.
-    fn read_listed(
-        &self,
-        lists: &LinkLists,
-        stage: &'static str,
-        take: impl FnOnce(&[f32]),
-    ) -> Result<(), DeviceError> {
-        let (device, room) = (&self.device, &lists.room);
-        let parameters = LinkParameters {
-            count: lists.places.len() as u32,
-            ..LinkParameters::default()
-        };
-        device.write(&lists.parameters, 0, &[parameters]);
-        device.write(&room.places, 0, &lists.places);
-        let mut commands = device.record(stage);
-        {
-            let mut pass = commands.pass(stage);
-            room.bound[0].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
-        }
-        let bytes = 4 * lists.places.len() as u64;
-        room.staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
-        device.submit(commands);
-        room.staging
-            .read(device, |bytes| take(bytemuck::cast_slice(bytes)))
-    }
-
-    /// Stage `read_images`: what left cells in all directions.
+    /// Stage `read_images`: what left `cells` in all directions, those of the images that were laid out for the links of a `search`.
     pub fn read_images(
         &mut self,
+        search: u64,
         cells: &[[i32; 3]],
         leaving: &mut Vec<Leaving>,
     ) -> Result<(), DeviceError> {
@@ -96,84 +85,99 @@ impl Fluid {
             return Ok(());
         }
         let places = Places::new(self.grid, &self.setup, self.odd);
-        let mut lists = self.lists(DIRECTION_COUNT * cells.len())?;
-        lists.places.clear();
-        for cell in cells {
-            let of_cell = (0..DIRECTION_COUNT).map(places.leaving(*cell));
-            lists.places.extend(of_cell.map(listed));
+        let mut lists = self.lists()?;
+        let list = &mut lists.read_images[usize::from(self.odd)];
+        let count = DIRECTION_COUNT * cells.len();
+        if !list.is_of(search, count) {
+            lists.places.resize(count, Listed::default());
+            (lists.places.par_chunks_mut(DIRECTION_COUNT).zip(cells))
+                .with_min_len(AT_ONCE)
+                .for_each(|(listed_places, cell)| {
+                    let place = places.leaving(*cell);
+                    for (direction, listed_place) in listed_places.iter_mut().enumerate() {
+                        *listed_place = listed(place(direction));
+                    }
+                });
+            list.lay(&self.device, &self.populations, search, &lists.places)?;
         }
-        self.read_listed(&lists, "read_images", |numbers| {
-            for (leaving, read) in leaving
-                .iter_mut()
-                .zip(numbers.chunks_exact(DIRECTION_COUNT))
-            {
-                *leaving = std::array::from_fn(|direction| f64::from(read[direction]));
-            }
+        list.read(&self.device);
+        list.numbers(&self.device, |numbers| {
+            (leaving.par_iter_mut())
+                .zip(numbers.par_chunks(DIRECTION_COUNT))
+                .with_min_len(AT_ONCE)
+                .for_each(|(leaving, read)| {
+                    *leaving = std::array::from_fn(|direction| f64::from(read[direction]));
+                });
         })?;
         self.link_lists = Some(lists);
         Ok(())
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links to what was `leaving`.
+    /// Lays out the places of stage `bounce`: both sides of every link, populations at rest, and those that are changed along open links.
+    fn lay_bounce(
+        &self,
+        lists: &mut LinkLists,
+        (search, links): (u64, &[CutLink]),
+        [at_rest, moving @ ..]: &ChangedByPair,
+    ) -> Result<(), DeviceError> {
+        let places = Places::new(self.grid, &self.setup, self.odd);
+        lists.at_rest.lay(&places, (search, links), at_rest);
+        let list = &mut lists.bounce[usize::from(self.odd)];
+        let sides = 2 * links.len();
+        let changes = moving.iter().map(Vec::len).sum::<usize>();
+        let count = sides + lists.at_rest.count() + changes;
+        if list.is_of(search, count) {
+            return Ok(());
+        }
+        lists.places.resize(sides, Listed::default());
+        (lists.places.par_chunks_mut(2).zip(links))
+            .with_min_len(AT_ONCE)
+            .for_each(|(listed_places, link)| {
+                for side in SIDES {
+                    listed_places[side] = listed(places.back(link, side));
+                }
+            });
+        let cells = lists.at_rest.elements().map(|element| [0, element]);
+        lists.places.extend(cells);
+        let changes = (moving.iter().flatten())
+            .map(|change| places.leaving(change.cell)(usize::from(change.direction)));
+        lists.places.extend(changes.map(listed));
+        list.lay(&self.device, &self.populations, search, &lists.places)
+    }
+
+    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links to what was `leaving`. The places
+    /// are those that the last `read_links` laid out.
     pub fn bounce(
         &mut self,
-        links: &[CutLink],
+        links: &CutLinks,
         back: &[[f64; 2]],
         rest: &[[f64; 2]],
         (leaving, changed): (&[Leaving], &ChangedByPair),
     ) -> Result<(), DeviceError> {
-        if links.is_empty() {
+        if links.links().is_empty() {
             return Ok(());
         }
-        let places = Places::new(self.grid, &self.setup, self.odd);
-        let changes = changed.iter().map(Vec::len).sum::<usize>();
-        let mut lists = self.lists(4 * links.len() + changes)?;
-        lists.places.clear();
-        lists.numbers.clear();
-        lists.rest.clear();
-        for ((link, back), rest) in links.iter().zip(back).zip(rest) {
-            for side in SIDES {
-                lists.places.push(listed(places.back(link, side)));
-                lists.numbers.push(back[side] as f32);
-                if rest[side] != 0.0 {
-                    lists
-                        .rest
-                        .push((places.rest(link, side) as u32, rest[side]));
+        let mut lists = self.lists()?;
+        self.lay_bounce(&mut lists, (links.search(), links.links()), changed)?;
+        let [at_rest, moving @ ..] = changed;
+        let (sides, cells) = (2 * back.len(), lists.at_rest.count());
+        let changes = moving.iter().map(Vec::len).sum::<usize>();
+        lists.numbers.resize(sides + cells + changes, 0.0);
+        let (of_sides, others) = lists.numbers.split_at_mut(sides);
+        let (of_cells, of_changes) = others.split_at_mut(cells);
+        (of_sides.par_chunks_mut(2).zip(back))
+            .with_min_len(AT_ONCE)
+            .for_each(|(numbers, back)| {
+                for side in SIDES {
+                    numbers[side] = back[side] as f32;
                 }
-            }
+            });
+        lists.at_rest.add_up(rest, at_rest, of_cells);
+        for (number, change) in of_changes.iter_mut().zip(moving.iter().flatten()) {
+            let population = leaving[change.number as usize][usize::from(change.direction)];
+            *number = (population + change.change) as f32;
         }
-        for change in changed.iter().flatten() {
-            let direction = usize::from(change.direction);
-            let place = places.leaving(change.cell)(direction);
-            if direction == 0 {
-                lists.rest.push((place.1 as u32, change.change));
-            } else {
-                lists.places.push(listed(place));
-                let population = leaving[change.number as usize][direction];
-                lists.numbers.push((population + change.change) as f32);
-            }
-        }
-        // All that goes to one cell at once, in the order of links: a stable sort.
-        lists.rest.sort_by_key(|(element, _)| *element);
-        for group in lists.rest.chunk_by(|a, b| a.0 == b.0) {
-            let sum: f64 = group.iter().map(|(_, share)| share).sum();
-            lists.places.push([0, group[0].0]);
-            lists.numbers.push(sum as f32);
-        }
-        let (device, room) = (&self.device, &lists.room);
-        let parameters = LinkParameters {
-            count: lists.places.len() as u32,
-            ..LinkParameters::default()
-        };
-        device.write(&lists.parameters, 0, &[parameters]);
-        device.write(&room.places, 0, &lists.places);
-        device.write(&room.numbers, 0, &lists.numbers);
-        let mut commands = device.record("bounce");
-        {
-            let mut pass = commands.pass("bounce");
-            room.bound[1].dispatch(&mut pass, device.workgroups(lists.places.len() as u64));
-        }
-        device.leave(commands);
+        lists.bounce[usize::from(self.odd)].write(&self.device, &lists.numbers);
         self.link_lists = Some(lists);
         self.device.check()
     }

@@ -1,5 +1,7 @@
-//! Room on the device for the populations of cut links.
+//! Lists of populations on the device, for the stages of cut links. They are made anew where other links are cut; where a surface stands still, those of
+//! even and of odd steps stay.
 
+use super::at_rest::AtRest;
 use super::names::by_number;
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
@@ -25,71 +27,150 @@ parameters! {
 /// Room for more populations than there are, when the room is made anew.
 const SPARE: usize = 2;
 
-/// Lists of populations on the device.
+/// Array and element of a population.
+pub(super) type Listed = [u32; 2];
+
+/// Populations on the device that a stage reads or writes.
 #[derive(Debug)]
-pub(super) struct LinkLists {
-    pub(super) parameters: wgpu::Buffer,
-    pipelines: [Pipeline; 2],
-    pub(super) room: Room,
-    /// Places and numbers of the stage under way, before they are sent.
-    pub(super) places: Vec<[u32; 2]>,
-    pub(super) numbers: Vec<f32>,
-    /// What goes to populations at rest, by element.
-    pub(super) rest: Vec<(u32, f64)>,
+pub(super) struct List {
+    name: &'static str,
+    pipeline: Pipeline,
+    reads: bool,
+    room: Option<Room>,
+    /// Number of the search for links that the places were made of, and how many there are.
+    made_of: (u64, usize),
 }
 
 /// Buffers for so many populations.
 #[derive(Debug)]
-pub(super) struct Room {
+struct Room {
     count: usize,
-    pub(super) places: wgpu::Buffer,
-    pub(super) numbers: wgpu::Buffer,
-    pub(super) staging: Staging,
-    /// Stages `read_links` and `bounce`.
-    pub(super) bound: [Bound; 2],
+    parameters: wgpu::Buffer,
+    places: wgpu::Buffer,
+    numbers: wgpu::Buffer,
+    /// Where they come back to the host.
+    staging: Option<Staging>,
+    bound: Bound,
+}
+
+/// The lists of a fluid: of each stage, those of even and of odd steps.
+#[derive(Debug)]
+pub(super) struct LinkLists {
+    pub(super) read_links: [List; 2],
+    pub(super) read_images: [List; 2],
+    pub(super) bounce: [List; 2],
+    /// Places and numbers of the stage under way, before they are sent.
+    pub(super) places: Vec<Listed>,
+    pub(super) numbers: Vec<f32>,
+    /// What goes to populations at rest.
+    pub(super) at_rest: AtRest,
 }
 
 impl LinkLists {
-    /// Room for so many.
-    pub(super) fn new(
-        device: &Device,
-        storage: Storage,
-        populations: &[wgpu::Buffer],
-        count: usize,
-    ) -> Result<Self, DeviceError> {
-        let pipelines = device.pipelines(
+    /// Lists without room.
+    pub(super) fn new(device: &Device, storage: Storage) -> Result<Self, DeviceError> {
+        let [read, bounce] = device.pipelines(
             &shaders::CUT_LINKS[storage as usize],
             ["read_links", "bounce"],
             &[],
         )?;
-        let parameters = device.uniform::<LinkParameters>("link parameters")?;
+        let list = |name, pipeline: &Pipeline, reads| {
+            [(); 2].map(|()| List {
+                name,
+                pipeline: pipeline.clone(),
+                reads,
+                room: None,
+                made_of: (0, 0),
+            })
+        };
         Ok(Self {
-            room: Room::new(
-                device,
-                populations,
-                (&pipelines, &parameters),
-                SPARE * count.max(1),
-            )?,
-            parameters,
-            pipelines,
+            read_links: list("read_links", &read, true),
+            read_images: list("read_images", &read, true),
+            bounce: list("bounce", &bounce, false),
             places: Vec::new(),
             numbers: Vec::new(),
-            rest: Vec::new(),
+            at_rest: AtRest::default(),
         })
     }
+}
 
-    /// Makes room for so many populations.
-    pub(super) fn reserve(
+impl List {
+    /// True if it holds the places of `count` populations by the links of a `search`.
+    pub(super) fn is_of(&self, search: u64, count: usize) -> bool {
+        self.room.is_some() && self.made_of == (search, count)
+    }
+
+    /// Sends the places, made of the links of a `search`.
+    pub(super) fn lay(
         &mut self,
         device: &Device,
         populations: &[wgpu::Buffer],
-        count: usize,
+        search: u64,
+        places: &[Listed],
     ) -> Result<(), DeviceError> {
-        if count > self.room.count {
-            let needs = (&self.pipelines, &self.parameters);
-            self.room = Room::new(device, populations, needs, SPARE * count)?;
-        }
+        let count = places.len();
+        let room = match self.room.take() {
+            Some(room) if room.count >= count => room,
+            _ => Room::new(
+                device,
+                populations,
+                &self.pipeline,
+                (SPARE * count, self.reads),
+            )?,
+        };
+        let parameters = LinkParameters {
+            count: count as u32,
+            ..LinkParameters::default()
+        };
+        device.write(&room.parameters, 0, &[parameters]);
+        device.write(&room.places, 0, places);
+        self.room = Some(room);
+        self.made_of = (search, count);
         Ok(())
+    }
+
+    /// Submits that the populations are read; [`List::numbers`] waits for them.
+    pub(super) fn read(&self, device: &Device) {
+        let Some(room) = &self.room else { return };
+        let mut commands = device.record(self.name);
+        {
+            let mut pass = commands.pass(self.name);
+            let groups = device.workgroups(self.made_of.1 as u64);
+            room.bound.dispatch(&mut pass, groups);
+        }
+        if let Some(staging) = &room.staging {
+            let bytes = 4 * self.made_of.1 as u64;
+            staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
+        }
+        device.submit(commands);
+    }
+
+    /// Shows what was read.
+    pub(super) fn numbers(
+        &self,
+        device: &Device,
+        show: impl FnOnce(&[f32]),
+    ) -> Result<(), DeviceError> {
+        match self.room.as_ref().and_then(|room| room.staging.as_ref()) {
+            Some(staging) => {
+                let bytes = 4 * self.made_of.1 as u64;
+                staging.read_first(device, bytes, |bytes| show(bytemuck::cast_slice(bytes)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Leaves to the next submission that `numbers` go to the populations.
+    pub(super) fn write(&self, device: &Device, numbers: &[f32]) {
+        let Some(room) = &self.room else { return };
+        device.write(&room.numbers, 0, numbers);
+        let mut commands = device.record(self.name);
+        {
+            let mut pass = commands.pass(self.name);
+            let groups = device.workgroups(numbers.len() as u64);
+            room.bound.dispatch(&mut pass, groups);
+        }
+        device.leave(commands);
     }
 }
 
@@ -97,28 +178,27 @@ impl Room {
     fn new(
         device: &Device,
         populations: &[wgpu::Buffer],
-        (pipelines, parameters): (&[Pipeline; 2], &wgpu::Buffer),
-        count: usize,
+        pipeline: &Pipeline,
+        (count, reads): (usize, bool),
     ) -> Result<Self, DeviceError> {
         let bytes = 4 * count as u64;
+        let parameters = device.uniform::<LinkParameters>("link parameters")?;
         let places = device.storage("link places", 2 * bytes)?;
         let numbers = device.storage("link populations", bytes)?;
         let mut named = by_number(populations);
         named.extend([
-            ("link_parameters", parameters),
+            ("link_parameters", &parameters),
             ("link_places", &places),
             ("link_populations", &numbers),
         ]);
-        let bound = [
-            device.bind(&pipelines[0], &named)?,
-            device.bind(&pipelines[1], &named)?,
-        ];
+        let bound = device.bind(pipeline, &named)?;
         Ok(Self {
             count,
             bound,
+            parameters,
             places,
             numbers,
-            staging: Staging::new(device, bytes)?,
+            staging: (reads.then(|| Staging::new(device, bytes))).transpose()?,
         })
     }
 }

@@ -4,6 +4,7 @@
 //! a choice between two bind groups.
 
 mod absorbing_faces;
+mod at_rest;
 pub mod collide_stream;
 pub mod control_volume;
 pub mod cut_links;
