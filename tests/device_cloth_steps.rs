@@ -134,7 +134,7 @@ fn cut_triangles(structure: &Structure) -> Vec<TriangleReaction> {
         for weights in [[0.6, 0.3, 0.1], [0.1, 0.2, 0.7], [0.3, 0.6, 0.1]] {
             for axis in DVec3::AXES {
                 let direction = (axis + 0.3 * DVec3::new(random(), random(), random())).normalize();
-                let stiffness_kg_s = 0.01 * (1.0 + 0.5 * random());
+                let stiffness_kg_s = 0.1 * (1.0 + 0.5 * random());
                 let air_m_s = DVec3::new(0.2 * random(), 2.0 + random(), 0.1);
                 let push_n = stiffness_kg_s * air_m_s.dot(direction);
                 sum.add(weights, direction, [stiffness_kg_s, push_n]);
@@ -147,12 +147,10 @@ fn cut_triangles(structure: &Structure) -> Vec<TriangleReaction> {
     all.filter(|triangle| triangle % 5 != 0).map(of).collect()
 }
 
-/// Fabric that cuts links of the lattice, over a short step and, with multigrid, over one in which stretching waves cross the sheet.
+/// Fabric that cuts links of the lattice, whose air is stiffer than its inertia: an initial Hessian that left the cuts out would take many times the evaluations of the host.
 fn one_step_of_cut_triangles(device: &Arc<Device>) {
-    for (step_s, initial_hessian) in [
-        (2e-3, InitialHessian::BlockJacobi),
-        (0.02, InitialHessian::Multigrid),
-    ] {
+    for initial_hessian in [InitialHessian::BlockJacobi, InitialHessian::Multigrid] {
+        let step_s = 2e-3;
         let structure = curtain(16, FabricModel::Membrane);
         let reactions = cut_triangles(&structure);
         let input = StepInput {
@@ -173,7 +171,10 @@ fn one_step_of_cut_triangles(device: &Arc<Device>) {
         assert!(moved > step_s, "{moved:e}");
         let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
         assert!(error < tolerance::CUT_STEP, "{initial_hessian:?} {error:e}");
-        assert!(evaluations[1] < 2 * evaluations[0] + 10, "{evaluations:?}");
+        assert!(
+            evaluations[1] < 2 * evaluations[0] + 10,
+            "{initial_hessian:?} {evaluations:?}"
+        );
     }
 }
 

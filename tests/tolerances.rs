@@ -196,9 +196,8 @@ pub mod device_cloth {
     pub const FORCE_NOISE: f64 = 1e-2;
     /// One step solved to 1e-5, over the way that the sheet moved (1.6e-7: both engines take the same iterations).
     pub const ONE_STEP: f64 = 1e-5;
-    /// One step of triangles that cut links, solved to 1e-4, over the way that the sheet moved: the objective on the device is single precision, and tells no more (2.9e-3 in a long step with
-    /// multigrid, where each engine stops a little elsewhere).
-    pub const CUT_STEP: f64 = 1e-2;
+    /// One step of triangles that cut links, solved to 1e-4, over the way that the sheet moved (2e-7, and with multigrid 2e-5: each engine stops a little elsewhere).
+    pub const CUT_STEP: f64 = 1e-4;
     /// Two steps with multigrid, so long that waves cross the sheet, solved to 1e-5 each (1.9e-5: each engine stops a little elsewhere).
     pub const LONG_STEPS: f64 = 1e-4;
     /// Fifty steps solved to 1e-4 each (2.3e-5).

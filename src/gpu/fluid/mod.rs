@@ -356,7 +356,10 @@ impl Fluid {
         out.put("inlet_velocity", &self.inlet_velocity)?;
         for (array, buffer) in self.populations.iter().enumerate() {
             let name = format!("populations_{array:02}");
-            self.save_stored(out, &name, buffer, self.grid.total)?;
+            match self.storage {
+                Storage::F32 => self.save_packed::<f32>(out, &name, buffer)?,
+                Storage::F16 => self.save_packed::<f16>(out, &name, buffer)?,
+            }
         }
         if let Some(faces) = &self.absorbing_faces {
             faces.save(&self.device, out)?;
@@ -377,7 +380,10 @@ impl Fluid {
             .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
         for (array, buffer) in self.populations.iter().enumerate() {
             let name = format!("populations_{array:02}");
-            self.restore_stored(from, &name, buffer, self.grid.total)?;
+            match self.storage {
+                Storage::F32 => self.restore_packed::<f32>(from, &name, buffer)?,
+                Storage::F16 => self.restore_packed::<f16>(from, &name, buffer)?,
+            }
         }
         if let Some(faces) = &self.absorbing_faces {
             faces.restore(&self.device, from)?;
@@ -390,6 +396,39 @@ impl Fluid {
             // Evaluated anew if the step to come asks for it.
             held.evaluated = None;
         }
+        Ok(())
+    }
+
+    /// Writes an array of populations without the padding of rows and planes, as every engine does.
+    fn save_packed<T: bytemuck::Pod>(
+        &self,
+        out: &mut Writer,
+        name: &str,
+        buffer: &wgpu::Buffer,
+    ) -> std::io::Result<()> {
+        let padded = self.device.read::<T>(buffer, 0, self.grid.total);
+        let padded = padded.map_err(std::io::Error::other)?;
+        let mut packed = Vec::with_capacity(Grid::new(self.setup.cells).total);
+        for row in self.grid.rows() {
+            packed.extend_from_slice(&padded[row]);
+        }
+        out.put(name, &packed)
+    }
+
+    /// Takes such an array.
+    fn restore_packed<T: bytemuck::Pod>(
+        &self,
+        from: &Reader,
+        name: &str,
+        buffer: &wgpu::Buffer,
+    ) -> Result<(), CheckpointError> {
+        let packed_grid = Grid::new(self.setup.cells);
+        let packed: Vec<T> = from.take_exactly(name, packed_grid.total)?;
+        let mut padded = vec![T::zeroed(); self.grid.total];
+        for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
+            padded[row].copy_from_slice(&packed[packed_row]);
+        }
+        self.device.write::<T>(buffer, 0, &padded);
         Ok(())
     }
 
