@@ -216,26 +216,29 @@ fn thin_layers() {
 
 /// A ram-air wing with 16 cells per chord lacks most of its lift, unless it cuts links.
 fn coarse_wing() {
-    let check = |scheme: &str| {
+    let check = |scheme: &str, cells: u32| {
         ripstop(&[
             "check",
             "cases/ram-air-parachute.toml",
             "--set",
-            "resolution.cells_per_chord=16",
+            &format!("resolution.cells_per_chord={cells}"),
             "--set",
             &format!("coupling.scheme={scheme}"),
         ])
     };
-    let links = check("links");
-    assert_eq!(links.code, 0, "{}", links.errors);
-    assert!(
-        !links.printed.contains("lift over the angle"),
-        "{}",
-        links.printed
-    );
-    let row = "NO  cells across the chord for lift, cut links";
-    assert!(links.printed.contains(row), "{}", links.printed);
-    let finished = check("kernel");
+    // With 48 cells lift is 12 % too low to 22 % too high (docs/results/2026-11-26-sliding-in-creases.md).
+    for cells in [16, 48] {
+        let links = check("links", cells);
+        assert_eq!(links.code, 0, "{}", links.errors);
+        assert!(
+            !links.printed.contains("lift over the angle"),
+            "{}",
+            links.printed
+        );
+        let row = "NO  cells across the chord for lift, cut links";
+        assert!(links.printed.contains(row), "{cells}: {}", links.printed);
+    }
+    let finished = check("kernel", 16);
     assert_eq!(finished.code, 0, "{}", finished.errors);
     for text in [
         "NO  trailing edge within the kernel              0.250",
