@@ -66,8 +66,8 @@ override CUT_TRIANGLE_ENERGIES: u32 = 0u;
 // Words of a permeable marker in a step: normal, alpha, beta (src/immersed/permeable.rs).
 @group(0) @binding(31) var<storage, read> permeabilities: array<f32>;
 @group(0) @binding(32) var<storage, read> cut_triangles: array<u32>;
-// Words of a triangle that cuts the lattice, in a step: stiffness [kg/s] between its corners 00, 11, 22, 01, 12, 20, each kept as (xx, yy, zz, xy, xz, yz), and the
-// force of the predicted velocities on each corner [N].
+// Words of a triangle that cuts the lattice, in a step. First the stiffness [kg/s] between its corners 00, 11, 22, 01, 12, 20, each kept as (xx, yy, zz, xy, xz, yz).
+// Then the force of the predicted velocities on each corner [N].
 @group(0) @binding(33) var<storage, read> cut_reactions: array<f32>;
 
 fn place(node: u32) -> Place {

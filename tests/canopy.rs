@@ -179,13 +179,20 @@ impl Body for MomentumBox {
 }
 
 fn threads() {
+    for scheme in ["coupling.scheme=kernel", "coupling.scheme=links"] {
+        same_on_threads(scheme);
+    }
+}
+
+fn same_on_threads(scheme: &str) {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
         pool.install(|| {
-            let (simulation, _) = simulate(&small_case(&["time.end_s=0.02"]), Precision::F32);
+            let (simulation, _) =
+                simulate(&small_case(&["time.end_s=0.01", scheme]), Precision::F32);
             let cloth = simulation.cloth().unwrap();
             cloth
                 .positions_m

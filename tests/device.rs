@@ -584,6 +584,7 @@ fn first_steps_by(scheme: &str, (end_s, least): (&str, u64), of_impulse: f64) {
     };
     let (cpu, cpu_record) = run(Precision::F32.into());
     let cell = case.scene.air.as_ref().unwrap().units.cell_size_m;
+    let kind = Engine::Gpu.device().unwrap().info().kind;
     for cloth in [ClothPlacement::Host, ClothPlacement::Device] {
         let (gpu, gpu_record) = run(placed(AirPlacement::Gpu(Storage::F32), cloth));
         let (a, b) = (cpu.cloth().unwrap(), gpu.cloth().unwrap());
@@ -595,7 +596,7 @@ fn first_steps_by(scheme: &str, (end_s, least): (&str, u64), of_impulse: f64) {
             .fold(0.0, f64::max);
         let cells = farthest / cell;
         assert!(
-            cells < tolerances::DEVICE_CANOPY_CELLS,
+            cells < tolerances::device_canopy_cells(kind),
             "{scheme}, {cloth:?}: {cells:e} cells"
         );
         let impulse = |record| latest(record, "impulse_markers_n_s");

@@ -147,7 +147,12 @@ pub const DEVICE_WEIGHTS: f64 = 1e-5;
 
 /// Positions of the canopy after fifty coupled steps, in cells: both engines carry the air in f32, and the folded sheet's solver stops
 /// at a tolerance of 1e-2, which lets different roundings stop at different iterations (0.022 on an NVIDIA H100).
-pub const DEVICE_CANOPY_CELLS: f64 = 0.05;
+pub const fn device_canopy_cells(kind: ripstop::gpu::AdapterKind) -> f64 {
+    match kind {
+        ripstop::gpu::AdapterKind::Software => 0.02,
+        _ => 0.05,
+    }
+}
 
 /// Impulse on the canopy over those steps: as above.
 pub const DEVICE_CANOPY_IMPULSE: f64 = 5e-3;
@@ -176,7 +181,12 @@ pub mod device_cloth {
     pub const INITIAL_HESSIAN: f64 = 1e-4;
     /// One multigrid cycle on the same matrix, over its largest result: sums in another order, on several levels (9e-7 on a software adapter, which
     /// rounds as the host does; 2.8e-5 on an NVIDIA H100, which fuses products and sums).
-    pub const CYCLE: f64 = 1e-4;
+    pub const fn cycle(kind: ripstop::gpu::AdapterKind) -> f64 {
+        match kind {
+            ripstop::gpu::AdapterKind::Software => 1e-5,
+            _ => 1e-4,
+        }
+    }
     /// H₀ times the gradient and dot products with multigrid: both engines store the matrix in `f32`, the device assembles it so too
     /// (3.9e-5 for fabric, 2e-5 for springs that nothing holds).
     pub const MULTIGRID: f64 = 2e-4;

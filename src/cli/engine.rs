@@ -9,7 +9,7 @@ use super::exit;
 use super::failure::Failure;
 use super::log::say;
 use crate::case::Scene;
-use crate::case::coupling::Friction;
+use crate::case::coupling::{Friction, Scheme};
 use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
@@ -18,8 +18,8 @@ use crate::plan::{
     steps_take_multigrid,
 };
 
-/// Nodes from which `--cloth auto` puts the fabric on a real GPU. An evaluation of 674 nodes takes the host 0.25 ms and an NVIDIA H100 0.35 ms, nearly all of it latency; of
-/// 10 201 nodes 1.1 and 0.4 ms, of 100 489 nodes 3.4 ms on sixteen threads and 0.8 ms (docs/results/2026-11-26-graphics-card.md). In between it is an estimate. On a
+/// Nodes from which `--cloth auto` puts the fabric on a real GPU. A step of a canopy of 674 nodes takes as long with either; an evaluation of 10 201 nodes takes the host 1.1 ms and an
+/// NVIDIA H100 0.5 ms, one of 100 489 nodes 2.8 ms on sixteen threads and 0.8 ms (docs/results/2026-11-26-graphics-card.md). In between it is an estimate. On a
 /// software adapter the host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
 pub const DEVICE_CLOTH_NODES: u64 = 4_000;
 
@@ -266,7 +266,8 @@ fn fabric_fits(scene: &Scene, device: &Device) -> Result<(), DeviceError> {
     let remedy = "use a coarser mesh, or --cloth host";
     // Equilibria, and long steps, take multigrid as their initial Hessian.
     let multigrid = steps_take_multigrid(scene) || scene.equilibrium.is_some();
-    let bytes = largest_buffer_bytes(&body.structure, multigrid);
+    let cut = (scene.coupling).is_some_and(|coupling| coupling.scheme == Scheme::Links);
+    let bytes = largest_buffer_bytes(&body.structure, multigrid, cut);
     fits(what, bytes, remedy, device)
 }
 

@@ -13,7 +13,7 @@ const LINKS_AT_ONCE: usize = 4096;
 /// Link and side.
 type OnLink = (u32, u8);
 
-/// Where the cuts of each of some triangles begin, and the cuts, in the order of links; `cut` are those that the sides of every link are cut by.
+/// Where the cuts of each of some triangles begin, and the cuts, in the order of links. `cut` are the triangles at the two sides of every link.
 fn cuts_of(cut: &[[u32; 2]], some: Range<usize>) -> (Vec<u32>, Vec<OnLink>) {
     let of = |triangle: u32| {
         let triangle = triangle as usize;

@@ -23,6 +23,7 @@
 //!
 //! * [`search`]: which links are cut, and where;
 //! * [`by_triangle`]: the cuts in the order of triangles;
+//! * [`cell_numbers`]: numbers of the cells that images are taken from;
 //! * [`bounce`]: what comes back;
 //! * [`places`]: where it lies in memory;
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;

@@ -215,6 +215,31 @@ fn a_node_outside_is_told() {
     assert!(links.find(&lost, &triangles, &DOMAIN).is_err());
 }
 
+/// Some threads find and sort the same as one.
+#[test]
+fn threads_do_not_matter() {
+    let domain = Domain {
+        cells: [40; 3],
+        ..DOMAIN
+    };
+    let (positions, triangles) = ball(DVec3::splat(19.7), 15.3);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let links = found(&positions, &triangles, &domain);
+            // Enough for several tasks.
+            assert!(links.links().len() > 2 * 4096, "{}", links.links().len());
+            let mut sorted = crate::cut_links::CutsByTriangle::default();
+            sorted.sort(&links, triangles.len());
+            let cuts: Vec<Vec<(u32, u8)>> = (sorted.triangles().iter())
+                .map(|triangle| sorted.of(*triangle).to_vec())
+                .collect();
+            (links.links().to_vec(), sorted.triangles().to_vec(), cuts)
+        })
+    };
+    assert!(on(1) == on(3));
+}
+
 /// Sorted by triangle no cut is lost, and they stay in the order of links; triangles from a number on are left out.
 #[test]
 fn cuts_are_sorted_by_triangle() {

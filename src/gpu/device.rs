@@ -325,6 +325,19 @@ impl Device {
         false
     }
 
+    /// Sleeps until everything recorded is done, without asking before.
+    pub(super) fn sleep(&self) -> Result<(), DeviceError> {
+        self.submit_waiting();
+        let asleep = self.raw.poll(wgpu::PollType::Wait {
+            submission_index: None,
+            timeout: Some(TIMEOUT),
+        });
+        if asleep.is_err() {
+            return Err(DeviceError::Lost("no answer to a poll".to_owned()));
+        }
+        self.check()
+    }
+
     /// Waits until everything recorded is done.
     pub fn wait(&self) -> Result<(), DeviceError> {
         self.submit_waiting();

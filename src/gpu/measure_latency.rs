@@ -94,7 +94,7 @@ fn measure(device: &Arc<Device>, limit: Duration) -> Result<Latencies, DeviceErr
     let wait_s = median(limit, || {
         timed(|| {
             submit(1, 1);
-            device.wait()
+            device.sleep()
         })
     })?;
     let spin_s = median(limit, || {
@@ -117,6 +117,7 @@ fn measure(device: &Arc<Device>, limit: Duration) -> Result<Latencies, DeviceErr
     let map_s = median(limit, || {
         timed(|| {
             copy();
+            device.sleep()?;
             staging.read(device, |_| {})
         })
     })?;

@@ -316,8 +316,11 @@ pub struct Grid {
     pair_shifts: [isize; 9],
 }
 
+/// Elements to a multiple of which a device's planes, or rows, are padded.
+pub const PADDED_ELEMENTS: usize = 32;
+
 impl Grid {
-    /// Grid of `cells` with one ghost layer around it, without gaps: the layout of the device and of checkpoints.
+    /// Grid of `cells` with one ghost layer around it, without gaps: the layout of checkpoints.
     #[must_use]
     pub const fn new(cells: [usize; 3]) -> Self {
         Self::aligned(cells, 1)

@@ -9,6 +9,7 @@ use crate::case::scene::{Air, BodyKind};
 use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::LINE_BYTES;
+use crate::lattice::grid::PADDED_ELEMENTS;
 use crate::lattice::nest::Level;
 
 /// Share of the free memory that a run may take.
@@ -50,7 +51,7 @@ pub struct Sizes {
     pub shared_memory: bool,
     /// Bytes of one array of populations on the device, the largest buffer.
     pub population_bytes: u64,
-    /// Cells of the largest lattice with the ghost layer, and the padding of rows on the CPU.
+    /// Cells of the largest lattice with the ghost layer, and the padding of rows on the CPU, of planes on a device.
     pub padded_cells: u64,
     /// Bytes of a snapshot of the air, taken for pictures and files.
     pub snapshot_bytes: u64,
@@ -76,7 +77,7 @@ pub struct MemoryRefusal {
 pub(super) struct LevelSizes {
     /// Cells.
     pub cells: u64,
-    /// With the ghost layer, and the padding of rows on the CPU.
+    /// With the ghost layer, and the padding of rows on the CPU, of planes on a device.
     pub padded_cells: u64,
     /// Populations, and what belongs to cells beside them.
     pub bytes: u64,
@@ -93,13 +94,18 @@ impl LevelSizes {
             let counts = level.cells.map(|n| n as u64);
             let cells = counts.into_iter().fold(1, u64::saturating_mul);
             let [row, rest @ ..] = counts.map(|n| n + 2);
-            let row = if placement.air_on_device() {
-                row
+            let [rows, planes] = rest;
+            let plane = if placement.air_on_device() {
+                let plane = row.saturating_mul(rows);
+                plane
+                    .checked_next_multiple_of(PADDED_ELEMENTS as u64)
+                    .unwrap_or(plane)
             } else {
                 // CPU threads begin every row on a cache line.
                 row.next_multiple_of(LINE_BYTES as u64 / each)
+                    .saturating_mul(rows)
             };
-            let padded_cells = rest.into_iter().fold(row, u64::saturating_mul);
+            let padded_cells = plane.saturating_mul(planes);
             let populations = padded_cells.saturating_mul(DIRECTION_COUNT as u64 * each);
             // The eddy part of every cell's relaxation time, stored as populations are.
             let eddy = if held { cells.saturating_mul(each) } else { 0 };

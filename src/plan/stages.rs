@@ -23,7 +23,7 @@ pub enum Stage {
     Interpolate,
     /// Transfer: u* and strengths from device to host.
     FetchAirVelocities,
-    /// Transfer: node state, loads and marker reactions from host to device.
+    /// Transfer: node state, loads and reactions of the air from host to device.
     SendNodes,
     /// Implicit step of fabric and cables with the reaction of the air inside.
     SolveCloth,
@@ -107,7 +107,7 @@ impl Stage {
             Self::Bounce => "what left, node velocities -> populations that come back, forces",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
-            Self::SendNodes => "nodes, loads, marker reactions, host -> device",
+            Self::SendNodes => "nodes, loads, reactions of the air, host -> device",
             Self::FetchNodes => "node positions, device -> host",
             Self::SendMarkerForces => "marker forces, host -> device",
             Self::Interpolate => "populations, marker positions -> air velocity at markers",

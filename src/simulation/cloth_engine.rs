@@ -18,7 +18,7 @@ pub enum ClothEngine {
 }
 
 impl ClothEngine {
-    /// The engine for the fabric, if there is any, with markers as triangles and barycentric weights; or its triangles are `cut`.
+    /// The engine for the fabric, if there is any. The air acts at markers (triangle, barycentric weights), or on triangles that are `cut`.
     pub(super) fn new(
         placement: ClothPlacement,
         cloth: Option<&Cloth>,

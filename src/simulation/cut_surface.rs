@@ -286,17 +286,19 @@ impl CutSurface {
         let Some(mut sliding) = self.sliding.take() else {
             return Ok(());
         };
-        let (cells, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
+        let (cells, count, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
         let read = match air {
             AirEngine::CpuF32(fluid) => {
-                fluid.read_images(cells, leaving);
+                fluid.read_images(&cells[..count], leaving);
                 Ok(())
             }
             AirEngine::CpuF64(fluid) => {
-                fluid.read_images(cells, leaving);
+                fluid.read_images(&cells[..count], leaving);
                 Ok(())
             }
-            AirEngine::Gpu(fluid) => fluid.read_images(self.links.search(), cells, leaving),
+            AirEngine::Gpu(fluid) => {
+                fluid.read_images(self.links.search(), (cells, count), leaving)
+            }
         };
         let mut returns = std::mem::take(&mut self.returns);
         let stands = velocities.iter().all(|velocity| *velocity == DVec3::ZERO);

@@ -36,6 +36,7 @@ pub(super) struct Sliding {
     spaces: Spaces,
     /// Sides that slide, in the order of links.
     sides: Vec<Side>,
+    /// How many links are cut at every cell, less one.
     cut: CellNumbers,
     /// `None` where no boundary layer is modelled.
     modelled: Option<Modelled>,
@@ -133,7 +134,6 @@ impl Sliding {
             modelled.taken = false;
         }
         let (links, spaces) = (links.links(), &self.spaces);
-        // Links that are cut at every cell, less one.
         let cut = &mut self.cut;
         cut.lay(links.iter().flat_map(|link| link.cells));
         for cell in links.iter().flat_map(|link| link.cells) {
@@ -176,8 +176,8 @@ impl Sliding {
         }
     }
 
-    /// Begins a step: cells of which is asked what left them, and where that goes. A device changes what it was told, `on_device`.
-    pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], &mut Vec<Leaving>) {
+    /// Begins a step: cells of which is asked what left them, of how many from the first on in this step, and where that goes. A device changes what it was told, `on_device`.
+    pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], usize, &mut Vec<Leaving>) {
         let mut asked = if on_device {
             Asked::Near
         } else {
@@ -189,7 +189,8 @@ impl Sliding {
                 asked = Asked::Further;
             }
         }
-        (self.images.cells(asked), &mut self.leaving)
+        let count = self.images.cells(asked).len();
+        (self.images.cells(Asked::Further), count, &mut self.leaving)
     }
 
     /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side of a link.

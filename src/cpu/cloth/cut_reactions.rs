@@ -1,64 +1,18 @@
 //! Part of stage `solve_cloth` where the fabric cuts the lattice: the reactions of the air on its triangles ([`super::triangle_reaction`]), summed once a solve.
 //!
-//! In the velocities v_n of the nodes they are ½ Σ v_nᵀ S_nm v_m − Σ p_n·v_n, with blocks S for each node and for each edge between two. An evaluation no longer knows how many triangles, and
-//! links, there are.
+//! In the velocities v_n of the nodes they are ½ Σ v_nᵀ S_nm v_m − Σ p_n·v_n, with blocks S for each node and for each edge between two. What an evaluation costs does not depend on how many
+//! links there are.
+
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::edges::Edges;
+use super::gather::Gather;
 use super::loads::StepInput;
 use super::triangle_reaction::TriangleReaction;
 use super::vectors::{each_summed, fill};
 use crate::cloth::Structure;
-
-/// The neighbours of every node along the edges of triangles, and the edges of every triangle.
-#[derive(Debug, Clone, Default)]
-pub struct Edges {
-    /// Of a triangle: between its corners 0 and 1, 1 and 2, 2 and 0.
-    of_triangles: Vec<[u32; 3]>,
-    count: usize,
-    /// Where the neighbours of a node begin; one more at the end.
-    starts: Vec<u32>,
-    /// Neighbour and edge.
-    neighbours: Vec<[u32; 2]>,
-}
-
-impl Edges {
-    /// Of triangles among so many nodes.
-    pub fn new(node_count: usize, triangles: impl Iterator<Item = [u32; 3]> + Clone) -> Self {
-        let ends =
-            |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
-        let mut edges: Vec<[u32; 2]> = triangles.clone().flat_map(ends).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        let number = |edge| edges.binary_search(&edge).unwrap_or_default() as u32;
-        let mut starts = vec![0; node_count + 1];
-        for node in edges.iter().flatten() {
-            starts[*node as usize + 1] += 1;
-        }
-        for node in 0..node_count {
-            starts[node + 1] += starts[node];
-        }
-        let mut next = starts.clone();
-        let mut neighbours = vec![[0; 2]; 2 * edges.len()];
-        for (edge, &[a, b]) in edges.iter().enumerate() {
-            for (node, other) in [(a, b), (b, a)] {
-                let place = &mut next[node as usize];
-                neighbours[*place as usize] = [other, edge as u32];
-                *place += 1;
-            }
-        }
-        Self {
-            of_triangles: triangles.map(|nodes| ends(nodes).map(number)).collect(),
-            count: edges.len(),
-            starts,
-            neighbours,
-        }
-    }
-
-    fn at(&self, node: usize) -> &[[u32; 2]] {
-        &self.neighbours[self.starts[node] as usize..self.starts[node + 1] as usize]
-    }
-}
 
 /// A symmetric block: xx, yy, zz and yz, xz, xy.
 #[derive(Debug, Clone, Copy, Default)]
@@ -93,6 +47,7 @@ impl Block {
 /// The sums of a solve; empty where nothing is cut.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CutSums {
+    between: Arc<Edges>,
     /// Σ S of every node with itself, and of every edge [kg/s].
     nodes: Vec<Block>,
     edges: Vec<Block>,
@@ -105,19 +60,20 @@ pub(super) struct CutSums {
 impl CutSums {
     /// Of the reactions on triangles with these nodes.
     fn of<'a>(
-        edges: &Edges,
+        edges: Arc<Edges>,
         triangles: impl Fn(&TriangleReaction) -> [u32; 3],
         reactions: impl Iterator<Item = &'a TriangleReaction>,
     ) -> Self {
-        let node_count = edges.starts.len().saturating_sub(1);
+        let node_count = edges.node_count();
         let mut sums = Self {
             nodes: vec![Block::default(); node_count],
-            edges: vec![Block::default(); edges.count],
+            edges: vec![Block::default(); edges.count()],
             pulls_n: vec![DVec3::ZERO; node_count],
             rest_w: 0.0,
+            between: edges,
         };
         for reaction in reactions {
-            let of_triangle = edges.of_triangles[reaction.triangle as usize];
+            let of_triangle = sums.between.of_triangle(reaction.triangle);
             for (corner, node) in triangles(reaction).into_iter().enumerate() {
                 sums.nodes[node as usize].add(reaction.between(corner, corner));
                 sums.pulls_n[node as usize] += reaction.pull_n[corner];
@@ -130,19 +86,18 @@ impl CutSums {
     }
 
     /// Those of a step; none in the static limit.
-    pub(super) fn new(structure: &Structure, edges: &Edges, input: &StepInput) -> Self {
+    pub(super) fn new(structure: &Structure, gather: &Gather, input: &StepInput) -> Self {
         if input.cut_triangles.is_empty() || input.time_step_s.is_none() {
             return Self::default();
         }
         let nodes =
             |reaction: &TriangleReaction| structure.triangles[reaction.triangle as usize].nodes;
-        Self::of(edges, nodes, input.cut_triangles.iter())
+        Self::of(gather.edges(structure), nodes, input.cut_triangles.iter())
     }
 
     /// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
     pub(super) fn add_reactions(
         &self,
-        edges: &Edges,
         [base, point]: [&[DVec3]; 2],
         dt: f64,
         gradient: &mut [DVec3],
@@ -154,7 +109,7 @@ impl CutSums {
         fill(&mut velocities, |node| (point[node] - base[node]) / dt);
         let resistance = |node: usize| {
             let mut sum = self.nodes[node].times(velocities[node]);
-            for &[other, edge] in edges.at(node) {
+            for &[other, edge] in self.between.at(node) {
                 sum += self.edges[edge as usize].times(velocities[other as usize]);
             }
             sum
@@ -226,16 +181,30 @@ mod tests {
                     * (k * weight * weight / dt);
             }
         }
-        let edges = Edges::new(4, triangles.into_iter());
+        let edges = Arc::new(Edges::new(4, triangles.into_iter()));
         let of = |reaction: &TriangleReaction| triangles[reaction.triangle as usize];
-        let sums = CutSums::of(&edges, of, reactions.iter());
+        let sums = CutSums::of(edges, of, reactions.iter());
         let point: Vec<DVec3> = (base.iter().zip(velocities))
             .map(|(b, v)| *b + v * dt)
             .collect();
         let mut gradient = [DVec3::ZERO; 4];
-        let found = sums.add_reactions(&edges, [&base, &point], dt, &mut gradient);
+        let found = sums.add_reactions([&base, &point], dt, &mut gradient);
         assert!((found - value).abs() < 1e-14, "{found} {value}");
         for (found, force) in gradient.iter().zip(forces) {
+            assert!((*found - force).length() < 1e-14);
+        }
+        // As a device takes them, triangle by triangle.
+        let (mut power, mut of_triangles) = (0.0, [DVec3::ZERO; 4]);
+        for (reaction, nodes) in reactions.iter().zip(triangles) {
+            let nodes = nodes.map(|node| node as usize);
+            let (of_one, forces) = reaction.at(nodes.map(|node| velocities[node]));
+            power += of_one;
+            for (node, force) in nodes.into_iter().zip(forces) {
+                of_triangles[node] += force;
+            }
+        }
+        assert!((dt * power - value).abs() < 1e-14, "{power} {value}");
+        for (found, force) in of_triangles.iter().zip(forces) {
             assert!((*found - force).length() < 1e-14);
         }
         let mut blocks = [DMat3::ZERO; 4];

@@ -1,6 +1,8 @@
 //! Which elements meet at every node, so that nodes can be worked on in parallel: each adds up its own share, always in the same order.
 
-use super::cut_reactions::Edges;
+use std::sync::{Arc, OnceLock};
+
+use super::edges::Edges;
 use super::membrane_lanes::MembraneLanes;
 use crate::cloth::Structure;
 
@@ -67,8 +69,8 @@ pub struct Gather {
     pub guides: Corners<1>,
     /// Membrane triangles, made ready for the lanes of vectors.
     pub membrane: MembraneLanes,
-    /// Edges of triangles.
-    pub edges: Edges,
+    /// Edges of triangles, found when the fabric first cuts the lattice.
+    edges: OnceLock<Arc<Edges>>,
 }
 
 impl Gather {
@@ -84,7 +86,16 @@ impl Gather {
             cables: Corners::new(count, structure.cables.iter().map(|c| c.nodes)),
             guides: Corners::new(count, structure.guides.iter().map(|g| [g.node])),
             membrane: MembraneLanes::new(structure),
-            edges: Edges::new(count, structure.triangles.iter().map(|t| t.nodes)),
+            edges: OnceLock::new(),
         }
+    }
+
+    /// Edges of the triangles of the structure that this was made of.
+    pub(super) fn edges(&self, structure: &Structure) -> Arc<Edges> {
+        let triangles = structure.triangles.iter().map(|t| t.nodes);
+        let edges = self
+            .edges
+            .get_or_init(|| Arc::new(Edges::new(structure.node_count(), triangles)));
+        Arc::clone(edges)
     }
 }

@@ -13,6 +13,9 @@ use crate::cloth::{Bending, CableSegment, Structure, Triangle};
 /// Stiffness below which a node counts as held by nothing [N/m].
 pub const FREE_NODE_STIFFNESS: f64 = 1e-9;
 
+/// Triangles whose blocks are kept at once.
+const MANY_CHUNKS: usize = 64 * CHUNK;
+
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
@@ -100,12 +103,15 @@ pub fn add_elastic_blocks(structure: &Structure, positions: &[DVec3], blocks: &m
                 add(triangle, corner_blocks(triangle, &laws, positions));
             }
         } else {
-            let of_all: Vec<[DMat3; 3]> = (triangles.par_iter())
-                .with_min_len(CHUNK)
-                .map(|triangle| corner_blocks(triangle, &laws, positions))
-                .collect();
-            for (triangle, of_corners) in triangles.iter().zip(of_all) {
-                add(triangle, of_corners);
+            let mut of_some: Vec<[DMat3; 3]> = Vec::new();
+            for some in triangles.chunks(MANY_CHUNKS) {
+                (some.par_iter())
+                    .with_min_len(CHUNK)
+                    .map(|triangle| corner_blocks(triangle, &laws, positions))
+                    .collect_into_vec(&mut of_some);
+                for (triangle, of_corners) in some.iter().zip(&of_some) {
+                    add(triangle, *of_corners);
+                }
             }
         }
     }

@@ -29,6 +29,7 @@ pub mod contact;
 mod cut_reactions;
 pub mod dashpots;
 pub mod driver;
+mod edges;
 mod energies;
 pub mod evaluator;
 pub mod gather;

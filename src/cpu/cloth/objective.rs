@@ -57,7 +57,7 @@ pub(super) struct Objective<'a> {
     pub(super) remainder: Vec<Vec3>,
 }
 
-/// True if all nodes are held: the air does nothing to them, and they need no Hessian.
+/// True if all nodes are held: what the air does to them need not be summed, nor block-Jacobi built.
 fn nothing_moves(structure: &Structure) -> bool {
     structure.held.iter().all(|held| *held)
 }
@@ -85,7 +85,7 @@ impl<'a> Objective<'a> {
         let cut_sums = if nothing_moves(structure) {
             CutSums::default()
         } else {
-            CutSums::new(structure, &prepared.gather.edges, &input)
+            CutSums::new(structure, &prepared.gather, &input)
         };
         Self {
             structure,
@@ -154,7 +154,7 @@ impl<'a> Objective<'a> {
                 (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
             });
             let base = (&start[..], dt);
-            let sums = (&self.marker_sums, &self.cut_sums, &gather.edges);
+            let sums = (&self.marker_sums, &self.cut_sums);
             value += reactions::add_reactions(structure, sums, base, &self.input, point, gradient);
             for dashpot in &self.dashpots {
                 let (dissipation, pull) = dashpot.energy_and_gradient(start, point);

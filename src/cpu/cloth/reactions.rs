@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::cut_reactions::{CutSums, Edges};
+use super::cut_reactions::CutSums;
 use super::loads::StepInput;
 use super::marker_sums::MarkerSums;
 use super::{Cloth, permeable};
@@ -11,7 +11,7 @@ use crate::cloth::Structure;
 /// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
 pub(super) fn add_reactions(
     structure: &Structure,
-    (sums, cuts, edges): (&MarkerSums, &CutSums, &Edges),
+    (sums, cuts): (&MarkerSums, &CutSums),
     (base, dt): (&[DVec3], f64),
     input: &StepInput,
     point: &[DVec3],
@@ -26,7 +26,7 @@ pub(super) fn add_reactions(
     }
     value += permeable::add_reactions(structure, base, dt, input, point, gradient);
     value += sums.add_reactions([base, point], dt, gradient);
-    value += cuts.add_reactions(edges, [base, point], dt, gradient);
+    value += cuts.add_reactions([base, point], dt, gradient);
     value
 }
 
@@ -36,14 +36,13 @@ impl Cloth {
     pub fn forces_of_the_air_n(&self, input: &StepInput) -> Vec<DVec3> {
         let rest = vec![DVec3::ZERO; self.structure.node_count()];
         let mut forces = rest.clone();
-        let edges = &self.prepared.gather.edges;
         let sums = MarkerSums::new(&self.structure, input);
-        let cuts = CutSums::new(&self.structure, edges, input);
+        let cuts = CutSums::new(&self.structure, &self.prepared.gather, input);
         // Displacements in a unit of time are velocities.
         let base = (&rest[..], 1.0);
         add_reactions(
             &self.structure,
-            (&sums, &cuts, edges),
+            (&sums, &cuts),
             base,
             input,
             &self.velocities_m_s,

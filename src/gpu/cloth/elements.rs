@@ -29,6 +29,9 @@ pub(super) fn joined(whole: i32, remainder: f32) -> f64 {
     f64::from(whole) / UNITS_PER_M + f64::from(remainder)
 }
 
+/// Words of a triangle that cuts the lattice: six symmetric blocks, and the force on each corner at the velocities of the prediction.
+pub(super) const CUT_WORDS: usize = 6 * 6 + 3 * 3;
+
 /// Elements of one kind.
 #[derive(Debug)]
 pub(super) struct Kind {

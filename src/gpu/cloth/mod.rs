@@ -44,11 +44,10 @@ use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::HISTORY;
 use crate::solve::multigrid::hierarchy::hierarchy;
 
-use elements::{Elements, Triangles, split};
+use elements::{CUT_WORDS, Elements, Triangles, split};
 use gathering::Gathering;
 use parameters::ClothStage;
 use points::PointSlot;
-use solve_cloth::CUT_WORDS;
 use stiffness::Stiffness;
 use vectors::POINTS;
 use workspace::{Operations, Workspace};
@@ -59,7 +58,7 @@ pub struct Cloth {
     device: Arc<Device>,
     nodes: usize,
     markers: Vec<(u32, [f64; 3])>,
-    /// Pressure can follow them when a solve first asks for it.
+    /// What they are besides fabric; faces once a solve asks for pressure that follows them.
     triangles: Triangles,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     forces: Gathering,
@@ -93,11 +92,16 @@ struct WholeHessian {
     gradient: Gathering,
 }
 
-/// Bytes of the largest buffer for a structure: the minimiser's vectors, or the matrix of a solve that asks for multigrid.
+/// Bytes of the largest buffer for a structure: the minimiser's vectors, the matrix of a solve that asks for multigrid, or the reactions of triangles that are `cut`.
 #[must_use]
-pub const fn largest_buffer_bytes(structure: &Structure, multigrid: bool) -> u64 {
+pub fn largest_buffer_bytes(structure: &Structure, multigrid: bool, cut: bool) -> u64 {
     let nodes = structure.node_count() as u64;
-    let vectors = 12 * nodes * workspace::vector_slots(HISTORY) as u64;
+    let reactions = if cut {
+        4 * (CUT_WORDS * structure.triangles.len()) as u64
+    } else {
+        0
+    };
+    let vectors = reactions.max(12 * nodes * workspace::vector_slots(HISTORY) as u64);
     if !multigrid {
         return vectors;
     }
@@ -111,7 +115,7 @@ pub const fn largest_buffer_bytes(structure: &Structure, multigrid: bool) -> u64
     };
     let blocks = nodes + (edges + 2 * structure.bendings.len() + 2 * structure.cables.len()) as u64;
     let matrix = 36 * blocks;
-    if matrix > vectors { matrix } else { vectors }
+    matrix.max(vectors)
 }
 
 impl Cloth {

@@ -6,7 +6,7 @@
 //!
 //! Π = E(x) + ½ (1/dt² + β/dt) ΔᵀMΔ − (f − β M v̄)·Δ + ½ dt Σ_k K_k |Δ_k/dt + (v̄_k − u*_k)|² + constant,
 //!
-//! the same function as on the CPU, and where the fabric cuts the lattice the reactions of its triangles in place of the markers'; drag of a node, ½ dt c |Δ/dt + v̄ − u|², is added to its mass and load. The bracketed velocities and loads are computed on the host in `f64`.
+//! the same function as on the CPU. Where the fabric cuts the lattice, the reactions of its triangles stand in place of the markers'. Drag of a node, ½ dt c |Δ/dt + v̄ − u|², is added to its mass and load. The bracketed velocities and loads are computed on the host in `f64`.
 
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ use crate::solve::newton;
 use crate::solve::{Landing, Step, VectorSpace};
 
 use super::Cloth;
-use super::elements::{damped_cables, joined, split};
+use super::elements::{CUT_WORDS, damped_cables, joined, split};
 use super::parameters::ClothStage;
 use super::points::PointSlot;
 use super::points::Points;
@@ -38,7 +38,7 @@ const ROUND_OFF_M: f64 = 1.0 / (1_u64 << 42) as f64;
 
 impl Cloth {
     /// Stage `send_nodes`: the state of the nodes, their loads and the markers' reactions. The structure must be the one given to
-    /// [`Cloth::new`], and the markers of `input` the same in the same order, or none.
+    /// [`Cloth::new`] or [`Cloth::new_cut`], and the markers of `input` the same in the same order, or none.
     pub fn send_nodes(
         &mut self,
         state: &State,
@@ -220,6 +220,11 @@ impl Cloth {
                 input.markers.len(),
             )));
         }
+        if !input.cut_triangles.is_empty() && !self.triangles.cut {
+            return Err(DeviceError::Command(
+                "the step has triangles that cut links, the device holds none".to_owned(),
+            ));
+        }
         let base = base(state, input);
         let input = &base.input(input);
         let (start, counted_from) = (base.start_m, &base.positions_m);
@@ -388,9 +393,6 @@ fn base<'a>(state: &'a State, input: &StepInput) -> StepBase<'a> {
     let now = [&state.positions_m[..], &state.velocities_m_s];
     StepBase::new(now, state.step_before.as_ref(), input)
 }
-
-/// Words of a triangle that cuts the lattice: six symmetric blocks, and the force on each corner at the velocities of the prediction.
-pub(super) const CUT_WORDS: usize = 6 * 6 + 3 * 3;
 
 /// What the air does to triangles that cut its lattice, as `shaders/elements.wgsl` reads it, and its part of the objective that stays constant [J]; `velocity` is that of the prediction.
 fn cut_reactions(

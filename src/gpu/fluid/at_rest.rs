@@ -13,7 +13,7 @@ const AT_ONCE: usize = 1024;
 pub(super) struct AtRest {
     /// Number of the search that found the links, and how many populations change.
     made_of: (u64, usize),
-    /// Element of the cell, and number of what is added: twice that of the link and its side, or behind those the number of the change.
+    /// Element of the cell, and number of what is added: 2 · link + side, and behind all of those the changes.
     order: Vec<(u32, u32)>,
     /// Where those of a cell begin; one more at the end.
     starts: Vec<u32>,

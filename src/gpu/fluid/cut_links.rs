@@ -55,10 +55,10 @@ impl Fluid {
                 });
             list.lay(&self.device, &self.populations, search, &lists.places)?;
         }
-        list.read(&self.device);
+        list.read(&self.device, 4 * links.len());
         self.lay_bounce(&mut lists, (search, links), changed)?;
         let list = &lists.read_links[usize::from(self.odd)];
-        list.numbers(&self.device, |numbers| {
+        list.numbers(&self.device, 4 * links.len(), |numbers| {
             (returns.par_iter_mut().zip(links))
                 .zip(numbers.par_chunks(4))
                 .with_min_len(AT_ONCE)
@@ -73,23 +73,23 @@ impl Fluid {
         Ok(())
     }
 
-    /// Stage `read_images`: what left `cells` in all directions, those of the images that were laid out for the links of a `search`.
+    /// Stage `read_images`: what left the first `count` of `cells` in all directions. All that may be asked of are laid out at once, those of the images for the links of a `search`.
     pub fn read_images(
         &mut self,
         search: u64,
-        cells: &[[i32; 3]],
+        (cells, count): (&[[i32; 3]], usize),
         leaving: &mut Vec<Leaving>,
     ) -> Result<(), DeviceError> {
-        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
-        if cells.is_empty() {
+        leaving.resize(count, [0.0; DIRECTION_COUNT]);
+        if count == 0 {
             return Ok(());
         }
         let places = Places::new(self.grid, &self.setup, self.odd);
         let mut lists = self.lists()?;
         let list = &mut lists.read_images[usize::from(self.odd)];
-        let count = DIRECTION_COUNT * cells.len();
-        if !list.is_of(search, count) {
-            lists.places.resize(count, Listed::default());
+        let laid = DIRECTION_COUNT * cells.len();
+        if !list.is_of(search, laid) {
+            lists.places.resize(laid, Listed::default());
             (lists.places.par_chunks_mut(DIRECTION_COUNT).zip(cells))
                 .with_min_len(AT_ONCE)
                 .for_each(|(listed_places, cell)| {
@@ -100,8 +100,9 @@ impl Fluid {
                 });
             list.lay(&self.device, &self.populations, search, &lists.places)?;
         }
-        list.read(&self.device);
-        list.numbers(&self.device, |numbers| {
+        let count = DIRECTION_COUNT * count;
+        list.read(&self.device, count);
+        list.numbers(&self.device, count, |numbers| {
             (leaving.par_iter_mut())
                 .zip(numbers.par_chunks(DIRECTION_COUNT))
                 .with_min_len(AT_ONCE)
@@ -145,8 +146,8 @@ impl Fluid {
         list.lay(&self.device, &self.populations, search, &lists.places)
     }
 
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links to what was `leaving`. The places
-    /// are those that the last `read_links` laid out.
+    /// Stage `bounce`, where the last `read_links` laid the places out: writes what comes `back` to both sides of every link. Adds to the population at `rest` there, and what is `changed`
+    /// along open links to what was `leaving`.
     pub fn bounce(
         &mut self,
         links: &CutLinks,
@@ -158,7 +159,6 @@ impl Fluid {
             return Ok(());
         }
         let mut lists = self.lists()?;
-        self.lay_bounce(&mut lists, (links.search(), links.links()), changed)?;
         let [at_rest, moving @ ..] = changed;
         let (sides, cells) = (2 * back.len(), lists.at_rest.count());
         let changes = moving.iter().map(Vec::len).sum::<usize>();

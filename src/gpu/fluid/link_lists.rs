@@ -129,31 +129,32 @@ impl List {
         Ok(())
     }
 
-    /// Submits that the populations are read; [`List::numbers`] waits for them.
-    pub(super) fn read(&self, device: &Device) {
+    /// Submits that the first `count` populations are read; [`List::numbers`] waits for them.
+    pub(super) fn read(&self, device: &Device, count: usize) {
         let Some(room) = &self.room else { return };
         let mut commands = device.record(self.name);
         {
             let mut pass = commands.pass(self.name);
-            let groups = device.workgroups(self.made_of.1 as u64);
+            let groups = device.workgroups(count as u64);
             room.bound.dispatch(&mut pass, groups);
         }
         if let Some(staging) = &room.staging {
-            let bytes = 4 * self.made_of.1 as u64;
+            let bytes = 4 * count as u64;
             staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
         }
         device.submit(commands);
     }
 
-    /// Shows what was read.
+    /// Shows the first `count`, as they were read.
     pub(super) fn numbers(
         &self,
         device: &Device,
+        count: usize,
         show: impl FnOnce(&[f32]),
     ) -> Result<(), DeviceError> {
         match self.room.as_ref().and_then(|room| room.staging.as_ref()) {
             Some(staging) => {
-                let bytes = 4 * self.made_of.1 as u64;
+                let bytes = 4 * count as u64;
                 staging.read_first(device, bytes, |bytes| show(bytemuck::cast_slice(bytes)))
             }
             None => Ok(()),

@@ -31,7 +31,7 @@ use super::pipeline::{Bound, Counted, Pipeline};
 use super::shaders;
 use super::tuning::Padding;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
-use crate::lattice::grid::{Grid, Initial, InletProfile, ProfileRow, Setup};
+use crate::lattice::grid::{Grid, Initial, InletProfile, PADDED_ELEMENTS, ProfileRow, Setup};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Storage};
@@ -46,9 +46,6 @@ use read_back::ReadBack;
 
 /// Scale of populations in 16 bits (`storage_f16.wgsl`).
 const F16_SCALE: f32 = 32768.0;
-
-/// Elements that padded rows or planes are multiples of: a warp, and a line of 128 bytes.
-const PADDED_ELEMENTS: usize = 32;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug)]
