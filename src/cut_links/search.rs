@@ -130,6 +130,8 @@ struct Mask {
     first: [i32; 3],
     cells: [usize; 3],
     pairs: Vec<u16>,
+    /// By cell, the pairs of links that are cut and lead there.
+    arriving: Vec<u16>,
 }
 
 impl Mask {
@@ -137,12 +139,15 @@ impl Mask {
         let mut first = [i32::MAX; 3];
         let mut last = [i32::MIN; 3];
         for link in links {
-            for a in 0..3 {
-                first[a] = first[a].min(link.cells[0][a]);
-                last[a] = last[a].max(link.cells[0][a]);
+            for cell in link.cells {
+                for a in 0..3 {
+                    first[a] = first[a].min(cell[a]);
+                    last[a] = last[a].max(cell[a]);
+                }
             }
         }
         self.pairs.clear();
+        self.arriving.clear();
         if links.is_empty() {
             self.cells = [0; 3];
             return;
@@ -150,9 +155,12 @@ impl Mask {
         self.first = first;
         self.cells = std::array::from_fn(|a| (last[a] - first[a] + 1) as usize);
         self.pairs.resize(self.cells.iter().product(), 0);
+        self.arriving.resize(self.pairs.len(), 0);
         for link in links {
-            if let Some(place) = self.place(link.cells[0]) {
-                self.pairs[place] |= 1 << link.pair;
+            let [from, to] = link.cells.map(|cell| self.place(cell));
+            if let (Some(from), Some(to)) = (from, to) {
+                self.pairs[from] |= 1 << link.pair;
+                self.arriving[to] |= 1 << link.pair;
             }
         }
     }
@@ -315,6 +323,14 @@ impl CutLinks {
         let pair = (direction - 1) / 2;
         let from = if direction % 2 == 1 { cell } else { next };
         self.mask.has(from, pair as u8)
+    }
+
+    /// True where the links on both sides of a cell are cut, along any direction.
+    #[must_use]
+    pub fn cut_on_both_sides(&self, cell: [i32; 3]) -> bool {
+        let mask = &self.mask;
+        mask.place(cell)
+            .is_some_and(|place| mask.pairs[place] & mask.arriving[place] != 0)
     }
 
     /// Links with more than one layer on them.

@@ -425,12 +425,6 @@ impl Surroundings<'_> {
         }
     }
 
-    /// True where walls stand on both sides of a cell, along any direction: in a crease, or a gap of one cell.
-    fn is_between_walls(&self, cell: [i32; 3]) -> bool {
-        let is_wall = |direction: usize| matches!(self.next(cell, direction), Next::Wall);
-        (0..DIRECTION_COUNT / 2).any(|pair| is_wall(2 * pair + 1) && is_wall(2 * pair + 2))
-    }
-
     /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends; `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
     fn off(
         &self,
@@ -438,7 +432,8 @@ impl Surroundings<'_> {
         side: usize,
         (away, modelled): (DVec3, bool),
     ) -> Option<CellsOff> {
-        if self.is_between_walls(link.cells[side]) {
+        // In a crease, or a gap of one cell.
+        if self.links.cut_on_both_sides(link.cells[side]) {
             return None;
         }
         let off = |direction: usize| -vector(direction).dot(away);
