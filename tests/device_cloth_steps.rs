@@ -126,7 +126,7 @@ fn one_step_with_markers(device: &Arc<Device>) {
     }
 }
 
-/// Reactions of the air at cuts in all directions: six on most triangles, none on every fifth.
+/// Reactions of the air at cuts in all directions: nine and a force on most triangles, none on every fifth.
 fn cut_triangles(structure: &Structure) -> Vec<TriangleReaction> {
     let mut random = noise(7);
     let of = |triangle: u32| {

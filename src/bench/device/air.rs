@@ -22,7 +22,7 @@ const OPENING_S: f64 = 1.0;
 /// Steps after which it is known how long one takes.
 const FIRST: usize = 4;
 
-/// A device that was idle while its arrays were filled takes a while to reach its clock [s].
+/// Steps so long before any is timed [s]: without, rows of large boxes scattered by half on an NVIDIA H100, as after the idle time in which arrays are filled.
 const WARM_UP_S: f64 = 0.3;
 
 /// Bare air: operator and storage.
