@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::boundaries::{Inlet, RowEnds, fill_row_ends};
+use super::exchanged_ends::EndsOfSlab;
 use super::prefetch::prefetch;
 use super::slabs::{self, Arrays};
 use crate::lattice::collision::{Collision, PerOperator};
@@ -84,6 +85,9 @@ impl<T: Real> Fluid<T> {
                 body_force,
             },
         );
+        if let Some(ends) = &mut self.exchanged_ends {
+            ends.stepped(self.odd);
+        }
         self.odd = !self.odd;
         self.steps += 1;
         self.apply_boundaries();
@@ -130,6 +134,7 @@ impl<T: Real> Fluid<T> {
         let rows = planes * self.setup.cells[1];
         let (inlet_means, _) = self.face_means.inlet.as_chunks_mut();
         let mut inlet_means = inlet_means.chunks_mut(rows);
+        let mut ends = (self.exchanged_ends.as_mut()).map(|ends| ends.of_slabs(grid, planes, odd));
         let slabs: Vec<Slab<T>> =
             slabs::split(self.populations.arrays_mut(), &grid, odd, counts.clone())
                 .into_iter()
@@ -140,6 +145,7 @@ impl<T: Real> Fluid<T> {
                     planes: count,
                     arrays,
                     inlet_means: inlet_means.next().unwrap_or_default(),
+                    ends: ends.as_mut().and_then(Iterator::next),
                 })
                 .collect();
         slabs.into_par_iter().for_each(|slab| {
@@ -162,6 +168,8 @@ struct Slab<'a, T> {
     arrays: Arrays<'a, T>,
     /// Running means at the inlet, row by row; empty without one.
     inlet_means: &'a mut [[f32; INLET_MEANS]],
+    /// What it does for an exchange at the ends of rows.
+    ends: Option<EndsOfSlab<'a, T>>,
 }
 
 /// The work on one slab, compiled once per instruction set.
@@ -229,15 +237,27 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     }
                 };
                 let start = block + plane * grid.stride_z + y * grid.stride_y;
-                collide_row::<S, T, C>(
-                    simd,
-                    &mut self.slab.arrays,
-                    start..start + nx,
-                    &common,
-                    &force,
-                    touched,
-                    acceleration.is_some(),
-                );
+                let whole = 0..nx;
+                let parts = match &self.slab.ends {
+                    None => [whole, nx..nx],
+                    Some(ends) => ends.parts_of_row(),
+                };
+                for part in parts {
+                    if let Some(ends) = &self.slab.ends {
+                        let row = plane * ny + y;
+                        ends.put_in_place_before(&mut self.slab.arrays, row, part.start);
+                    }
+                    collide_part::<S, T, C>(
+                        simd,
+                        &mut self.slab.arrays,
+                        start..start + nx,
+                        part,
+                        &common,
+                        &force,
+                        touched,
+                        acceleration.is_some(),
+                    );
+                }
                 fill_row_ends(
                     &mut self.slab.arrays,
                     start,
@@ -248,6 +268,9 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         .of_row(row as usize, self.common.relaxation_time),
                     self.slab.inlet_means.get_mut(plane * ny + y),
                 );
+                if let Some(ends) = &mut self.slab.ends {
+                    ends.take_down(&self.slab.arrays, plane * ny + y);
+                }
                 for &x in touched {
                     for a in 0..3 {
                         force[a][x as usize] = resting[a];
@@ -277,30 +300,39 @@ impl<T: Real> Common<'_, T> {
     }
 }
 
-/// Collides one row in runs of blocks that are alike: with or without force, before or where every cell has a relaxation
-/// time of its own. A block is a cache line of cells,
+/// Collides a part of one row, which begins with a whole block, in runs of blocks that are alike: with or without force, before or where every cell
+/// has a relaxation time of its own. A block is a cache line of cells,
 /// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
 /// their own, ascending.
 #[inline(always)]
-fn collide_row<S: Simd, T: Real, C: Collision>(
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a struct of them would be made for every row"
+)]
+fn collide_part<S: Simd, T: Real, C: Collision>(
     simd: S,
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     row: Range<usize>,
+    part: Range<usize>,
     common: &Common<T>,
     force: &[Vec<T>; 3],
     touched: &[u32],
     accelerated: bool,
 ) {
-    let nx = row.len();
     let block = LINE_BYTES / size_of::<T>();
-    let profile_start = common.profile.map_or(nx, |(_, start)| start);
+    let profile_start = common.profile.map_or(row.len(), |(_, start)| start);
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
+        .skip_while(|first| *first < part.start)
         .peekable();
-    let mut x = 0;
-    while x < nx {
-        let mut end = if x < profile_start { profile_start } else { nx };
+    let mut x = part.start;
+    while x < part.end {
+        let mut end = if x < profile_start {
+            profile_start.min(part.end)
+        } else {
+            part.end
+        };
         let mut forced = accelerated;
         if !accelerated && let Some(&first) = touched.peek() {
             if first > x {

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use crate::lattice::grid::{CellState, Extremes};
+use crate::lattice::operators::bare_moments;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real};
 
 /// A value with the cell that has it.
@@ -92,9 +93,17 @@ impl<T: Real> Fluid<T> {
                 }
             }
         }
+        let ends = self.exchanged_ends.as_ref();
         let mut found = Found::default();
         for x in 0..length {
-            let [excess, j @ ..] = [0, 1, 2, 3].map(|k: usize| moments[k][x].to_f64());
+            let [excess, j @ ..] =
+                match ends.and_then(|ends| ends.waiting_at([start[0] + x, start[1], start[2]])) {
+                    None => [0, 1, 2, 3].map(|k: usize| moments[k][x].to_f64()),
+                    Some(waiting) => {
+                        let (excess, j) = bare_moments(&waiting);
+                        [excess, j[0], j[1], j[2]].map(T::to_f64)
+                    }
+                };
             let density = 1.0 + excess;
             let square = (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]) / (density * density);
             let cell = [start[0] + x, start[1], start[2]];

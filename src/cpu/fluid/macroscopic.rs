@@ -11,8 +11,7 @@ impl<T: Real> Fluid<T> {
     /// Density excess δρ and *bare* velocity u* = Σ f c / ρ (no F/2) of one cell, as the next collision will find it.
     #[must_use]
     pub fn bare_state(&self, cell: [usize; 3]) -> (f64, [f64; 3]) {
-        let (density_excess, momentum) =
-            bare_moments(&self.gather(self.grid.index(cell.map(|c| c as i64))));
+        let (density_excess, momentum) = bare_moments(&self.gather(cell));
         let density_excess = density_excess.to_f64();
         (
             density_excess,
@@ -42,7 +41,7 @@ impl<T: Real> Fluid<T> {
             .into_par_iter()
             .flat_map_iter(|row| (0..nx).map(move |x| [x, row % ny, row / ny]))
             .map(|cell| {
-                let populations = self.gather(self.grid.index(cell.map(|c| c as i64)));
+                let populations = self.gather(cell);
                 let mut stress = Stress::default();
                 for (direction, population) in populations.into_iter().enumerate() {
                     add_to_stress(&mut stress, direction, population.to_f64() as f32);

@@ -9,6 +9,7 @@ pub mod collide_stream;
 pub mod control_volume;
 pub mod cut_links;
 pub mod eddy_viscosity;
+mod exchanged_ends;
 mod extremes;
 mod held_eddy_viscosity;
 mod macroscopic;
@@ -25,6 +26,7 @@ use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
 pub use collide_stream::{BodyForce, ForcedCells};
+use exchanged_ends::ExchangedEnds;
 use held_eddy_viscosity::HeldEddyViscosity;
 use sides::Sides;
 use storage::Storage;
@@ -44,6 +46,8 @@ pub struct Fluid<T: Real> {
     relaxation_profile: Option<Vec<T>>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
+    /// `None` but in boxes of finer cells.
+    exchanged_ends: Option<ExchangedEnds<T>>,
     inlet_velocity: [f64; 3],
     /// Uniform acceleration of the last step.
     last_acceleration: [f64; 3],
@@ -81,6 +85,7 @@ impl<T: Real> Fluid<T> {
             face_means: FaceMeans::at_rest(&setup),
             relaxation_profile,
             held_eddy_viscosity: HeldEddyViscosity::new(&setup),
+            exchanged_ends: None,
             inlet_velocity: [0.0; 3],
             last_acceleration: [0.0; 3],
             odd: false,
@@ -97,6 +102,9 @@ impl<T: Real> Fluid<T> {
     /// Takes the populations of a start, before the first step.
     pub fn fill(&mut self, start: &Start) {
         self.face_means = FaceMeans::of_start(&self.setup, start);
+        if let Some(ends) = &mut self.exchanged_ends {
+            ends.forget();
+        }
         let [nx, ny, nz] = self.setup.cells;
         for z in 0..nz {
             for y in 0..ny {
@@ -141,7 +149,12 @@ impl<T: Real> Fluid<T> {
 
     /// Streamed populations of one cell, about to be collided.
     #[inline(always)]
-    fn gather(&self, index: usize) -> operators::Populations<T> {
+    fn gather(&self, cell: [usize; 3]) -> operators::Populations<T> {
+        let waiting = |ends: &ExchangedEnds<T>| ends.waiting_at(cell);
+        if let Some(populations) = self.exchanged_ends.as_ref().and_then(waiting) {
+            return populations;
+        }
+        let index = self.grid.index(cell.map(|c| c as i64));
         let mut f = [T::default(); DIRECTION_COUNT];
         f[0] = self.populations[0][index];
         let odd = usize::from(self.odd);
@@ -159,11 +172,22 @@ impl<T: Real> Fluid<T> {
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
         out.put("inlet_velocity", &self.inlet_velocity)?;
-        let mut packed = Vec::with_capacity(Grid::new(self.setup.cells).total);
+        let packed_grid = Grid::new(self.setup.cells);
+        let mut packed = Vec::with_capacity(packed_grid.total);
         for array in 0..DIRECTION_COUNT {
             packed.clear();
             for row in self.grid.rows() {
                 packed.extend_from_slice(&self.populations[array][row]);
+            }
+            let waiting = self.exchanged_ends.iter();
+            for cell in waiting.flat_map(ExchangedEnds::waiting_cells) {
+                let index = packed_grid.index(cell.map(|c| c as i64));
+                for (direction, population) in self.gather(cell).into_iter().enumerate() {
+                    let (its_array, element) = packed_grid.slot(index, direction, self.odd);
+                    if its_array == array {
+                        packed[element] = population;
+                    }
+                }
             }
             out.put(&format!("populations_{array:02}"), &packed)?;
         }
@@ -183,6 +207,9 @@ impl<T: Real> Fluid<T> {
         self.odd = counters[1] == 1;
         self.inlet_velocity
             .copy_from_slice(&from.take_exactly::<f64>("inlet_velocity", 3)?);
+        if let Some(ends) = &mut self.exchanged_ends {
+            ends.forget();
+        }
         let packed_grid = Grid::new(self.setup.cells);
         for array in 0..DIRECTION_COUNT {
             let packed: Vec<T> =

@@ -1,87 +1,27 @@
-//! Stage `fill`: from the coarse source to the fine shell.
+//! Stage `fill`: from the states of the coarse source to the fine shell.
 
 use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::lines::{
-    Collided, Reader, padded, populations_of, states_of, write_columns, write_line,
-};
+use super::lines::{Collided, ask_for_row, padded, populations_of, write_line};
 use crate::cpu::fluid::Fluid;
+use crate::cpu::fluid::exchanged_ends::{End, EndsOfRow, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
-use crate::lattice::level_state::{FIRST_STRAIN, STATE_NUMBERS, children};
+use crate::lattice::level_state::{STATE_NUMBERS, children};
 use crate::lattice::nest::{Line, Nest, Planes};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
-/// Reads the states of the source, in fine units.
-pub(super) fn read_source<T: Real, C: Collision>(
-    nest: &Nest,
-    source: &Planes,
-    coarse: &Fluid<T>,
-    states: &mut [T],
-) {
-    let [nx, ny, _] = nest.cells.map(|n| n + 2);
-    let plane = STATE_NUMBERS * nx * ny;
-    let nest = *nest;
-    let collided = Collided::new(coarse);
-    let reader = Reader::new(coarse);
-    states
-        .par_chunks_mut(plane)
-        .zip(&source.lines)
-        .for_each(|(states, lines)| {
-            coarse.instructions.dispatch(ReadPlane::<T, C> {
-                reader: &reader,
-                collided,
-                nest,
-                states,
-                lines,
-                operator: PhantomData,
-            });
-        });
-}
-
-struct ReadPlane<'a, T: Real, C> {
-    reader: &'a Reader<'a, T>,
-    collided: Collided<T>,
-    nest: Nest,
-    states: &'a mut [T],
-    lines: &'a [Line],
-    operator: PhantomData<C>,
-}
-
-impl<T: Real, C: Collision> WithSimd for ReadPlane<'_, T, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let longest = self.lines.iter().map(|line| line.length).max().unwrap_or(0);
-        let room = padded::<S, T>(longest);
-        let mut populations = vec![T::default(); DIRECTION_COUNT * room];
-        let mut states = vec![T::default(); STATE_NUMBERS * room];
-        let [nx, ny, _] = self.nest.cells.map(|n| n + 2);
-        for line in self.lines {
-            let stride = padded::<S, T>(line.length);
-            let first = std::array::from_fn(|a| self.nest.first[a] as i64 + line.start[a]);
-            let (f, s) = (
-                &mut populations[..DIRECTION_COUNT * stride],
-                &mut states[..STATE_NUMBERS * stride],
-            );
-            self.reader
-                .line(first, line.axis, line.length, self.nest.spans, f, stride);
-            states_of::<S, T, C>(simd, &self.collided, f, s, stride);
-            let start = (line.start[0] + 1) as usize + nx * (line.start[1] + 1) as usize;
-            let step = if line.axis == 0 { 1 } else { nx };
-            for number in 0..STATE_NUMBERS {
-                let share = T::of(if number < FIRST_STRAIN { 1.0 } else { 0.5 });
-                let into = self.states[number * nx * ny + start..].iter_mut();
-                for (into, value) in into.step_by(step).zip(&s[number * stride..][..line.length]) {
-                    *into = share * *value;
-                }
-            }
-        }
+/// Lower and upper children of the middle ones of three lines of cells side by side. (Indices instead of zipped slices would not be compiled for
+/// the CPU's vectors.)
+#[inline(always)]
+fn children_of_lines<T: Real>([below, middle, above]: [&[T]; 3], [lower, upper]: [&mut [T]; 2]) {
+    let three = below.iter().zip(middle).zip(above);
+    for ((lower, upper), ((below, middle), above)) in lower.iter_mut().zip(upper).zip(three) {
+        [*lower, *upper] = children([*below, *middle, *above]);
     }
 }
 
@@ -96,13 +36,17 @@ pub(super) fn fill<T: Real, C: Collision>(
     let collided = Collided::new(fine);
     let (grid, odd, instructions) = (fine.grid, fine.odd, fine.instructions);
     let slabs = slabs::split(fine.populations.arrays_mut(), &grid, odd, planes);
+    // What arrives at the ends of rows, two planes for each coarse one.
+    let mut ends = (fine.exchanged_ends.as_mut()).map(ExchangedEnds::planes_that_arrive);
+    let mut pairs = || [(); 2].map(|()| ends.as_mut().and_then(Iterator::next).unwrap_or_default());
+    let slabs: Vec<_> = slabs.into_iter().map(|slab| (slab, pairs())).collect();
     let [nx, ny, _] = nest.cells.map(|n| n + 2);
     let plane = STATE_NUMBERS * nx * ny;
     slabs
         .into_par_iter()
         .zip(&shell.lines)
         .enumerate()
-        .for_each(|(z, (arrays, lines))| {
+        .for_each(|(z, ((arrays, ends), lines))| {
             instructions.dispatch(FillPlane::<T, C> {
                 // Planes below, of, and above these cells.
                 states: [0, 1, 2].map(|k| &states[(z + k) * plane..][..plane]),
@@ -110,6 +54,7 @@ pub(super) fn fill<T: Real, C: Collision>(
                 collided,
                 grid,
                 arrays,
+                ends,
                 lines,
                 operator: PhantomData,
             });
@@ -123,6 +68,7 @@ struct FillPlane<'a, T: Real, C> {
     collided: Collided<T>,
     grid: Grid,
     arrays: Arrays<'a, T>,
+    ends: [&'a mut [EndsOfRow<T>]; 2],
     lines: &'a [Line],
     operator: PhantomData<C>,
 }
@@ -150,6 +96,16 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
             // The cell before the first of the line beside this one.
             let corner = line.start[0] as usize + nx * line.start[1] as usize;
             for number in 0..STATE_NUMBERS {
+                if axis == 0 {
+                    // Where these cells are written to, while their states are worked out.
+                    for direction in (number..DIRECTION_COUNT).step_by(STATE_NUMBERS) {
+                        for row in 0..4 {
+                            let [x, y] = [0, 1].map(|a| 2 * line.start[a] as usize);
+                            let place = [x, y + row % 2, row / 2];
+                            ask_for_row(self.arrays[direction], &self.grid, place, 2 * line.length);
+                        }
+                    }
+                }
                 let start = number * per_number + corner;
                 for beside in 0..3 {
                     let start = start + beside * aside;
@@ -158,9 +114,7 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
                     let (lower, upper) =
                         along_z[2 * beside * count..][..2 * count].split_at_mut(count);
                     if step == 1 {
-                        for i in 0..count {
-                            [lower[i], upper[i]] = children([below[i], level[i], above[i]]);
-                        }
+                        children_of_lines([below, level, above], [lower, upper]);
                     } else {
                         for i in 0..count {
                             let k = i * step;
@@ -172,18 +126,13 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
                     let [before, beside, behind] =
                         [0, 1, 2].map(|b| &along_z[(2 * b + z) * count..][..count]);
                     let (near, far) = of_line[2 * z * count..][..2 * count].split_at_mut(count);
-                    for i in 0..count {
-                        [near[i], far[i]] = children([before[i], beside[i], behind[i]]);
-                    }
+                    children_of_lines([before, beside, behind], [near, far]);
                 }
                 for (child, states) in states.iter_mut().enumerate() {
                     let coarse = &of_line[child * count..][..count];
                     let (lower, upper) = along[..2 * line.length].split_at_mut(line.length);
-                    let (below, middle, above) =
-                        (coarse, &coarse[1..], &coarse[2..][..line.length]);
-                    for i in 0..line.length {
-                        [lower[i], upper[i]] = children([below[i], middle[i], above[i]]);
-                    }
+                    let neighbours = [0, 1, 2].map(|k| &coarse[k..][..line.length]);
+                    children_of_lines(neighbours, [&mut *lower, &mut *upper]);
                     let fine = &mut states[number * stride..][..2 * line.length];
                     let pairs = fine.chunks_exact_mut(2).zip(lower.iter().zip(upper.iter()));
                     for (pair, (lower, upper)) in pairs {
@@ -206,7 +155,8 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
                 let length = 2 * line.length;
                 if axis == 1 {
                     let sides = [&populations[0][..], &populations[1][..]];
-                    write_columns(arrays, grid, [x, y, above], length, sides, stride);
+                    let (end, plane) = (End::of(line.start[0]), &mut *self.ends[above]);
+                    ExchangedEnds::arrive(plane, end, y, length, sides, stride);
                     continue;
                 }
                 for (beside, f) in populations.iter().enumerate() {

@@ -6,7 +6,7 @@ use crate::cpu::fluid::Fluid;
 use crate::cpu::fluid::prefetch::prefetch_behind;
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::lattice::collision::Collision;
-use crate::lattice::grid::Grid;
+use crate::lattice::grid::{Grid, LINE_BYTES};
 use crate::lattice::level_state::STATE_NUMBERS;
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real};
@@ -32,49 +32,13 @@ impl<'a, T: Real> Reader<'a, T> {
         Self { grid, arrays }
     }
 
-    /// Populations of `length` cells from `first` on along x or y, direction after direction, each `stride` long. Along an axis that
-    /// repeats cells come from the other end.
+    /// Populations of `length` cells from `first` on along x, direction after direction, each `stride` long.
     #[inline(always)]
-    pub fn line(
-        &self,
-        first: [i64; 3],
-        axis: usize,
-        length: usize,
-        wraps: [bool; 3],
-        into: &mut [T],
-        stride: usize,
-    ) {
-        let n = self.grid.cells.map(|n| n as i64);
-        let mut cell: [i64; 3] = std::array::from_fn(|a| {
-            if wraps[a] {
-                first[a].rem_euclid(n[a])
-            } else {
-                first[a]
-            }
-        });
-        let mut done = 0;
-        while done < length {
-            let run = if wraps[axis] {
-                (length - done).min((n[axis] - cell[axis]) as usize)
-            } else {
-                length - done
-            };
-            let start = self.grid.index(cell);
-            for (direction, (array, shift)) in self.arrays.iter().enumerate() {
-                let into = &mut into[direction * stride + done..][..run];
-                let start = start.wrapping_add_signed(*shift);
-                if axis == 0 {
-                    into.copy_from_slice(&array[start..start + run]);
-                } else {
-                    let column = array[start..].iter().step_by(self.grid.stride_y);
-                    for (into, value) in into.iter_mut().zip(column) {
-                        prefetch_behind(value, self.ahead());
-                        *into = *value;
-                    }
-                }
-            }
-            done += run;
-            cell[axis] = 0;
+    pub fn row(&self, first: [i64; 3], length: usize, into: &mut [T], stride: usize) {
+        let start = self.grid.index(first);
+        for (direction, (array, shift)) in self.arrays.iter().enumerate() {
+            let start = start.wrapping_add_signed(*shift);
+            into[direction * stride..][..length].copy_from_slice(&array[start..start + length]);
         }
     }
 }
@@ -82,31 +46,69 @@ impl<'a, T: Real> Reader<'a, T> {
 /// Rows ahead of a column that are asked for.
 const ROWS_AHEAD: usize = 12;
 
-/// The same in bytes.
-const fn ahead<T>(grid: &Grid) -> usize {
-    ROWS_AHEAD * grid.stride_y * size_of::<T>()
+/// Populations of `length` cells of a plane from `first` (x, y) on along x, direction after direction, each `stride` long. Along an axis that
+/// repeats cells come from the other end.
+#[inline(always)]
+pub(super) fn read_row<T: Real>(
+    plane: &Arrays<'_, T>,
+    grid: &Grid,
+    first: [i64; 2],
+    length: usize,
+    wraps: [bool; 3],
+    into: &mut [T],
+    stride: usize,
+) {
+    let [mut x, y] = [0, 1].map(|a| wrapped(first[a], grid.cells[a], wraps[a]));
+    let mut done = 0;
+    while done < length {
+        let run = if wraps[0] {
+            (length - done).min(grid.cells[0] - x)
+        } else {
+            length - done
+        };
+        let start = slabs::lead::<T>() + x + y * grid.stride_y;
+        for (direction, array) in plane.iter().enumerate() {
+            let into = &mut into[direction * stride + done..][..run];
+            into.copy_from_slice(&array[start..start + run]);
+        }
+        done += run;
+        x = 0;
+    }
 }
 
-impl<T: Real> Reader<'_, T> {
-    #[inline(always)]
-    const fn ahead(&self) -> usize {
-        ahead::<T>(&self.grid)
-    }
-
-    /// Populations of two columns of `length` cells along y, side by side along x, whose first is `first`: each cache line is touched once for both.
-    #[inline(always)]
-    pub fn columns(&self, first: [i64; 3], length: usize, into: &mut [Vec<T>; 2], stride: usize) {
-        let start = self.grid.index(first);
-        let [left, right] = into;
-        for (direction, (array, shift)) in self.arrays.iter().enumerate() {
-            let rows = array[start.wrapping_add_signed(*shift)..].chunks(self.grid.stride_y);
-            let left = &mut left[direction * stride..][..length];
-            let right = &mut right[direction * stride..][..length];
-            for ((left, right), row) in left.iter_mut().zip(right).zip(rows) {
-                prefetch_behind(&row[0], self.ahead());
-                (*left, *right) = (row[0], row[1]);
+/// The same of columns of `length` cells along y, as many as there are buffers, side by side along x: each cache line is touched once for all.
+#[inline(always)]
+pub(super) fn read_columns<T: Real>(
+    plane: &Arrays<'_, T>,
+    grid: &Grid,
+    [x, y]: [i64; 2],
+    length: usize,
+    wraps: bool,
+    into: &mut [Vec<T>],
+    stride: usize,
+) {
+    let first = slabs::lead::<T>() + x as usize;
+    let count = into.len();
+    for (direction, array) in plane.iter().enumerate() {
+        let mut row = wrapped(y, grid.cells[1], wraps);
+        for i in 0..length {
+            let cells = &array[first + row * grid.stride_y..][..count];
+            prefetch_behind(&cells[0], ROWS_AHEAD * grid.stride_y * size_of::<T>());
+            for (column, value) in into.iter_mut().zip(cells) {
+                column[direction * stride + i] = *value;
             }
+            row = if row + 1 == grid.cells[1] { 0 } else { row + 1 };
         }
+    }
+}
+
+/// A place along an axis of `n` cells.
+#[inline(always)]
+const fn wrapped(place: i64, n: usize, wraps: bool) -> usize {
+    if wraps {
+        place.rem_euclid(n as i64) as usize
+    } else {
+        place as usize
     }
 }
 
@@ -223,23 +225,16 @@ pub(super) fn write_line<T: Real>(
     }
 }
 
-/// The same for two columns along y, side by side along x.
+/// Asks for the cache lines of `length` cells of a slab from `first` on along x.
 #[inline(always)]
-pub(super) fn write_columns<T: Real>(
-    arrays: &mut Arrays<'_, T>,
+pub(super) fn ask_for_row<T: Real>(
+    array: &[T],
     grid: &Grid,
     [x, y, plane]: [usize; 3],
     length: usize,
-    populations: [&[T]; 2],
-    stride: usize,
 ) {
     let start = slabs::lead::<T>() + x + y * grid.stride_y + plane * grid.stride_z;
-    for (direction, array) in arrays.iter_mut().enumerate() {
-        let [left, right] = populations.map(|side| &side[direction * stride..][..length]);
-        let rows = array[start..].chunks_mut(grid.stride_y);
-        for ((left, right), row) in left.iter().zip(right).zip(rows) {
-            prefetch_behind(&row[0], ahead::<T>(grid));
-            (row[0], row[1]) = (*left, *right);
-        }
+    for line in array[start..start + length].chunks(LINE_BYTES / size_of::<T>()) {
+        prefetch_behind(&line[0], 0);
     }
 }

@@ -2,7 +2,7 @@
 //! coarse source ([`crate::lattice::nest`], [`crate::lattice::level_state`]).
 //!
 //! Work goes by planes of coarse cells, within a plane by lines of cells, along x where there are long ones, else along y; a line is a
-//! run of vectors.
+//! run of vectors. Fine lines along y pass through the ends of rows, which the sweeps read and write ([`super::exchanged_ends`]).
 
 mod fill;
 mod lines;
@@ -69,8 +69,10 @@ struct Exchange<'a, T: Real> {
 impl<T: Real> PerOperator for Exchange<'_, T> {
     fn run<C: Collision>(self) {
         let Self { tie, coarse, fine } = self;
-        restrict::restrict::<T, C>(&tie.nest, &tie.band, coarse, fine);
-        fill::read_source::<T, C>(&tie.nest, &tie.source, coarse, &mut tie.states);
+        fine.ends_of(&tie.nest);
+        let planes = [&tie.band, &tie.source];
+        let states = &mut tie.states;
+        restrict::restrict_and_read::<T, C>(&tie.nest, planes, coarse, fine, states);
         fill::fill::<T, C>(&tie.nest, &tie.shell, &tie.states, fine);
     }
 }

@@ -1,67 +1,105 @@
-//! Stage `restrict`: from the fine cells to the coarse band.
+//! Stage `restrict`: from the fine cells to the coarse band; and the states of the source.
 
 use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::lines::{Collided, Reader, padded, populations_of, states_of, write_line};
+use super::lines::{
+    Collided, Reader, padded, populations_of, read_columns, read_row, states_of, write_line,
+};
 use crate::cpu::fluid::Fluid;
+use crate::cpu::fluid::exchanged_ends::{End, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{FIRST_STRAIN, STATE_NUMBERS};
-use crate::lattice::nest::{Line, Nest, Planes};
+use crate::lattice::nest::{Line, Nest, Planes, SOURCE};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
-/// Coarse states of the band are the means of those of the eight fine cells.
-pub(super) fn restrict<T: Real, C: Collision>(
+/// Coarse states of the band become the means of those of the eight fine cells; then the states of the source are read, in fine units. Planes do not
+/// wait for each other: a cell's populations are its own.
+pub(super) fn restrict_and_read<T: Real, C: Collision>(
     nest: &Nest,
-    band: &Planes,
+    [band, source]: [&Planes; 2],
     coarse: &mut Fluid<T>,
     fine: &Fluid<T>,
+    states: &mut [T],
 ) {
     let nest = *nest;
-    let first_plane = (nest.first[2] as i64 + band.first) as usize;
-    let planes = std::iter::once(first_plane).chain(std::iter::repeat_n(1, band.lines.len()));
+    let [nx, ny, _] = nest.cells.map(|n| n + 2);
+    let per_plane = STATE_NUMBERS * nx * ny;
+    // Of an axis that repeats the planes beyond its ends are those at the other end.
+    let beyond = i64::from(nest.spans[2]);
+    let first_plane = source.first + beyond;
+    let planes = source.lines.len() - 2 * beyond as usize;
+    let lines = &source.lines[beyond as usize..][..planes];
+    let skipped = (nest.first[2] as i64 + first_plane) as usize;
+    let runs = std::iter::once(skipped).chain(std::iter::repeat_n(1, planes));
     let (collided_fine, collided) = (Collided::new(fine), Collided::new(coarse));
     let (grid, odd, instructions) = (coarse.grid, coarse.odd, coarse.instructions);
     let reader = Reader::new(fine);
-    let slabs = slabs::split(coarse.populations.arrays_mut(), &grid, odd, planes);
+    let ends = fine.exchanged_ends.as_ref();
+    let slabs = slabs::split(coarse.populations.arrays_mut(), &grid, odd, runs);
     slabs
         .into_par_iter()
         .skip(1)
-        .zip(&band.lines)
-        .for_each(|(arrays, lines)| {
-            instructions.dispatch(RestrictPlane::<T, C> {
-                reader: &reader,
-                collided_fine,
+        .zip(lines)
+        .zip(states[beyond as usize * per_plane..].par_chunks_mut(per_plane))
+        .enumerate()
+        .for_each(|(plane, ((mut arrays, lines), states))| {
+            let in_band = first_plane + plane as i64 - band.first;
+            if let Some(lines) = usize::try_from(in_band)
+                .ok()
+                .and_then(|z| band.lines.get(z))
+            {
+                instructions.dispatch(RestrictPlane::<T, C> {
+                    reader: &reader,
+                    ends,
+                    collided_fine,
+                    collided,
+                    nest,
+                    grid,
+                    arrays: &mut arrays,
+                    lines,
+                    operator: PhantomData,
+                });
+            }
+            instructions.dispatch(ReadPlane::<T, C> {
                 collided,
                 nest,
                 grid,
-                arrays,
+                arrays: &arrays,
+                states,
                 lines,
                 operator: PhantomData,
             });
         });
+    if nest.spans[2] {
+        let last = planes * per_plane;
+        states.copy_within(last..last + per_plane, 0);
+        states.copy_within(per_plane..2 * per_plane, last + per_plane);
+    }
 }
 
-struct RestrictPlane<'a, T: Real, C> {
+struct RestrictPlane<'a, 'b, T: Real, C> {
     reader: &'a Reader<'a, T>,
+    /// Lines along y are found there.
+    ends: Option<&'a ExchangedEnds<T>>,
     collided_fine: Collided<T>,
     collided: Collided<T>,
     nest: Nest,
     grid: Grid,
-    arrays: Arrays<'a, T>,
+    arrays: &'a mut Arrays<'b, T>,
     lines: &'a [Line],
     operator: PhantomData<C>,
 }
 
-impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, T, C> {
+impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let longest = self.lines.iter().map(|line| line.length).max().unwrap_or(0);
         let room = padded::<S, T>(2 * longest);
         let mut populations: [Vec<T>; 2] =
@@ -78,10 +116,12 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, T, C> {
                 if axis == 0 {
                     for (beside, f) in (0..).zip(&mut populations) {
                         let first = [first[0], first[1] + beside, first[2]];
-                        self.reader.line(first, axis, length, [false; 3], f, stride);
+                        self.reader.row(first, length, f, stride);
                     }
-                } else {
-                    (self.reader).columns(first, length, &mut populations, stride);
+                } else if let Some(ends) = self.ends {
+                    let end = End::of(line.start[0]);
+                    let place = [first[1], first[2]];
+                    ends.read_band(end, place, length, &mut populations, stride);
                 }
                 let s = &mut states[..STATE_NUMBERS * stride];
                 for f in &populations {
@@ -115,15 +155,74 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, T, C> {
                 self.nest.first[1] + line.start[1] as usize,
                 0,
             ];
-            write_line(
-                &mut self.arrays,
-                &self.grid,
-                place,
-                axis,
-                line.length,
-                f,
-                narrow,
-            );
+            write_line(self.arrays, &self.grid, place, axis, line.length, f, narrow);
+        }
+    }
+}
+
+/// Columns of the source that lie side by side at a face.
+const COLUMNS: usize = (*SOURCE.end() - *SOURCE.start() + 1) as usize;
+
+struct ReadPlane<'a, 'b, T: Real, C> {
+    collided: Collided<T>,
+    nest: Nest,
+    grid: Grid,
+    arrays: &'a Arrays<'b, T>,
+    states: &'a mut [T],
+    lines: &'a [Line],
+    operator: PhantomData<C>,
+}
+
+impl<T: Real, C: Collision> WithSimd for ReadPlane<'_, '_, T, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let longest = self.lines.iter().map(|line| line.length).max().unwrap_or(0);
+        let room = padded::<S, T>(longest);
+        let mut populations: [Vec<T>; COLUMNS] =
+            std::array::from_fn(|_| vec![T::default(); DIRECTION_COUNT * room]);
+        let mut states = vec![T::default(); STATE_NUMBERS * room];
+        let [nx, ny, _] = self.nest.cells.map(|n| n + 2);
+        let spans = self.nest.spans;
+        let mut rest = self.lines;
+        while let Some(line) = rest.first() {
+            let (length, stride) = (line.length, padded::<S, T>(line.length));
+            let first = [0, 1].map(|a| self.nest.first[a] as i64 + line.start[a]);
+            let count = if line.axis == 0 {
+                1
+            } else {
+                COLUMNS.min(rest.len())
+            };
+            if line.axis == 0 {
+                let f = &mut populations[0];
+                read_row(self.arrays, &self.grid, first, length, spans, f, stride);
+            } else {
+                let f = &mut populations[..count];
+                read_columns(self.arrays, &self.grid, first, length, spans[1], f, stride);
+            }
+            let (side_by_side, behind) = rest.split_at(count);
+            rest = behind;
+            for (line, f) in side_by_side.iter().zip(&populations) {
+                let f = &f[..DIRECTION_COUNT * stride];
+                let s = &mut states[..STATE_NUMBERS * stride];
+                states_of::<S, T, C>(simd, &self.collided, f, s, stride);
+                let start = (line.start[0] + 1) as usize + nx * (line.start[1] + 1) as usize;
+                for number in 0..STATE_NUMBERS {
+                    let share = T::of(if number < FIRST_STRAIN { 1.0 } else { 0.5 });
+                    let into = self.states[number * nx * ny + start..].iter_mut();
+                    let values = &s[number * stride..][..length];
+                    if line.axis == 0 {
+                        for (into, value) in into.zip(values) {
+                            *into = share * *value;
+                        }
+                    } else {
+                        for (into, value) in into.step_by(nx).zip(values) {
+                            *into = share * *value;
+                        }
+                    }
+                }
+            }
         }
     }
 }

@@ -1,0 +1,349 @@
+//! Cells at both ends of the rows of a box of finer cells, through which it exchanges states with the lattice around it
+//! ([`crate::lattice::nest`]).
+//!
+//! Of a cache line of 16 cells two are of the shell, in all 19 arrays of every row: by themselves they took two thirds of an exchange. A sweep has
+//! these lines at hand. So it puts in place what has arrived just before it collides these cells, and takes down what leaves for the band when it
+//! has collided a row. Until then all that reads the air finds the populations of these cells here.
+
+use std::ops::Range;
+use std::slice::ChunksMut;
+
+use super::Fluid;
+use super::slabs::{self, Arrays};
+use crate::lattice::grid::{Grid, LINE_BYTES};
+use crate::lattice::nest::{BAND, Nest, SHELL};
+use crate::lattice::operators::Populations;
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, opposite};
+
+/// Cells at each end of a row that arrive, or leave.
+const WIDTH: usize = 2;
+
+/// Populations at both ends of a row: by directions, lower end and upper end, cells.
+pub(super) type EndsOfRow<T> = [[[T; WIDTH]; 2]; DIRECTION_COUNT];
+
+/// Rows along x whose y and z lie in ranges.
+#[derive(Debug, Clone)]
+struct Rows([Range<usize>; 2]);
+
+impl Rows {
+    /// Those whose coarse cells are deeper than `depth` by y and z, and `beyond` fine rows around them.
+    fn deeper(nest: &Nest, depth: i64, beyond: usize) -> Self {
+        Self([1, 2].map(|axis| {
+            let cells = 2 * nest.cells[axis];
+            let margin = match nest.spans[axis] {
+                true => 0,
+                false => 2 * (depth + 1) as usize - beyond,
+            };
+            margin..cells.saturating_sub(margin)
+        }))
+    }
+
+    #[inline(always)]
+    fn hold(&self, y: usize, z: usize) -> bool {
+        self.0[0].contains(&y) && self.0[1].contains(&z)
+    }
+}
+
+/// Populations of the cells at both ends of rows, by rows (y fastest).
+#[derive(Debug, Clone)]
+pub(super) struct ExchangedEnds<T> {
+    cells: [usize; 3],
+    /// Of the shell, as they are about to be collided.
+    arriving: Vec<EndsOfRow<T>>,
+    arriving_rows: Rows,
+    /// They are not in place yet.
+    waiting: bool,
+    /// What the cells next to the band have sent in its directions: populations of the band are found in the rows that they come from.
+    leaving: Vec<EndsOfRow<T>>,
+    leaving_rows: Rows,
+    /// They belong to the lattice as it stands.
+    taken_down: bool,
+}
+
+/// Which end of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Lower,
+    Upper,
+}
+
+impl End {
+    /// That of a line along y at such an x: one of the two coarse cells next to the lower face, counted from it, or of those at the upper one.
+    pub const fn of(x: i64) -> Self {
+        match x {
+            0 | 1 => Self::Lower,
+            _ => Self::Upper,
+        }
+    }
+}
+
+impl<T: Real> ExchangedEnds<T> {
+    fn new(nest: &Nest) -> Self {
+        let cells = nest.fine_cells();
+        let rows = vec![EndsOfRow::<T>::default(); cells[1] * cells[2]];
+        Self {
+            cells,
+            arriving: rows.clone(),
+            arriving_rows: Rows::deeper(nest, *SHELL.end(), 0),
+            waiting: false,
+            leaving: rows,
+            leaving_rows: Rows::deeper(nest, *BAND.end(), 1),
+            taken_down: false,
+        }
+    }
+
+    /// Number of a row.
+    #[inline(always)]
+    const fn row(&self, y: usize, z: usize) -> usize {
+        y + self.cells[1] * z
+    }
+
+    /// x of the cells at an end whose populations arrive there, or lie in the band (`depth` 0 or 1).
+    const fn place(&self, end: End, depth: usize) -> usize {
+        match end {
+            End::Lower => depth * WIDTH,
+            End::Upper => self.cells[0] - (depth + 1) * WIDTH,
+        }
+    }
+
+    /// Takes populations of the shell in two neighbouring columns of cells along y from (y, z) on, direction after direction, each `stride` long.
+    /// They are put in place by the next sweep.
+    #[inline(always)]
+    pub fn arrive(
+        plane: &mut [EndsOfRow<T>],
+        end: End,
+        y: usize,
+        length: usize,
+        populations: [&[T]; 2],
+        stride: usize,
+    ) {
+        for direction in 0..DIRECTION_COUNT {
+            let [left, right] = populations.map(|side| &side[direction * stride..][..length]);
+            for ((left, right), row) in left.iter().zip(right).zip(&mut plane[y..]) {
+                row[direction][end as usize] = [*left, *right];
+            }
+        }
+    }
+
+    /// What arrives, by planes.
+    pub fn planes_that_arrive(&mut self) -> ChunksMut<'_, EndsOfRow<T>> {
+        self.waiting = true;
+        self.arriving.chunks_mut(self.cells[1])
+    }
+
+    /// Populations of the band in two neighbouring columns of `length` cells along y from (y, z) on, direction after direction, each `stride` long.
+    #[inline(always)]
+    pub fn read_band(
+        &self,
+        end: End,
+        [y, z]: [i64; 2],
+        length: usize,
+        into: &mut [Vec<T>; 2],
+        stride: usize,
+    ) {
+        let [ny, nz] = [1, 2].map(|a| self.cells[a] as i64);
+        let [left, right] = into;
+        for (direction, c) in DIRECTIONS.iter().enumerate() {
+            let left = &mut left[direction * stride..][..length];
+            let right = &mut right[direction * stride..][..length];
+            let z = (z - i64::from(c[2])).rem_euclid(nz) as usize;
+            let mut row = (y - i64::from(c[1])).rem_euclid(ny) as usize;
+            let plane = &self.leaving[self.row(0, z)..];
+            for (left, right) in left.iter_mut().zip(right) {
+                [*left, *right] = plane[row][direction][end as usize];
+                row = if row + 1 == self.cells[1] { 0 } else { row + 1 };
+            }
+        }
+    }
+
+    /// Populations that a cell has as soon as what arrives is in place; `None` where nothing waits.
+    #[inline(always)]
+    pub fn waiting_at(&self, [x, y, z]: [usize; 3]) -> Option<Populations<T>> {
+        if !self.waiting || !self.arriving_rows.hold(y, z) {
+            return None;
+        }
+        [End::Lower, End::Upper].into_iter().find_map(|end| {
+            let place = x.checked_sub(self.place(end, 0))?;
+            (place < WIDTH).then(|| {
+                let row = &self.arriving[self.row(y, z)];
+                row.map(|ends| ends[end as usize][place])
+            })
+        })
+    }
+
+    /// Cells whose populations wait.
+    pub fn waiting_cells(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let [rows, planes] = &self.arriving_rows.0;
+        let planes = if self.waiting { planes.clone() } else { 0..0 };
+        planes.flat_map(move |z| {
+            rows.clone().flat_map(move |y| {
+                [End::Lower, End::Upper]
+                    .into_iter()
+                    .flat_map(move |end| (0..WIDTH).map(move |i| [self.place(end, 0) + i, y, z]))
+            })
+        })
+    }
+
+    /// What each run of `planes` planes, the last of fewer, does in a step of the given parity.
+    pub fn of_slabs(
+        &mut self,
+        grid: Grid,
+        planes: usize,
+        odd: bool,
+    ) -> impl Iterator<Item = EndsOfSlab<'_, T>> {
+        let arriving = (self.waiting).then_some((&self.arriving[..], &self.arriving_rows));
+        let [_, ny, nz] = self.cells;
+        let leaving_rows = &self.leaving_rows;
+        let runs = self.leaving.chunks_mut(ny * planes);
+        (0..).zip(runs).map(move |(number, run)| EndsOfSlab {
+            grid,
+            first_plane: number * planes,
+            planes: planes.min(nz - number * planes),
+            arriving,
+            leaving: odd.then_some((run, leaving_rows)),
+        })
+    }
+
+    /// After a step of the given parity.
+    pub const fn stepped(&mut self, odd: bool) {
+        self.waiting = false;
+        self.taken_down = odd;
+    }
+
+    /// Forgets what waits and what was taken down: the lattice has other populations now.
+    pub const fn forget(&mut self) {
+        self.waiting = false;
+        self.taken_down = false;
+    }
+}
+
+/// What a run of planes of a sweep does at the ends of its rows.
+pub(super) struct EndsOfSlab<'a, T> {
+    grid: Grid,
+    first_plane: usize,
+    planes: usize,
+    /// What is to be put in place, of all rows, and where.
+    arriving: Option<(&'a [EndsOfRow<T>], &'a Rows)>,
+    /// Where what leaves is taken down, of the run's rows.
+    leaving: Option<(&'a mut [EndsOfRow<T>], &'a Rows)>,
+}
+
+impl<T: Real> EndsOfSlab<'_, T> {
+    /// y and z of a row of the run, and where it begins in the run's arrays.
+    #[inline(always)]
+    const fn row(&self, row: usize) -> ([usize; 2], usize) {
+        let ny = self.grid.cells[1];
+        let (y, plane) = (row % ny, row / ny);
+        let start = slabs::lead::<T>() + y * self.grid.stride_y + plane * self.grid.stride_z;
+        ([y, self.first_plane + plane], start)
+    }
+
+    /// Where a row is parted: its upper end is put in place one block before its turn, together with the lower end of the next row. By then these lines
+    /// were asked for, and no vector is read right after single values were written into it; earlier, they would be asked for out of order, and the
+    /// CPU would lose the streams that it follows (a quarter of the sweep's speed on 96³ cells).
+    #[inline(always)]
+    pub const fn parts_of_row(&self) -> [Range<usize>; 2] {
+        let nx = self.grid.cells[0];
+        let block = LINE_BYTES / size_of::<T>();
+        let parted = ((nx - WIDTH) / block * block).saturating_sub(block);
+        [0..parted, parted..nx]
+    }
+
+    /// Before the part of a row that begins at `x` is collided.
+    #[inline(always)]
+    pub fn put_in_place_before(&self, arrays: &mut Arrays<'_, T>, row: usize, x: usize) {
+        let Some((arriving, rows)) = self.arriving else {
+            return;
+        };
+        let [parted, _] = self.parts_of_row();
+        if x == 0 && row == 0 {
+            self.put_in_place(arrays, arriving, rows, row, End::Lower);
+        }
+        if x == parted.end {
+            self.put_in_place(arrays, arriving, rows, row, End::Upper);
+            if row + 1 < self.planes * self.grid.cells[1] {
+                self.put_in_place(arrays, arriving, rows, row + 1, End::Lower);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn put_in_place(
+        &self,
+        arrays: &mut Arrays<'_, T>,
+        arriving: &[EndsOfRow<T>],
+        rows: &Rows,
+        row: usize,
+        end: End,
+    ) {
+        let ([y, z], start) = self.row(row);
+        if !rows.hold(y, z) {
+            return;
+        }
+        let [nx, ny, _] = self.grid.cells;
+        let first = match end {
+            End::Lower => start,
+            End::Upper => start + nx - WIDTH,
+        };
+        for (array, ends) in arrays.iter_mut().zip(&arriving[y + ny * z]) {
+            if let Some(cells) = array[first..].first_chunk_mut() {
+                *cells = ends[end as usize];
+            }
+        }
+    }
+
+    /// After a row of the run was collided.
+    #[inline(always)]
+    pub fn take_down(&mut self, arrays: &Arrays<'_, T>, row: usize) {
+        let ([y, z], start) = self.row(row);
+        let Some((leaving, rows)) = &mut self.leaving else {
+            return;
+        };
+        if !rows.hold(y, z) {
+            return;
+        }
+        let nx = self.grid.cells[0];
+        for (direction, ends) in leaving[row].iter_mut().enumerate() {
+            // What was sent in a direction lies where its opposite is read, at the cell that sent it.
+            let array = &arrays[opposite(direction)][start..start + nx];
+            let from = |place: usize| (place as i32 - DIRECTIONS[direction][0]) as usize;
+            for (end, first) in ends.iter_mut().zip([from(WIDTH), from(nx - 2 * WIDTH)]) {
+                if let Some(cells) = array[first..].first_chunk() {
+                    *end = *cells;
+                }
+            }
+        }
+    }
+}
+
+impl<T: Real> Fluid<T> {
+    /// The ends of rows through which a box exchanges states, with what left for the band as the lattice stands.
+    pub(super) fn ends_of(&mut self, nest: &Nest) {
+        if nest.spans[0] {
+            return;
+        }
+        let mut ends = (self.exchanged_ends.take()).unwrap_or_else(|| ExchangedEnds::new(nest));
+        if !ends.taken_down {
+            let [rows, planes] = ends.leaving_rows.0.clone();
+            let n = [1, 2].map(|a| ends.cells[a] as i64);
+            for (z, y) in planes.flat_map(|z| rows.clone().map(move |y| (z, y))) {
+                for (direction, c) in DIRECTIONS.iter().enumerate() {
+                    let y_to = (y as i64 + i64::from(c[1])).rem_euclid(n[0]) as usize;
+                    let z_to = (z as i64 + i64::from(c[2])).rem_euclid(n[1]) as usize;
+                    for end in [End::Lower, End::Upper] {
+                        let first = ends.place(end, 1);
+                        let row = ends.row(y, z);
+                        ends.leaving[row][direction][end as usize] =
+                            [0, 1].map(|i| self.gather([first + i, y_to, z_to])[direction]);
+                    }
+                }
+            }
+            ends.taken_down = true;
+        }
+        self.exchanged_ends = Some(ends);
+    }
+}
+
+#[cfg(test)]
+#[path = "exchanged_ends_tests.rs"]
+mod tests;
