@@ -386,6 +386,25 @@ pub fn face(link: &CutLink, side: usize, normal: DVec3) -> Face {
     2 * link.cuts[side].triangle as usize + usize::from(towards == (side == 0))
 }
 
+/// Direction (not 0) of the lattice nearest to a unit vector; of equally near ones the last.
+fn straightest(towards: DVec3) -> usize {
+    let (mut best, mut nearest) = (f64::NEG_INFINITY, 1);
+    for pair in 0..DIRECTION_COUNT / 2 {
+        let direction = 2 * pair + 1;
+        let length = match DIRECTIONS[direction].map(i32::abs) {
+            [1, 0, 0] | [0, 1, 0] | [0, 0, 1] => 1.0,
+            _ => std::f64::consts::SQRT_2,
+        };
+        let along = vector(direction).dot(towards) / length;
+        for (cosine, direction) in [(along, direction), (-along, direction + 1)] {
+            if cosine >= best {
+                (best, nearest) = (cosine, direction);
+            }
+        }
+    }
+    nearest
+}
+
 /// Unit normal away from the air of a side.
 fn away(link: &CutLink, side: usize, normal: DVec3) -> DVec3 {
     if vector(link.leaving(side)).dot(normal) < 0.0 {
@@ -437,10 +456,7 @@ impl Surroundings<'_> {
             return None;
         }
         let off = |direction: usize| -vector(direction).dot(away);
-        let straight = |direction: usize| off(direction) / vector(direction).length();
-        let ahead = (1..DIRECTION_COUNT)
-            .max_by(|a, b| straight(*a).total_cmp(&straight(*b)))
-            .unwrap_or(1);
+        let ahead = straightest(-away);
         let mut cell = link.cells[side];
         let mut height = link.distance(side) * -off(link.leaving(side));
         let mut found = [(cell, height); 2];

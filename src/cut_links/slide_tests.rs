@@ -74,3 +74,24 @@ fn air_sticks_in_creases() {
         assert!(slide_at(x, y) > 0, "{x} {y}");
     }
 }
+
+/// Every direction of the lattice is nearest to itself, and no unit vector is farther from its own than the cube's diagonal, 35.3°, is from three of them.
+#[test]
+fn the_straightest_direction_is_near() {
+    for direction in 1..DIRECTION_COUNT {
+        assert_eq!(straightest(vector(direction).normalize()), direction);
+    }
+    let farthest = (2.0 / 3.0_f64).sqrt() - 1e-12;
+    for i in 0..20 {
+        for k in 0..40 {
+            let (z, turn) = (-1.0 + 0.1 * f64::from(i) + 0.05, 0.157 * f64::from(k));
+            let across = (1.0 - z * z).sqrt();
+            let towards = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            let own = vector(straightest(towards)).normalize().dot(towards);
+            assert!(own >= farthest, "{towards} by {own}");
+            let nearer =
+                (1..DIRECTION_COUNT).any(|d| vector(d).normalize().dot(towards) > own + 1e-12);
+            assert!(!nearer, "{towards}");
+        }
+    }
+}

@@ -162,10 +162,7 @@ impl Sliding {
         };
         self.sides.clear();
         self.sides.extend(self.images.sides().map(side));
-        let block = |side: &u32| self.sides[*side as usize].groups[1];
-        self.of_blocks.clear();
-        self.of_blocks.extend(0..self.sides.len() as u32);
-        self.of_blocks.par_sort_by_key(block);
+        // Sides by blocks, within one in their order.
         self.blocks.clear();
         self.blocks.resize(blocks.len() + 1, 0);
         for side in &self.sides {
@@ -173,6 +170,14 @@ impl Sliding {
         }
         for number in 0..blocks.len() {
             self.blocks[number + 1] += self.blocks[number];
+        }
+        self.of_blocks.clear();
+        self.of_blocks.resize(self.sides.len(), 0);
+        let mut next = self.blocks.clone();
+        for (number, side) in (0..).zip(&self.sides) {
+            let next = &mut next[side.groups[1] as usize];
+            self.of_blocks[*next as usize] = number;
+            *next += 1;
         }
     }
 
