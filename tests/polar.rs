@@ -16,6 +16,7 @@ pub fn trials() -> Vec<Trial> {
         plain("polar::a_mesh_is_cut_into_its_wing", mesh),
         plain("polar::thin_and_missing_things_are_told", refused),
         plain("polar::a_glider_over_bar_and_brakes", glider),
+        plain("polar::another_polar_is_kept", kept),
     ]
     .into_iter()
     .flatten()
@@ -269,6 +270,27 @@ fn refused() {
     );
 }
 
+/// A folder with a polar is taken again only where that is asked for; `check --expand` prints the case itself.
+fn kept() {
+    let (folder, path) = with(SWEPT);
+    let out = folder.path().join("out");
+    let polar = |more: &[&str]| {
+        let mut all = vec!["polar", &path, "--out", out.to_str().unwrap()];
+        all.extend(more);
+        ripstop(&all)
+    };
+    assert_eq!(polar(&["--angle", "0,2,2"]).code, 0);
+    let first = std::fs::read(out.join("polar.csv")).unwrap();
+    let again = polar(&["--angle", "4,6,1"]);
+    assert_eq!(again.code, 73);
+    assert!(again.errors.contains("--overwrite"), "{}", again.errors);
+    assert_eq!(std::fs::read(out.join("polar.csv")).unwrap(), first);
+    assert_eq!(polar(&["--angle", "4,6,1", "--overwrite"]).code, 0);
+    assert_eq!(columns(&out.join("polar.csv"))["lift_n"].len(), 3);
+    let expanded = ripstop(&["check", &path, "--expand"]);
+    assert_eq!(expanded.printed.trim(), SWEPT.trim());
+}
+
 /// The bar makes a glider faster, brakes make it slower, more weight makes it faster at the same glide.
 fn glider() {
     let folder = tempfile::tempdir().unwrap();
@@ -298,6 +320,7 @@ fn glider() {
     // Beside the glide without bar, brakes or ballast.
     let plain = bar["speed_m_s"][0];
     let brake = table("brake", &["--brake", "0.2"]);
+    assert_eq!(brake["structure.wing.brake_pull_m"][0].to_string(), "0.2");
     assert!(
         brake["speed_m_s"][0] < 0.95 * plain,
         "{:?}",

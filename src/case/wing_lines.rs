@@ -173,15 +173,17 @@ pub(super) fn check_row(
         ));
     }
     let riser_length_m = positive(&key("riser_length_m"), written.riser_length_m)?;
-    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0) - by_speed_bar_m(table, name)?;
+    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0)
+        - by_speed_bar_m(table, name)?
+        - by_brakes_m(table, written)?;
     if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
         return Err(Problem::new(
             key("trim_m"),
             format!(
                 "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m{}",
                 key("trim_m"),
-                if table.speed_bar.is_some() {
-                    " (what the speed bar takes is in it)"
+                if table.speed_bar.is_some() || table.brake_pull_m.is_some() {
+                    " (what speed bar and brakes take is in it)"
                 } else {
                     ""
                 }
@@ -223,6 +225,38 @@ fn by_speed_bar_m(table: &file::Wing, row: &str) -> Result<f64, Problem> {
     let used = within(&bar_key("used"), used, 0.0, 1.0)?;
     let full = bar.shortening_m.get(row).copied().unwrap_or(0.0);
     Ok(used * within(&bar_key("shortening_m"), full, 0.0, 1.0)?)
+}
+
+/// A row whose attachments all lie behind this share of the chord is a brake.
+const TRAILING_EDGE: f64 = 0.99;
+
+fn is_brake(row: &file::LineRow) -> bool {
+    let places = row.positions.as_deref().unwrap_or(&[]);
+    let places = if places.is_empty() {
+        std::slice::from_ref(&row.position)
+    } else {
+        places
+    };
+    places.iter().all(|place| *place >= TRAILING_EDGE)
+}
+
+/// By how much the pull on the brakes shortens the riser of a row [m].
+fn by_brakes_m(table: &file::Wing, row: &file::LineRow) -> Result<f64, Problem> {
+    let Some(pull_m) = table.brake_pull_m else {
+        return Ok(0.0);
+    };
+    let pull_m = within(&key("brake_pull_m"), pull_m, 0.0, 2.0)?;
+    if !table.rows.values().any(is_brake) {
+        return Err(Problem::new(
+            key("brake_pull_m"),
+            format!(
+                "{} needs a row of lines at the trailing edge",
+                key("brake_pull_m")
+            ),
+            "give a row with position = 1.0",
+        ));
+    }
+    Ok(if is_brake(row) { pull_m } else { 0.0 })
 }
 
 /// Places of single attachments.

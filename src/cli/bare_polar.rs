@@ -13,7 +13,10 @@ use crate::output::{
 use crate::polar::{self, Coefficients, Numbers, Point, Polar, matrix_bytes};
 use crate::report::{self, PageTable, PolarPage};
 
-/// Columns of `polar.csv`, with their unit where they have one.
+/// The file of a row for each angle.
+const POLAR_TABLE: &str = "polar.csv";
+
+/// Columns of [`POLAR_TABLE`], with their unit where they have one.
 pub(super) const COLUMNS: [&str; 18] = [
     "angle_of_attack_deg",
     "lift_coefficient",
@@ -57,6 +60,15 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
     let Some(wing) = &case.scene.bare_wing else {
         return Ok(0);
     };
+    if !arguments.overwrite && arguments.out.join(POLAR_TABLE).exists() {
+        return Err(Failure::Other(
+            exit::OCCUPIED,
+            format!(
+                "{} holds a polar; --overwrite replaces it, --out DIR takes another folder",
+                arguments.out.display()
+            ),
+        ));
+    }
     threads::start(arguments.case.thread_count())?;
     prepare_directory(&arguments.out).map_err(|error| failed(&error))?;
     let began = std::time::Instant::now();
@@ -342,7 +354,7 @@ fn write(
 ) -> Result<(), OutputError> {
     let folder = &arguments.out;
     write_table(
-        &folder.join("polar.csv"),
+        &folder.join(POLAR_TABLE),
         &COLUMNS,
         found.points.iter().map(|p| row(wing, p)),
     )?;

@@ -36,7 +36,12 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Ok(case) = &loaded
         && let Some(wing) = &case.scene.bare_wing
     {
-        emit(&bare_polar::outlook(case, wing))?;
+        let text = if arguments.expand {
+            case::expanded(&case.text, &case.derived)
+        } else {
+            bare_polar::outlook(case, wing)
+        };
+        emit(&text)?;
         return Ok(0);
     }
     let prepared = match arguments.case.prepare() {

@@ -34,9 +34,6 @@ const PAIRS: [[&str; 2]; 3] = [
 /// Bars where nothing is asked for.
 const BARS: &str = "0,0.5,1";
 
-/// A row from here on along the chord is a brake.
-const TRAILING_EDGE: f64 = 0.99;
-
 /// Seconds of wall time between checkpoints of a trim.
 const CHECKPOINT_EVERY_S: f64 = 300.0;
 
@@ -79,26 +76,7 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
         varies.push(vary(&format!("structure.wing.speed_bar.used={list}"))?);
     }
     if let Some(list) = &arguments.brake {
-        let rows = wing.plan.rows.iter();
-        let brakes: Vec<String> = rows
-            .filter(|row| row.attachments().all(|(_, place)| place >= TRAILING_EDGE))
-            .map(|row| pulled(&row.name, row.trim_m, list))
-            .collect::<Result<_, _>>()?;
-        if brakes.is_empty() {
-            return Err(refused(
-                "structure.wing.rows",
-                format!(
-                    "in {}: --brake needs a row of lines at the trailing edge",
-                    case.name
-                ),
-                "give a row with position = 1.0",
-            ));
-        }
-        emit(&format!(
-            "brakes pulled by {list} m: {}\n",
-            brakes.join("; ")
-        ))?;
-        varies.push(vary(&brakes.join("; "))?);
+        varies.push(vary(&format!("structure.wing.brake_pull_m={list}"))?);
     }
     if let Some(list) = &arguments.mass {
         varies.push(vary(&format!("equilibrium.trim.pilot_mass_kg={list}"))?);
@@ -152,25 +130,4 @@ fn nothing_asked(arguments: &PolarArguments) -> bool {
 fn vary(text: &str) -> Result<Vary, Failure> {
     text.parse()
         .map_err(|why| Failure::Other(exit::BAD_CASE, why))
-}
-
-/// The key of a brake's riser with its length at every pull.
-fn pulled(row: &str, trim_m: f64, list: &str) -> Result<String, Failure> {
-    let lengths = list.split(',').map(|pull| {
-        let pull: f64 = pull.trim().parse().map_err(|_| {
-            Failure::Other(
-                exit::BAD_CASE,
-                format!(
-                    "--brake {list}: `{}` is no length in metres; write 0,0.1,0.2",
-                    pull.trim()
-                ),
-            )
-        })?;
-        Ok(format!("{:.4}", trim_m - pull))
-    });
-    let lengths: Vec<String> = lengths.collect::<Result<_, Failure>>()?;
-    Ok(format!(
-        "structure.wing.rows.{row}.trim_m={}",
-        lengths.join(",")
-    ))
 }
