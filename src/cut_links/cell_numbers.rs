@@ -1,56 +1,35 @@
 //! Numbers of some cells of a box, looked up at once.
 
+use super::cell_box::CellBox;
+
 /// Not numbered.
 const NONE: u32 = u32::MAX;
 
 /// Numbers of cells, in the order of memory.
 #[derive(Debug, Clone, Default)]
 pub struct CellNumbers {
-    first: [i32; 3],
-    size: [usize; 3],
+    cells: CellBox,
     numbers: Vec<u32>,
 }
 
 impl CellNumbers {
     /// Over the box that holds all of some cells, none of them numbered.
     pub fn lay(&mut self, cells: impl Iterator<Item = [i32; 3]>) {
-        let mut bounds = [[i32::MAX; 3], [i32::MIN; 3]];
-        for cell in cells {
-            for a in 0..3 {
-                bounds[0][a] = bounds[0][a].min(cell[a]);
-                bounds[1][a] = bounds[1][a].max(cell[a]);
-            }
-        }
-        let [first, last] = bounds;
-        self.first = first;
-        self.size = std::array::from_fn(|a| {
-            usize::try_from(i64::from(last[a]) - i64::from(first[a]) + 1).unwrap_or(0)
-        });
+        self.cells = CellBox::around(cells);
         self.numbers.clear();
-        self.numbers.resize(self.size.iter().product(), NONE);
-    }
-
-    fn place(&self, cell: [i32; 3]) -> Option<usize> {
-        let mut from = [0; 3];
-        for a in 0..3 {
-            from[a] = usize::try_from(cell[a].wrapping_sub(self.first[a])).ok()?;
-            if from[a] >= self.size[a] {
-                return None;
-            }
-        }
-        Some(from[0] + self.size[0] * (from[1] + self.size[1] * from[2]))
+        self.numbers.resize(self.cells.count(), NONE);
     }
 
     /// Number of a cell; `None` where it has none.
     #[must_use]
     pub fn get(&self, cell: [i32; 3]) -> Option<u32> {
-        let number = self.numbers[self.place(cell)?];
+        let number = self.numbers[self.cells.place(cell)?];
         (number != NONE).then_some(number)
     }
 
     /// What is noted of a cell, to be changed; `None` outside the box.
     pub fn entry(&mut self, cell: [i32; 3]) -> Option<&mut u32> {
-        let place = self.place(cell)?;
+        let place = self.cells.place(cell)?;
         Some(&mut self.numbers[place])
     }
 
@@ -64,14 +43,12 @@ impl CellNumbers {
                 *entry = MARKED;
             }
         }
-        let [nx, ny, _] = self.size;
-        for (row, numbers) in self.numbers.chunks_mut(nx.max(1)).enumerate() {
-            let [y, z] = [row % ny.max(1), row / ny.max(1)];
+        let length = self.cells.row_length().max(1);
+        for (row, numbers) in self.numbers.chunks_mut(length).enumerate() {
             for (x, number) in numbers.iter_mut().enumerate() {
                 if *number == MARKED {
                     *number = listed.len() as u32;
-                    let from = [x, y, z];
-                    listed.push(std::array::from_fn(|a| self.first[a] + from[a] as i32));
+                    listed.push(self.cells.cell(row, x));
                 }
             }
         }

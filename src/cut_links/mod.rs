@@ -36,6 +36,7 @@
 pub mod bounce;
 pub mod boundary_layer;
 pub mod by_triangle;
+mod cell_box;
 pub mod cell_numbers;
 pub mod faces;
 mod modelled;

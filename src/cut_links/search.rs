@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::cell_box::CellBox;
 use crate::lattice::DIRECTIONS;
 
 /// Number of the next search.
@@ -127,8 +128,7 @@ type Order = (u64, u32, u32);
 
 #[derive(Debug, Clone, Default)]
 struct Mask {
-    first: [i32; 3],
-    cells: [usize; 3],
+    cells: CellBox,
     pairs: Vec<u16>,
     /// By cell, the pairs of links that are cut and lead there.
     arriving: Vec<u16>,
@@ -136,28 +136,13 @@ struct Mask {
 
 impl Mask {
     fn lay(&mut self, links: &[CutLink]) {
-        let mut first = [i32::MAX; 3];
-        let mut last = [i32::MIN; 3];
-        for link in links {
-            for cell in link.cells {
-                for a in 0..3 {
-                    first[a] = first[a].min(cell[a]);
-                    last[a] = last[a].max(cell[a]);
-                }
-            }
+        self.cells = CellBox::around(links.iter().flat_map(|link| link.cells));
+        for pairs in [&mut self.pairs, &mut self.arriving] {
+            pairs.clear();
+            pairs.resize(self.cells.count(), 0);
         }
-        self.pairs.clear();
-        self.arriving.clear();
-        if links.is_empty() {
-            self.cells = [0; 3];
-            return;
-        }
-        self.first = first;
-        self.cells = std::array::from_fn(|a| (last[a] - first[a] + 1) as usize);
-        self.pairs.resize(self.cells.iter().product(), 0);
-        self.arriving.resize(self.pairs.len(), 0);
         for link in links {
-            let [from, to] = link.cells.map(|cell| self.place(cell));
+            let [from, to] = link.cells.map(|cell| self.cells.place(cell));
             if let (Some(from), Some(to)) = (from, to) {
                 self.pairs[from] |= 1 << link.pair;
                 self.arriving[to] |= 1 << link.pair;
@@ -165,20 +150,8 @@ impl Mask {
         }
     }
 
-    fn place(&self, cell: [i32; 3]) -> Option<usize> {
-        let mut from = [0; 3];
-        for a in 0..3 {
-            from[a] = usize::try_from(cell[a] - self.first[a]).ok()?;
-            if from[a] >= self.cells[a] {
-                return None;
-            }
-        }
-        Some(from[0] + self.cells[0] * (from[1] + self.cells[1] * from[2]))
-    }
-
     fn has(&self, cell: [i32; 3], pair: u8) -> bool {
-        self.place(cell)
-            .is_some_and(|place| self.pairs[place] >> pair & 1 == 1)
+        (self.cells.place(cell)).is_some_and(|place| self.pairs[place] >> pair & 1 == 1)
     }
 }
 
@@ -329,8 +302,7 @@ impl CutLinks {
     #[must_use]
     pub fn cut_on_both_sides(&self, cell: [i32; 3]) -> bool {
         let mask = &self.mask;
-        mask.place(cell)
-            .is_some_and(|place| mask.pairs[place] & mask.arriving[place] != 0)
+        (mask.cells.place(cell)).is_some_and(|place| mask.pairs[place] & mask.arriving[place] != 0)
     }
 
     /// Links with more than one layer on them.
