@@ -8,7 +8,6 @@
 use std::ops::Range;
 use std::slice::ChunksMut;
 
-use super::Fluid;
 use super::slabs::{self, Arrays};
 use crate::lattice::grid::{Grid, LINE_BYTES};
 use crate::lattice::nest::{BAND, Nest, SHELL};
@@ -78,10 +77,14 @@ impl End {
 }
 
 impl<T: Real> ExchangedEnds<T> {
-    fn new(nest: &Nest) -> Self {
+    /// Of a box; `None` where rows go round, and have no ends.
+    pub fn new(nest: &Nest) -> Option<Self> {
+        if nest.spans[0] {
+            return None;
+        }
         let cells = nest.fine_cells();
         let rows = vec![EndsOfRow::<T>::default(); cells[1] * cells[2]];
-        Self {
+        Some(Self {
             cells,
             arriving: rows.clone(),
             arriving_rows: Rows::deeper(nest, *SHELL.end(), 0),
@@ -89,7 +92,29 @@ impl<T: Real> ExchangedEnds<T> {
             leaving: rows,
             leaving_rows: Rows::deeper(nest, *BAND.end(), 1),
             taken_down: false,
+        })
+    }
+
+    /// Takes down what left for the band as the lattice stands, with the populations of its cells, unless a sweep has.
+    pub fn take_down_from(&mut self, populations: impl Fn([usize; 3]) -> Populations<T>) {
+        if self.taken_down {
+            return;
         }
+        let [rows, planes] = self.leaving_rows.0.clone();
+        let n = [1, 2].map(|a| self.cells[a] as i64);
+        for (z, y) in planes.flat_map(|z| rows.clone().map(move |y| (z, y))) {
+            let row = self.row(y, z);
+            for (direction, c) in DIRECTIONS.iter().enumerate() {
+                let y_to = (y as i64 + i64::from(c[1])).rem_euclid(n[0]) as usize;
+                let z_to = (z as i64 + i64::from(c[2])).rem_euclid(n[1]) as usize;
+                for end in [End::Lower, End::Upper] {
+                    let first = self.place(end, 1);
+                    self.leaving[row][direction][end as usize] =
+                        [0, 1].map(|i| populations([first + i, y_to, z_to])[direction]);
+                }
+            }
+        }
+        self.taken_down = true;
     }
 
     /// Number of a row.
@@ -313,34 +338,6 @@ impl<T: Real> EndsOfSlab<'_, T> {
                 }
             }
         }
-    }
-}
-
-impl<T: Real> Fluid<T> {
-    /// The ends of rows through which a box exchanges states, with what left for the band as the lattice stands.
-    pub(super) fn ends_of(&mut self, nest: &Nest) {
-        if nest.spans[0] {
-            return;
-        }
-        let mut ends = (self.exchanged_ends.take()).unwrap_or_else(|| ExchangedEnds::new(nest));
-        if !ends.taken_down {
-            let [rows, planes] = ends.leaving_rows.0.clone();
-            let n = [1, 2].map(|a| ends.cells[a] as i64);
-            for (z, y) in planes.flat_map(|z| rows.clone().map(move |y| (z, y))) {
-                for (direction, c) in DIRECTIONS.iter().enumerate() {
-                    let y_to = (y as i64 + i64::from(c[1])).rem_euclid(n[0]) as usize;
-                    let z_to = (z as i64 + i64::from(c[2])).rem_euclid(n[1]) as usize;
-                    for end in [End::Lower, End::Upper] {
-                        let first = ends.place(end, 1);
-                        let row = ends.row(y, z);
-                        ends.leaving[row][direction][end as usize] =
-                            [0, 1].map(|i| self.gather([first + i, y_to, z_to])[direction]);
-                    }
-                }
-            }
-            ends.taken_down = true;
-        }
-        self.exchanged_ends = Some(ends);
     }
 }
 

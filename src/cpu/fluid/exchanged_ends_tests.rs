@@ -1,7 +1,7 @@
 use super::*;
 use crate::checkpoint::sections;
-use crate::cpu::fluid::BodyForce;
-use crate::cpu::fluid::transfer::Tie;
+use crate::cpu::fluid::transfer::{Tie, take_down_ends};
+use crate::cpu::fluid::{BodyForce, Fluid};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
 
@@ -108,7 +108,7 @@ fn what_leaves_is_what_the_band_has() {
         let taken_down = fine.exchanged_ends.clone().unwrap();
         assert!(taken_down.taken_down);
         fine.exchanged_ends = None;
-        fine.ends_of(&nest);
+        take_down_ends(&nest, &mut fine);
         let read = fine.exchanged_ends.unwrap();
         assert_eq!(taken_down.leaving, read.leaving);
         assert!(

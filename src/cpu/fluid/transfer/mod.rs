@@ -9,6 +9,7 @@ mod lines;
 mod restrict;
 
 use super::Fluid;
+use super::exchanged_ends::ExchangedEnds;
 use crate::lattice::Real;
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::level_state::STATE_NUMBERS;
@@ -69,10 +70,19 @@ struct Exchange<'a, T: Real> {
 impl<T: Real> PerOperator for Exchange<'_, T> {
     fn run<C: Collision>(self) {
         let Self { tie, coarse, fine } = self;
-        fine.ends_of(&tie.nest);
+        take_down_ends(&tie.nest, fine);
         let planes = [&tie.band, &tie.source];
         let states = &mut tie.states;
         restrict::restrict_and_read::<T, C>(&tie.nest, planes, coarse, fine, states);
         fill::fill::<T, C>(&tie.nest, &tie.shell, &tie.states, fine);
     }
+}
+
+/// What left for the band at the ends of rows, as the box stands.
+pub(super) fn take_down_ends<T: Real>(nest: &Nest, fine: &mut Fluid<T>) {
+    let ends = (fine.exchanged_ends.take()).or_else(|| ExchangedEnds::new(nest));
+    fine.exchanged_ends = ends.map(|mut ends| {
+        ends.take_down_from(|cell| fine.gather(cell));
+        ends
+    });
 }
