@@ -16,7 +16,7 @@ pub fn trials() -> Vec<Trial> {
         plain("polar::a_mesh_is_cut_into_its_wing", mesh),
         plain("polar::thin_and_missing_things_are_told", refused),
         plain("polar::a_glider_over_bar_and_brakes", glider),
-        plain("polar::another_polar_is_kept", kept),
+        plain("polar::a_polar_is_kept", kept),
     ]
     .into_iter()
     .flatten()

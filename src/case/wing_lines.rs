@@ -173,20 +173,24 @@ pub(super) fn check_row(
         ));
     }
     let riser_length_m = positive(&key("riser_length_m"), written.riser_length_m)?;
-    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0)
-        - by_speed_bar_m(table, name)?
-        - by_brakes_m(table, written)?;
+    let by_bar_m = by_speed_bar_m(table, name)?;
+    let by_brakes_m = by_brakes_m(table, written)?;
+    let trim_m = usual::or(key("trim_m"), written.trim_m, 0.0) - by_bar_m - by_brakes_m;
     if !(trim_m > -0.9 * riser_length_m && trim_m < 100.0) {
+        let taken = [
+            (by_bar_m, "the speed bar"),
+            (by_brakes_m, "the pull on the brakes"),
+        ];
+        let taken = taken.iter().filter(|(by_m, _)| *by_m > 0.0);
+        let taken: String = taken
+            .map(|(by_m, what)| format!("; {by_m} m of it by {what}"))
+            .collect();
         return Err(Problem::new(
             key("trim_m"),
             format!(
-                "{} = {trim_m} leaves nothing of a riser of {riser_length_m} m{}",
+                "{} leaves nothing of a riser of {riser_length_m} m, which it makes {} m shorter{taken}",
                 key("trim_m"),
-                if table.speed_bar.is_some() || table.brake_pull_m.is_some() {
-                    " (what speed bar and brakes take is in it)"
-                } else {
-                    ""
-                }
+                -trim_m
             ),
             "shorten it by less than nine tenths",
         ));
@@ -242,11 +246,9 @@ fn is_brake(row: &file::LineRow) -> bool {
 
 /// By how much the pull on the brakes shortens the riser of a row [m].
 fn by_brakes_m(table: &file::Wing, row: &file::LineRow) -> Result<f64, Problem> {
-    let Some(pull_m) = table.brake_pull_m else {
-        return Ok(0.0);
-    };
+    let pull_m = usual::or(key("brake_pull_m"), table.brake_pull_m, 0.0);
     let pull_m = within(&key("brake_pull_m"), pull_m, 0.0, 2.0)?;
-    if !table.rows.values().any(is_brake) {
+    if table.brake_pull_m.is_some() && !table.rows.values().any(is_brake) {
         return Err(Problem::new(
             key("brake_pull_m"),
             format!(

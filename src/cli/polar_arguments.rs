@@ -29,7 +29,7 @@ pub(super) struct PolarArguments {
     /// Folder for the table, the charts and the page.
     #[arg(long, default_value = "polar")]
     pub(super) out: PathBuf,
-    /// Replace the polar of another wing by itself in the folder; begin trims anew whose folders hold another case's, as after a change of the case file.
+    /// Replace what the folder holds: the polar of a wing by itself, or trims of another case.
     #[arg(long)]
     pub(super) overwrite: bool,
 }

@@ -10,13 +10,14 @@ use crate::immersed::markers;
 use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::LINE_BYTES;
 use crate::lattice::grid::PADDED_ELEMENTS;
+use crate::lattice::level_state::STATE_NUMBERS;
 use crate::lattice::nest::Level;
 
 /// Share of the free memory that a run may take.
 const MEMORY_SHARE: f64 = 0.8;
 
 /// Cell updates that take as long as the exchange of one cell of a box's shell (`ripstop bench levels`).
-pub(super) const UPDATES_PER_EXCHANGED_CELL: f64 = 4.0;
+pub(super) const UPDATES_PER_EXCHANGED_CELL: f64 = 6.0;
 
 /// Links that a surface of a cell's area cuts, in the mean over its directions: half of the sum of the lengths of the nine.
 const LINKS_PER_CELL_AREA: f64 = 0.5 * (3.0 + 6.0 * std::f64::consts::SQRT_2);
@@ -109,10 +110,21 @@ impl LevelSizes {
             let populations = padded_cells.saturating_mul(DIRECTION_COUNT as u64 * each);
             // The eddy part of every cell's relaxation time, stored as populations are.
             let eddy = if held { cells.saturating_mul(each) } else { 0 };
+            // Of boxes on CPU threads: ends of rows that are exchanged, and states of coarse cells.
+            let exchanged = if level.depth > 0 && !placement.air_on_device() {
+                let [nx, ny, nz] = counts;
+                let ends = 8 * DIRECTION_COUNT as u64 * ny.saturating_mul(nz);
+                let states = [nx, ny, nz].map(|n| n / 2 + 2);
+                let states = states.into_iter().fold(1, u64::saturating_mul);
+                let values = ends.saturating_add(states.saturating_mul(STATE_NUMBERS as u64));
+                values.saturating_mul(each)
+            } else {
+                0
+            };
             Self {
                 cells,
                 padded_cells,
-                bytes: populations.saturating_add(eddy),
+                bytes: populations.saturating_add(eddy).saturating_add(exchanged),
             }
         };
         air.levels().into_iter().map(of_level).collect()

@@ -46,8 +46,7 @@ pub struct Wing {
     pub rows: BTreeMap<String, LineRow>,
     /// Speed bar, which shortens risers; absent: none.
     pub speed_bar: Option<SpeedBar>,
-    /// By how much the brakes are pulled [m], 0 to 2: shortens the risers of the rows at the trailing edge (behind 0.99 of the chord), beyond their
-    /// `trim_m`. 0 if absent.
+    /// Pull on the brakes [m], 0 to 2; 0 if absent. It shortens the risers of rows behind 0.99 of the chord, beyond their `trim_m`.
     pub brake_pull_m: Option<f64>,
     /// Tapes along the span, by name: cables that share nodes with the fabric. Absent: none.
     #[serde(default)]

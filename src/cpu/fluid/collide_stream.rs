@@ -242,10 +242,10 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     None => [whole, nx..nx],
                     Some(ends) => ends.parts_of_row(),
                 };
-                for part in parts {
+                for (number, part) in parts.into_iter().enumerate() {
                     if let Some(ends) = &self.slab.ends {
                         let row = plane * ny + y;
-                        ends.put_in_place_before(&mut self.slab.arrays, row, part.start);
+                        ends.put_in_place_before(&mut self.slab.arrays, row, number);
                     }
                     collide_part::<S, T, C>(
                         simd,

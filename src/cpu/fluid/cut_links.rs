@@ -41,14 +41,23 @@ impl<T: Real> Fluid<T> {
     pub fn read_images(&self, cells: &[[i32; 3]], leaving: &mut Vec<Leaving>) {
         let places = Places::new(self.grid, &self.setup, self.odd);
         let arrays = self.arrays();
+        let ends = self.exchanged_ends.as_ref();
         leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
         (leaving.par_iter_mut().zip(cells))
             .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
             .for_each(|(leaving, cell)| {
                 let place = places.leaving(*cell);
+                // Next to an end of a row what left may have arrived where populations wait.
+                let ends = ends.filter(|ends| ends.is_near(*cell));
                 *leaving = std::array::from_fn(|direction| {
-                    let (array, element) = place(direction);
-                    arrays[array][element].to_f64()
+                    let arrived = ends.and_then(|ends| ends.waiting_beside(*cell, direction));
+                    arrived.map_or_else(
+                        || {
+                            let (array, element) = place(direction);
+                            arrays[array][element].to_f64()
+                        },
+                        T::to_f64,
+                    )
                 });
             });
     }

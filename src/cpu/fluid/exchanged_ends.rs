@@ -1,9 +1,12 @@
 //! Cells at both ends of the rows of a box of finer cells, through which it exchanges states with the lattice around it
 //! ([`crate::lattice::nest`]).
 //!
-//! Of a cache line of 16 cells two are of the shell, in all 19 arrays of every row: by themselves they took two thirds of an exchange. A sweep has
-//! these lines at hand. So it puts in place what has arrived just before it collides these cells, and takes down what leaves for the band when it
-//! has collided a row. Until then all that reads the air finds the populations of these cells here.
+//! Of a cache line of 16 cells two are of the shell, in all 19 arrays of every row. By themselves they took two thirds of an exchange; a sweep has
+//! these lines at hand. It puts in place what has arrived just before it collides these cells. What leaves for the band it takes down when it has
+//! collided a row.
+//!
+//! Until the sweep, populations of these cells are here alone. Single cells, checkpoints, extremes and images of cut links heed that
+//! ([`ExchangedEnds::waiting_at`]). All else reads further from the faces, or in lattices without boxes.
 
 use std::ops::Range;
 use std::slice::ChunksMut;
@@ -67,7 +70,7 @@ pub(super) enum End {
 }
 
 impl End {
-    /// That of a line along y at such an x: one of the two coarse cells next to the lower face, counted from it, or of those at the upper one.
+    /// That of a line of coarse cells along y: `x` counts from the lower face.
     pub const fn of(x: i64) -> Self {
         match x {
             0 | 1 => Self::Lower,
@@ -131,7 +134,7 @@ impl<T: Real> ExchangedEnds<T> {
         }
     }
 
-    /// Takes populations of the shell in two neighbouring columns of cells along y from (y, z) on, direction after direction, each `stride` long.
+    /// Takes populations of the shell in two neighbouring columns of a plane along y, from `y` on, direction after direction, each `stride` long.
     /// They are put in place by the next sweep.
     #[inline(always)]
     pub fn arrive(
@@ -194,6 +197,22 @@ impl<T: Real> ExchangedEnds<T> {
                 row.map(|ends| ends[end as usize][place])
             })
         })
+    }
+
+    /// True if a cell, or one beside it, lies at an end of a row.
+    #[inline(always)]
+    pub fn is_near(&self, [x, ..]: [i32; 3]) -> bool {
+        let x = i64::from(x);
+        x <= WIDTH as i64 || x >= (self.cells[0] - WIDTH) as i64 - 1
+    }
+
+    /// What has arrived beside a cell in a direction, where it waits.
+    #[inline(always)]
+    pub fn waiting_beside(&self, cell: [i32; 3], direction: usize) -> Option<T> {
+        let c = DIRECTIONS[direction];
+        let x = usize::try_from(cell[0] + c[0]).ok()?;
+        let [y, z] = [1, 2].map(|a| (cell[a] + c[a]).rem_euclid(self.cells[a] as i32) as usize);
+        Some(self.waiting_at([x, y, z])?[direction])
     }
 
     /// Cells whose populations wait.
@@ -263,9 +282,10 @@ impl<T: Real> EndsOfSlab<'_, T> {
         ([y, self.first_plane + plane], start)
     }
 
-    /// Where a row is parted: its upper end is put in place one block before its turn, together with the lower end of the next row. By then these lines
-    /// were asked for, and no vector is read right after single values were written into it; earlier, they would be asked for out of order, and the
-    /// CPU would lose the streams that it follows (a quarter of the sweep's speed on 96³ cells).
+    /// Where a row is parted. Its upper end is put in place before the second part, one block before its turn where the row is long enough, and with
+    /// it the lower end of the next row. By then these lines were asked for. Earlier, they would be asked for out of order, and the CPU would lose
+    /// the streams that it follows: a quarter of the sweep's speed on 96³ cells. Later, vectors would be read right after single values were
+    /// written into them.
     #[inline(always)]
     pub const fn parts_of_row(&self) -> [Range<usize>; 2] {
         let nx = self.grid.cells[0];
@@ -274,21 +294,21 @@ impl<T: Real> EndsOfSlab<'_, T> {
         [0..parted, parted..nx]
     }
 
-    /// Before the part of a row that begins at `x` is collided.
+    /// Before the first part of a row is collided, or the second.
     #[inline(always)]
-    pub fn put_in_place_before(&self, arrays: &mut Arrays<'_, T>, row: usize, x: usize) {
+    pub fn put_in_place_before(&self, arrays: &mut Arrays<'_, T>, row: usize, part: usize) {
         let Some((arriving, rows)) = self.arriving else {
             return;
         };
-        let [parted, _] = self.parts_of_row();
-        if x == 0 && row == 0 {
-            self.put_in_place(arrays, arriving, rows, row, End::Lower);
-        }
-        if x == parted.end {
-            self.put_in_place(arrays, arriving, rows, row, End::Upper);
-            if row + 1 < self.planes * self.grid.cells[1] {
-                self.put_in_place(arrays, arriving, rows, row + 1, End::Lower);
+        if part == 0 {
+            if row == 0 {
+                self.put_in_place(arrays, arriving, rows, row, End::Lower);
             }
+            return;
+        }
+        self.put_in_place(arrays, arriving, rows, row, End::Upper);
+        if row + 1 < self.planes * self.grid.cells[1] {
+            self.put_in_place(arrays, arriving, rows, row + 1, End::Lower);
         }
     }
 

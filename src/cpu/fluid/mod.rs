@@ -36,7 +36,7 @@ use storage::Storage;
 pub struct Fluid<T: Real> {
     setup: Setup,
     grid: Grid,
-    /// One array per direction, shifted populations, ghost layer included.
+    /// One array per direction, shifted populations, ghost layer included. Those of a box's ends of rows may wait in `exchanged_ends`.
     populations: Storage<T>,
     sides: Sides,
     /// Sides that let sound out; empty where none does.
