@@ -2,7 +2,7 @@
 //! coarse source ([`crate::lattice::nest`], [`crate::lattice::level_state`]).
 //!
 //! Work goes by planes of coarse cells, within a plane by lines of cells, along x where there are long ones, else along y; a line is a
-//! run of vectors. Fine lines along y pass through the ends of rows, which the sweeps read and write ([`super::exchanged_ends`]).
+//! run of vectors. Fine lines along y pass through the ends of rows, which the sweeps read and write (`exchanged_ends`).
 
 mod fill;
 mod lines;
