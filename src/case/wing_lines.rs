@@ -183,16 +183,15 @@ pub(super) fn check_row(
         ];
         let taken = taken.iter().filter(|(by_m, _)| *by_m > 0.0);
         let taken: String = taken
-            .map(|(by_m, what)| format!("; {by_m} m of it by {what}"))
+            .map(|(by_m, what)| format!("; {what} takes {by_m} m"))
             .collect();
         return Err(Problem::new(
             key("trim_m"),
             format!(
-                "{} leaves nothing of a riser of {riser_length_m} m, which it makes {} m shorter{taken}",
+                "{} comes to {trim_m} m, of a riser of {riser_length_m} m{taken}",
                 key("trim_m"),
-                -trim_m
             ),
-            "shorten it by less than nine tenths",
+            "shorten the riser by less than nine tenths, lengthen it by less than 100 m",
         ));
     }
     Ok(Row {
