@@ -40,6 +40,7 @@ pub fn trials() -> Vec<Trial> {
         on_device("device_cloth_steps::hanging_sheet", hanging_sheet),
         on_device("device_cloth_steps::free_fall", free_fall),
         on_device("device_cloth_steps::hostile_starts", hostile_starts),
+        on_device("device_cloth_steps::device_drives", device_drives),
         on_device("device_cloth_steps::same_bits_twice", same_bits_twice),
         on_device(
             "device_cloth_steps::oversized_structures_are_refused",
@@ -64,9 +65,36 @@ pub fn curtain(divisions: usize, model: FabricModel) -> Structure {
     structure
 }
 
+/// Who decides between two evaluations on the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Driver {
+    /// The L-BFGS of the host.
+    Host,
+    /// That of the device, where it has one: in time steps with block-Jacobi that is not built anew.
+    Device,
+}
+
+const DRIVERS: [Driver; 2] = [Driver::Host, Driver::Device];
+
+impl Driver {
+    fn solve(
+        self,
+        engine: &mut DeviceCloth,
+        cloth: &mut Cloth,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Outcome {
+        match self {
+            Self::Host => engine.solve_watched(cloth, input, settings, &mut |_| true),
+            Self::Device => engine.solve(cloth, input, settings),
+        }
+        .unwrap()
+    }
+}
+
 /// Advances both engines by `steps` and returns them with the evaluations that each needed.
 pub fn both(
-    device: &Arc<Device>,
+    (device, driver): (&Arc<Device>, Driver),
     structure: Structure,
     input: &StepInput,
     settings: &SolverSettings,
@@ -82,9 +110,7 @@ pub fn both(
     let mut evaluations = [0; 2];
     for step in 0..steps {
         let a = cpu.solve_cloth(input, settings);
-        let b = on_device
-            .solve(&mut gpu, input, settings, &mut |_| true)
-            .unwrap();
+        let b = driver.solve(&mut on_device, &mut gpu, input, settings);
         assert_eq!(a.stop, Stop::Converged, "step {step}: {a:?}");
         assert_eq!(b.stop, Stop::Converged, "step {step}: {b:?}");
         evaluations[0] += a.evaluations;
@@ -94,7 +120,8 @@ pub fn both(
 }
 
 fn one_step_with_markers(device: &Arc<Device>) {
-    for model in [FabricModel::Membrane, FabricModel::Network] {
+    let models = [FabricModel::Membrane, FabricModel::Network];
+    for (model, driver) in models.into_iter().flat_map(|m| DRIVERS.map(|d| (m, d))) {
         let structure = curtain(16, model);
         let markers = markers(&structure, 1);
         let input = StepInput {
@@ -109,7 +136,7 @@ fn one_step_with_markers(device: &Arc<Device>) {
             ..SETTINGS
         };
         let start = structure.positions_m.clone();
-        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
+        let ([cpu, gpu], evaluations) = both((device, driver), structure, &input, &settings, 1);
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m);
         assert!(
@@ -149,7 +176,12 @@ fn cut_triangles(structure: &Structure) -> Vec<TriangleReaction> {
 
 /// Fabric that cuts links of the lattice, whose air is stiffer than its inertia: an initial Hessian that left the cuts out would take many times the evaluations of the host.
 fn one_step_of_cut_triangles(device: &Arc<Device>) {
-    for initial_hessian in [InitialHessian::BlockJacobi, InitialHessian::Multigrid] {
+    let kinds = [
+        (InitialHessian::BlockJacobi, Driver::Host),
+        (InitialHessian::BlockJacobi, Driver::Device),
+        (InitialHessian::Multigrid, Driver::Host),
+    ];
+    for (initial_hessian, driver) in kinds {
         let step_s = 2e-3;
         let mut structure = curtain(16, FabricModel::Membrane);
         // In motion, so that what the air does depends on the velocities of the prediction.
@@ -168,7 +200,7 @@ fn one_step_of_cut_triangles(device: &Arc<Device>) {
             ..SETTINGS
         };
         let start = structure.positions_m.clone();
-        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 1);
+        let ([cpu, gpu], evaluations) = both((device, driver), structure, &input, &settings, 1);
         let moved = farthest(&start, &cpu.positions_m);
         // It has nearly the speed of the air, which it would not have without.
         assert!(moved > step_s, "{moved:e}");
@@ -183,7 +215,12 @@ fn one_step_of_cut_triangles(device: &Arc<Device>) {
 
 /// Fifty steps of a sheet that falls into its supports under a gust of pressure.
 fn sheet_in_motion(device: &Arc<Device>) {
-    for refresh_every in [None, Some(2)] {
+    let kinds = [
+        (None, Driver::Host),
+        (None, Driver::Device),
+        (Some(2), Driver::Host),
+    ];
+    for (refresh_every, driver) in kinds {
         let structure = curtain(12, FabricModel::Membrane);
         let start = structure.positions_m.clone();
         let input = StepInput {
@@ -197,7 +234,7 @@ fn sheet_in_motion(device: &Arc<Device>) {
             refresh_every,
             ..SETTINGS
         };
-        let ([cpu, gpu], evaluations) = both(device, structure, &input, &settings, 50);
+        let ([cpu, gpu], evaluations) = both((device, driver), structure, &input, &settings, 50);
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m);
         assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
@@ -242,9 +279,7 @@ fn moved_supports(device: &Arc<Device>) {
             ..SETTINGS
         };
         let a = cpu.solve_cloth(&input, &settings);
-        let b = on_device
-            .solve(&mut gpu, &input, &settings, &mut |_| true)
-            .unwrap();
+        let b = on_device.solve(&mut gpu, &input, &settings).unwrap();
         assert_eq!(a.stop, Stop::Converged, "{a:?}");
         assert_eq!(b.stop, Stop::Converged, "{b:?}");
         let energy = (a.objective - b.objective).abs() / a.objective.abs();
@@ -267,9 +302,7 @@ fn equilibrium(
         gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
         ..StepInput::default()
     };
-    let outcome = on_device
-        .solve(&mut cloth, &input, settings, &mut |_| true)
-        .unwrap();
+    let outcome = on_device.solve(&mut cloth, &input, settings).unwrap();
     (cloth, outcome)
 }
 
@@ -346,9 +379,7 @@ fn free_fall(device: &Arc<Device>) {
         ..SETTINGS
     };
     for _ in 0..steps {
-        let outcome = on_device
-            .solve(&mut cloth, &input, &settings, &mut |_| true)
-            .unwrap();
+        let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
         assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
     }
     let t = f64::from(steps) * dt;
@@ -375,7 +406,6 @@ fn hostile_starts(device: &Arc<Device>) {
             hostile(&mut structure, kind);
             let mut on_device = on(device, &structure, &[]);
             for time_step_s in [1e-5, 1e-3, 1e-1] {
-                let mut cloth = Cloth::new(structure.clone());
                 let input = StepInput {
                     time_step_s: Some(time_step_s),
                     gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
@@ -386,13 +416,15 @@ fn hostile_starts(device: &Arc<Device>) {
                     evaluation_limit: 200,
                     ..SETTINGS
                 };
-                for _ in 0..2 {
-                    let outcome = on_device
-                        .solve(&mut cloth, &input, &settings, &mut |_| true)
-                        .unwrap();
-                    assert!(outcome.objective.is_finite(), "{outcome:?}");
-                    assert!(cloth.positions_m.iter().all(|p| p.is_finite()));
-                    assert_eq!(cloth.positions_m[0], structure.positions_m[0]);
+                for driver in DRIVERS {
+                    let mut cloth = Cloth::new(structure.clone());
+                    for _ in 0..2 {
+                        let outcome = driver.solve(&mut on_device, &mut cloth, &input, &settings);
+                        assert!(outcome.objective.is_finite(), "{driver:?} {outcome:?}");
+                        assert!(outcome.evaluations <= 200 + 30, "{driver:?} {outcome:?}");
+                        assert!(cloth.positions_m.iter().all(|p| p.is_finite()));
+                        assert_eq!(cloth.positions_m[0], structure.positions_m[0]);
+                    }
                 }
             }
         }
@@ -405,11 +437,60 @@ fn hostile_starts(device: &Arc<Device>) {
             let mut on_device = on(device, &structure, &[]);
             structure.positions_m[4].y = bad;
             let mut cloth = Cloth::new(structure);
-            let outcome = on_device
-                .solve(&mut cloth, &StepInput::default(), &settings, &mut |_| true)
-                .unwrap();
-            assert_eq!(outcome.stop, Stop::NotFinite, "{bad}");
+            for time_step_s in [None, Some(1e-3)] {
+                let input = StepInput {
+                    time_step_s,
+                    ..StepInput::default()
+                };
+                let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
+                assert_eq!(outcome.stop, Stop::NotFinite, "{bad} {time_step_s:?}");
+            }
         }
+    }
+}
+
+/// The minimiser of the device beside that of the host, on the same device: where it ends, why, and after how many evaluations. The step is so long that
+/// it takes several batches; with too few evaluations both are at their limit, and with a tolerance that nothing reaches both see round-off.
+fn device_drives(device: &Arc<Device>) {
+    let structure = curtain(24, FabricModel::Membrane);
+    let input = StepInput {
+        time_step_s: Some(2e-2),
+        gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
+        pressure: Pressure::Uniform(2.0),
+        ..StepInput::default()
+    };
+    let solved = |driver: Driver, tolerance: f64, evaluation_limit: usize| {
+        let mut engine = on(device, &structure, &[]);
+        let mut cloth = Cloth::new(structure.clone());
+        let settings = SolverSettings {
+            tolerance,
+            evaluation_limit,
+            ..SETTINGS
+        };
+        let outcome = driver.solve(&mut engine, &mut cloth, &input, &settings);
+        (outcome, cloth)
+    };
+    let [(by_host, host), (by_device, on_device)] = DRIVERS.map(|d| solved(d, 1e-4, 20_000));
+    assert_eq!([by_host.stop, by_device.stop], [Stop::Converged; 2]);
+    assert!(by_host.evaluations > 40, "{by_host:?}");
+    let ratio = by_device.evaluations as f64 / by_host.evaluations as f64;
+    assert!((0.7..1.4).contains(&ratio), "{by_host:?} {by_device:?}");
+    let moved = farthest(&structure.positions_m, &host.positions_m);
+    let error = farthest(&host.positions_m, &on_device.positions_m);
+    assert!(error < tolerance::MOTION * moved, "{error:e} of {moved:e}");
+    let objectives = [by_host.objective, by_device.objective];
+    let change = (objectives[0] - objectives[1]).abs();
+    assert!(change < 1e-4 * objectives[0].abs(), "{objectives:?}");
+
+    for outcome in DRIVERS.map(|d| solved(d, 1e-4, 9).0) {
+        assert_eq!(outcome.stop, Stop::LimitReached, "{outcome:?}");
+        assert!((9..=9 + 30).contains(&outcome.evaluations), "{outcome:?}");
+        assert!(outcome.relative_norm > 1e-4, "{outcome:?}");
+    }
+    for outcome in DRIVERS.map(|d| solved(d, 0.0, 20_000).0) {
+        let ends = [Stop::RoundOff, Stop::Converged];
+        assert!(ends.contains(&outcome.stop), "{outcome:?}");
+        assert!(outcome.relative_norm < 1e-4, "{outcome:?}");
     }
 }
 
@@ -427,9 +508,7 @@ fn same_bits_twice(device: &Arc<Device>) {
         let mut cloth = Cloth::new(structure.clone());
         let mut energy = 0;
         for _ in 0..5 {
-            let outcome = on_device
-                .solve(&mut cloth, &input, &SETTINGS, &mut |_| true)
-                .unwrap();
+            let outcome = on_device.solve(&mut cloth, &input, &SETTINGS).unwrap();
             energy = outcome.objective.to_bits();
         }
         let bits = |v: &DVec3| v.to_array().map(f64::to_bits);
@@ -445,9 +524,7 @@ fn same_bits_twice(device: &Arc<Device>) {
     let mut on_device = on(device, &structure, &[]);
     let mut solve = || {
         let mut cloth = Cloth::new(structure.clone());
-        on_device
-            .solve(&mut cloth, &input, &STATIC, &mut |_| true)
-            .unwrap();
+        on_device.solve(&mut cloth, &input, &STATIC).unwrap();
         cloth.positions_m
     };
     assert!(solve() == solve());

@@ -17,7 +17,7 @@ use ripstop::solve::multigrid::coarsening::Graph;
 use ripstop::solve::multigrid::hierarchy::hierarchy;
 
 use crate::device_cloth::{compare, farthest, markers, on, on_device, square};
-use crate::device_cloth_steps::{both, curtain};
+use crate::device_cloth_steps::{Driver, both, curtain};
 use crate::sheets::{fabric, noise};
 use crate::tolerances::device_cloth as tolerance;
 
@@ -169,9 +169,7 @@ fn equilibrium(device: &Arc<Device>) {
         let mut cpu = Cloth::new(structure);
         let mut gpu = cpu.clone();
         let a = cpu.solve_cloth(&input, &SETTINGS);
-        let b = on_device
-            .solve(&mut gpu, &input, &SETTINGS, &mut |_| true)
-            .unwrap();
+        let b = on_device.solve(&mut gpu, &input, &SETTINGS).unwrap();
         let moved = farthest(&start, &cpu.positions_m);
         let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
         assert_eq!(a.stop, Stop::Converged, "{model:?} {a:?}");
@@ -206,8 +204,13 @@ fn long_steps(device: &Arc<Device>) {
                 initial_hessian: kind,
                 ..SETTINGS
             };
-            let ([cpu, gpu], [_, on_device]) =
-                both(device, structure.clone(), &input, &settings, 2);
+            let ([cpu, gpu], [_, on_device]) = both(
+                (device, Driver::Device),
+                structure.clone(),
+                &input,
+                &settings,
+                2,
+            );
             *spent = on_device;
             let moved = farthest(&start, &cpu.positions_m);
             let error = farthest(&cpu.positions_m, &gpu.positions_m) / moved;
@@ -236,9 +239,7 @@ fn absent(device: &Arc<Device>) {
             initial_hessian: kind,
             ..SETTINGS
         };
-        let outcome = on_device
-            .solve(&mut cloth, &input, &settings, &mut |_| true)
-            .unwrap();
+        let outcome = on_device.solve(&mut cloth, &input, &settings).unwrap();
         assert_eq!(outcome.stop, Stop::Converged, "{kind:?} {outcome:?}");
         let asked = kind == InitialHessian::Multigrid;
         assert_eq!(on_device.multigrid_traffic().is_some(), asked);
@@ -282,9 +283,7 @@ fn following_pressure(device: &Arc<Device>) {
     }
     let mut gpu = cpu.clone();
     let a = cpu.solve_cloth(&input, &SETTINGS);
-    let b = on_device
-        .solve(&mut gpu, &input, &SETTINGS, &mut |_| true)
-        .unwrap();
+    let b = on_device.solve(&mut gpu, &input, &SETTINGS).unwrap();
     assert_eq!(a.stop, Stop::Converged, "{a:?}");
     assert_eq!(b.stop, Stop::Converged, "{b:?}");
     let moved = farthest(&structure.positions_m, &cpu.positions_m);
@@ -294,7 +293,7 @@ fn following_pressure(device: &Arc<Device>) {
     // An edge that moves is refused, with its node.
     structure.held[n / 2] = false;
     let mut open = Cloth::new(structure.clone());
-    let refused = on(device, &structure, &[]).solve(&mut open, &input, &SETTINGS, &mut |_| true);
+    let refused = on(device, &structure, &[]).solve(&mut open, &input, &SETTINGS);
     let message = refused.unwrap_err().to_string();
     assert!(message.contains(&format!("node {}", n / 2)), "{message}");
 }

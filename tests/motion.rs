@@ -119,9 +119,7 @@ fn lost_in_ten_periods(
             ..input
         };
         let outcome = match &mut engine {
-            Some(engine) => engine
-                .solve(&mut cloth, &input, &settings, &mut |_| true)
-                .unwrap(),
+            Some(engine) => engine.solve(&mut cloth, &input, &settings).unwrap(),
             None => cloth.solve_cloth(&input, &settings),
         };
         assert!(outcome.stop.reached(), "{outcome:?}");

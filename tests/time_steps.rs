@@ -90,9 +90,7 @@ impl Solver {
         });
         while more(&cloth) {
             let outcome = match &mut on_device {
-                Some(on_device) => on_device
-                    .solve(&mut cloth, input, settings, &mut |_| true)
-                    .unwrap(),
+                Some(on_device) => on_device.solve(&mut cloth, input, settings).unwrap(),
                 None => cloth.solve_cloth(input, settings),
             };
             assert!(outcome.stop.reached(), "{self:?} {outcome:?}");

@@ -321,7 +321,7 @@ fn point(
         .transpose()?;
     let began = Instant::now();
     let outcome = match &mut on_device {
-        Some(device) => device.solve(&mut cloth, &input, &settings, &mut |_| true)?,
+        Some(device) => device.solve(&mut cloth, &input, &settings)?,
         None => cloth.solve_cloth(&input, &settings),
     };
     let seconds = began.elapsed().as_secs_f64();

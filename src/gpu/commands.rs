@@ -70,6 +70,20 @@ impl Pass<'_> {
         self.raw.set_bind_group(0, group, &[]);
         self.raw.dispatch_workgroups(x, y, 1);
     }
+
+    /// The same with the workgroups that entry `index` of a buffer has once the dispatch is due: three words, along x, y and z.
+    pub(super) fn dispatch_indirect(
+        &mut self,
+        pipeline: &wgpu::ComputePipeline,
+        group: &wgpu::BindGroup,
+        (workgroups, index): (&wgpu::Buffer, usize),
+    ) {
+        self.meter.dispatched();
+        self.raw.set_pipeline(pipeline);
+        self.raw.set_bind_group(0, group, &[]);
+        let offset = (12 * index) as wgpu::BufferAddress;
+        self.raw.dispatch_workgroups_indirect(workgroups, offset);
+    }
 }
 
 /// Largest write that is recorded among commands that wait; a larger one has them submitted first.

@@ -193,4 +193,14 @@ impl Bound {
     pub(super) fn dispatch(&self, pass: &mut Pass<'_>, groups: [u32; 2]) {
         pass.dispatch(&self.pipeline, &self.group, groups);
     }
+
+    /// The same with the workgroups that a shader writes to entry `index` of a buffer.
+    pub(super) fn dispatch_indirect(
+        &self,
+        pass: &mut Pass<'_>,
+        workgroups: &wgpu::Buffer,
+        index: usize,
+    ) {
+        pass.dispatch_indirect(&self.pipeline, &self.group, (workgroups, index));
+    }
 }

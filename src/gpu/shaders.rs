@@ -102,6 +102,7 @@ shaders! {
     MULTIGRID_REFRESH = "multigrid_refresh":
         "threads.wgsl", "block_rows.wgsl", "symmetric_block.wgsl", "multigrid_refresh.wgsl";
     VECTORS = "vectors": "threads.wgsl", "cloth.wgsl", "vectors.wgsl";
+    MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimise.wgsl";
 }
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.

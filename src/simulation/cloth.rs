@@ -153,7 +153,7 @@ impl Simulation {
         if let Some(before) = before {
             while self.take_back(&before) {
                 let solved = self.with_fabric(|engine, cloth, input, settings| {
-                    engine.solve(cloth, input, settings, &mut |_| true)
+                    engine.solve(cloth, input, settings)
                 });
                 self.judge(solved)?;
             }
@@ -234,9 +234,7 @@ impl Simulation {
             return Err(Failure::Start("there is no fabric to solve".to_owned()));
         };
         let contact = cloth.contact_time();
-        let outcome = self
-            .cloth_engine
-            .solve(cloth, &input, &settings, &mut |_| true)?;
+        let outcome = self.cloth_engine.solve(cloth, &input, &settings)?;
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
         self.count(&outcome);
         Ok(outcome)

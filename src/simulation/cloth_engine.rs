@@ -67,9 +67,7 @@ impl ClothEngine {
     ) -> Result<Outcome, DeviceError> {
         match self {
             Self::Host => Ok(cloth.solve_cloth(input, settings)),
-            Self::Device(engine) => {
-                engine.solve_cloth(&cloth.structure, input, settings, &mut |_| true)
-            }
+            Self::Device(engine) => engine.solve_cloth(&cloth.structure, input, settings),
         }
     }
 
@@ -85,8 +83,21 @@ impl ClothEngine {
         }
     }
 
-    /// All three. `watch` is told of every iteration and may end it.
+    /// All three.
     pub(super) fn solve(
+        &mut self,
+        cloth: &mut Cloth,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        match self {
+            Self::Host => Ok(cloth.solve_cloth(input, settings)),
+            Self::Device(engine) => engine.solve(cloth, input, settings),
+        }
+    }
+
+    /// All three, driven by the host. `watch` is told of every iteration and may end it.
+    pub(super) fn solve_watched(
         &mut self,
         cloth: &mut Cloth,
         input: &StepInput,
@@ -95,7 +106,7 @@ impl ClothEngine {
     ) -> Result<Outcome, DeviceError> {
         match self {
             Self::Host => Ok(cloth.solve_cloth_watched(input, settings, watch)),
-            Self::Device(engine) => engine.solve(cloth, input, settings, watch),
+            Self::Device(engine) => engine.solve_watched(cloth, input, settings, watch),
         }
     }
 }

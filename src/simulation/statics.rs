@@ -50,7 +50,7 @@ impl Simulation {
             refresh_every: Some(REFRESH_EVERY),
             initial_hessian: InitialHessian::Multigrid,
         };
-        let outcome = engine.solve(&mut cloth, &input, &settings, watch);
+        let outcome = engine.solve_watched(&mut cloth, &input, &settings, watch);
         (self.cloth, self.cloth_engine) = (Some(cloth), engine);
         self.cost.equilibrium += start.elapsed();
         Some(match outcome {

@@ -44,7 +44,7 @@ pub struct Options {
 ///
 /// Without it a structure that moves under inertia and its own forces alone would have nothing that its tolerance is relative to. The
 /// share is small, since a prediction that overshoots stretches stiff elements far beyond what any load does.
-const OUT_OF_BALANCE: f64 = 1e-3;
+pub(crate) const OUT_OF_BALANCE: f64 = 1e-3;
 
 impl Options {
     /// What [`Options::tolerance`] is relative to: the energy norm of the loads; in a time step at least a thousandth of that of all forces
@@ -109,7 +109,7 @@ impl Stop {
 }
 
 /// The share `norm / scale`; 0 where neither is anything.
-pub(super) fn relative(norm: f64, scale: f64) -> f64 {
+pub(crate) fn relative(norm: f64, scale: f64) -> f64 {
     if norm == 0.0 { 0.0 } else { norm / scale }
 }
 
@@ -161,18 +161,36 @@ struct Direction {
     along_changes: Vec<f64>,
 }
 
-const ARMIJO: f64 = 1e-4;
-const LINE_SEARCH_LIMIT: usize = 30;
+/// Share of the decrease that the slope promises, which is enough.
+pub(crate) const ARMIJO: f64 = 1e-4;
+
+/// Share of the slope, with its sign turned, that the slope at the end of a step may have where the objective tells nothing.
+pub(crate) const WOLFE: f64 = 0.8;
+
+/// Trials along one direction.
+pub(crate) const LINE_SEARCH_LIMIT: usize = 30;
+
+/// Share of a trial's length that is tried next where it ends beyond all numbers.
+pub(crate) const RETREAT: f64 = 0.25;
+
+/// Least and largest share of a trial's length that is tried next.
+pub(crate) const SHORTER: [f64; 2] = [0.1, 0.5];
+
+/// A pair is kept where s·y is more than this share of y·H₀y.
+pub(crate) const LEAST_CURVATURE: f64 = 1e-12;
+
+/// Share of the lowest norm that a norm has to be below to count as progress.
+pub(crate) const PROGRESS: f64 = 0.9;
 
 /// Iterations in a row without a measurable change of the objective and without a norm lower by a tenth, after which more of them
 /// are taken to be of no use: round-off is all that is left.
-const STAGNATION_LIMIT: usize = 5000;
+pub(crate) const STAGNATION_LIMIT: usize = 5000;
 
 /// Displacements of H₀ g up to so many times what positions cannot hold are told to the space.
-const REMAINDER: f64 = 16.0;
+pub(crate) const REMAINDER: f64 = 16.0;
 
 /// [`STAGNATION_LIMIT`] in a time step, where what is left of the objective, half the square of the norm, lies within its round-off.
-const ROUND_OFF_LIMIT: usize = 100;
+pub(crate) const ROUND_OFF_LIMIT: usize = 100;
 
 /// Minimises the objective of `space` from `point`, in place.
 pub fn minimise<S: VectorSpace>(
@@ -318,7 +336,7 @@ pub fn minimise_watched<S: VectorSpace>(
             outcome.evaluations += 1;
             length = attempt.length;
             if !attempt.objective.is_finite() || !attempt.norm_square.is_finite() {
-                length *= 0.25;
+                length *= RETREAT;
                 continue;
             }
             let change = attempt.objective - objective;
@@ -326,22 +344,22 @@ pub fn minimise_watched<S: VectorSpace>(
             let enough = if measurable {
                 change <= ARMIJO * length * plan.slope
             } else {
-                attempt.slope <= -0.8 * plan.slope
+                attempt.slope <= -WOLFE * plan.slope
             };
             if enough {
                 accepted = Some(attempt);
                 break;
             }
-            // Minimum of the parabola through the old value and slope and the new value (or slope), kept in [0.1, 0.5].
+            // Minimum of the parabola through the old value and slope and the new value (or slope), within bounds.
             let parabola = if measurable {
                 -plan.slope * length * length / (2.0 * (change - length * plan.slope))
             } else {
                 -length * plan.slope / attempt.slope_change
             };
             length = if parabola.is_finite() {
-                parabola.clamp(0.1 * length, 0.5 * length)
+                parabola.clamp(SHORTER[0] * length, SHORTER[1] * length)
             } else {
-                0.5 * length
+                SHORTER[1] * length
             };
         }
         let Some(attempt) = accepted else {
@@ -404,7 +422,7 @@ pub fn minimise_watched<S: VectorSpace>(
             spare.extend(pairs.pop_front());
         }
         let change = (attempt.objective - objective).abs();
-        if change > attempt.round_off.max(round_off) || norm < 0.9 * lowest_norm {
+        if change > attempt.round_off.max(round_off) || norm < PROGRESS * lowest_norm {
             stagnant = 0;
         } else {
             stagnant += 1;
@@ -529,7 +547,7 @@ impl Products {
             row.and_then(|row| row.back().copied()).unwrap_or(f64::NAN)
         };
         let (curvature, change_square) = (last(&self.step_change), last(&self.change_change));
-        curvature > 1e-12 * change_square && curvature > 0.0
+        curvature > LEAST_CURVATURE * change_square && curvature > 0.0
     }
 
     /// Forgets pair `i`.

@@ -77,6 +77,23 @@ impl Gathering {
 }
 
 impl BoundGathering {
+    /// Dispatches in all.
+    pub const fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Their workgroups.
+    pub fn groups(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.0.iter().map(|(_, groups)| *groups)
+    }
+
+    /// Records all dispatches, their workgroups from entry `first` of a buffer on.
+    pub fn dispatch_indirect(&self, pass: &mut Pass<'_>, workgroups: &wgpu::Buffer, first: usize) {
+        for (k, (bound, _)) in self.0.iter().enumerate() {
+            bound.dispatch_indirect(pass, workgroups, first + k);
+        }
+    }
+
     /// Records all dispatches.
     pub fn dispatch(&self, pass: &mut Pass<'_>) {
         for (bound, groups) in &self.0 {

@@ -6,6 +6,7 @@
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
 //! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that the minimisers work in |
+//! | `batches` | the minimiser of time steps, decided on the device |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
@@ -20,6 +21,7 @@
 //! rounding: for a hanging cable of stiffness EA about 2⁻²⁴ √(EA/T) of the loads' (4e-6 reached in `cases/cloth/hanging-chain.toml`, where
 //! this is 8e-6), because the transverse part of the rounding moves a cable that only T holds, while the loads only stretch it.
 
+mod batches;
 mod curvature;
 mod elements;
 mod gathering;
@@ -31,6 +33,8 @@ mod vectors;
 mod workspace;
 
 use std::sync::Arc;
+
+use glam::DVec3;
 
 use crate::cloth::Structure;
 use crate::cpu::cloth::pressure::middle;
@@ -76,11 +80,22 @@ pub struct Cloth {
     /// Part of the objective that does not depend on the positions sought [J].
     constant_j: f64,
     /// Where the last solve ended, until it is fetched.
-    solution: Option<PointSlot>,
+    solution: Option<Solution>,
+    /// Evaluations that the next solve is expected to take.
+    expected_evaluations: usize,
     /// What positions on the device could not hold of it [m]; empty where they could.
     remainder: Vec<[f32; 3]>,
     /// Way back of positions.
     staging: Staging,
+}
+
+/// Where a solve ended.
+#[derive(Debug)]
+enum Solution {
+    /// A point on the device.
+    Point(PointSlot),
+    /// Positions that have come back already [m].
+    Positions(Vec<DVec3>),
 }
 
 /// Multigrid on the whole Hessian in place of block-Jacobi.
@@ -169,8 +184,12 @@ impl Cloth {
         let masses: Vec<f32> = structure.masses_kg.iter().map(|m| *m as f32).collect();
         let held: Vec<u32> = structure.held.iter().map(|h| u32::from(*h)).collect();
         let node_bytes = |values: u64| values * nodes as u64 * 4;
+        let usage = wgpu::BufferUsages::UNIFORM
+            | wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_DST;
+        let stage = device.buffer("cloth stage", size_of::<ClothStage>() as u64, usage)?;
         let mut buffers = vec![
-            ("stage", device.uniform::<ClothStage>("cloth stage")?),
+            ("stage", stage),
             (
                 "whole",
                 device.storage("cloth positions", node_bytes(3 * POINTS))?,
@@ -258,6 +277,7 @@ impl Cloth {
             stage: ClothStage::default(),
             constant_j: 0.0,
             solution: None,
+            expected_evaluations: 0,
             remainder: Vec::new(),
             staging,
         };

@@ -30,4 +30,52 @@ parameters! {
         /// Stiffness below which a node is held by nothing [N/m].
         stiffness_floor: f32,
     }
+
+    /// Where the minimiser on the device stands (`shaders/minimise.wgsl`).
+    Minimiser {
+        /// Share of `scale` that the energy norm may have.
+        tolerance: f32,
+        /// Displacement that counts as nothing [m].
+        displacement_floor: f32,
+        /// Pairs kept.
+        history: u32,
+        /// Evaluations allowed.
+        evaluation_limit: u32,
+        /// Whether it starts or runs, or why it ended.
+        status: u32,
+        /// Steps taken.
+        iterations: u32,
+        /// Evaluations of the objective.
+        evaluations: u32,
+        /// Trials along the present direction that were not taken.
+        refused: u32,
+        /// Iterations without progress.
+        stagnant: u32,
+        /// Pairs kept now.
+        pairs: u32,
+        /// Rows of products asked for.
+        rows: u32,
+        /// Slot of the present point.
+        point: u32,
+        /// Slot of its gradient.
+        gradient: u32,
+        /// Slot of H₀ times the gradient.
+        preconditioned: u32,
+        /// Objective of the point without what never changes [J].
+        objective: f32,
+        /// Round-off of that [J].
+        round_off: f32,
+        /// Energy norm.
+        norm: f32,
+        /// Longest displacement of a node in H₀ g [m].
+        longest: f32,
+        /// What the tolerance is relative to.
+        scale: f32,
+        /// Lowest norm so far.
+        lowest_norm: f32,
+        /// Slope of the objective along the direction.
+        slope: f32,
+        /// γ of the direction.
+        direction_scale: f32,
+    }
 }

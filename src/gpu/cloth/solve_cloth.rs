@@ -21,17 +21,18 @@ use crate::cpu::cloth::settings::options;
 use crate::cpu::cloth::{Cloth as State, InitialHessian, Probe, SolverSettings, StepInput};
 use crate::gpu::error::DeviceError;
 use crate::immersed::permeable::Permeable;
-use crate::solve::lbfgs::{self, Outcome, Stop, Watch};
+use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
 use crate::solve::newton;
 use crate::solve::{Landing, Step, VectorSpace};
 
-use super::Cloth;
+use super::batches::{LONGEST_HISTORY, expected_next};
 use super::elements::{CUT_WORDS, damped_cables, joined, split};
 use super::parameters::ClothStage;
 use super::points::PointSlot;
 use super::points::Points;
 use super::vectors::{DRIVE, MultigridHessian, Space};
 use super::workspace::Workspace;
+use super::{Cloth, Solution};
 
 /// Displacement that positions on the device cannot hold [m]: half a unit of the last place of the largest remainder, 2⁻¹⁷ m in `f32`.
 const ROUND_OFF_M: f64 = 1.0 / (1_u64 << 42) as f64;
@@ -50,8 +51,36 @@ impl Cloth {
         Ok(())
     }
 
-    /// Stage `solve_cloth`, on what [`Cloth::send_nodes`] sent; the solution stays on the device.
+    /// Stage `solve_cloth`, on what [`Cloth::send_nodes`] sent. In time steps with block-Jacobi the device drives the minimiser; else the host does, as in
+    /// [`Cloth::solve_watched`].
     pub fn solve_cloth(
+        &mut self,
+        structure: &Structure,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        let by_device = input.time_step_s.is_some()
+            && settings.initial_hessian == InitialHessian::BlockJacobi
+            && settings.refresh_every.is_none()
+            && settings.history <= LONGEST_HISTORY;
+        if !by_device {
+            return self.solve_by_host(structure, input, settings, &mut |_| true);
+        }
+        let options = device_options(structure, input, settings);
+        let mut space = self.space(self.constant_j, settings.initial_hessian)?;
+        self.place_at_prediction(&space.point()?)?;
+        let solved = space.minimise_in_batches(&options, self.expected_evaluations)?;
+        drop(space);
+        let evaluations = solved.outcome.evaluations;
+        self.expected_evaluations = expected_next(self.expected_evaluations, evaluations);
+        self.remainder = solved.remainder;
+        let finite = solved.outcome.stop != Stop::NotFinite;
+        self.solution = finite.then_some(Solution::Positions(solved.positions_m));
+        Ok(solved.outcome)
+    }
+
+    /// The same, driven by the host; the solution stays on the device.
+    fn solve_by_host(
         &mut self,
         structure: &Structure,
         input: &StepInput,
@@ -61,8 +90,7 @@ impl Cloth {
         let mut space = self.space(self.constant_j, settings.initial_hessian)?;
         let mut point = space.point()?;
         self.place_at_prediction(&point)?;
-        let mut options = options(structure, input, settings);
-        options.displacement_floor_m = options.displacement_floor_m.max(ROUND_OFF_M);
+        let options = device_options(structure, input, settings);
         let outcome = if newton_pays(structure, input, settings.initial_hessian) {
             newton::minimise_watched(&mut space, &mut point, &options, watch)?
         } else {
@@ -71,7 +99,7 @@ impl Cloth {
         let remainder = std::mem::take(&mut space.remainder);
         drop(space);
         self.remainder = remainder;
-        self.solution = (outcome.stop != Stop::NotFinite).then_some(point);
+        self.solution = (outcome.stop != Stop::NotFinite).then_some(Solution::Point(point));
         Ok(outcome)
     }
 
@@ -80,8 +108,11 @@ impl Cloth {
         let base = base(state, input);
         let mut new = base.prediction(&state.structure, input);
         let remainder = std::mem::take(&mut self.remainder);
-        if let Some(point) = self.solution.take() {
-            let solved = self.positions(&point)?;
+        if let Some(solution) = self.solution.take() {
+            let solved = match solution {
+                Solution::Point(point) => self.positions(&point)?,
+                Solution::Positions(positions_m) => positions_m,
+            };
             for (node, (new, solved)) in new.iter_mut().zip(solved).enumerate() {
                 // Held nodes are where the step puts them, to the last bit.
                 if !state.structure.held[node] {
@@ -103,8 +134,21 @@ impl Cloth {
         Ok(())
     }
 
-    /// A whole solve: sends, minimises, fetches; `watch` is told of every iteration.
+    /// A whole solve: sends, minimises, fetches.
     pub fn solve(
+        &mut self,
+        state: &mut State,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        self.send_nodes(state, input, settings)?;
+        let outcome = self.solve_cloth(&state.structure, input, settings)?;
+        self.fetch_nodes(state, input)?;
+        Ok(outcome)
+    }
+
+    /// A whole solve that the host drives, evaluation by evaluation; `watch` is told of every iteration, and may end it.
+    pub fn solve_watched(
         &mut self,
         state: &mut State,
         input: &StepInput,
@@ -112,7 +156,7 @@ impl Cloth {
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
         self.send_nodes(state, input, settings)?;
-        let outcome = self.solve_cloth(&state.structure, input, settings, watch)?;
+        let outcome = self.solve_by_host(&state.structure, input, settings, watch)?;
         self.fetch_nodes(state, input)?;
         Ok(outcome)
     }
@@ -386,6 +430,13 @@ impl Cloth {
     fn positions(&self, point: &PointSlot) -> Result<Vec<DVec3>, DeviceError> {
         self.points()?.positions_m(point)
     }
+}
+
+/// The minimiser's options, with what positions on the device cannot hold.
+fn device_options(structure: &Structure, input: &StepInput, settings: &SolverSettings) -> Options {
+    let mut options = options(structure, input, settings);
+    options.displacement_floor_m = options.displacement_floor_m.max(ROUND_OFF_M);
+    options
 }
 
 /// What velocities and accelerations of a step count from.

@@ -7,6 +7,7 @@ use crate::gpu::shaders;
 use crate::gpu::shaders::WORKGROUP;
 use crate::gpu::transfer::Staging;
 
+use super::batches::Batches;
 use super::gathering::{BoundGathering, Gathering};
 
 /// Workgroups that stride over the nodes.
@@ -31,6 +32,8 @@ pub(super) struct Operations {
     products: Pipeline,
     strides: u32,
     product_strides: u32,
+    /// Sizes, as constants of the shaders.
+    constants: Vec<(String, f64)>,
 }
 
 impl Operations {
@@ -58,6 +61,10 @@ impl Operations {
             products,
             strides,
             product_strides,
+            constants: constants
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), *value))
+                .collect(),
         })
     }
 }
@@ -86,6 +93,7 @@ pub(super) struct Workspace {
     pub blocks: BoundGathering,
     pub strides: u32,
     pub product_strides: u32,
+    pub batches: Batches,
 }
 
 /// Vectors kept for `history` pairs.
@@ -126,6 +134,13 @@ impl Workspace {
             ("reach", &reach),
             ("report", &report),
         ]);
+        let forces = forces.bind(device, &all)?;
+        let constants: Vec<(&str, f64)> = operations
+            .constants
+            .iter()
+            .map(|(name, value)| (name.as_str(), *value))
+            .collect();
+        let batches = Batches::new(device, &all, nodes, &constants, &forces)?;
         Ok(Self {
             history,
             vector_slots: vector_slots as u32,
@@ -136,8 +151,9 @@ impl Workspace {
             advance: device.bind(&operations.advance, &all)?,
             precondition: device.bind(&operations.precondition, &all)?,
             products: device.bind(&operations.products, &all)?,
-            forces: forces.bind(device, &all)?,
+            forces,
             blocks: blocks.bind(device, &all)?,
+            batches,
             strides: operations.strides,
             product_strides: operations.product_strides,
             vectors,

@@ -94,7 +94,12 @@ impl Session<'_> {
                     tolerance: settings.tolerance.max(DEVICE_TOLERANCE),
                     ..*settings
                 };
-                device.solve(&mut sheet.cloth, input, &settings, &mut go_on)?
+                let cloth = &mut sheet.cloth;
+                if input.time_step_s.is_some() {
+                    device.solve(cloth, input, &settings)?
+                } else {
+                    device.solve_watched(cloth, input, &settings, &mut go_on)?
+                }
             }
             None => sheet.cloth.solve_cloth_watched(input, settings, &mut go_on),
         };
