@@ -30,8 +30,6 @@ override NODES: u32 = 1u;
 const UNIT: f32 = 0.0000152587890625; // 2⁻¹⁶ m
 const UNIT_SQUARE: f32 = 2.3283064365386963e-10; // 2⁻³² m²
 
-@group(0) @binding(0) var<uniform> stage: ClothStage;
-
 struct Place {
     whole: vec3<i32>,
     remainder: vec3<f32>,

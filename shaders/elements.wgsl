@@ -35,8 +35,6 @@ override CUT_TRIANGLES: u32 = 1u;
 override CUT_TRIANGLE_SLOTS: u32 = 0u;
 override CUT_TRIANGLE_ENERGIES: u32 = 0u;
 
-@group(0) @binding(1) var<storage, read> whole: array<i32>;
-@group(0) @binding(2) var<storage, read> remainder: array<f32>;
 @group(0) @binding(3) var<storage, read> predicted_whole: array<i32>;
 @group(0) @binding(4) var<storage, read> predicted_remainder: array<f32>;
 // Words of element e: k · count + e, in the order written by gpu::cloth::elements.

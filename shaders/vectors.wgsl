@@ -1,10 +1,7 @@
 // Bulk operations of the minimiser (src/solve/): vectors live in one buffer, addressed by slots of three numbers per node.
 // A fixed number of workgroups strides over the nodes, so that sums depend on sizes only.
 
-@group(0) @binding(1) var<storage, read_write> whole: array<i32>;
-@group(0) @binding(2) var<storage, read_write> remainder: array<f32>;
 @group(0) @binding(13) var<storage, read> energies: array<vec2<f32>>;
-@group(0) @binding(19) var<storage, read> inverse_blocks: array<f32>;
 @group(0) @binding(20) var<storage, read_write> vectors: array<f32>;
 // Linear combinations, one after the other: slot of the result, number of terms, then slot and coefficient of each.
 @group(0) @binding(21) var<storage, read> program: array<u32>;
@@ -21,28 +18,8 @@ override STRIDES: u32 = 1u;
 override PRODUCT_STRIDES: u32 = 1u;
 override ENERGIES: u32 = 0u;
 
-const NONE: u32 = 0xffffffffu;
-const ENERGY: u32 = 0xfffffffeu;
-
 var<workgroup> shared_bits: array<u32, 64>;
 var<workgroup> shared_sums: array<vec3<f32>, 64>;
-
-fn vector(slot: u32, node: u32) -> vec3<f32> {
-    let k = (slot * NODES + node) * 3u;
-    return vec3<f32>(vectors[k], vectors[k + 1u], vectors[k + 2u]);
-}
-
-fn set_vector(slot: u32, node: u32, value: vec3<f32>) {
-    let k = (slot * NODES + node) * 3u;
-    vectors[k] = value.x;
-    vectors[k + 1u] = value.y;
-    vectors[k + 2u] = value.z;
-}
-
-// |v|² as bits: ordered like the numbers, with infinity and then what is not a number above all of them.
-fn square_bits(v: vec3<f32>) -> u32 {
-    return bitcast<u32>(dot(v, v)) & 0x7fffffffu;
-}
 
 fn largest_bits(local: u32, bits: u32) -> u32 {
     shared_bits[local] = bits;
@@ -64,18 +41,7 @@ fn combine(
 ) {
     var longest = 0u;
     for (var node = group.x * WORKGROUP + local; node < NODES; node += STRIDES * WORKGROUP) {
-        var at = 0u;
-        for (var operation = 0u; operation < stage.operations; operation++) {
-            let result = program[at];
-            let end = at + 2u + 2u * program[at + 1u];
-            at += 2u;
-            var sum = vec3<f32>(0.0);
-            while at < end {
-                sum += bitcast<f32>(program[at + 1u]) * vector(program[at], node);
-                at += 2u;
-            }
-            set_vector(result, node, sum);
-        }
+        run_program(node);
         if stage.direction != NONE {
             longest = max(longest, square_bits(vector(stage.direction, node)));
         }
@@ -102,17 +68,7 @@ fn advance(
         length = length * (stage.step_limit / longest);
     }
     for (var node = group.x * WORKGROUP + local; node < NODES; node += STRIDES * WORKGROUP) {
-        let step = length * vector(stage.direction, node);
-        let from_slot = (stage.start * NODES + node) * 3u;
-        let to = (stage.point * NODES + node) * 3u;
-        for (var axis = 0u; axis < 3u; axis++) {
-            // Steps beyond 16 km, and what is not a number, stay in the remainder.
-            let moves = select(0.0, round(step[axis] * 65536.0), abs(step[axis]) < 16384.0);
-            let rest = remainder[from_slot + axis] + (step[axis] - moves * UNIT);
-            let carry = select(0.0, round(rest * 65536.0), abs(rest) < 1.0);
-            whole[to + axis] = whole[from_slot + axis] + i32(moves) + i32(carry);
-            remainder[to + axis] = rest - carry * UNIT;
-        }
+        move_node(node, length);
     }
     if group.x == 0u && local == 0u {
         report[0] = bitcast<u32>(length);
@@ -127,14 +83,7 @@ fn precondition(
 ) {
     let slots = transforms[group.y];
     for (var node = group.x * WORKGROUP + local; node < NODES; node += STRIDES * WORKGROUP) {
-        let v = vector(slots.x, node);
-        let b = node * 6u;
-        let off = vec3<f32>(inverse_blocks[b + 3u], inverse_blocks[b + 4u], inverse_blocks[b + 5u]);
-        set_vector(slots.y, node, vec3<f32>(
-            inverse_blocks[b] * v.x + off.x * v.y + off.y * v.z,
-            off.x * v.x + inverse_blocks[b + 1u] * v.y + off.z * v.z,
-            off.y * v.x + off.z * v.y + inverse_blocks[b + 2u] * v.z,
-        ));
+        set_vector(slots.y, node, preconditioned(node, vector(slots.x, node)));
     }
 }
 

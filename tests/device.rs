@@ -245,7 +245,9 @@ fn names() {
 /// What an adapter must offer is what the widest entry point takes.
 fn storage_buffers() {
     let mut widest = 0;
-    for shader in &shaders::all() {
+    // That of small fabric holds every kind of element; a structure has few, and those that a device cannot hold at once are solved in batches.
+    let whole = |shader: &&shaders::Shader| shader.name != shaders::SMALL_CLOTH.name;
+    for shader in shaders::all().iter().filter(whole) {
         let (module, info) = validate(shader).unwrap();
         for (index, point) in module.entry_points.iter().enumerate() {
             let uses = info.get_entry_point(index);

@@ -11,10 +11,11 @@ use ripstop::cpu::cloth::{
 use ripstop::fabric::Fabric;
 use ripstop::frame::CableKind;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
-use ripstop::gpu::Device;
 use ripstop::gpu::cloth::Cloth as DeviceCloth;
+use ripstop::gpu::{AdapterChoice, Device, Tuning};
 use ripstop::lines::{Cable, CableLaw, ForceStrainTable};
 
+use crate::device_cloth_steps::DRIVERS;
 use crate::engines::{device, needs_device};
 use crate::sheets::{fabric, noise, square_at};
 use crate::tolerances::device_cloth as tolerance;
@@ -27,9 +28,27 @@ pub fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
     })
 }
 
+/// The same on a device that solves time steps in one workgroup, whatever its kind.
+pub fn in_one_workgroup(name: &str, body: fn(&Arc<Device>)) -> Trial {
+    needs_device(name.to_owned(), move || {
+        let tuning = Tuning {
+            small_cloth_nodes: Some(usize::MAX),
+            ..Tuning::default()
+        };
+        if device().is_ok() {
+            body(&Device::open_tuned(&AdapterChoice::Any, tuning).unwrap());
+        }
+    })
+}
+
 pub fn trials() -> Vec<Trial> {
     vec![
         on_device("device_cloth::every_kind_of_element", every_kind_of_element),
+        on_device("device_cloth::steps_of_every_kind", steps_of_every_kind),
+        in_one_workgroup(
+            "device_small_cloth::steps_of_kinds_together",
+            steps_of_kinds_together,
+        ),
         on_device("device_cloth::wrinkled_orthotropic_fabric", wrinkled_fabric),
         on_device(
             "device_cloth::small_strains_far_from_the_origin",
@@ -169,8 +188,11 @@ fn probes(
     (cpu.probe((input, &settings), direction, lengths), of_device)
 }
 
-/// Membrane, springs, bending, cables (taut and slack), guides, markers, inertia, damping and loads: each alone, then together.
-fn every_kind_of_element(device: &Arc<Device>) {
+/// What stands besides the fabric in a structure of [`every_kind`].
+type Kinds = (&'static str, Structure, bool);
+
+/// Membrane, springs, bending, cables (taut and slack), guides, inertia, with markers or without: each alone, then together.
+fn every_kind() -> Vec<Kinds> {
     let rope = Cable::linear(1e-6, 1000.0, 1e9);
     // A table of four pieces, reached at the second and beyond the last.
     let table = vec![[0.01, 5.0], [0.02, 25.0], [0.1, 40.0], [0.2, 300.0]];
@@ -228,49 +250,107 @@ fn every_kind_of_element(device: &Arc<Device>) {
             true,
         ),
     ];
-    for (what, model, change, lines, air) in cases {
+    let of_case = |(what, model, change, lines, air): (_, _, Change, _, _)| {
+        let mut structure = square(12, model, &fabric(3e6, 1e-2));
+        change(&mut structure);
+        let count = structure.node_count();
+        for (p, by) in structure
+            .positions_m
+            .iter_mut()
+            .zip(scattered(count, 0.02, 7))
+        {
+            *p += by;
+        }
+        structure.held[4] = true;
+        if lines {
+            let kind = CableKind::Belt;
+            structure.add_cable(&[0, 14, 28], &[0.1, 0.3], &rope, kind);
+            // Stretched by a third and, where the mesh is flat, by little.
+            structure.add_cable(&[40, 54, 55], &[0.09, 0.08], &damped, kind);
+            structure.guides.push(Guide {
+                node: 3,
+                anchor_m: DVec3::new(0.1, 0.2, 0.3),
+                stiffness_n_m: DVec3::new(1.0, 20.0, 3.0),
+            });
+        }
+        (what, structure, air)
+    };
+    cases.into_iter().map(of_case).collect()
+}
+
+/// A load of everything.
+fn loaded(time_step_s: Option<f64>, markers: &[MarkerReaction]) -> StepInput<'_> {
+    StepInput {
+        time_step_s,
+        gravity_m_s2: DVec3::new(1.0, 2.0, -9.81),
+        pressure: match time_step_s {
+            Some(_) => Pressure::Uniform(30.0),
+            None => Pressure::None,
+        },
+        damping_1_s: 2.0,
+        markers,
+        ..StepInput::default()
+    }
+}
+
+/// Two steps of every kind of element: the minimiser of the device ends where that of the host does.
+fn steps_of_every_kind(device: &Arc<Device>) {
+    steps_of(device, every_kind());
+}
+
+/// The same of structures that hold several kinds, and of curvatures, which takes less time.
+fn steps_of_kinds_together(device: &Arc<Device>) {
+    let together = |(what, ..): &Kinds| what.starts_with("all") || *what == "curvatures";
+    steps_of(device, every_kind().into_iter().filter(together).collect());
+}
+
+fn steps_of(device: &Arc<Device>, kinds: Vec<Kinds>) {
+    for (what, structure, air) in kinds {
+        let markers = if air {
+            markers(&structure, 11)
+        } else {
+            Vec::new()
+        };
+        let input = loaded(Some(1e-3), &markers);
+        let settings = SolverSettings {
+            tolerance: 1e-5,
+            ..SETTINGS
+        };
+        let [host, on_device] = DRIVERS.map(|driver| {
+            let mut engine = on(device, &structure, &markers);
+            let mut cloth = Cloth::new(structure.clone());
+            for step in 0..2 {
+                let outcome = driver.solve(&mut engine, &mut cloth, &input, &settings);
+                assert!(
+                    outcome.stop.reached(),
+                    "{what} {driver:?} {step} {outcome:?}"
+                );
+            }
+            cloth.positions_m
+        });
+        let moved = farthest(&structure.positions_m, &host);
+        let error = farthest(&host, &on_device);
+        assert!(
+            error < tolerance::EVERY_KIND * moved,
+            "{what}: {error:e} of {moved:e}"
+        );
+    }
+}
+
+/// Elements of every kind, damping and loads: one trial.
+fn every_kind_of_element(device: &Arc<Device>) {
+    for (what, structure, air) in every_kind() {
+        let count = structure.node_count();
         for time_step_s in [Some(1e-3), None] {
             if time_step_s.is_none() && matches!(what, "markers" | "inertia") {
                 continue;
-            }
-            let mut structure = square(12, model, &fabric(3e6, 1e-2));
-            change(&mut structure);
-            let count = structure.node_count();
-            for (p, by) in structure
-                .positions_m
-                .iter_mut()
-                .zip(scattered(count, 0.02, 7))
-            {
-                *p += by;
-            }
-            structure.held[4] = true;
-            if lines {
-                let kind = CableKind::Belt;
-                structure.add_cable(&[0, 14, 28], &[0.1, 0.3], &rope, kind);
-                // Stretched by a third and, where the mesh is flat, by little.
-                structure.add_cable(&[40, 54, 55], &[0.09, 0.08], &damped, kind);
-                structure.guides.push(Guide {
-                    node: 3,
-                    anchor_m: DVec3::new(0.1, 0.2, 0.3),
-                    stiffness_n_m: DVec3::new(1.0, 20.0, 3.0),
-                });
             }
             let markers = if air {
                 markers(&structure, 11)
             } else {
                 Vec::new()
             };
-            let input = StepInput {
-                time_step_s,
-                gravity_m_s2: DVec3::new(1.0, 2.0, -9.81),
-                pressure: match time_step_s {
-                    Some(_) => Pressure::Uniform(30.0),
-                    None => Pressure::None,
-                },
-                damping_1_s: 2.0,
-                markers: &markers,
-                ..StepInput::default()
-            };
+            let input = loaded(time_step_s, &markers);
             let direction = scattered(count, 0.01, 9);
             for (kind, of_steps) in [
                 (InitialHessian::BlockJacobi, tolerance::INITIAL_HESSIAN),

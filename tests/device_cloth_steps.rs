@@ -20,7 +20,7 @@ use ripstop::lines::Cable;
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
-use crate::device_cloth::{SETTINGS, farthest, markers, on, on_device, square};
+use crate::device_cloth::{SETTINGS, farthest, in_one_workgroup, markers, on, on_device, square};
 use crate::sheets::{HOSTILE, fabric, hostile, noise};
 use crate::tolerances::device_cloth as tolerance;
 
@@ -41,6 +41,12 @@ pub fn trials() -> Vec<Trial> {
         on_device("device_cloth_steps::free_fall", free_fall),
         on_device("device_cloth_steps::hostile_starts", hostile_starts),
         on_device("device_cloth_steps::device_drives", device_drives),
+        in_one_workgroup("device_small_cloth::device_drives", device_drives),
+        in_one_workgroup(
+            "device_small_cloth::triangles_that_cut_links",
+            one_step_of_cut_triangles,
+        ),
+        in_one_workgroup("device_small_cloth::same_bits_twice", same_bits_twice),
         on_device("device_cloth_steps::same_bits_twice", same_bits_twice),
         on_device(
             "device_cloth_steps::oversized_structures_are_refused",
@@ -74,10 +80,11 @@ pub enum Driver {
     Device,
 }
 
-const DRIVERS: [Driver; 2] = [Driver::Host, Driver::Device];
+pub const DRIVERS: [Driver; 2] = [Driver::Host, Driver::Device];
 
 impl Driver {
-    fn solve(
+    /// A solve of one step.
+    pub fn solve(
         self,
         engine: &mut DeviceCloth,
         cloth: &mut Cloth,
@@ -452,7 +459,7 @@ fn hostile_starts(device: &Arc<Device>) {
 /// The minimiser of the device beside that of the host, on the same device: where it ends, why, and after how many evaluations. The step is so long that
 /// it takes several batches; with too few evaluations both are at their limit, and with a tolerance that nothing reaches both see round-off.
 fn device_drives(device: &Arc<Device>) {
-    let structure = curtain(24, FabricModel::Membrane);
+    let structure = curtain(10, FabricModel::Membrane);
     let input = StepInput {
         time_step_s: Some(2e-2),
         gravity_m_s2: DVec3::new(0.0, 0.0, -9.81),
@@ -472,7 +479,7 @@ fn device_drives(device: &Arc<Device>) {
     };
     let [(by_host, host), (by_device, on_device)] = DRIVERS.map(|d| solved(d, 1e-4, 20_000));
     assert_eq!([by_host.stop, by_device.stop], [Stop::Converged; 2]);
-    assert!(by_host.evaluations > 40, "{by_host:?}");
+    assert!(by_host.evaluations > 80, "{by_host:?}");
     let ratio = by_device.evaluations as f64 / by_host.evaluations as f64;
     assert!((0.7..1.4).contains(&ratio), "{by_host:?} {by_device:?}");
     let moved = farthest(&structure.positions_m, &host.positions_m);

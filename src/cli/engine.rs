@@ -18,10 +18,10 @@ use crate::plan::{
     steps_take_multigrid,
 };
 
-/// Nodes from which `--cloth auto` puts the fabric on a real GPU. A step of a canopy of 674 nodes takes as long with either; an evaluation of 10 201 nodes takes the host 1.1 ms and an
-/// NVIDIA H100 0.5 ms, one of 100 489 nodes 2.8 ms on sixteen threads and 0.8 ms (docs/results/2026-11-26-graphics-card.md). In between it is an estimate. On a
-/// software adapter the host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
-pub const DEVICE_CLOTH_NODES: u64 = 4_000;
+/// Nodes from which `--cloth auto` puts the fabric on a real GPU. Runs with 674 nodes take as long with either, those with some 2 700 nodes on an NVIDIA
+/// H100 six tenths of the time with fabric on the host (docs/results/2026-11-27-fabric-on-the-device.md); in between it is an estimate. On a software adapter
+/// the host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
+pub const DEVICE_CLOTH_NODES: u64 = 1_000;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -37,7 +37,7 @@ pub(super) enum Engine {
 /// Where the fabric is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ClothChoice {
-    /// On a real GPU from 4 000 nodes on, else on the host.
+    /// On a real GPU from 1 000 nodes on, else on the host.
     Auto,
     /// Host memory, f64.
     Host,

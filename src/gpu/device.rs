@@ -127,6 +127,13 @@ impl Device {
         self.meter.work()
     }
 
+    /// Threads allowed in one workgroup along x.
+    #[must_use]
+    pub fn thread_limit(&self) -> u32 {
+        let limits = &self.limits;
+        (limits.max_compute_invocations_per_workgroup).min(limits.max_compute_workgroup_size_x)
+    }
+
     /// Workgroups allowed along one dimension of a dispatch.
     #[must_use]
     pub const fn workgroup_limit(&self) -> u32 {

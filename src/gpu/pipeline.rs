@@ -27,13 +27,16 @@ pub(super) struct Bound {
 
 /// Parses and validates a shader.
 pub fn validate(shader: &Shader) -> Result<(naga::Module, ModuleInfo), String> {
-    let source = shader.source();
+    validate_source(&shader.source())
+}
+
+fn validate_source(source: &str) -> Result<(naga::Module, ModuleInfo), String> {
     let module =
-        naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+        naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     // Needed by populations in 16 bits; a device without them is refused before.
     let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16)
         .validate(&module)
-        .map_err(|error| error.emit_to_string(&source))?;
+        .map_err(|error| error.emit_to_string(source))?;
     Ok((module, info))
 }
 
@@ -69,11 +72,21 @@ impl Device {
         entries: [&str; N],
         constants: &[(&str, f64)],
     ) -> Result<[Pipeline; N], DeviceError> {
+        self.pipelines_of((shader.name, shader.source()), entries, constants)
+    }
+
+    /// The same of a shader by its name and text.
+    pub(super) fn pipelines_of<const N: usize>(
+        &self,
+        (shader, source): (&'static str, String),
+        entries: [&str; N],
+        constants: &[(&str, f64)],
+    ) -> Result<[Pipeline; N], DeviceError> {
         let refused = |name: &str, why: String| DeviceError::Pipeline {
             name: name.to_owned(),
             why,
         };
-        let (module, info) = validate(shader).map_err(|why| refused(shader.name, why))?;
+        let (module, info) = validate_source(&source).map_err(|why| refused(shader, why))?;
         let declared: Vec<(&str, f64)> = constants
             .iter()
             .copied()
@@ -85,9 +98,9 @@ impl Device {
             })
             .collect();
         let raw_module = self
-            .guarded(shader.name, || self.shader_module(shader))
+            .guarded(shader, || self.shader_module(shader, source))
             .map_err(|error| match error {
-                DeviceError::Command(why) => refused(shader.name, why),
+                DeviceError::Command(why) => refused(shader, why),
                 other => other,
             })?;
         let mut made = Vec::with_capacity(N);
@@ -118,7 +131,7 @@ impl Device {
             });
         }
         made.try_into()
-            .map_err(|_| refused(shader.name, "entry points are missing".to_owned()))
+            .map_err(|_| refused(shader, "entry points are missing".to_owned()))
     }
 
     /// A module that checks the bounds of its buffers; but `collide_stream`, where a benchmark wants to know what that costs.
@@ -126,12 +139,12 @@ impl Device {
         unsafe_code,
         reason = "what bounds checks cost can be measured in no other way; no run takes this path (src/gpu/tuning.rs)"
     )]
-    fn shader_module(&self, shader: &Shader) -> wgpu::ShaderModule {
+    fn shader_module(&self, name: &str, source: String) -> wgpu::ShaderModule {
         let descriptor = wgpu::ShaderModuleDescriptor {
-            label: Some(shader.name),
-            source: wgpu::ShaderSource::Wgsl(shader.source().into()),
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
         };
-        if self.tuning().bounds_checks || !shader.name.starts_with("collide_stream") {
+        if self.tuning().bounds_checks || !name.starts_with("collide_stream") {
             return self.raw.create_shader_module(descriptor);
         }
         let checks = wgpu::ShaderRuntimeChecks {

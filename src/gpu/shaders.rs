@@ -91,18 +91,23 @@ shaders! {
     EMPTY = "empty": "threads.wgsl", "empty.wgsl";
     COPY = "copy": "threads.wgsl", "copy.wgsl";
     NODAL_FORCES = "nodal_forces":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "nodal_forces.wgsl";
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "points.wgsl", "elements.wgsl", "membrane.wgsl", "vector.wgsl",
+        "block_jacobi.wgsl", "element_forces.wgsl", "nodal_forces.wgsl";
     INITIAL_HESSIAN = "initial_hessian":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
-        "initial_hessian.wgsl";
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "points.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl",
+        "axial_blocks.wgsl", "initial_hessian.wgsl";
     STIFFNESS = "stiffness":
-        "threads.wgsl", "cloth.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl", "axial_blocks.wgsl",
-        "stiffness.wgsl";
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "points.wgsl", "elements.wgsl", "membrane.wgsl", "symmetric_block.wgsl",
+        "axial_blocks.wgsl", "stiffness.wgsl";
     MULTIGRID = "multigrid": "threads.wgsl", "block_rows.wgsl", "multigrid.wgsl";
     MULTIGRID_REFRESH = "multigrid_refresh":
         "threads.wgsl", "block_rows.wgsl", "symmetric_block.wgsl", "multigrid_refresh.wgsl";
-    VECTORS = "vectors": "threads.wgsl", "cloth.wgsl", "vectors.wgsl";
-    MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimise.wgsl";
+    VECTORS = "vectors":
+        "threads.wgsl", "cloth.wgsl", "cloth_stage.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "vectors.wgsl";
+    MINIMISE = "minimise": "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "minimise.wgsl";
+    SMALL_CLOTH = "small_cloth":
+        "threads.wgsl", "cloth.wgsl", "minimiser.wgsl", "vector.wgsl", "moved_points.wgsl", "block_jacobi.wgsl", "elements.wgsl",
+        "membrane.wgsl", "element_forces.wgsl", "every_element.wgsl", "small_cloth.wgsl";
 }
 
 /// Layout of a struct of parameters: its name and its fields with their byte offsets.

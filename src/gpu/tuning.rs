@@ -1,4 +1,4 @@
-//! Choices about the kernel of the air that change its speed, not its formulas; `ripstop bench device` compares them.
+//! Choices about how a device works that change its speed, not its formulas; `ripstop bench device` compares them.
 
 /// How the arrays of populations are padded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub struct Tuning {
     pub padding: Padding,
     /// Whether `collide_stream` checks that it stays inside its buffers, as all other shaders do.
     pub bounds_checks: bool,
+    /// Nodes of the largest fabric whose time steps are solved by one workgroup; `None`: what is fastest on the kind of adapter.
+    pub small_cloth_nodes: Option<usize>,
 }
 
 impl Default for Tuning {
@@ -29,6 +31,7 @@ impl Default for Tuning {
             workgroup: 256,
             padding: Padding::Planes,
             bounds_checks: true,
+            small_cloth_nodes: None,
         }
     }
 }

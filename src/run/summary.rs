@@ -73,6 +73,12 @@ pub(super) fn summarise(
             cost.evaluations as f64 / cost.solves as f64
         ));
     }
+    let left_to_host = simulation.solves_left_to_host();
+    if left_to_host > 0 {
+        details.push(format!(
+            "fabric: {left_to_host} solves that the device did not end were done on the host"
+        ));
+    }
     if let (Some(adaptive), Some(time)) = (simulation.adaptive(), scene.time) {
         details.push(format!(
             "adaptive steps: {} parts in {steps} steps of {:e} s, the shortest {:.3e} s; {} were done again in halves, {} of them since the solver \

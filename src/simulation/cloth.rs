@@ -25,6 +25,12 @@ impl Simulation {
         }
     }
 
+    /// Solves of the fabric that a device did not end, and the host took over.
+    #[must_use]
+    pub const fn solves_left_to_host(&self) -> u64 {
+        self.cloth_engine.left_to_host()
+    }
+
     /// True if the fabric is solved in this step: after release, in every step or where a span of several begins.
     pub(super) fn solves_now(&self) -> bool {
         self.step >= self.plan.start_steps

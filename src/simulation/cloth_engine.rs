@@ -14,7 +14,46 @@ pub enum ClothEngine {
     /// The host, in double precision.
     Host,
     /// A device, in single precision with positions in fixed point.
-    Device(Box<gpu::cloth::Cloth>),
+    Device(Box<OnDevice>),
+}
+
+/// Fabric on a device. What the device leaves unsolved in a step, the host solves from the same start: in double precision, and with all its methods.
+#[derive(Debug)]
+pub struct OnDevice {
+    cloth: gpu::cloth::Cloth,
+    /// True if the host solved the present step.
+    solved_by_host: bool,
+    /// Solves that the host took over.
+    left_to_host: u64,
+}
+
+impl OnDevice {
+    fn solve_cloth(
+        &mut self,
+        cloth: &mut Cloth,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Outcome, DeviceError> {
+        let outcome = self.cloth.solve_cloth(&cloth.structure, input, settings)?;
+        self.solved_by_host = input.time_step_s.is_some() && !outcome.stop.reached();
+        if !self.solved_by_host {
+            return Ok(outcome);
+        }
+        self.left_to_host += 1;
+        let by_host = cloth.solve_cloth(input, settings);
+        Ok(Outcome {
+            iterations: outcome.iterations + by_host.iterations,
+            evaluations: outcome.evaluations + by_host.evaluations,
+            ..by_host
+        })
+    }
+
+    fn fetch_nodes(&mut self, cloth: &mut Cloth, input: &StepInput) -> Result<(), DeviceError> {
+        if self.solved_by_host {
+            return Ok(());
+        }
+        self.cloth.fetch_nodes(cloth, input)
+    }
 }
 
 impl ClothEngine {
@@ -35,8 +74,20 @@ impl ClothEngine {
                 } else {
                     gpu::cloth::Cloth::new(device, structure, markers)?
                 };
-                Ok(Self::Device(Box::new(engine)))
+                Ok(Self::Device(Box::new(OnDevice {
+                    cloth: engine,
+                    solved_by_host: false,
+                    left_to_host: 0,
+                })))
             }
+        }
+    }
+
+    /// Solves that a device left unsolved, and the host took over.
+    pub(super) const fn left_to_host(&self) -> u64 {
+        match self {
+            Self::Host => 0,
+            Self::Device(engine) => engine.left_to_host,
         }
     }
 
@@ -54,11 +105,11 @@ impl ClothEngine {
     ) -> Result<(), DeviceError> {
         match self {
             Self::Host => Ok(()),
-            Self::Device(engine) => engine.send_nodes(cloth, input, settings),
+            Self::Device(engine) => engine.cloth.send_nodes(cloth, input, settings),
         }
     }
 
-    /// Stage `solve_cloth`; on a device on what was sent, and the solution stays there.
+    /// Stage `solve_cloth`; on a device on what was sent, and the solution stays there unless the host took over.
     pub(super) fn solve_cloth(
         &mut self,
         cloth: &mut Cloth,
@@ -67,7 +118,7 @@ impl ClothEngine {
     ) -> Result<Outcome, DeviceError> {
         match self {
             Self::Host => Ok(cloth.solve_cloth(input, settings)),
-            Self::Device(engine) => engine.solve_cloth(&cloth.structure, input, settings),
+            Self::Device(engine) => engine.solve_cloth(cloth, input, settings),
         }
     }
 
@@ -92,7 +143,12 @@ impl ClothEngine {
     ) -> Result<Outcome, DeviceError> {
         match self {
             Self::Host => Ok(cloth.solve_cloth(input, settings)),
-            Self::Device(engine) => engine.solve(cloth, input, settings),
+            Self::Device(engine) => {
+                engine.cloth.send_nodes(cloth, input, settings)?;
+                let outcome = engine.solve_cloth(cloth, input, settings)?;
+                engine.fetch_nodes(cloth, input)?;
+                Ok(outcome)
+            }
         }
     }
 
@@ -106,7 +162,7 @@ impl ClothEngine {
     ) -> Result<Outcome, DeviceError> {
         match self {
             Self::Host => Ok(cloth.solve_cloth_watched(input, settings, watch)),
-            Self::Device(engine) => engine.solve_watched(cloth, input, settings, watch),
+            Self::Device(engine) => engine.cloth.solve_watched(cloth, input, settings, watch),
         }
     }
 }

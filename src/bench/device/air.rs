@@ -89,6 +89,7 @@ pub(super) fn tunings(
                         workgroup,
                         padding,
                         bounds_checks,
+                        ..usual
                     });
                 }
             }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::gpu::commands::{Commands, Pass};
 use crate::gpu::device::Device;
 use crate::gpu::error::DeviceError;
-use crate::gpu::pipeline::Bound;
+use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 use crate::gpu::transfer::Staging;
 use crate::solve::lbfgs::{
@@ -25,8 +25,8 @@ use super::workspace::FIRST_FREE;
 
 /// Longest history that the device has room for.
 pub(super) const LONGEST_HISTORY: usize = 8;
-/// Dot products of so many pairs and one more, and what a direction is made of.
-const GRAM_WORDS: usize = 216;
+/// Dot products of so many pairs and one more, what a direction is made of, and linear combinations before the next trial.
+const GRAM_WORDS: usize = 216 + 52;
 /// Why the minimiser ended, by its status; the first two have it go on.
 const STOPS: [Option<Stop>; 8] = [
     None,
@@ -58,7 +58,28 @@ pub(super) struct Batches {
     staging: Staging,
     decide: Bound,
     deliver: Bound,
+    /// The whole minimiser in one workgroup, where the fabric is small.
+    small: Option<Bound>,
     nodes: usize,
+}
+
+/// What the shaders that decide know of the host's minimiser.
+pub(super) fn decisions() -> [(&'static str, f64); 13] {
+    [
+        ("FIRST_FREE", f64::from(FIRST_FREE)),
+        ("ROUND_OFF", ROUND_OFF),
+        ("OUT_OF_BALANCE", OUT_OF_BALANCE),
+        ("ARMIJO", ARMIJO),
+        ("WOLFE", WOLFE),
+        ("RETREAT", RETREAT),
+        ("SHORTEST", SHORTER[0]),
+        ("SHORTENED", SHORTER[1]),
+        ("LEAST_CURVATURE", LEAST_CURVATURE),
+        ("PROGRESS", PROGRESS),
+        ("LINE_SEARCH_LIMIT", LINE_SEARCH_LIMIT as f64),
+        ("STAGNATION_LIMIT", STAGNATION_LIMIT as f64),
+        ("ROUND_OFF_LIMIT", ROUND_OFF_LIMIT as f64),
+    ]
 }
 
 /// What comes back after a batch.
@@ -101,24 +122,10 @@ impl Batches {
         buffers: &[(&str, &wgpu::Buffer)],
         nodes: usize,
         constants: &[(&str, f64)],
-        forces: &BoundGathering,
+        (forces, small): (&BoundGathering, Option<&Pipeline>),
     ) -> Result<Self, DeviceError> {
         let mut constants = constants.to_vec();
-        constants.extend([
-            ("FIRST_FREE", f64::from(FIRST_FREE)),
-            ("ROUND_OFF", ROUND_OFF),
-            ("OUT_OF_BALANCE", OUT_OF_BALANCE),
-            ("ARMIJO", ARMIJO),
-            ("WOLFE", WOLFE),
-            ("RETREAT", RETREAT),
-            ("SHORTEST", SHORTER[0]),
-            ("SHORTENED", SHORTER[1]),
-            ("LEAST_CURVATURE", LEAST_CURVATURE),
-            ("PROGRESS", PROGRESS),
-            ("LINE_SEARCH_LIMIT", LINE_SEARCH_LIMIT as f64),
-            ("STAGNATION_LIMIT", STAGNATION_LIMIT as f64),
-            ("ROUND_OFF_LIMIT", ROUND_OFF_LIMIT as f64),
-        ]);
+        constants.extend(decisions());
         let [decide, deliver] =
             device.pipelines(&shaders::MINIMISE, ["decide", "deliver"], &constants)?;
         let state_bytes = size_of::<Minimiser>() as u64;
@@ -146,6 +153,7 @@ impl Batches {
             staging: Staging::new(device, state_bytes + node_bytes)?,
             decide: device.bind(&decide, &all)?,
             deliver: device.bind(&deliver, &all)?,
+            small: small.map(|small| device.bind(small, &all)).transpose()?,
             minimiser,
             workgroups,
             delivered,
@@ -200,13 +208,20 @@ impl Space<'_> {
         self.ask(options);
         let mut commands = self.device.record("cloth");
         let mut pass = commands.pass("cloth minimise");
-        self.start_minimising(&mut pass);
+        self.workspace.blocks.dispatch(&mut pass);
+        if batches.small.is_none() {
+            self.start_minimising(&mut pass);
+        }
         loop {
-            for _ in 0..trials {
-                self.trial(&mut pass);
+            if let Some(small) = &batches.small {
+                small.dispatch(&mut pass, [1, 1]);
+            } else {
+                for _ in 0..trials {
+                    self.trial(&mut pass);
+                }
+                let groups = self.device.workgroups(batches.nodes as u64);
+                batches.deliver.dispatch(&mut pass, groups);
             }
-            let groups = self.device.workgroups(batches.nodes as u64);
-            batches.deliver.dispatch(&mut pass, groups);
             drop(pass);
             batches.bring_back(&mut commands);
             self.device.submit(commands);
@@ -270,22 +285,24 @@ impl Space<'_> {
             preconditioned,
             ..Minimiser::default()
         };
+        let device = self.device;
+        device.write(self.stage_buffer, 0, &[stage]);
+        device.write(&batches.minimiser, 0, &[minimiser]);
+        if batches.small.is_some() {
+            return;
+        }
         let mut workgroups = vec![[0; 3]; FIRST_ELEMENT];
         workgroups[ALONG_VECTORS] = [workspace.strides, 1, 1];
         workgroups[PRODUCTS] = [workspace.product_strides, 1, 1];
         workgroups.extend(workspace.forces.groups().map(|[x, y]| [x, y, 1]));
-        let device = self.device;
-        device.write(self.stage_buffer, 0, &[stage]);
         device.write(&workspace.rows, 0, &rows);
         device.write(&workspace.transforms, 0, &[[DRIVE, DRIVE_STEP]]);
-        device.write(&batches.minimiser, 0, &[minimiser]);
         device.write(&batches.workgroups, 0, &workgroups);
     }
 
-    /// Block-Jacobi and the objective at the prediction, and what follows from them.
+    /// The objective at the prediction, and what follows from it.
     fn start_minimising(&self, pass: &mut Pass<'_>) {
         let workspace = self.workspace;
-        workspace.blocks.dispatch(pass);
         workspace.forces.dispatch(pass);
         workspace
             .precondition

@@ -7,6 +7,7 @@
 //! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that the minimisers work in |
 //! | `batches` | the minimiser of time steps, decided on the device |
+//! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
 //! | `solve_cloth` | the implicit step, or the static equilibrium |
@@ -27,6 +28,7 @@ mod elements;
 mod gathering;
 pub mod parameters;
 mod points;
+mod small_cloth;
 mod solve_cloth;
 mod stiffness;
 mod vectors;
@@ -180,7 +182,7 @@ impl Cloth {
         };
         let forces = gathering(&shaders::NODAL_FORCES, "forces")?;
         let blocks = gathering(&shaders::INITIAL_HESSIAN, "blocks")?;
-        let operations = Operations::new(&device, nodes, &constants)?;
+        let operations = Operations::new(&device, (nodes, &elements.kinds), &constants)?;
         let masses: Vec<f32> = structure.masses_kg.iter().map(|m| *m as f32).collect();
         let held: Vec<u32> = structure.held.iter().map(|h| u32::from(*h)).collect();
         let node_bytes = |values: u64| values * nodes as u64 * 4;

@@ -8,7 +8,9 @@ use crate::gpu::shaders::WORKGROUP;
 use crate::gpu::transfer::Staging;
 
 use super::batches::Batches;
+use super::elements::Kind;
 use super::gathering::{BoundGathering, Gathering};
+use super::small_cloth;
 
 /// Workgroups that stride over the nodes.
 const STRIDES: usize = 256;
@@ -32,6 +34,8 @@ pub(super) struct Operations {
     products: Pipeline,
     strides: u32,
     product_strides: u32,
+    /// The whole minimiser in one workgroup, where the fabric is small.
+    small: Option<Pipeline>,
     /// Sizes, as constants of the shaders.
     constants: Vec<(String, f64)>,
 }
@@ -40,7 +44,7 @@ impl Operations {
     /// Builds the pipelines.
     pub fn new(
         device: &Device,
-        nodes: usize,
+        (nodes, kinds): (usize, &[Kind]),
         constants: &[(&str, f64)],
     ) -> Result<Self, DeviceError> {
         let groups = nodes.div_ceil(WORKGROUP as usize).max(1);
@@ -61,6 +65,7 @@ impl Operations {
             products,
             strides,
             product_strides,
+            small: small_cloth::pipeline(device, nodes, kinds, &constants)?,
             constants: constants
                 .iter()
                 .map(|(name, value)| ((*name).to_owned(), *value))
@@ -140,7 +145,13 @@ impl Workspace {
             .iter()
             .map(|(name, value)| (name.as_str(), *value))
             .collect();
-        let batches = Batches::new(device, &all, nodes, &constants, &forces)?;
+        let batches = Batches::new(
+            device,
+            &all,
+            nodes,
+            &constants,
+            (&forces, operations.small.as_ref()),
+        )?;
         Ok(Self {
             history,
             vector_slots: vector_slots as u32,
