@@ -1,5 +1,5 @@
 //! Stage `solve_cloth` on the device: the objective of `src/cpu/cloth/objective.rs`, minimised by the same L-BFGS or, in equilibria of
-//! tension-only fabric, by the same Newton's method.
+//! tension-only fabric, by the same Newton's method. In time steps with block-Jacobi the device decides between evaluations ([`super::batches`]).
 //!
 //! With p = x̂ + dt v̄ the prediction (v̄ = v̂, that of their supports at held nodes; x̂, v̂ and dt of [`crate::cpu::cloth::integration`]) and Δ = x − p, the
 //! objective is

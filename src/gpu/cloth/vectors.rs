@@ -1,4 +1,4 @@
-//! The minimiser's vectors on the device (`shaders/vectors.wgsl`): [`VectorSpace`] with one transfer to the host per trial.
+//! The minimiser's vectors on the device (`shaders/vectors.wgsl`): [`VectorSpace`] with one transfer to the host per trial, where the host decides.
 //!
 //! Linear combinations are only noted down when they are asked for; the next trial uploads them as a small program, which runs
 //! node by node before the step. Sums come back as one number per workgroup and are added on the host in `f64`, always in the
