@@ -52,7 +52,7 @@ override LINE_SEARCH_LIMIT: u32 = 1u;
 override STAGNATION_LIMIT: u32 = 1u;
 override ROUND_OFF_LIMIT: u32 = 1u;
 
-// Mirrors gpu::cloth::batches::STOPS.
+// Mirrors gpu::cloth::decisions::STOPS.
 const STARTS: u32 = 0u;
 const RUNS: u32 = 1u;
 const CONVERGED: u32 = 2u;

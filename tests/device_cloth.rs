@@ -30,9 +30,18 @@ pub fn on_device(name: &str, body: fn(&Arc<Device>)) -> Trial {
 
 /// The same on a device that solves time steps in one workgroup, whatever its kind.
 pub fn in_one_workgroup(name: &str, body: fn(&Arc<Device>)) -> Trial {
+    tuned(name, usize::MAX, body)
+}
+
+/// The same on a device that solves time steps in batches.
+pub fn in_batches(name: &str, body: fn(&Arc<Device>)) -> Trial {
+    tuned(name, 0, body)
+}
+
+fn tuned(name: &str, small_cloth_nodes: usize, body: fn(&Arc<Device>)) -> Trial {
     needs_device(name.to_owned(), move || {
         let tuning = Tuning {
-            small_cloth_nodes: Some(usize::MAX),
+            small_cloth_nodes: Some(small_cloth_nodes),
             ..Tuning::default()
         };
         if device().is_ok() {
@@ -44,7 +53,7 @@ pub fn in_one_workgroup(name: &str, body: fn(&Arc<Device>)) -> Trial {
 pub fn trials() -> Vec<Trial> {
     vec![
         on_device("device_cloth::every_kind_of_element", every_kind_of_element),
-        on_device("device_cloth::steps_of_every_kind", steps_of_every_kind),
+        in_batches("device_cloth::steps_of_every_kind", steps_of_every_kind),
         in_one_workgroup(
             "device_small_cloth::steps_of_kinds_together",
             steps_of_kinds_together,
@@ -188,7 +197,7 @@ fn probes(
     (cpu.probe((input, &settings), direction, lengths), of_device)
 }
 
-/// What stands besides the fabric in a structure of [`every_kind`].
+/// Name of a structure of [`every_kind`], itself, and whether markers act on it.
 type Kinds = (&'static str, Structure, bool);
 
 /// Membrane, springs, bending, cables (taut and slack), guides, inertia, with markers or without: each alone, then together.

@@ -20,7 +20,9 @@ use ripstop::lines::Cable;
 use ripstop::measure::catenary;
 use ripstop::solve::lbfgs::{Outcome, Stop};
 
-use crate::device_cloth::{SETTINGS, farthest, in_one_workgroup, markers, on, on_device, square};
+use crate::device_cloth::{
+    SETTINGS, farthest, in_batches, in_one_workgroup, markers, on, on_device, square,
+};
 use crate::sheets::{HOSTILE, fabric, hostile, noise};
 use crate::tolerances::device_cloth as tolerance;
 
@@ -40,7 +42,7 @@ pub fn trials() -> Vec<Trial> {
         on_device("device_cloth_steps::hanging_sheet", hanging_sheet),
         on_device("device_cloth_steps::free_fall", free_fall),
         on_device("device_cloth_steps::hostile_starts", hostile_starts),
-        on_device("device_cloth_steps::device_drives", device_drives),
+        in_batches("device_cloth_steps::device_drives", device_drives),
         in_one_workgroup("device_small_cloth::device_drives", device_drives),
         in_one_workgroup(
             "device_small_cloth::triangles_that_cut_links",

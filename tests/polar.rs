@@ -328,6 +328,16 @@ fn glider() {
         "{:?}",
         brake["speed_m_s"]
     );
+    // Both add up: the bar's speed, and a wing that the brakes turn down further, with their load.
+    let both = table("both", &["--bar", "0.4", "--brake", "0.1"]);
+    let of = |name: &str| (both[name][0], bar[name][0]);
+    assert_eq!(both["structure.wing.speed_bar.used"][0].to_string(), "0.4");
+    let (speed, alone) = of("speed_m_s");
+    assert!(speed > 1.03 * alone, "{speed} {alone}");
+    let (angle, alone) = of("angle_of_attack_deg");
+    assert!(angle < alone - 1.0, "{angle} {alone}");
+    let (load, alone) = of("row_brake_load_n");
+    assert!(load > 3.0 * alone, "{load} {alone}");
     let mass = table("mass", &["--mass", "100"]);
     assert!(
         mass["speed_m_s"][0] > 1.03 * plain,

@@ -206,7 +206,7 @@ pub mod device_cloth {
     pub const FORCE_NOISE: f64 = 1e-2;
     /// One step solved to 1e-5, over the way that the sheet moved (1.6e-7: both engines take the same iterations).
     pub const ONE_STEP: f64 = 1e-5;
-    /// Two steps solved to 1e-5 by two minimisers, over the way that the nodes moved (2e-6 on a software adapter, 1.2e-5 on an NVIDIA H100: each stops a
+    /// Two steps solved to 1e-5 by two minimisers, over the way that the nodes moved (after three steps 1.2e-5 on an NVIDIA H100: each stops a
     /// little elsewhere).
     pub const EVERY_KIND: f64 = 1e-4;
     /// One step of triangles that cut links, solved to 1e-4, over the way that the sheet moved (2e-7, and with multigrid 2e-5: each engine stops a little elsewhere).

@@ -18,10 +18,15 @@ use crate::plan::{
     steps_take_multigrid,
 };
 
-/// Nodes from which `--cloth auto` puts the fabric on a real GPU. Runs with 674 nodes take as long with either, those with some 2 700 nodes on an NVIDIA
-/// H100 six tenths of the time with fabric on the host (docs/results/2026-11-27-fabric-on-the-device.md); in between it is an estimate. On a software adapter
-/// the host is faster at every size, 25 times at 289 nodes and 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
-pub const DEVICE_CLOTH_NODES: u64 = 1_000;
+/// Nodes from which `--cloth auto` puts the fabric on a real GPU where the device decides between evaluations, in steps in air with block-Jacobi. Two canopies
+/// of 674 nodes took 0.9 and 1.2 times as long on an NVIDIA H100 as with fabric on the host, one of 2 706 nodes half as long
+/// (docs/results/2026-11-27-fabric-on-the-device.md). In between it is an estimate.
+const CLOTH_NODES_IN_AIR: u64 = 1_000;
+
+/// The same elsewhere, where the host drives the device. An evaluation of 10 201 nodes takes the host 1.1 ms and an NVIDIA H100 0.5 ms
+/// (docs/results/2026-11-26-graphics-card.md); below it is an estimate. On a software adapter the host is faster at every size, 25 times at 289 nodes and
+/// 2.4 times at 66 049 (`benches/results/device-lavapipe.json`).
+const CLOTH_NODES: u64 = 4_000;
 
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -37,7 +42,7 @@ pub(super) enum Engine {
 /// Where the fabric is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ClothChoice {
-    /// On a real GPU from 1 000 nodes on, else on the host.
+    /// On a real GPU from 1 000 nodes on, or 4 000 without air or with multigrid in steps; else on the host.
     Auto,
     /// Host memory, f64.
     Host,
@@ -185,7 +190,12 @@ impl EngineArguments {
                 true
             }
             ClothChoice::Auto => {
-                let many = nodes >= DEVICE_CLOTH_NODES;
+                let enough = if scene.air.is_some() && !steps_take_multigrid(scene) {
+                    CLOTH_NODES_IN_AIR
+                } else {
+                    CLOTH_NODES
+                };
+                let many = nodes >= enough;
                 if many && device.is_none() && engine == Engine::Auto {
                     device = Device::open(&AdapterChoice::Hardware).ok();
                 }

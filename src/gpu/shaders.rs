@@ -4,7 +4,7 @@
 //! times, switches) are pipeline constants; what changes during a run is a struct of parameters, declared once here for Rust
 //! (by the macro `parameters!`) and once in WGSL. A test without any device compares the two, field by field.
 
-/// Threads of a workgroup of every compute shader but `collide_stream` ([`crate::gpu::Tuning`]), along x.
+/// Threads of a workgroup of every compute shader but `collide_stream` ([`crate::gpu::Tuning`]) and `small_cloth`, along x.
 pub const WORKGROUP: u32 = 64;
 
 /// A shader: its parts in order.

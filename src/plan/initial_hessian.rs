@@ -10,7 +10,8 @@ use crate::solve::InitialHessian;
 /// Inertia holds the nodes in short steps, and block-Jacobi needs few evaluations, each a third as dear; in long steps its evaluations
 /// grow with the elements that one step couples, those of multigrid hardly. Measured (`cargo bench --bench cloth -- step`): the two
 /// meet between 5 and 20 elements, over meshes of 25² to 100² cells, a hundredfold in stiffness, and springs or tension-only membrane.
-/// Devices take the same: a cycle adds some 45 dispatches to the 9 and the one round trip of an evaluation, which makes it three to four times as dear, too.
+/// Devices take the same: a cycle adds some 45 dispatches to the 9 of an evaluation, and a round trip that block-Jacobi does without. Where the two meet there
+/// has not been measured since.
 const ELEMENTS_CROSSED: f64 = 10.0;
 
 /// Elements that a stretching wave crosses in one implicit step; `None` without fabric or time steps.

@@ -73,10 +73,10 @@ pub(super) fn summarise(
             cost.evaluations as f64 / cost.solves as f64
         ));
     }
-    let left_to_host = simulation.solves_left_to_host();
-    if left_to_host > 0 {
+    if cost.left_to_host > 0 {
         details.push(format!(
-            "fabric: {left_to_host} solves that the device did not end were done on the host"
+            "fabric: {} solves that the device did not end were done on the host",
+            cost.left_to_host
         ));
     }
     if let (Some(adaptive), Some(time)) = (simulation.adaptive(), scene.time) {

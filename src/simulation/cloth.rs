@@ -25,10 +25,9 @@ impl Simulation {
         }
     }
 
-    /// Solves of the fabric that a device did not end, and the host took over.
-    #[must_use]
-    pub const fn solves_left_to_host(&self) -> u64 {
-        self.cloth_engine.left_to_host()
+    /// A device leaves no solve of the fabric to the host, solved or not: for a benchmark of the device.
+    pub fn leave_nothing_to_host(&mut self) {
+        self.cloth_engine.keep_all();
     }
 
     /// True if the fabric is solved in this step: after release, in every step or where a span of several begins.
@@ -126,7 +125,7 @@ impl Simulation {
         let solved = self.with_fabric(|engine, cloth, input, settings| {
             engine.solve_cloth(cloth, input, settings)
         });
-        self.judge(solved)?;
+        self.judge(solved.transpose()?.flatten())?;
         if on_device {
             return Ok(());
         }
@@ -139,8 +138,12 @@ impl Simulation {
             return Ok(());
         }
         let before = self.before();
-        self.with_fabric(|engine, cloth, input, _| engine.fetch_nodes(cloth, input))
-            .unwrap_or(Ok(()))?;
+        let left = self.with_fabric(|engine, cloth, input, settings| {
+            engine.fetch_nodes(cloth, input, settings)
+        });
+        let left = left.transpose()?.flatten();
+        self.cost.left_to_host += u64::from(left.is_some());
+        self.judge(left)?;
         self.end_solve(before)
     }
 
@@ -161,7 +164,9 @@ impl Simulation {
                 let solved = self.with_fabric(|engine, cloth, input, settings| {
                     engine.solve(cloth, input, settings)
                 });
-                self.judge(solved)?;
+                let solved = solved.transpose()?;
+                self.cost.left_to_host += u64::from(solved.is_some_and(|s| s.left_to_host));
+                self.judge(solved.map(|solved| solved.outcome))?;
             }
             self.add_energy(self.every());
             self.end_span(&before);
@@ -191,8 +196,7 @@ impl Simulation {
     }
 
     /// Counts a solve, and ends the run where it is not finite.
-    fn judge(&mut self, solved: Option<Result<Outcome, DeviceError>>) -> Result<(), Failure> {
-        let outcome = solved.transpose()?;
+    fn judge(&mut self, outcome: Option<Outcome>) -> Result<(), Failure> {
         if let Some(outcome) = &outcome {
             self.count(outcome);
         }
@@ -240,7 +244,9 @@ impl Simulation {
             return Err(Failure::Start("there is no fabric to solve".to_owned()));
         };
         let contact = cloth.contact_time();
-        let outcome = self.cloth_engine.solve(cloth, &input, &settings)?;
+        let solved = self.cloth_engine.solve(cloth, &input, &settings)?;
+        self.cost.left_to_host += u64::from(solved.left_to_host);
+        let outcome = solved.outcome;
         self.cost.contact += cloth.contact_time().saturating_sub(contact);
         self.count(&outcome);
         Ok(outcome)

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::air::needed;
+use crate::cpu::cloth::driver::STEP_PATIENCE;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::gpu::{self, Device, DeviceError};
 use crate::plan::ClothPlacement;
@@ -21,39 +22,57 @@ pub enum ClothEngine {
 #[derive(Debug)]
 pub struct OnDevice {
     cloth: gpu::cloth::Cloth,
-    /// True if the host solved the present step.
-    solved_by_host: bool,
-    /// Solves that the host took over.
-    left_to_host: u64,
+    /// What the device did of the present step, where it left it.
+    left: Option<Outcome>,
+    /// True if it leaves nothing.
+    keeps_all: bool,
 }
 
 impl OnDevice {
+    /// `None` where the solve is left to the host.
     fn solve_cloth(
+        &mut self,
+        cloth: &Cloth,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<Option<Outcome>, DeviceError> {
+        let leaves = input.time_step_s.is_some() && !self.keeps_all;
+        let limit = if leaves { STEP_PATIENCE } else { usize::MAX };
+        let settings = SolverSettings {
+            evaluation_limit: settings.evaluation_limit.min(limit),
+            ..*settings
+        };
+        let outcome = self.cloth.solve_cloth(&cloth.structure, input, &settings)?;
+        self.left = (leaves && !outcome.stop.reached()).then_some(outcome);
+        Ok(self.left.is_none().then_some(outcome))
+    }
+
+    /// Takes the solution, or solves what was left; then what both did.
+    fn fetch_nodes(
         &mut self,
         cloth: &mut Cloth,
         input: &StepInput,
         settings: &SolverSettings,
-    ) -> Result<Outcome, DeviceError> {
-        let outcome = self.cloth.solve_cloth(&cloth.structure, input, settings)?;
-        self.solved_by_host = input.time_step_s.is_some() && !outcome.stop.reached();
-        if !self.solved_by_host {
-            return Ok(outcome);
-        }
-        self.left_to_host += 1;
+    ) -> Result<Option<Outcome>, DeviceError> {
+        let Some(left) = self.left.take() else {
+            self.cloth.fetch_nodes(cloth, input)?;
+            return Ok(None);
+        };
         let by_host = cloth.solve_cloth(input, settings);
-        Ok(Outcome {
-            iterations: outcome.iterations + by_host.iterations,
-            evaluations: outcome.evaluations + by_host.evaluations,
+        Ok(Some(Outcome {
+            iterations: left.iterations + by_host.iterations,
+            evaluations: left.evaluations + by_host.evaluations,
             ..by_host
-        })
+        }))
     }
+}
 
-    fn fetch_nodes(&mut self, cloth: &mut Cloth, input: &StepInput) -> Result<(), DeviceError> {
-        if self.solved_by_host {
-            return Ok(());
-        }
-        self.cloth.fetch_nodes(cloth, input)
-    }
+/// A solve with its transfers.
+#[derive(Debug, Clone, Copy)]
+pub struct Solved {
+    pub outcome: Outcome,
+    /// True if a device left it to the host.
+    pub left_to_host: bool,
 }
 
 impl ClothEngine {
@@ -76,18 +95,17 @@ impl ClothEngine {
                 };
                 Ok(Self::Device(Box::new(OnDevice {
                     cloth: engine,
-                    solved_by_host: false,
-                    left_to_host: 0,
+                    left: None,
+                    keeps_all: false,
                 })))
             }
         }
     }
 
-    /// Solves that a device left unsolved, and the host took over.
-    pub(super) const fn left_to_host(&self) -> u64 {
-        match self {
-            Self::Host => 0,
-            Self::Device(engine) => engine.left_to_host,
+    /// A device that leaves nothing to the host, for a benchmark.
+    pub(super) fn keep_all(&mut self) {
+        if let Self::Device(engine) = self {
+            engine.keeps_all = true;
         }
     }
 
@@ -109,28 +127,29 @@ impl ClothEngine {
         }
     }
 
-    /// Stage `solve_cloth`; on a device on what was sent, and the solution stays there unless the host took over.
+    /// Stage `solve_cloth`; on a device on what was sent, and the solution stays there. `None` where it is left to the host, until [`Self::fetch_nodes`].
     pub(super) fn solve_cloth(
         &mut self,
         cloth: &mut Cloth,
         input: &StepInput,
         settings: &SolverSettings,
-    ) -> Result<Outcome, DeviceError> {
+    ) -> Result<Option<Outcome>, DeviceError> {
         match self {
-            Self::Host => Ok(cloth.solve_cloth(input, settings)),
+            Self::Host => Ok(Some(cloth.solve_cloth(input, settings))),
             Self::Device(engine) => engine.solve_cloth(cloth, input, settings),
         }
     }
 
-    /// Stage `fetch_nodes`.
+    /// Stage `fetch_nodes`; the outcome of a solve that was left to the host.
     pub(super) fn fetch_nodes(
         &mut self,
         cloth: &mut Cloth,
         input: &StepInput,
-    ) -> Result<(), DeviceError> {
+        settings: &SolverSettings,
+    ) -> Result<Option<Outcome>, DeviceError> {
         match self {
-            Self::Host => Ok(()),
-            Self::Device(engine) => engine.fetch_nodes(cloth, input),
+            Self::Host => Ok(None),
+            Self::Device(engine) => engine.fetch_nodes(cloth, input, settings),
         }
     }
 
@@ -140,16 +159,17 @@ impl ClothEngine {
         cloth: &mut Cloth,
         input: &StepInput,
         settings: &SolverSettings,
-    ) -> Result<Outcome, DeviceError> {
-        match self {
-            Self::Host => Ok(cloth.solve_cloth(input, settings)),
-            Self::Device(engine) => {
-                engine.cloth.send_nodes(cloth, input, settings)?;
-                let outcome = engine.solve_cloth(cloth, input, settings)?;
-                engine.fetch_nodes(cloth, input)?;
-                Ok(outcome)
-            }
-        }
+    ) -> Result<Solved, DeviceError> {
+        self.send_nodes(cloth, input, settings)?;
+        let solved = self.solve_cloth(cloth, input, settings)?;
+        let left = self.fetch_nodes(cloth, input, settings)?;
+        let outcome = solved.or(left).ok_or_else(|| {
+            DeviceError::Command("a solve of the fabric has no outcome".to_owned())
+        })?;
+        Ok(Solved {
+            outcome,
+            left_to_host: left.is_some(),
+        })
     }
 
     /// All three, driven by the host. `watch` is told of every iteration and may end it.

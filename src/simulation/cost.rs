@@ -26,6 +26,8 @@ pub struct Cost {
     pub unconverged: u64,
     /// Solves.
     pub solves: u64,
+    /// Those that a device left to the host.
+    pub left_to_host: u64,
     /// The static equilibrium at the end, apart from the steps.
     pub equilibrium: Duration,
     /// Cell updates in the steps whose stages were timed, as many in each as on the mean.

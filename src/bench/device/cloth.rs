@@ -141,6 +141,7 @@ fn one(
     };
     let on_device = place == ClothPlacement::Device;
     let mut simulation = Simulation::new(case.scene.clone(), plan, Some(Arc::clone(device)))?;
+    simulation.leave_nothing_to_host();
     if let Problem::Steps { .. } = problem {
         // What is compiled at its first use is not timed.
         simulation.advance()?;

@@ -31,8 +31,8 @@ pub fn newton_pays(structure: &Structure, input: &StepInput, kind: InitialHessia
 const MEMBRANE_PATIENCE: usize = 60;
 const SPRING_PATIENCE: usize = 400;
 
-/// The same of a time step: as long as factorisations take.
-const STEP_PATIENCE: usize = 300;
+/// The same of a time step: as long as factorisations take. A device leaves a step to the host after as many.
+pub const STEP_PATIENCE: usize = 300;
 
 /// Evaluations of a step of slack fabric with L-BFGS, over the square of the elements that a stretching wave crosses in the time that its velocities count from
 /// (docs/results/2026-11-26-motion-of-fabric.md).

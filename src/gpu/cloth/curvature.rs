@@ -6,7 +6,8 @@ use crate::solve::newton::{Curvature, Trial};
 
 use super::parameters::ClothStage;
 use super::points::PointSlot;
-use super::vectors::{ENERGY, NONE, Slot, Space, incomplete};
+use super::slots::{ENERGY, NONE};
+use super::vectors::{Slot, Space, incomplete};
 
 impl Space<'_> {
     /// Writes what `record` makes of a vector, and brings back the product of the two.

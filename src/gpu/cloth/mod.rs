@@ -6,7 +6,9 @@
 //! | `gathering` | nodal forces and initial Hessian: elements first, then nodes |
 //! | `stiffness` | the whole Hessian, for multigrid; absent until a solve asks for it |
 //! | `vectors` | the vector space that the minimisers work in |
-//! | `batches` | the minimiser of time steps, decided on the device |
+//! | `decisions` | what decides on the device between two evaluations |
+//! | `batches` | the minimiser of time steps that it decides |
+//! | `slots` | numbers of vectors and points |
 //! | `small_cloth` | the same for small fabric, in one workgroup |
 //! | `curvature` | what Newton's method asks of it besides |
 //! | `workspace` | its buffers and pipelines |
@@ -24,10 +26,12 @@
 
 mod batches;
 mod curvature;
+mod decisions;
 mod elements;
 mod gathering;
 pub mod parameters;
 mod points;
+mod slots;
 mod small_cloth;
 mod solve_cloth;
 mod stiffness;
@@ -54,8 +58,8 @@ use elements::{CUT_WORDS, Elements, Triangles, split};
 use gathering::Gathering;
 use parameters::ClothStage;
 use points::PointSlot;
+use slots::POINTS;
 use stiffness::Stiffness;
-use vectors::POINTS;
 use workspace::{Operations, Workspace};
 
 /// A structure on the device.
@@ -83,6 +87,8 @@ pub struct Cloth {
     constant_j: f64,
     /// Where the last solve ended, until it is fetched.
     solution: Option<Solution>,
+    /// True if the masses on the device hold drag of nodes.
+    drags: bool,
     /// Evaluations that the next solve is expected to take.
     expected_evaluations: usize,
     /// What positions on the device could not hold of it [m]; empty where they could.
@@ -279,6 +285,7 @@ impl Cloth {
             stage: ClothStage::default(),
             constant_j: 0.0,
             solution: None,
+            drags: false,
             expected_evaluations: 0,
             remainder: Vec::new(),
             staging,

@@ -9,9 +9,9 @@ use crate::gpu::error::DeviceError;
 use crate::gpu::pipeline::Pipeline;
 use crate::gpu::shaders::{self, WORKGROUP};
 
-use super::batches::decisions;
+use super::decisions::constants_of_the_host;
 use super::elements::Kind;
-use super::vectors::DRIVE;
+use super::slots::DRIVE;
 
 /// Nodes of the largest fabric that is solved so on a graphics device (docs/results/2026-11-27-fabric-on-the-device.md).
 const NODES: usize = 2500;
@@ -22,9 +22,9 @@ const TRIALS: u32 = 128;
 /// The same on software adapters: Mesa's ends every loop of a thread that has gone round 65 535 times, all its loops counted together.
 const TRIALS_OF_SOFTWARE: u32 = 8;
 /// Buffers of a structure without elements.
-const BUFFERS: usize = 18;
+const BUFFERS: usize = 16;
 /// Buffers of a kind of elements at most.
-const BUFFERS_OF_KIND: usize = 2;
+const BUFFERS_OF_KIND: usize = 3;
 
 /// The pipeline for a structure of these kinds of elements; `None` where batches are faster, or the device cannot hold all buffers at once.
 pub(super) fn pipeline(
@@ -46,7 +46,7 @@ pub(super) fn pipeline(
     }
     let threads = (THREADS.min(device.thread_limit()) + 1).next_power_of_two() / 2;
     let mut constants = constants.to_vec();
-    constants.extend(decisions());
+    constants.extend(constants_of_the_host());
     constants.extend([
         ("SMALL_WORKGROUP", f64::from(threads.max(WORKGROUP))),
         ("TRIALS", f64::from(trials)),
@@ -54,8 +54,12 @@ pub(super) fn pipeline(
     ]);
     let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
     let shader = (shaders::SMALL_CLOTH.name, source(&names));
-    let [pipeline] = device.pipelines_of(shader, ["solve_small_cloth"], &constants)?;
-    Ok(Some(pipeline))
+    match device.pipelines_of(shader, ["solve_small_cloth"], &constants) {
+        Ok([pipeline]) => Ok(Some(pipeline)),
+        // A driver that cannot compile it still has batches.
+        Err(DeviceError::Pipeline { .. }) => Ok(None),
+        Err(other) => Err(other),
+    }
 }
 
 /// The shader with these kinds of elements alone.

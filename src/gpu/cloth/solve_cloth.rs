@@ -25,12 +25,14 @@ use crate::solve::lbfgs::{self, Options, Outcome, Stop, Watch};
 use crate::solve::newton;
 use crate::solve::{Landing, Step, VectorSpace};
 
-use super::batches::{LONGEST_HISTORY, expected_next};
+use super::batches::expected_next;
+use super::decisions::LONGEST_HISTORY;
 use super::elements::{CUT_WORDS, damped_cables, joined, split};
 use super::parameters::ClothStage;
 use super::points::PointSlot;
 use super::points::Points;
-use super::vectors::{DRIVE, MultigridHessian, Space};
+use super::slots::DRIVE;
+use super::vectors::{MultigridHessian, Space};
 use super::workspace::Workspace;
 use super::{Cloth, Solution};
 
@@ -64,7 +66,7 @@ impl Cloth {
             && settings.refresh_every.is_none()
             && settings.history <= LONGEST_HISTORY;
         if !by_device {
-            return self.solve_by_host(structure, input, settings, &mut |_| true);
+            return self.solve_driven_by_host(structure, input, settings, &mut |_| true);
         }
         let options = device_options(structure, input, settings);
         let mut space = self.space(self.constant_j, settings.initial_hessian)?;
@@ -80,7 +82,7 @@ impl Cloth {
     }
 
     /// The same, driven by the host; the solution stays on the device.
-    fn solve_by_host(
+    fn solve_driven_by_host(
         &mut self,
         structure: &Structure,
         input: &StepInput,
@@ -156,7 +158,7 @@ impl Cloth {
         watch: Watch,
     ) -> Result<Outcome, DeviceError> {
         self.send_nodes(state, input, settings)?;
-        let outcome = self.solve_by_host(&state.structure, input, settings, watch)?;
+        let outcome = self.solve_driven_by_host(&state.structure, input, settings, watch)?;
         self.fetch_nodes(state, input)?;
         Ok(outcome)
     }
@@ -326,7 +328,8 @@ impl Cloth {
                 loads[node] -= velocity(node) * damping;
             }
         }
-        if let (Some(dt), false) = (input.time_step_s, input.drags.is_empty()) {
+        if let (Some(dt), true) = (input.time_step_s, self.drags || !input.drags.is_empty()) {
+            self.drags = !input.drags.is_empty();
             // ½ dt c |v − u|² with v = Δ/dt + v̄ is inertia of a mass c/dt over (1/dt² + β/dt), a load, and a constant.
             let mut masses = structure.masses_kg.clone();
             for drag in input.drags {

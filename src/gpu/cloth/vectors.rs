@@ -15,22 +15,9 @@ use crate::solve::{Attempt, Landing, Refreshed, Start, Step, VectorSpace};
 use super::gathering::BoundGathering;
 use super::parameters::ClothStage;
 use super::points::{PointSlot, Points};
+use super::slots::{DRIVE, DRIVE_STEP, ENERGY, FIRST_FREE, NONE, POINTS, ROUND_OFF};
 use super::stiffness::Stiffness;
-use super::workspace::{ENTRY, FIRST_FREE, HEADER, Workspace};
-
-/// In place of a slot: none.
-pub(super) const NONE: u32 = u32::MAX;
-/// In place of a slot: the energies.
-pub(super) const ENERGY: u32 = u32::MAX - 1;
-/// Error of the energy by round-off, over the sum of its parts' magnitudes: a few roundings of 6e-8 per part.
-pub(super) const ROUND_OFF: f64 = 1e-6;
-
-/// Slot of the loads that set the scale of the tolerance.
-pub(super) const DRIVE: u32 = 0;
-/// Slot of H₀ times these.
-pub(super) const DRIVE_STEP: u32 = 1;
-/// Present point and trial.
-pub(super) const POINTS: u64 = 2;
+use super::workspace::{ENTRY, HEADER, Workspace};
 
 /// A vector on the device.
 #[derive(Debug)]

@@ -7,9 +7,10 @@ use crate::gpu::shaders;
 use crate::gpu::shaders::WORKGROUP;
 use crate::gpu::transfer::Staging;
 
-use super::batches::Batches;
+use super::decisions::{DecisionPipelines, Decisions};
 use super::elements::Kind;
 use super::gathering::{BoundGathering, Gathering};
+use super::slots::FIRST_FREE;
 use super::small_cloth;
 
 /// Workgroups that stride over the nodes.
@@ -22,8 +23,6 @@ const NODES_PER_THREAD: usize = 4;
 pub(super) const HEADER: usize = 4;
 /// Words of one workgroup in one row of a report.
 pub(super) const ENTRY: usize = 4;
-/// First slot of vectors that is not taken by the loads.
-pub(super) const FIRST_FREE: u32 = 2;
 
 /// Pipelines of the bulk operations.
 #[derive(Debug)]
@@ -34,10 +33,7 @@ pub(super) struct Operations {
     products: Pipeline,
     strides: u32,
     product_strides: u32,
-    /// The whole minimiser in one workgroup, where the fabric is small.
-    small: Option<Pipeline>,
-    /// Sizes, as constants of the shaders.
-    constants: Vec<(String, f64)>,
+    decisions: DecisionPipelines,
 }
 
 impl Operations {
@@ -58,6 +54,7 @@ impl Operations {
             ["combine", "advance", "precondition", "products"],
             &constants,
         )?;
+        let small = small_cloth::pipeline(device, nodes, kinds, &constants)?;
         Ok(Self {
             combine,
             advance,
@@ -65,11 +62,7 @@ impl Operations {
             products,
             strides,
             product_strides,
-            small: small_cloth::pipeline(device, nodes, kinds, &constants)?,
-            constants: constants
-                .iter()
-                .map(|(name, value)| ((*name).to_owned(), *value))
-                .collect(),
+            decisions: DecisionPipelines::new(device, small, &constants)?,
         })
     }
 }
@@ -98,7 +91,7 @@ pub(super) struct Workspace {
     pub blocks: BoundGathering,
     pub strides: u32,
     pub product_strides: u32,
-    pub batches: Batches,
+    pub decisions: Decisions,
 }
 
 /// Vectors kept for `history` pairs.
@@ -140,18 +133,8 @@ impl Workspace {
             ("report", &report),
         ]);
         let forces = forces.bind(device, &all)?;
-        let constants: Vec<(&str, f64)> = operations
-            .constants
-            .iter()
-            .map(|(name, value)| (name.as_str(), *value))
-            .collect();
-        let batches = Batches::new(
-            device,
-            &all,
-            nodes,
-            &constants,
-            (&forces, operations.small.as_ref()),
-        )?;
+        let sizes = (nodes, forces.len());
+        let decisions = Decisions::new(device, &operations.decisions, &all, sizes)?;
         Ok(Self {
             history,
             vector_slots: vector_slots as u32,
@@ -164,7 +147,7 @@ impl Workspace {
             products: device.bind(&operations.products, &all)?,
             forces,
             blocks: blocks.bind(device, &all)?,
-            batches,
+            decisions,
             strides: operations.strides,
             product_strides: operations.product_strides,
             vectors,

@@ -103,7 +103,8 @@ impl Session<'_> {
             }
             None => sheet.cloth.solve_cloth_watched(input, settings, &mut go_on),
         };
-        if outcome.stop == crate::solve::lbfgs::Stop::Interrupted {
+        let interrupted = self.interrupt.load(std::sync::atomic::Ordering::Relaxed);
+        if interrupted || outcome.stop == crate::solve::lbfgs::Stop::Interrupted {
             return Err(Stop::Interrupted);
         }
         Ok(outcome)

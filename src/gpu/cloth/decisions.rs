@@ -1,0 +1,192 @@
+//! What decides on the device between two evaluations, with its buffers (`shaders/minimiser.wgsl`), and what comes back of a solve.
+
+use glam::DVec3;
+
+use crate::gpu::commands::Commands;
+use crate::gpu::device::Device;
+use crate::gpu::error::DeviceError;
+use crate::gpu::pipeline::{Bound, Pipeline};
+use crate::gpu::shaders;
+use crate::gpu::transfer::Staging;
+use crate::solve::lbfgs::{
+    ARMIJO, LEAST_CURVATURE, LINE_SEARCH_LIMIT, OUT_OF_BALANCE, PROGRESS, RETREAT, ROUND_OFF_LIMIT,
+    SHORTER, STAGNATION_LIMIT, Stop, WOLFE,
+};
+
+use super::elements::joined;
+use super::parameters::Minimiser;
+use super::slots::{FIRST_FREE, ROUND_OFF};
+
+/// Longest history that the device has room for.
+pub(super) const LONGEST_HISTORY: usize = 8;
+/// Dot products of so many pairs and one more, what a direction is made of, and linear combinations before the next trial.
+const GRAM_WORDS: usize = 216 + 52;
+/// Why the minimiser ended, by its status; the first two have it go on.
+const STOPS: [Option<Stop>; 8] = [
+    None,
+    None,
+    Some(Stop::Converged),
+    Some(Stop::RoundOff),
+    Some(Stop::Stalled),
+    Some(Stop::LimitReached),
+    Some(Stop::NotFinite),
+    Some(Stop::Indefinite),
+];
+/// Words of a node in what comes back: whole numbers and remainders of its position, H₀ g.
+const NODE_WORDS: usize = 9;
+/// Dispatches of a trial whose workgroups come before those of the elements: along vectors, products.
+pub(super) const ALONG_VECTORS: usize = 0;
+pub(super) const PRODUCTS: usize = 1;
+pub(super) const FIRST_ELEMENT: usize = 2;
+
+/// Pipelines of what decides; `small` is the whole minimiser in one workgroup, where the fabric is small.
+#[derive(Debug)]
+pub(super) struct DecisionPipelines {
+    decide: Pipeline,
+    deliver: Pipeline,
+    small: Option<Pipeline>,
+}
+
+impl DecisionPipelines {
+    /// Builds the first two.
+    pub fn new(
+        device: &Device,
+        small: Option<Pipeline>,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, DeviceError> {
+        let mut all = constants.to_vec();
+        all.extend(constants_of_the_host());
+        let [decide, deliver] =
+            device.pipelines(&shaders::MINIMISE, ["decide", "deliver"], &all)?;
+        Ok(Self {
+            decide,
+            deliver,
+            small,
+        })
+    }
+}
+
+/// What decides on the device.
+#[derive(Debug)]
+pub(super) struct Decisions {
+    pub minimiser: wgpu::Buffer,
+    pub workgroups: wgpu::Buffer,
+    delivered: wgpu::Buffer,
+    staging: Staging,
+    pub decide: Bound,
+    pub deliver: Bound,
+    /// The whole minimiser in one workgroup, where the fabric is small.
+    pub small: Option<Bound>,
+    pub nodes: usize,
+}
+
+/// What the shaders that decide know of the host's minimiser.
+pub(super) fn constants_of_the_host() -> [(&'static str, f64); 13] {
+    [
+        ("FIRST_FREE", f64::from(FIRST_FREE)),
+        ("ROUND_OFF", ROUND_OFF),
+        ("OUT_OF_BALANCE", OUT_OF_BALANCE),
+        ("ARMIJO", ARMIJO),
+        ("WOLFE", WOLFE),
+        ("RETREAT", RETREAT),
+        ("SHORTEST", SHORTER[0]),
+        ("SHORTENED", SHORTER[1]),
+        ("LEAST_CURVATURE", LEAST_CURVATURE),
+        ("PROGRESS", PROGRESS),
+        ("LINE_SEARCH_LIMIT", LINE_SEARCH_LIMIT as f64),
+        ("STAGNATION_LIMIT", STAGNATION_LIMIT as f64),
+        ("ROUND_OFF_LIMIT", ROUND_OFF_LIMIT as f64),
+    ]
+}
+
+/// What comes back after a batch.
+#[derive(Debug, Default)]
+pub(super) struct Brought {
+    pub state: Minimiser,
+    /// Positions of the nodes once the minimiser has ended [m].
+    pub positions_m: Vec<DVec3>,
+    /// H₀ g of the nodes, then [m].
+    pub preconditioned: Vec<[f32; 3]>,
+}
+
+/// Why the minimiser ended; `None` while it runs.
+pub(super) fn stop(state: &Minimiser) -> Option<Stop> {
+    STOPS.get(state.status as usize).copied().flatten()
+}
+
+impl Decisions {
+    /// Of a structure with `buffers`, those of its workspace among them, whose forces take so many dispatches.
+    pub fn new(
+        device: &Device,
+        pipelines: &DecisionPipelines,
+        buffers: &[(&str, &wgpu::Buffer)],
+        (nodes, dispatches): (usize, usize),
+    ) -> Result<Self, DeviceError> {
+        let state_bytes = size_of::<Minimiser>() as u64;
+        let node_bytes = (4 * NODE_WORDS * nodes) as u64;
+        let minimiser = device.storage("cloth minimiser", state_bytes)?;
+        let gram = device.storage("cloth gram matrix", 4 * GRAM_WORDS as u64)?;
+        let workgroups = device.buffer(
+            "cloth workgroups",
+            (12 * (FIRST_ELEMENT + dispatches)) as u64,
+            wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::INDIRECT
+                | wgpu::BufferUsages::COPY_DST,
+        )?;
+        let delivered = device.storage("cloth delivered", node_bytes)?;
+        let mut all = buffers.to_vec();
+        let stage = buffers.iter().filter(|(name, _)| *name == "stage");
+        all.extend(stage.map(|(_, buffer)| ("next_stage", *buffer)));
+        all.extend([
+            ("minimiser", &minimiser),
+            ("gram_between", &gram),
+            ("workgroups", &workgroups),
+            ("delivered", &delivered),
+        ]);
+        let small = pipelines.small.as_ref();
+        Ok(Self {
+            staging: Staging::new(device, state_bytes + node_bytes)?,
+            decide: device.bind(&pipelines.decide, &all)?,
+            deliver: device.bind(&pipelines.deliver, &all)?,
+            small: small.map(|small| device.bind(small, &all)).transpose()?,
+            minimiser,
+            workgroups,
+            delivered,
+            nodes,
+        })
+    }
+
+    /// Records where the minimiser stands, to be read.
+    pub fn bring_back(&self, commands: &mut Commands) {
+        let state_bytes = size_of::<Minimiser>() as u64;
+        let node_bytes = (4 * NODE_WORDS * self.nodes) as u64;
+        self.staging
+            .copy(commands, &self.minimiser, 0, 0, state_bytes);
+        self.staging
+            .copy(commands, &self.delivered, 0, state_bytes, node_bytes);
+    }
+
+    /// Waits for what was brought back.
+    pub fn read(&self, device: &Device) -> Result<Brought, DeviceError> {
+        let mut found = Brought::default();
+        self.staging.read(device, |bytes| {
+            let (state, nodes) = bytes.split_at(size_of::<Minimiser>());
+            found.state = bytemuck::pod_read_unaligned(state);
+            if stop(&found.state).is_none() {
+                return;
+            }
+            let words: Vec<[u32; NODE_WORDS]> =
+                bytemuck::pod_collect_to_vec(&nodes[..4 * NODE_WORDS * self.nodes]);
+            let position = |node: &[u32; NODE_WORDS]| {
+                let axis = |a: usize| joined(node[a].cast_signed(), f32::from_bits(node[3 + a]));
+                DVec3::new(axis(0), axis(1), axis(2))
+            };
+            found.positions_m = words.iter().map(position).collect();
+            found.preconditioned = words
+                .iter()
+                .map(|node| [6, 7, 8].map(|word: usize| f32::from_bits(node[word])))
+                .collect();
+        })?;
+        Ok(found)
+    }
+}
