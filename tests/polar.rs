@@ -27,14 +27,13 @@ const TAPERED: &str = "cases/tapered-wing.toml";
 
 /// Columns of a CSV file by their names; empty fields are NaN.
 fn columns(path: &Path) -> BTreeMap<String, Vec<f64>> {
-    let text = std::fs::read_to_string(path).unwrap();
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let names = reader.headers().unwrap().clone();
     let mut columns = BTreeMap::new();
-    for line in lines {
-        for (name, field) in names.iter().zip(line.split(',')) {
+    for line in reader.records() {
+        for (name, field) in names.iter().zip(&line.unwrap()) {
             let value = field.parse().unwrap_or(f64::NAN);
-            let column: &mut Vec<f64> = columns.entry((*name).to_owned()).or_default();
+            let column: &mut Vec<f64> = columns.entry(name.to_owned()).or_default();
             column.push(value);
         }
     }
