@@ -107,7 +107,7 @@ fn pair_slot(i: u32) -> u32 {
     return FIRST_FREE + 5u + 3u * u32(gram[ORDER + i]);
 }
 
-// Longest displacement of a row [m]; as large as no displacement is where it is not finite.
+// Longest displacement of a row [m]; the largest number where it is not finite.
 fn longest(row: u32) -> f32 {
     let square = bitcast<f32>(longest_bits[row]);
     if is_finite(square) {
@@ -186,7 +186,7 @@ fn lay_out_trial() {
         add_term(state.direction_scale * gram[ALPHA + i], pair_slot(i) + 2u);
         add_term(-gram[GAIN + i], pair_slot(i));
     }
-    // Gradients change places between slots 0 and 3, H₀ times them between 1 and 4.
+    // Gradients change places between slots FIRST_FREE and FIRST_FREE + 3, H₀ times them between the slots behind these.
     stage.start = state.point;
     stage.point = 1u - state.point;
     stage.direction = direction;
@@ -277,7 +277,7 @@ fn forget_oldest() {
     }
 }
 
-// Keeps the pair of an accepted stage.
+// Keeps the pair of an accepted trial.
 fn keep_pair(length: f32) {
     let m = state.pairs;
     for (var i = 0u; i < m; i++) {

@@ -22,10 +22,13 @@ const TAUT: f64 = 4.5;
 /// Evaluations per square of the elements crossed of fabric that is folded or hangs loose.
 const SLACK: f64 = 0.3;
 
-/// Elements crossed from which slack fabric on the host is stiffened step by step, which takes about so many evaluations whatever the step
+/// Elements crossed from which slack fabric is stiffened step by step on the host, which takes about so many evaluations whatever the step
 /// (`src/cpu/cloth/driver.rs`; 7, 33 and 72 measured at 39, 59 and 117 elements).
 const STIFFENED_FROM: f64 = 34.0;
 const STIFFENED: f64 = 25.0;
+
+/// Evaluations of a device before it leaves such a step to the host (`src/cpu/cloth/driver.rs`; 370 in all were measured where the host alone took 70).
+const BEFORE_LEAVING: f64 = 300.0;
 
 /// The forecast of these may err by more.
 const STIFFENED_FACTOR: f64 = 4.0;
@@ -76,13 +79,15 @@ pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
         _ => false,
     };
     let crossed = crossed * slowing(scene);
-    let is_stiffened = slack && crossed > STIFFENED_FROM && !placement.cloth_on_device();
+    let is_stiffened = slack && crossed > STIFFENED_FROM;
     let factor = if is_stiffened {
         STIFFENED_FACTOR
     } else {
         FACTOR
     };
-    let evaluations = if is_stiffened {
+    let evaluations = if is_stiffened && placement.cloth_on_device() {
+        BEFORE_LEAVING + STIFFENED
+    } else if is_stiffened {
         STIFFENED
     } else if slack {
         AT_LEAST + SLACK * crossed * crossed
