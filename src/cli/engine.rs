@@ -15,7 +15,7 @@ use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{
     AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage, capabilities,
-    steps_take_multigrid,
+    steps_are_left_to_host, steps_take_multigrid,
 };
 
 /// Nodes from which `--cloth auto` puts the fabric on a real GPU where the device decides between evaluations, in steps in air with block-Jacobi. Two canopies
@@ -182,7 +182,7 @@ impl EngineArguments {
             .map_or(0, |body| body.structure.node_count() as u64);
         let cloth_on_device = match self.cloth {
             ClothChoice::Host => false,
-            ClothChoice::Auto if lacking.is_some() => false,
+            ClothChoice::Auto if lacking.is_some() || steps_are_left_to_host(scene) => false,
             ClothChoice::Device => {
                 if device.is_none() {
                     device = Some(Device::open(&on_request)?);

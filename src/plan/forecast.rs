@@ -27,7 +27,8 @@ const SLACK: f64 = 0.3;
 const STIFFENED_FROM: f64 = 34.0;
 const STIFFENED: f64 = 25.0;
 
-/// Evaluations of a device before it leaves such a step to the host (`src/cpu/cloth/driver.rs`; 370 in all were measured where the host alone took 70).
+/// Evaluations of a device before it leaves such a step to the host (`src/cpu/cloth/driver.rs`; 334 and 365 in all were measured where the host alone took
+/// 33 and 72).
 const BEFORE_LEAVING: f64 = 300.0;
 
 /// The forecast of these may err by more.
@@ -57,6 +58,30 @@ pub enum Evaluations {
     },
 }
 
+/// Whether the steps of slack fabric are so long that its stiffening is raised step by step, which only the host does: a device would leave them all to it.
+#[must_use]
+pub fn steps_are_left_to_host(scene: &Scene) -> bool {
+    let Some(crossed) = elements_crossed(scene) else {
+        return false;
+    };
+    scene.air.is_some() && is_slack(scene) && is_stiffened(crossed * slowing(scene))
+}
+
+fn is_stiffened(crossed: f64) -> bool {
+    crossed > STIFFENED_FROM
+}
+
+/// Whether the fabric is folded or loose when it is released.
+fn is_slack(scene: &Scene) -> bool {
+    scene.body.as_ref().is_some_and(|body| match &body.kind {
+        BodyKind::Canopy(canopy) => canopy.loading.is_some(),
+        BodyKind::Sheet => true,
+        // A flag lies along the wind.
+        BodyKind::Plate(plate) => plate.along.x.abs() > 0.5,
+        _ => false,
+    })
+}
+
 /// The forecast for a scene; `None` without fabric or without time steps.
 pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
     let body = scene.body.as_ref()?;
@@ -71,15 +96,9 @@ pub(super) fn of(scene: &Scene, placement: &Placement) -> Option<Evaluations> {
             "with contact it depends on how often fabric meets itself",
         ));
     }
-    let slack = match &body.kind {
-        BodyKind::Canopy(canopy) => canopy.loading.is_some(),
-        BodyKind::Sheet => true,
-        // A flag lies along the wind.
-        BodyKind::Plate(plate) => plate.along.x.abs() > 0.5,
-        _ => false,
-    };
+    let slack = is_slack(scene);
     let crossed = crossed * slowing(scene);
-    let is_stiffened = slack && crossed > STIFFENED_FROM;
+    let is_stiffened = slack && is_stiffened(crossed);
     let factor = if is_stiffened {
         STIFFENED_FACTOR
     } else {

@@ -25,7 +25,7 @@ pub use crate::lattice::Storage;
 pub use cadence::{MARKER_MOTION_LIMIT, structure_every};
 pub use disk::Disk;
 pub use estimate::{MemoryRefusal, Sizes, free_memory};
-pub use forecast::Evaluations;
+pub use forecast::{Evaluations, steps_are_left_to_host};
 pub use initial_hessian::{multigrid_from_s, steps_take_multigrid};
 pub use meshes::report as mesh_report;
 pub use phases::{Phase, phases};
