@@ -13,7 +13,7 @@ const SMALLEST_SQUARE: f32 = 1e-30;
 
 struct EddyParameters {
     // Velocity beyond a face, factor * u + offset of the cell before it; lower and upper face along x, y, z. A factor whose w is 1
-    // stands for a periodic face.
+    // stands for a periodic face, one whose w is 2 for the face of a box, where the velocity goes on as between the last two cells.
     factors: array<vec4<f32>, 6>,
     offsets: array<vec4<f32>, 6>,
     // First cell of this dispatch, and how many at most.
@@ -32,11 +32,14 @@ fn velocity(cell: vec3<u32>) -> vec3<f32> {
     return bare_state(gather(c.x + STRIDE_Y * c.y + STRIDE_Z * c.z)).xyz;
 }
 
-// Velocity beyond a face, or of the cell at the opposite one.
-fn beyond(face: u32, at_face: vec3<f32>, opposite: vec3<u32>) -> vec3<f32> {
+// Velocity beyond a face, or of the cell at the opposite one; `next` is the cell before that at the face.
+fn beyond(face: u32, at_face: vec3<f32>, next: vec3<u32>, opposite: vec3<u32>) -> vec3<f32> {
     let factor = eddy.factors[face];
-    if factor.w != 0.0 {
+    if factor.w == 1.0 {
         return velocity(opposite);
+    }
+    if factor.w == 2.0 {
+        return at_face + (at_face - velocity(next));
     }
     return factor.xyz * at_face + eddy.offsets[face].xyz;
 }
@@ -48,12 +51,12 @@ fn difference(axis: u32, cell: vec3<u32>, place: u32, cells: u32, here: vec3<f32
     var below: vec3<f32>;
     var above: vec3<f32>;
     if place == 0u {
-        below = beyond(2u * axis, here, around + (cells - 1u) * unit);
+        below = beyond(2u * axis, here, cell + unit, around + (cells - 1u) * unit);
     } else {
         below = velocity(cell - unit);
     }
     if place == cells - 1u {
-        above = beyond(2u * axis + 1u, here, around);
+        above = beyond(2u * axis + 1u, here, cell - unit, around);
     } else {
         above = velocity(cell + unit);
     }

@@ -1,7 +1,5 @@
 // What passes between a lattice and one whose cells are half as large (src/lattice/level_state.rs: scheme and sources there).
 
-override RELAXATION_TIME: f32 = 1.0;
-
 struct LevelState {
     density_excess: f32,
     // Sum of f c, without F/2.
@@ -15,7 +13,8 @@ fn is_recursive() -> bool {
     return OPERATOR == RECURSIVE_REGULARISED || OPERATOR == STABILISED_REGULARISED;
 }
 
-fn level_state(f: Populations, force: vec3<f32>) -> LevelState {
+// `relaxation_time`: of the cell, without what its collision evaluates itself.
+fn level_state(f: Populations, force: vec3<f32>, relaxation_time: f32) -> LevelState {
     let m = moments(f);
     let density = 1.0 + m.density_excess;
     let u = (m.momentum + 0.5 * force) / density;
@@ -24,7 +23,7 @@ fn level_state(f: Populations, force: vec3<f32>) -> LevelState {
     if is_recursive() {
         normal -= (normal.x + normal.y + normal.z) / 3.0;
     }
-    var tau = RELAXATION_TIME;
+    var tau = relaxation_time;
     if EDDY {
         tau = eddy_relaxation_time(tau, normal, shear, 1.0 / density);
     }
@@ -37,10 +36,10 @@ fn level_state(f: Populations, force: vec3<f32>) -> LevelState {
     return LevelState(m.density_excess, m.momentum, factor * normal, factor * shear);
 }
 
-fn populations_with(state: LevelState, force: vec3<f32>) -> Populations {
+fn populations_with(state: LevelState, force: vec3<f32>, relaxation_time: f32) -> Populations {
     let density = 1.0 + state.density_excess;
     let u = (state.momentum + 0.5 * force) / density;
-    var tau = RELAXATION_TIME;
+    var tau = relaxation_time;
     if EDDY {
         tau += EDDY_FACTOR / 6.0 * sqrt(dot(state.normal, state.normal) + 2.0 * dot(state.shear, state.shear));
     }

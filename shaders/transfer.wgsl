@@ -1,6 +1,10 @@
 // Between a lattice and a box of finer cells in it (src/lattice/nest.rs), through a buffer of states: a shader touches the populations of one
 // lattice only. The order is restrict_states (on the fine lattice), write_band (coarse), read_source (coarse), fill_shell (fine).
 
+override RELAXATION_TIME: f32 = 1.0;
+override CELLS_X: u32 = 2u;
+override CELLS_Y: u32 = 2u;
+
 struct TransferParameters {
     // Uniform acceleration of the lattice whose populations are at hand.
     force: vec4<f32>,
@@ -16,7 +20,7 @@ struct TransferParameters {
 // Element of a cell among the populations (of the fine ones, of the first of eight), and its place among the states.
 @group(0) @binding(20) var<storage, read> transfer_cells: array<vec2<u32>>;
 // Ten numbers a cell: density excess, momentum, rate of strain.
-@group(0) @binding(21) var<storage, read_write> level_states: array<f32>;
+@group(0) @binding(22) var<storage, read_write> level_states: array<f32>;
 
 // No arrays below: an index that a loop counts up would keep them out of registers.
 
@@ -47,6 +51,18 @@ fn child_element(first: u32, child: u32) -> u32 {
     return first + (child & 1u) + ((child >> 1u) & 1u) * STRIDE_Y + (child >> 2u) * STRIDE_Z;
 }
 
+// Relaxation time of a cell, without what its collision evaluates itself.
+fn relaxation_time_at(element: u32) -> f32 {
+    let z = element / STRIDE_Z;
+    let in_plane = element % STRIDE_Z;
+    // One layer of ghosts comes first along every axis.
+    return with_eddy_viscosity(RELAXATION_TIME, vec3<u32>(in_plane % STRIDE_Y, in_plane / STRIDE_Y, z) - 1u);
+}
+
+fn state_of(element: u32) -> LevelState {
+    return level_state(gather(element), transfer.force.xyz, relaxation_time_at(element));
+}
+
 // Means of the eight fine cells of each coarse cell of the band; rates of strain are per step, and a coarse one is twice as long.
 @compute @workgroup_size(WORKGROUP)
 fn restrict_states(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
@@ -58,7 +74,7 @@ fn restrict_states(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgro
     let cell = transfer_cells[i];
     var sum = LevelState();
     for (var child = 0u; child < 8u; child++) {
-        let state = level_state(gather(child_element(cell.x, child)), transfer.force.xyz);
+        let state = state_of(child_element(cell.x, child));
         sum.density_excess += state.density_excess;
         sum.momentum += state.momentum;
         sum.normal += 2.0 * state.normal;
@@ -75,7 +91,7 @@ fn write_band(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         return;
     }
     let cell = transfer_cells[i];
-    place(cell.x, populations_with(state_at(cell.y), transfer.force.xyz));
+    place(cell.x, populations_with(state_at(cell.y), transfer.force.xyz, relaxation_time_at(cell.x)));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -86,7 +102,7 @@ fn read_source(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups)
         return;
     }
     let cell = transfer_cells[i];
-    let state = level_state(gather(cell.x), transfer.force.xyz);
+    let state = state_of(cell.x);
     set_state(cell.y, LevelState(state.density_excess, state.momentum, 0.5 * state.normal, 0.5 * state.shear));
 }
 
@@ -131,5 +147,6 @@ fn fill_shell(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) 
         vec3<f32>(child_number(f, 1u, side), child_number(f, 2u, side), child_number(f, 3u, side)),
         vec3<f32>(child_number(f, 4u, side), child_number(f, 5u, side), child_number(f, 6u, side)),
         vec3<f32>(child_number(f, 7u, side), child_number(f, 8u, side), child_number(f, 9u, side)));
-    place(child_element(cell.x, child), populations_with(state, transfer.force.xyz));
+    let element = child_element(cell.x, child);
+    place(element, populations_with(state, transfer.force.xyz, relaxation_time_at(element)));
 }

@@ -4,7 +4,8 @@ use libtest_mimic::Trial;
 use ripstop::lattice::Operator;
 use ripstop::lattice::eddy_viscosity::{EddyViscosity, GradientModel, vreman, wale};
 use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
-use ripstop::simulation::AirEngine;
+use ripstop::lattice::nest::Nest;
+use ripstop::simulation::{AirEngine, Levels};
 
 use crate::engines::{Body, Engine, needs_device, on_every_engine, on_every_storage, states};
 use crate::tolerances;
@@ -16,6 +17,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("eddy_viscosity::none_in_couette_flow", Couette),
         on_every_storage("eddy_viscosity::dissipates_vortices", Dissipation),
         on_every_engine("eddy_viscosity::evaluated_when_due", Due),
+        on_every_engine("eddy_viscosity::in_a_box_of_finer_cells", InABox),
         vec![needs_device(
             "eddy_viscosity::many_steps_at_once::gpu".to_owned(),
             many_steps_at_once,
@@ -147,25 +149,26 @@ impl Body for AtFaces {
                 -0.02 * (0.5 * phase).cos(),
             ]
         };
-        // Ends, sides, and the velocity beyond (axis, upper, velocity before the face, cell at the opposite face).
-        type Outside = fn(usize, bool, [f64; 3], [f64; 3]) -> [f64; 3];
-        let tunnel: Outside = |axis, upper, u, _| match (axis, upper) {
+        // Ends, sides, and the velocity beyond (axis, upper, velocity before the face, of the cell before that and of the one at the opposite face).
+        type Outside = fn(usize, bool, [f64; 3], [f64; 3], [f64; 3]) -> [f64; 3];
+        let tunnel: Outside = |axis, upper, u, _, _| match (axis, upper) {
             (0, false) => INLET,
             (0, true) => u,
             (1, _) => [u[0], -u[1], u[2]],
             _ => [u[0], u[1], -u[2]],
         };
-        let channel: Outside = |axis, upper, u, opposite| match (axis, upper) {
+        let channel: Outside = |axis, upper, u, _, opposite| match (axis, upper) {
             (0, _) => opposite,
             (1, false) => [-u[0], -u[1], 0.06 - u[2]],
             (1, true) => [u[0], -u[1], u[2]],
             _ => opposite,
         };
-        let vessel: Outside = |axis, upper, u, _| match (axis, upper) {
+        let vessel: Outside = |axis, upper, u, _, _| match (axis, upper) {
             (0, false) => [-u[0], u[1], u[2]],
             (0, true) => [-u[0], -u[1], 0.06 - u[2]],
             _ => u.map(|v| -v),
         };
+        let of_a_box: Outside = |_, _, u, next, _| std::array::from_fn(|b| 2.0 * u[b] - next[b]);
         let scenes = [
             (StreamwiseEnds::InletOutlet, Sides::FreeSlip, tunnel),
             (
@@ -177,6 +180,11 @@ impl Body for AtFaces {
                 StreamwiseEnds::Walls([Wall::FreeSlip, moving]),
                 Sides::Each([Faces::Walls([Wall::AT_REST; 2]); 2]),
                 vessel,
+            ),
+            (
+                StreamwiseEnds::Walls([Wall::OfBox; 2]),
+                Sides::Each([Faces::Walls([Wall::OfBox; 2]); 2]),
+                of_a_box,
             ),
         ];
         for (ends, sides, outside) in scenes {
@@ -200,7 +208,10 @@ impl Body for AtFaces {
                                 (false, false) => cell[a] - 1,
                             };
                             if at_face {
-                                outside(a, upper, velocity(cell), velocity(other))
+                                let mut next = cell;
+                                next[a] = if upper { cell[a] - 1 } else { cell[a] + 1 };
+                                let [here, next, opposite] = [cell, next, other].map(velocity);
+                                outside(a, upper, here, next, opposite)
                             } else {
                                 velocity(other)
                             }
@@ -216,6 +227,81 @@ impl Body for AtFaces {
                     );
                 }
             }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct InABox;
+
+impl Body for InABox {
+    /// Vortices that drift through the faces of a box: its eddy viscosity is that of finest cells throughout, up to its faces.
+    fn run(self, engine: Engine) {
+        let (cells, first) = (24, 7);
+        let nest = Nest {
+            first: [first; 3],
+            cells: [10, 11, 12],
+            spans: [false; 3],
+        };
+        // Over the length of the coarse lattice.
+        let velocity = |place: [f64; 3]| {
+            let [x, y, z] = place.map(|s| std::f64::consts::TAU * s);
+            [
+                0.06 + 0.03 * x.sin() * y.cos() * z.cos(),
+                0.02 - 0.03 * x.cos() * y.sin() * z.cos(),
+                0.02 * (x + y).sin(),
+            ]
+        };
+        let of_size = |corner: usize, count: f64| {
+            move |cell: [usize; 3]| {
+                let place = cell.map(|c| ((corner + c) as f64 + 0.5) / count);
+                (0.0, velocity(place))
+            }
+        };
+        for (eddy_viscosity, _) in models() {
+            let setup = |cells: [usize; 3], relaxation_time: f64, update_every: u32| Setup {
+                relaxation_time,
+                ..periodic(
+                    cells,
+                    EddyViscosity {
+                        update_every,
+                        ..eddy_viscosity
+                    },
+                )
+            };
+            let coarse = engine.air(setup([cells; 3], 0.51, 1), &of_size(0, cells as f64));
+            let of_box = Setup {
+                ends: StreamwiseEnds::Walls([Wall::OfBox; 2]),
+                sides: Sides::Each([Faces::Walls([Wall::OfBox; 2]); 2]),
+                ..setup(nest.fine_cells(), 0.52, 2)
+            };
+            let count = 2.0 * cells as f64;
+            let fine = engine.air(of_box, &of_size(2 * first, count));
+            let mut levels = Levels::new(coarse).with(nest, Levels::new(fine)).unwrap();
+            let throughout = setup([2 * cells; 3], 0.52, 2);
+            let mut throughout = engine.air(throughout, &of_size(0, count));
+            for _ in 0..6 {
+                levels.whole_step(None).unwrap();
+            }
+            advance(&mut throughout, 12);
+            let evaluated = |air: &mut AirEngine| {
+                air.eddy_viscosity().unwrap();
+                air.eddy_viscosities().unwrap().unwrap()
+            };
+            let found = evaluated(levels.finest_mut());
+            let expected = evaluated(&mut throughout);
+            let largest = expected.iter().copied().fold(0.0, f64::max);
+            let [nx, ny, _] = nest.fine_cells();
+            let squares = found.iter().enumerate().map(|(i, found)| {
+                let [x, y, z] = [i % nx, i / nx % ny, i / nx / ny].map(|c| c + 2 * first);
+                (found - expected[x + 2 * cells * (y + 2 * cells * z)]).powi(2)
+            });
+            let error = (squares.sum::<f64>() / found.len() as f64).sqrt();
+            assert!(
+                error < tolerances::EDDY_VISCOSITY_IN_A_BOX * largest,
+                "{:?}: {error:e} of {largest:e}",
+                eddy_viscosity.model
+            );
         }
     }
 }

@@ -377,7 +377,7 @@ pub(super) fn check_air(file: &File, air: &file::Air, body: Option<&Body>) -> Re
         flow,
     };
     let viscous_part = air.units.relaxation_time(kinematic_viscosity_m2_s) - 0.5;
-    written::refuse_unfit(most_levels, air.operator, air.eddy_viscosity, viscous_part)?;
+    written::refuse_unfit(most_levels, air.operator, viscous_part)?;
     let has_bodies = body.is_some() || !file.bodies.is_empty();
     check_stability(&air, fastest_m_s, has_bodies)?;
     Ok(air)

@@ -70,7 +70,9 @@ stored_shaders! {
     EDDY_VISCOSITY = "eddy_viscosity": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "eddy_viscosity.wgsl";
     ABSORBING_FACES = "absorbing_faces": "threads.wgsl", "lattice.wgsl", "arrays.wgsl", "step_parameters.wgsl", "absorbing_faces.wgsl";
     TRANSFER = "transfer": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "place.wgsl", "operators.wgsl", "level_state.wgsl",
-        "transfer.wgsl";
+        "no_held_eddy_viscosity.wgsl", "transfer.wgsl";
+    TRANSFER_HELD = "transfer_held": "threads.wgsl", "lattice.wgsl", "populations.wgsl", "place.wgsl", "operators.wgsl", "level_state.wgsl",
+        "held_eddy_viscosity.wgsl", "transfer.wgsl";
     BOUNDARIES = "boundaries": "threads.wgsl", "arrays.wgsl", "boundaries.wgsl";
     CUT_LINKS = "cut_links": "threads.wgsl", "arrays.wgsl", "cut_links.wgsl";
     REPEAT_PLANE = "repeat_plane": "threads.wgsl", "repeat_plane.wgsl";

@@ -91,6 +91,8 @@ pub enum Wall {
     FreeSlip,
     /// Frictionless, and lets sound out ([`super::faces`]); along x as [`Wall::FreeSlip`].
     Absorbing,
+    /// The face of a box of finer cells: streams as [`Wall::FreeSlip`], which reaches no cell that counts; the velocity goes on beyond it.
+    OfBox,
     /// The air sticks to it.
     NoSlip {
         /// Velocity of the wall, in its own plane [cells per step].
@@ -106,6 +108,7 @@ impl Wall {
         match self {
             Self::FreeSlip => "frictionless",
             Self::Absorbing => "absorbing",
+            Self::OfBox => "of a box",
             Self::NoSlip { .. } => "no slip",
         }
     }
@@ -113,7 +116,7 @@ impl Wall {
     /// True if the air slides along it.
     #[must_use]
     pub const fn is_frictionless(self) -> bool {
-        matches!(self, Self::FreeSlip | Self::Absorbing)
+        matches!(self, Self::FreeSlip | Self::Absorbing | Self::OfBox)
     }
 }
 
@@ -433,6 +436,8 @@ pub enum Beyond {
         /// Velocity of the inlet, or twice that of a wall [cells per step].
         offset: [f64; 3],
     },
+    /// The straight line through the last two cells before the face.
+    Extrapolated,
 }
 
 /// Lower and upper face of every axis.
@@ -447,6 +452,7 @@ pub fn beyond(setup: &Setup, inlet_velocity: [f64; 3]) -> [[Beyond; 2]; 3] {
                 offset: [0.0; 3],
             }
         }
+        Wall::OfBox => Beyond::Extrapolated,
         Wall::NoSlip { velocity } => Beyond::Ghost {
             factor: [-1.0; 3],
             offset: velocity.map(|u| 2.0 * u),

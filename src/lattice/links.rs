@@ -87,7 +87,7 @@ fn source(
         match met(ends, sides, a, from[a] >= n) {
             Met::Ghost => continue,
             Met::Repeats => from[a] = from[a].rem_euclid(n),
-            Met::Wall(Wall::FreeSlip | Wall::Absorbing) => {
+            Met::Wall(Wall::FreeSlip | Wall::Absorbing | Wall::OfBox) => {
                 from[a] = from[a].clamp(0, n - 1);
                 velocity[a] = -velocity[a];
             }

@@ -12,6 +12,7 @@ use crate::case::scene::Air;
 use crate::cpu::fluid::transfer;
 use crate::gpu::fluid::transfer as on_device;
 use crate::gpu::{Device, DeviceError};
+use crate::lattice::grid::Setup;
 use crate::lattice::nest::{Level, Nest, Refinement};
 use crate::plan::Plan;
 
@@ -128,18 +129,18 @@ impl Levels {
     }
 
     /// The same with a box of finer cells on the same engine. An error if it does not fit ([`Nest::fits`]), if its set-up is not that of half the
-    /// cells' size (τ − ½ twice as large, operator and eddy viscosity alike), or if the eddy viscosity has a stage of its own.
+    /// cells' size (τ − ½ twice as large, operator and eddy viscosity alike).
     pub fn with(mut self, nest: Nest, mut inner: Self) -> Result<Self, DeviceError> {
         /// Of a relaxation time near ½, and of twice another: with thin air and short steps τ − ½ itself is 1e-8.
         const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
         let (coarse, fine) = (self.engine.setup(), inner.engine.setup());
         let viscous = [coarse, fine].map(|setup| setup.relaxation_time - 0.5);
+        let of_model = |setup: &Setup| setup.eddy_viscosity.map(|e| (e.model, e.constant));
         let alike = coarse.operator == fine.operator
-            && coarse.eddy_viscosity == fine.eddy_viscosity
+            && of_model(coarse) == of_model(fine)
             && (viscous[1] - 2.0 * viscous[0]).abs() <= 1e-9 * viscous[1] + ROUND_OFF
             && nest.fine_cells() == fine.cells;
-        let held = (coarse.eddy_viscosity).is_some_and(|model| model.gradient_model().is_some());
-        if !alike || held || !nest.fits(coarse.cells) {
+        if !alike || !nest.fits(coarse.cells) {
             return Err(DeviceError::Command(format!(
                 "a box of {:?} cells at {:?} is no level of a lattice of {:?}",
                 fine.cells, nest.first, coarse.cells

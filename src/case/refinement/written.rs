@@ -5,7 +5,6 @@ use glam::DVec3;
 use crate::case::file::{self, Around};
 use crate::case::problem::Problem;
 use crate::lattice::Operator;
-use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::nest::EXCHANGED_CELLS;
 
 /// Most boxes one in the other.
@@ -106,19 +105,10 @@ fn nothing_laid(name: &str) -> Problem {
 pub(in crate::case) fn refuse_unfit(
     levels: u32,
     operator: Operator,
-    eddy_viscosity: Option<EddyViscosity>,
     viscous_part: f64,
 ) -> Result<(), Problem> {
     if levels == 0 {
         return Ok(());
-    }
-    if let Some(model) = eddy_viscosity.filter(|model| model.gradient_model().is_some()) {
-        let name = model.model.name();
-        return Err(Problem::new(
-            "resolution.eddy_viscosity.model",
-            format!("the eddy viscosity of {name} does not go with boxes of finer cells"),
-            "take smagorinsky, or resolution.operator = \"stabilised_regularised\" without an eddy viscosity",
-        ));
     }
     let outermost = viscous_part / f64::from(1_u32 << levels);
     if !operator.is_recursive() && outermost < LEAST_VISCOUS_TRT {

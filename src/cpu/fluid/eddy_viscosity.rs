@@ -147,30 +147,47 @@ impl<T: Real> Plane<T> {
         let [nx, ny] = self.cells;
         for y in 0..ny {
             let row = self.row(y);
-            for (ghost, at_face, opposite, face) in [
-                (row.start - 1, row.start, row.end - 1, faces[0][0]),
-                (row.end, row.end - 1, row.start, faces[0][1]),
+            for (ghost, nearest, opposite, face) in [
+                (
+                    row.start - 1,
+                    [row.start, row.start + 1],
+                    row.end - 1,
+                    faces[0][0],
+                ),
+                (row.end, [row.end - 1, row.end - 2], row.start, faces[0][1]),
             ] {
-                self.fill_ghost(ghost, at_face, opposite, face);
+                self.fill_ghost(ghost, nearest, opposite, face);
             }
         }
         let (first, last) = (self.row(0).start, self.row(ny - 1).start);
-        for (ghost, at_face, opposite, face) in [
-            (first - self.stride(), first, last, faces[1][0]),
-            (last + self.stride(), last, first, faces[1][1]),
+        let stride = self.stride();
+        for (ghost, nearest, opposite, face) in [
+            (first - stride, [first, first + stride], last, faces[1][0]),
+            (last + stride, [last, last - stride], first, faces[1][1]),
         ] {
             for x in 0..nx {
-                self.fill_ghost(ghost + x, at_face + x, opposite + x, face);
+                self.fill_ghost(ghost + x, nearest.map(|n| n + x), opposite + x, face);
             }
         }
     }
 
-    fn fill_ghost(&mut self, ghost: usize, at_face: usize, opposite: usize, face: Beyond) {
+    /// From the two cells nearest to the face.
+    fn fill_ghost(
+        &mut self,
+        ghost: usize,
+        [at_face, next]: [usize; 2],
+        opposite: usize,
+        face: Beyond,
+    ) {
         for (a, component) in self.components.iter_mut().enumerate() {
             component[ghost] = match face {
                 Beyond::Periodic => component[opposite],
                 Beyond::Ghost { factor, offset } => {
                     T::of(factor[a]) * component[at_face] + T::of(offset[a])
+                }
+                Beyond::Extrapolated => {
+                    let here = component[at_face];
+                    here + (here - component[next])
                 }
             };
         }
@@ -211,21 +228,49 @@ impl<T: Real> WithSimd for EvaluateSlab<'_, T> {
 }
 
 impl<T: Real> EvaluateSlab<'_, T> {
+    /// Velocities of the cells of plane z.
+    #[inline(always)]
+    fn read_plane<S: Simd>(&self, simd: S, z: usize, plane: &mut Plane<T>) {
+        for y in 0..self.fluid.setup.cells[1] {
+            let row = plane.row(y);
+            let out = plane.components.each_mut().map(|c| &mut c[row.clone()]);
+            self.fluid.row_velocity(simd, y, z, out);
+            let Some(ends) = &self.fluid.exchanged_ends else {
+                continue;
+            };
+            // What has arrived at the ends of a box's rows is not in place yet.
+            let nx = row.len();
+            for x in [0, 1, nx - 2, nx - 1] {
+                if let Some(f) = ends.waiting_at([x, y, z]) {
+                    let u = velocity(&f);
+                    for (component, u) in plane.components.iter_mut().zip(u) {
+                        component[row.start + x] = u;
+                    }
+                }
+            }
+        }
+    }
+
     /// Velocities of plane z, which may lie one beyond the faces.
     #[inline(always)]
     fn fill_plane<S: Simd>(&self, simd: S, z: i64, plane: &mut Plane<T>) {
-        let [_, ny, nz] = self.fluid.setup.cells;
+        let nz = self.fluid.setup.cells[2];
         let last = nz as i64 - 1;
         let at_face = z.clamp(0, last);
         let face = self.faces[2][usize::from(z > last)];
         let origin = match face {
             Beyond::Periodic => z.rem_euclid(nz as i64),
-            Beyond::Ghost { .. } => at_face,
+            Beyond::Ghost { .. } | Beyond::Extrapolated => at_face,
         };
-        for y in 0..ny {
-            let row = plane.row(y);
-            let out = plane.components.each_mut().map(|c| &mut c[row.clone()]);
-            self.fluid.row_velocity(simd, y, origin as usize, out);
+        self.read_plane(simd, origin as usize, plane);
+        if matches!(face, Beyond::Extrapolated) && z != at_face {
+            let mut next = plane.clone();
+            self.read_plane(simd, (2 * at_face - z) as usize, &mut next);
+            for (component, next) in plane.components.iter_mut().zip(&next.components) {
+                for (u, next) in component.iter_mut().zip(next) {
+                    *u = *u + (*u - *next);
+                }
+            }
         }
         if let Beyond::Ghost { factor, offset } = face
             && z != at_face

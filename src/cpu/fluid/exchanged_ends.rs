@@ -5,7 +5,7 @@
 //! these lines at hand. It puts in place what has arrived just before it collides these cells. What leaves for the band it takes down when it has
 //! collided a row.
 //!
-//! Until the sweep, populations of these cells are here alone. Single cells, checkpoints, extremes and images of cut links heed that
+//! Until the sweep, populations of these cells are here alone. Single cells, checkpoints, extremes, eddy viscosities and images of cut links heed that
 //! ([`ExchangedEnds::waiting_at`]). All else reads further from the faces, or in lattices without boxes.
 
 use std::ops::Range;

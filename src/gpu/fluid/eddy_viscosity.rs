@@ -46,6 +46,7 @@ impl Fluid {
         for (k, face) in faces.into_iter().flatten().enumerate() {
             match face {
                 Beyond::Periodic => parameters.factors[k][3] = 1.0,
+                Beyond::Extrapolated => parameters.factors[k][3] = 2.0,
                 Beyond::Ghost { factor, offset } => {
                     for a in 0..3 {
                         parameters.factors[k][a] = factor[a] as f32;

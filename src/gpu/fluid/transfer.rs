@@ -3,6 +3,7 @@
 //! A shader has room for the populations of one lattice, so that states go through a buffer: four short dispatches in one submission.
 
 use super::Fluid;
+use super::held_eddy_viscosity::HeldEddyViscosity;
 use super::names::{by_parity, constants};
 use super::parameters::TransferParameters;
 use crate::gpu::error::DeviceError;
@@ -42,11 +43,11 @@ impl Tie {
         let entries = ["restrict_states", "write_band", "read_source", "fill_shell"];
         let pipelines = |fluid: &Fluid| -> Result<[Pipeline; 4], DeviceError> {
             let constants = constants(device.tuning(), &fluid.setup, &fluid.grid);
-            device.pipelines(
-                &shaders::TRANSFER[fluid.storage as usize],
-                entries,
-                &constants,
-            )
+            let shader = match fluid.held_eddy_viscosity {
+                Some(_) => &shaders::TRANSFER_HELD,
+                None => &shaders::TRANSFER,
+            };
+            device.pipelines(&shader[fluid.storage as usize], entries, &constants)
         };
         let [of_fine, of_coarse] = [pipelines(fine)?, pipelines(coarse)?];
         // States of the band need no neighbours: they stand at their place in the box, as those of the source do.
@@ -78,6 +79,12 @@ impl Tie {
                     ("transfer_cells", &list),
                     ("level_states", &states),
                 ]);
+                named.extend(
+                    fluid
+                        .held_eddy_viscosity
+                        .iter()
+                        .map(HeldEddyViscosity::named),
+                );
                 device.bind(pipeline, &named)
             };
             let bound = [bound(false)?, bound(true)?];

@@ -33,7 +33,7 @@ pub(super) fn fill<T: Real, C: Collision>(
     fine: &mut Fluid<T>,
 ) {
     let planes = std::iter::repeat_n(2, shell.lines.len());
-    let collided = Collided::new(fine);
+    let collided = Collided::new(fine, fine.held_eddy_viscosity.as_ref());
     let (grid, odd, instructions) = (fine.grid, fine.odd, fine.instructions);
     let slabs = slabs::split(fine.populations.arrays_mut(), &grid, odd, planes);
     // What arrives at the ends of rows, two planes for each coarse one.
@@ -51,6 +51,7 @@ pub(super) fn fill<T: Real, C: Collision>(
                 // Planes below, of, and above these cells.
                 states: [0, 1, 2].map(|k| &states[(z + k) * plane..][..plane]),
                 row: [nx, nx * ny],
+                plane: 2 * z as i64,
                 collided,
                 grid,
                 arrays,
@@ -65,7 +66,9 @@ struct FillPlane<'a, T: Real, C> {
     states: [&'a [T]; 3],
     /// States from row to row, and from number to number.
     row: [usize; 2],
-    collided: Collided<T>,
+    /// z of the lower plane of fine cells.
+    plane: i64,
+    collided: Collided<'a, T>,
     grid: Grid,
     arrays: Arrays<'a, T>,
     ends: [&'a mut [EndsOfRow<T>]; 2],
@@ -88,6 +91,7 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
         let mut along_z = vec![T::default(); 6 * (longest + 2)];
         let mut of_line = vec![T::default(); 4 * (longest + 2)];
         let mut along = vec![T::default(); 2 * longest];
+        let mut times = self.collided.relaxation_times(room);
         let [nx, per_number] = self.row;
         for line in self.lines {
             let axis = line.axis;
@@ -142,9 +146,16 @@ impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
             }
             for above in 0..2 {
                 for (beside, f) in populations.iter_mut().enumerate() {
+                    let mut first = line.start.map(|place| 2 * place);
+                    first[2] = self.plane + above as i64;
+                    first[1 - axis] += beside as i64;
+                    let length = 2 * line.length;
+                    self.collided
+                        .relaxation_times_of(first, line, length, &mut times);
                     populations_of::<S, T, C>(
                         simd,
                         &self.collided,
+                        &times,
                         &states[2 * above + beside][..STATE_NUMBERS * stride],
                         &mut f[..DIRECTION_COUNT * stride],
                         stride,

@@ -3,11 +3,13 @@
 use pulp::Simd;
 
 use crate::cpu::fluid::Fluid;
+use crate::cpu::fluid::held_eddy_viscosity::HeldEddyViscosity;
 use crate::cpu::fluid::prefetch::prefetch_behind;
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::{Grid, LINE_BYTES};
 use crate::lattice::level_state::STATE_NUMBERS;
+use crate::lattice::nest::Line;
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real};
 
@@ -114,20 +116,48 @@ const fn wrapped(place: i64, n: usize, wraps: bool) -> usize {
 
 /// What the cells of one lattice are collided with next to a box.
 #[derive(Clone, Copy)]
-pub(super) struct Collided<T> {
+pub(super) struct Collided<'a, T> {
     relaxation_time: T,
     force: [T; 3],
     eddy_factor: T,
+    /// Eddy part of every cell's relaxation time, where a stage of its own evaluates it.
+    held: Option<&'a [T]>,
+    cells: [usize; 3],
 }
 
-impl<T: Real> Collided<T> {
-    /// Of a lattice as it stands.
-    pub fn new(fluid: &Fluid<T>) -> Self {
+impl<'a, T: Real> Collided<'a, T> {
+    /// Of a lattice as it stands, with what its `eddy_viscosity` keeps.
+    pub fn new(fluid: &Fluid<T>, held: Option<&'a HeldEddyViscosity<T>>) -> Self {
         let smagorinsky = fluid.smagorinsky_constant().unwrap_or(0.0);
         Self {
             relaxation_time: T::of(fluid.setup.relaxation_time),
             force: fluid.last_acceleration.map(T::of),
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
+            held: held.map(|held| &held.relaxation_times[..]),
+            cells: fluid.setup.cells,
+        }
+    }
+
+    /// Room for the relaxation times of a line of at most so many cells.
+    pub fn relaxation_times(&self, room: usize) -> Vec<T> {
+        vec![self.relaxation_time; room]
+    }
+
+    /// Relaxation times of a line from `first` on along x or y, which goes round the lattice, apart from what a collision evaluates itself.
+    #[inline(always)]
+    pub fn relaxation_times_of(&self, first: [i64; 3], line: &Line, length: usize, out: &mut [T]) {
+        let Some(held) = self.held else {
+            return;
+        };
+        let [nx, ny, _] = self.cells;
+        let mut cell: [usize; 3] =
+            std::array::from_fn(|a| first[a].rem_euclid(self.cells[a] as i64) as usize);
+        for time in &mut out[..length] {
+            *time = self.relaxation_time + held[cell[0] + nx * (cell[1] + ny * cell[2])];
+            cell[line.axis] += 1;
+            if cell[line.axis] == self.cells[line.axis] {
+                cell[line.axis] = 0;
+            }
         }
     }
 
@@ -156,12 +186,14 @@ pub(super) fn padded<S: Simd, T: Real>(length: usize) -> usize {
 #[inline(always)]
 pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
     simd: S,
-    collided: &Collided<T>,
+    collided: &Collided<'_, T>,
+    relaxation_times: &[T],
     populations: &[T],
     states: &mut [T],
     stride: usize,
 ) {
-    let local = collided.local(simd);
+    let mut local = collided.local(simd);
+    let times = T::vectors::<S>(&relaxation_times[..stride]).0;
     let (from, stride) = (T::vectors::<S>(populations).0, stride / T::lanes::<S>());
     let into = T::vectors_mut::<S>(states).0;
     for i in 0..stride {
@@ -169,6 +201,7 @@ pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
         for direction in 1..DIRECTION_COUNT {
             f[direction] = Lanes::new(simd, from[direction * stride + i]);
         }
+        local.relaxation_time = Lanes::new(simd, times[i]);
         let state = C::level_state(&f, &local);
         for number in 0..STATE_NUMBERS {
             into[number * stride + i] = state[number].vector;
@@ -180,12 +213,14 @@ pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
 #[inline(always)]
 pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
     simd: S,
-    collided: &Collided<T>,
+    collided: &Collided<'_, T>,
+    relaxation_times: &[T],
     states: &[T],
     populations: &mut [T],
     stride: usize,
 ) {
-    let local = collided.local(simd);
+    let mut local = collided.local(simd);
+    let times = T::vectors::<S>(&relaxation_times[..stride]).0;
     let (from, stride) = (T::vectors::<S>(states).0, stride / T::lanes::<S>());
     let into = T::vectors_mut::<S>(populations).0;
     for i in 0..stride {
@@ -193,6 +228,7 @@ pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
         for number in 1..STATE_NUMBERS {
             state[number] = Lanes::new(simd, from[number * stride + i]);
         }
+        local.relaxation_time = Lanes::new(simd, times[i]);
         let f = C::populations_of(&state, &local);
         for direction in 0..DIRECTION_COUNT {
             into[direction * stride + i] = f[direction].vector;

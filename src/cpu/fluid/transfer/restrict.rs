@@ -36,7 +36,8 @@ pub(super) fn restrict_and_read<T: Real, C: Collision>(
     let lines = &source.lines[beyond as usize..][..planes];
     let skipped = (nest.first[2] as i64 + first_plane) as usize;
     let runs = std::iter::once(skipped).chain(std::iter::repeat_n(1, planes));
-    let (collided_fine, collided) = (Collided::new(fine), Collided::new(coarse));
+    let collided_fine = Collided::new(fine, fine.held_eddy_viscosity.as_ref());
+    let collided = Collided::new(coarse, coarse.held_eddy_viscosity.as_ref());
     let (grid, odd, instructions) = (coarse.grid, coarse.odd, coarse.instructions);
     let reader = Reader::new(fine);
     let ends = fine.exchanged_ends.as_ref();
@@ -86,8 +87,8 @@ struct RestrictPlane<'a, 'b, T: Real, C> {
     reader: &'a Reader<'a, T>,
     /// Lines along y are found there.
     ends: Option<&'a ExchangedEnds<T>>,
-    collided_fine: Collided<T>,
-    collided: Collided<T>,
+    collided_fine: Collided<'a, T>,
+    collided: Collided<'a, T>,
     nest: Nest,
     grid: Grid,
     arrays: &'a mut Arrays<'b, T>,
@@ -106,6 +107,8 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
             std::array::from_fn(|_| vec![T::default(); DIRECTION_COUNT * room]);
         let mut states = vec![T::default(); STATE_NUMBERS * room];
         let mut sums = vec![T::default(); STATE_NUMBERS * room];
+        let mut fine_times = self.collided_fine.relaxation_times(room);
+        let mut times = self.collided.relaxation_times(room);
         for line in self.lines {
             let axis = line.axis;
             let (length, stride) = (2 * line.length, padded::<S, T>(2 * line.length));
@@ -124,9 +127,13 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
                     ends.read_band(end, place, length, &mut populations, stride);
                 }
                 let s = &mut states[..STATE_NUMBERS * stride];
-                for f in &populations {
+                for (beside, f) in (0..).zip(&populations) {
+                    let mut first = first;
+                    first[1 - axis] += beside;
+                    self.collided_fine
+                        .relaxation_times_of(first, line, length, &mut fine_times);
                     let f = &f[..DIRECTION_COUNT * stride];
-                    states_of::<S, T, C>(simd, &self.collided_fine, f, s, stride);
+                    states_of::<S, T, C>(simd, &self.collided_fine, &fine_times, f, s, stride);
                     for (sum, value) in sums.iter_mut().zip(s.iter()) {
                         *sum += *value;
                     }
@@ -143,9 +150,13 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
                 }
             }
             let f = &mut populations[0][..DIRECTION_COUNT * narrow];
+            let place = std::array::from_fn(|a| self.nest.first[a] as i64 + line.start[a]);
+            self.collided
+                .relaxation_times_of(place, line, line.length, &mut times);
             populations_of::<S, T, C>(
                 simd,
                 &self.collided,
+                &times,
                 &states[..STATE_NUMBERS * narrow],
                 f,
                 narrow,
@@ -164,7 +175,7 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
 const COLUMNS: usize = (*SOURCE.end() - *SOURCE.start() + 1) as usize;
 
 struct ReadPlane<'a, 'b, T: Real, C> {
-    collided: Collided<T>,
+    collided: Collided<'a, T>,
     nest: Nest,
     grid: Grid,
     arrays: &'a Arrays<'b, T>,
@@ -183,6 +194,7 @@ impl<T: Real, C: Collision> WithSimd for ReadPlane<'_, '_, T, C> {
         let mut populations: [Vec<T>; COLUMNS] =
             std::array::from_fn(|_| vec![T::default(); DIRECTION_COUNT * room]);
         let mut states = vec![T::default(); STATE_NUMBERS * room];
+        let mut times = self.collided.relaxation_times(room);
         let [nx, ny, _] = self.nest.cells.map(|n| n + 2);
         let spans = self.nest.spans;
         let mut rest = self.lines;
@@ -206,7 +218,10 @@ impl<T: Real, C: Collision> WithSimd for ReadPlane<'_, '_, T, C> {
             for (line, f) in side_by_side.iter().zip(&populations) {
                 let f = &f[..DIRECTION_COUNT * stride];
                 let s = &mut states[..STATE_NUMBERS * stride];
-                states_of::<S, T, C>(simd, &self.collided, f, s, stride);
+                let place = std::array::from_fn(|a| self.nest.first[a] as i64 + line.start[a]);
+                self.collided
+                    .relaxation_times_of(place, line, length, &mut times);
+                states_of::<S, T, C>(simd, &self.collided, &times, f, s, stride);
                 let start = (line.start[0] + 1) as usize + nx * (line.start[1] + 1) as usize;
                 for number in 0..STATE_NUMBERS {
                     let share = T::of(if number < FIRST_STRAIN { 1.0 } else { 0.5 });
