@@ -27,6 +27,7 @@ mod checkpoint;
 mod cloth;
 mod command_line;
 mod contact;
+mod contract;
 mod coupling;
 mod cut_links;
 mod descent;
@@ -102,6 +103,7 @@ fn main() -> std::process::ExitCode {
         eddy_viscosity::trials(),
         cloth::trials(),
         contact::trials(),
+        contract::trials(),
         wall_friction::trials(),
         walls::trials(),
         wing::trials(),

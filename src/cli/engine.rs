@@ -42,7 +42,7 @@ pub(super) enum Engine {
 /// Where the fabric is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ClothChoice {
-    /// On a real GPU from 1 000 nodes on, or 4 000 without air or with multigrid in steps; else on the host.
+    /// On a real GPU from 1 000 nodes on, or 4 000 without air or with multigrid in steps; else on the host, as is slack fabric in light wind.
     Auto,
     /// Host memory, f64.
     Host,
