@@ -9,7 +9,6 @@ use super::file::{Around, File, Refinement, Structure};
 use super::problem::Problem;
 use super::usual;
 use super::values::absent;
-use crate::lattice::eddy_viscosity::EddyViscosityModel;
 
 /// Room that a tunnel leaves.
 struct Room {
@@ -151,11 +150,8 @@ pub(super) fn complete(file: &File) -> Cow<'_, File> {
 /// The room that its tunnel leaves; a file that leaves out the tunnel's size has boxes of finer cells, unless it says otherwise or its air cannot
 /// have them.
 fn refined(file: &mut File, finds_size: bool) -> Room {
-    let plain = file.resolution.as_ref().is_some_and(|resolution| {
-        let model = resolution.eddy_viscosity.as_ref().map(|eddy| eddy.model);
-        resolution.operator.is_recursive()
-            && model.is_none_or(|m| m == EddyViscosityModel::Smagorinsky)
-    });
+    let plain =
+        (file.resolution.as_ref()).is_some_and(|resolution| resolution.operator.is_recursive());
     let Some(air) = &mut file.air else {
         return ALIKE;
     };

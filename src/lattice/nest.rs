@@ -10,9 +10,12 @@
 //! | 1 | coarse | *band*: restricted from the eight fine cells of each |
 //!
 //! A fine step spoils one layer of fine cells at the faces, so that two use up the shell. What lies deeper in the coarse lattice than the band
-//! influences nothing.
+//! influences nothing. Where the eddy viscosity of a cell follows from the velocities of its neighbours, the band is two cells deep: the coarse air
+//! below the box knows nothing of what stands in it.
 
 use std::ops::RangeInclusive;
+
+use super::eddy_viscosity::EddyViscosity;
 
 /// Where a box of finer cells lies in a lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +69,18 @@ pub const SHELL: RangeInclusive<i64> = 0..=0;
 
 /// Depth of the band.
 pub const BAND: RangeInclusive<i64> = 1..=1;
+
+/// The same where gradients of velocity are taken there.
+pub const BAND_OF_GRADIENTS: RangeInclusive<i64> = 1..=2;
+
+/// Depths of the band of a lattice of that kind.
+#[must_use]
+pub fn band(eddy_viscosity: Option<EddyViscosity>) -> RangeInclusive<i64> {
+    match eddy_viscosity.and_then(|model| model.gradient_model()) {
+        Some(_) => BAND_OF_GRADIENTS,
+        None => BAND,
+    }
+}
 
 /// Fine cells at the faces of a box that it exchanges with the lattice around it: shell and band.
 pub const EXCHANGED_CELLS: usize = 4;

@@ -151,7 +151,12 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
             if let Some(eddy_viscosity) = air.eddy_viscosity
                 && eddy_viscosity.gradient_model().is_some()
             {
-                add(Stage::EddyViscosity, eddy_viscosity.update_every);
+                // In a box both lattices must stand at one time: in between its shell is spoilt, and so would be gradients next to it.
+                let every = match air.boxes.is_empty() {
+                    true => eddy_viscosity.update_every,
+                    false => eddy_viscosity.update_every.next_multiple_of(2),
+                };
+                add(Stage::EddyViscosity, every);
             }
             add(Stage::CollideStream, 1);
             if air.depth() > 0 {

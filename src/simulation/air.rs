@@ -214,8 +214,6 @@ pub(super) fn setup(air: &Air, plan: &Plan) -> Setup {
 /// A box of finer cells in it. What lies beyond its faces reaches no cell that counts ([`crate::lattice::nest`]).
 pub(super) fn inner_setup(outermost: &Setup, air: &Air, level: &Level) -> Setup {
     let [x, sides @ ..] = level.spans;
-    // In between the shell is spoilt, and so would be gradients next to it.
-    let both_stand = |every: u32| every.next_multiple_of(2);
     Setup {
         cells: level.cells,
         ends: if x {
@@ -230,10 +228,6 @@ pub(super) fn inner_setup(outermost: &Setup, air: &Air, level: &Level) -> Setup 
         })),
         relaxation_time: air.relaxation_time(level.depth),
         sponge_cells: None,
-        eddy_viscosity: (outermost.eddy_viscosity).map(|eddy_viscosity| EddyViscosity {
-            update_every: both_stand(eddy_viscosity.update_every),
-            ..eddy_viscosity
-        }),
         ..outermost.clone()
     }
 }

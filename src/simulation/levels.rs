@@ -12,7 +12,6 @@ use crate::case::scene::Air;
 use crate::cpu::fluid::transfer;
 use crate::gpu::fluid::transfer as on_device;
 use crate::gpu::{Device, DeviceError};
-use crate::lattice::grid::Setup;
 use crate::lattice::nest::{Level, Nest, Refinement};
 use crate::plan::Plan;
 
@@ -39,11 +38,11 @@ enum Tie {
 impl Tie {
     fn new(nest: Nest, coarse: &AirEngine, fine: &AirEngine) -> Result<Self, DeviceError> {
         match (coarse, fine) {
-            (AirEngine::CpuF32(_), AirEngine::CpuF32(_)) => {
-                Ok(Self::CpuF32(transfer::Tie::new(nest)))
+            (AirEngine::CpuF32(coarse), AirEngine::CpuF32(_)) => {
+                Ok(Self::CpuF32(transfer::Tie::new(nest, coarse)))
             }
-            (AirEngine::CpuF64(_), AirEngine::CpuF64(_)) => {
-                Ok(Self::CpuF64(transfer::Tie::new(nest)))
+            (AirEngine::CpuF64(coarse), AirEngine::CpuF64(_)) => {
+                Ok(Self::CpuF64(transfer::Tie::new(nest, coarse)))
             }
             (AirEngine::Gpu(coarse), AirEngine::Gpu(fine)) => Ok(Self::Gpu(Box::new(
                 on_device::Tie::new(coarse, fine, nest)?,
@@ -135,9 +134,8 @@ impl Levels {
         const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
         let (coarse, fine) = (self.engine.setup(), inner.engine.setup());
         let viscous = [coarse, fine].map(|setup| setup.relaxation_time - 0.5);
-        let of_model = |setup: &Setup| setup.eddy_viscosity.map(|e| (e.model, e.constant));
         let alike = coarse.operator == fine.operator
-            && of_model(coarse) == of_model(fine)
+            && coarse.eddy_viscosity == fine.eddy_viscosity
             && (viscous[1] - 2.0 * viscous[0]).abs() <= 1e-9 * viscous[1] + ROUND_OFF
             && nest.fine_cells() == fine.cells;
         if !alike || !nest.fits(coarse.cells) {

@@ -222,6 +222,6 @@ pub struct EddyViscosity {
     /// C_s, C_w or c of the model; published 0.1 to 0.2, 0.325 to 0.6, 0.025 to 0.07. With the regularised operator, which dissipates by
     /// itself, the smallest err least (`ripstop validate taylor-green-vortex`).
     pub constant: f64,
-    /// Steps between evaluations, only of `wale` and `vreman`, 1 to 16; 4 if absent.
+    /// Steps between evaluations, only of `wale` and `vreman`, 1 to 16; 4 if absent. With boxes of finer cells an odd number becomes the next even one.
     pub update_every: Option<u32>,
 }

@@ -29,7 +29,7 @@ fn air<T: Real>(cells: [usize; 3], relaxation_time: f64) -> Fluid<T> {
 fn exchanged<T: Real>(nest: Nest) -> Fluid<T> {
     let outer = [0, 1, 2].map(|a| nest.cells[a] + if nest.spans[a] { 0 } else { 8 });
     let (mut coarse, mut fine) = (air(outer, 0.51), air(nest.fine_cells(), 0.52));
-    let mut tie = Tie::new(nest);
+    let mut tie = Tie::new(nest, &coarse);
     tie.exchange(&mut coarse, &mut fine);
     for _ in 0..2 {
         fine.collide_stream(&BodyForce::default());

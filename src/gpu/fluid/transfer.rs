@@ -11,7 +11,7 @@ use crate::gpu::pipeline::{Bound, Pipeline};
 use crate::gpu::shaders;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::STATE_NUMBERS;
-use crate::lattice::nest::{BAND, Nest, Planes, SHELL, SOURCE};
+use crate::lattice::nest::{Nest, Planes, SHELL, SOURCE, band};
 
 /// A box of finer cells, and what ties it to the lattice around it.
 #[derive(Debug)]
@@ -103,7 +103,7 @@ impl Tie {
                 bound,
             })
         };
-        let band = nest.cells_of(&BAND);
+        let band = nest.cells_of(&band(coarse.setup.eddy_viscosity));
         let stages = [
             stage(&of_fine[0], fine, listed(&band, in_fine, state), 1)?,
             stage(&of_coarse[1], coarse, listed(&band, in_coarse, state), 1)?,

@@ -13,7 +13,7 @@ use super::exchanged_ends::ExchangedEnds;
 use crate::lattice::Real;
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::level_state::STATE_NUMBERS;
-use crate::lattice::nest::{BAND, Nest, Planes, SHELL, SOURCE};
+use crate::lattice::nest::{Nest, Planes, SHELL, SOURCE, band};
 
 /// A box of finer cells, and the cells that tie it to the lattice around it.
 #[derive(Debug, Clone)]
@@ -27,14 +27,14 @@ pub struct Tie<T> {
 }
 
 impl<T: Real> Tie<T> {
-    /// Of a box.
+    /// Of a box in a lattice.
     #[must_use]
-    pub fn new(nest: Nest) -> Self {
+    pub fn new(nest: Nest, coarse: &Fluid<T>) -> Self {
         let [x, y, z] = nest.cells.map(|n| n + 2);
         Self {
             source: nest.cells_of(&SOURCE),
             shell: nest.cells_of(&SHELL),
-            band: nest.cells_of(&BAND),
+            band: nest.cells_of(&band(coarse.setup.eddy_viscosity)),
             states: vec![T::default(); STATE_NUMBERS * x * y * z],
             nest,
         }

@@ -14,7 +14,7 @@ use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{FIRST_STRAIN, STATE_NUMBERS};
-use crate::lattice::nest::{Line, Nest, Planes, SOURCE};
+use crate::lattice::nest::{BAND, Line, Nest, Planes, SOURCE};
 use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Coarse states of the band become the means of those of the eight fine cells; then the states of the source are read, in fine units. Planes do not
@@ -83,6 +83,15 @@ pub(super) fn restrict_and_read<T: Real, C: Collision>(
     }
 }
 
+impl<T: Real, C: Collision> RestrictPlane<'_, '_, T, C> {
+    /// True of a column of the band that the ends of rows hold.
+    #[inline(always)]
+    const fn is_next_to_shell(&self, line: &Line) -> bool {
+        let [depth, last] = [*BAND.end(), self.nest.cells[0] as i64 - 1];
+        line.start[0] == depth || line.start[0] == last - depth
+    }
+}
+
 struct RestrictPlane<'a, 'b, T: Real, C> {
     reader: &'a Reader<'a, T>,
     /// Lines along y are found there.
@@ -121,10 +130,18 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
                         let first = [first[0], first[1] + beside, first[2]];
                         self.reader.row(first, length, f, stride);
                     }
-                } else if let Some(ends) = self.ends {
+                } else if let (Some(ends), true) = (self.ends, self.is_next_to_shell(line)) {
                     let end = End::of(line.start[0]);
                     let place = [first[1], first[2]];
                     ends.read_band(end, place, length, &mut populations, stride);
+                } else {
+                    // Deeper columns lie in place.
+                    for (beside, f) in (0..).zip(&mut populations) {
+                        for i in 0..length {
+                            let cell = [first[0] + beside, first[1] + i as i64, first[2]];
+                            self.reader.row(cell, 1, &mut f[i..], stride);
+                        }
+                    }
                 }
                 let s = &mut states[..STATE_NUMBERS * stride];
                 for (beside, f) in (0..).zip(&populations) {
