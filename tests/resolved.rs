@@ -187,7 +187,11 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
         Some("prescribed"),
         &["equilibrium.wing_pressure.along_span=absent"],
     ),
-    ("finite-mass-drop", None, &["payload.drag_area_m2=absent"]),
+    (
+        "finite-mass-drop",
+        None,
+        &["payload.drag_area_m2=absent", "coupling.scheme=absent"],
+    ),
 ];
 
 fn load(path: &std::path::Path, variant: Option<&str>, overrides: &[&str]) -> Case {
