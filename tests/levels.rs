@@ -21,6 +21,7 @@ pub fn trials() -> Vec<Trial> {
         plain("levels::a_box_spans_sides_that_repeat", spans),
         plain("levels::what_is_not_there_costs_nothing", absent),
         plain("levels::files_hold_every_lattice", files),
+        plain("levels::gradients_wait_for_both_lattices", gradients),
     ]
     .into_iter()
     .flatten()
@@ -145,6 +146,21 @@ fn spans() {
             .unwrap()
             .is_finite()
     );
+}
+
+/// In boxes velocity gradients are taken after even numbers of steps alone: in between shells are spoilt.
+fn gradients() {
+    let every = |boxes: &str| {
+        let case = canopy(&[
+            boxes,
+            "resolution.operator=\"recursive_regularised\"",
+            "resolution.eddy_viscosity={model=\"vreman\", constant=0.05, update_every=3}",
+        ]);
+        let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+        plan.every(Stage::EddyViscosity)
+    };
+    assert_eq!(every("air.refinement={around=\"nothing\"}"), Some(3));
+    assert_eq!(every(BOXES), Some(4));
 }
 
 /// Without boxes no stage is planned and no cell is added; with them the plan says what they cost.
