@@ -111,6 +111,7 @@ impl<T: Real> Bench<T> {
             relaxation_time: RELAXATION_TIME,
             inlet_profile: None,
             sponge_cells: canopy.then_some(0.15 * side as f64),
+            idle: None,
             operator,
             eddy_viscosity: eddy.then_some(EddyViscosity::smagorinsky(SMAGORINSKY_CONSTANT)),
         };

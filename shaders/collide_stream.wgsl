@@ -19,6 +19,13 @@ override OUTLET_DELAY: f32 = 0.0;
 override OUTLET_COSINE: f32 = 1.0;
 // Threads of a workgroup of this stage; all others have WORKGROUP.
 override COLLIDE_WORKGROUP: u32 = WORKGROUP;
+// Cells deep below a box of finer cells, which are left out (src/lattice/nest.rs); none where the ends are 0.
+override IDLE_FIRST_X: u32 = 0u;
+override IDLE_FIRST_Y: u32 = 0u;
+override IDLE_FIRST_Z: u32 = 0u;
+override IDLE_END_X: u32 = 0u;
+override IDLE_END_Y: u32 = 0u;
+override IDLE_END_Z: u32 = 0u;
 const SOUND_SPEED: f32 = 0.57735026919;
 
 @group(0) @binding(19) var<uniform> step: StepParameters;
@@ -29,6 +36,7 @@ struct Place {
     // Cell without ghosts; x is out of range on a ghost.
     cell: vec3<u32>,
     element: u32,
+    // Neither a ghost nor left out.
     inside: bool,
 }
 
@@ -41,8 +49,17 @@ fn place(group: vec3<u32>, local: u32) -> Place {
     // Ghosts wrap to huge numbers.
     p.cell = vec3<u32>(column - 1u, row - 1u, plane);
     p.element = in_plane + (plane + 1u) * STRIDE_Z;
-    p.inside = p.cell.x < CELLS_X && p.cell.y < CELLS_Y;
+    p.inside = p.cell.x < CELLS_X && p.cell.y < CELLS_Y && !is_idle(p.cell);
     return p;
+}
+
+fn is_idle(cell: vec3<u32>) -> bool {
+    if IDLE_END_X == 0u {
+        return false;
+    }
+    let first = vec3<u32>(IDLE_FIRST_X, IDLE_FIRST_Y, IDLE_FIRST_Z);
+    let end = vec3<u32>(IDLE_END_X, IDLE_END_Y, IDLE_END_Z);
+    return all(cell >= first) && all(cell < end);
 }
 
 fn relaxation_time_at(x: u32) -> f32 {

@@ -48,6 +48,7 @@ fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setu
         relaxation_time,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator,
         eddy_viscosity: None,
     }
@@ -271,6 +272,7 @@ impl Body for Wind {
             relaxation_time: 0.500_003,
             inlet_profile: None,
             sponge_cells: Some(6.0),
+            idle: None,
             operator: Operator::RecursiveRegularised,
             eddy_viscosity: Some(EddyViscosity::smagorinsky(0.15)),
         };
@@ -306,6 +308,7 @@ impl Body for ShearedWind {
             relaxation_time: 0.5003,
             inlet_profile: Some(InletProfile::new(cells, |_, z| ratio(z))),
             sponge_cells: None,
+            idle: None,
             operator: Operator::StabilisedRegularised,
             eddy_viscosity: None,
         };

@@ -221,6 +221,7 @@ impl Body for Passes {
             relaxation_time: 0.6,
             inlet_profile: None,
             sponge_cells: None,
+            idle: None,
             operator: Operator::RecursiveRegularised,
             eddy_viscosity: None,
         };

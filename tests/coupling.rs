@@ -30,6 +30,7 @@ fn still_box(relaxation_time: f64) -> Setup {
         relaxation_time,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,
     }

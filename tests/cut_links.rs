@@ -40,6 +40,7 @@ pub fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
         relaxation_time,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,
     }

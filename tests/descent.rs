@@ -58,6 +58,7 @@ impl Body for StillAir {
                 relaxation_time: 0.501,
                 inlet_profile: None,
                 sponge_cells: None,
+                idle: None,
                 operator: Operator::RecursiveRegularised,
                 eddy_viscosity: None,
             };

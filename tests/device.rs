@@ -98,6 +98,7 @@ fn setups() -> Vec<Setup> {
                     sides,
                     relaxation_time: 0.52,
                     sponge_cells,
+                    idle: None,
                     operator,
                     eddy_viscosity,
                 });

@@ -350,6 +350,7 @@ fn vortex(cells: [usize; 3], ends: StreamwiseEnds) -> Setup {
         relaxation_time: 0.52,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,
     }

@@ -53,6 +53,7 @@ fn periodic(cells: [usize; 3], eddy_viscosity: EddyViscosity) -> Setup {
         relaxation_time: 0.52,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: Some(eddy_viscosity),
     }

@@ -4,12 +4,16 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 use ripstop::case::{self, Case, Choices};
+use ripstop::lattice::eddy_viscosity::EddyViscosity;
+use ripstop::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
+use ripstop::lattice::nest::{IdleCells, Nest, Refinement};
 use ripstop::measure::Record;
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
-use ripstop::simulation::Simulation;
+use ripstop::simulation::{Levels, Simulation};
 
 use crate::command_line::ripstop;
+use crate::cut_links::periodic;
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::read_outs::latest;
 use crate::tolerances;
@@ -19,6 +23,7 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("levels::a_canopy_opens_alike", Opens),
         on_every_engine("levels::a_box_elsewhere_changes_little", Elsewhere),
         plain("levels::a_box_spans_sides_that_repeat", spans),
+        on_every_engine("levels::cells_below_a_box_influence_nothing", Idle),
         plain("levels::what_is_not_there_costs_nothing", absent),
         plain("levels::files_hold_every_lattice", files),
         plain("levels::gradients_wait_for_both_lattices", gradients),
@@ -84,6 +89,77 @@ impl Body for Opens {
             (momentum_box / markers - 1.0).abs() < tolerances::MOMENTUM_BOX_IN_BOXES,
             "{momentum_box} against {markers}"
         );
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Idle;
+
+impl Body for Idle {
+    /// Steps that leave out what lies deep below a box give the same bits in the box and around it.
+    fn run(self, engine: Engine) {
+        let nest = Nest {
+            first: [4, 5, 4],
+            cells: [40, 12, 13],
+            spans: [false; 3],
+        };
+        let cells = [48, 22, 22];
+        let refinement = Refinement {
+            nest,
+            inner: Vec::new(),
+        };
+        let wale = EddyViscosity {
+            update_every: 2,
+            ..EddyViscosity::wale(0.5)
+        };
+        for eddy_viscosity in [None, Some(wale)] {
+            let idle = IdleCells::below(std::slice::from_ref(&refinement), eddy_viscosity).unwrap();
+            let is_idle =
+                |cell: [usize; 3]| (0..3).all(|a| (idle.first[a]..idle.end[a]).contains(&cell[a]));
+            let velocity = |cell: [usize; 3], size: f64| {
+                let [x, y, z] = cell.map(|c| 0.3 * size * c as f64);
+                (0.0, [0.05 + 0.02 * y.sin(), 0.03 * z.cos(), 0.02 * x.sin()])
+            };
+            let stepped = |left_out: Option<IdleCells>| {
+                let setup = |cells: [usize; 3], relaxation_time: f64| Setup {
+                    eddy_viscosity,
+                    ..periodic(cells, relaxation_time)
+                };
+                let coarse = Setup {
+                    idle: left_out,
+                    ..setup(cells, 0.51)
+                };
+                let of_box = Setup {
+                    ends: StreamwiseEnds::Walls([Wall::OfBox; 2]),
+                    sides: Sides::Each([Faces::Walls([Wall::OfBox; 2]); 2]),
+                    ..setup(nest.fine_cells(), 0.52)
+                };
+                let coarse = engine.air(coarse, &|cell| velocity(cell, 1.0));
+                let fine = engine.air(of_box, &|cell| velocity(cell, 0.5));
+                let mut levels = Levels::new(coarse).with(nest, Levels::new(fine)).unwrap();
+                for _ in 0..4 {
+                    levels.whole_step(None).unwrap();
+                }
+                [levels.engine(), levels.finest()].map(|air| air.macroscopic().unwrap())
+            };
+            let [[around, inside], [expected_around, expected_inside]] =
+                [Some(idle), None].map(stepped);
+            assert!(inside == expected_inside);
+            let mut others = 0;
+            for (i, (found, expected)) in around.iter().zip(&expected_around).enumerate() {
+                let cell = [
+                    i % cells[0],
+                    i / cells[0] % cells[1],
+                    i / cells[0] / cells[1],
+                ];
+                if is_idle(cell) {
+                    others += usize::from(found != expected);
+                } else if !nest.covers(cell) {
+                    assert!(found == expected, "{cell:?}");
+                }
+            }
+            assert!(others > 0, "nothing was left out");
+        }
     }
 }
 

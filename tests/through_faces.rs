@@ -73,6 +73,7 @@ fn setup(cells: [usize; 3]) -> Setup {
         relaxation_time: 0.6,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,
     }

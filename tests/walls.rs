@@ -32,6 +32,7 @@ fn setup(cells: [usize; 3], faces: [Faces; 3], relaxation_time: f64, operator: O
         relaxation_time,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator,
         eddy_viscosity: None,
     }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{Engine, Stop, Watch, go_on, write_rows};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use crate::lattice::nest::{CLEARANCE, Nest};
+use crate::lattice::nest::{CLEARANCE, IdleCells, Nest, Refinement};
 use crate::plan::AirPlacement;
 use crate::simulation::{AirEngine, Levels};
 
@@ -77,7 +77,12 @@ pub fn measure(
     Ok((points, text))
 }
 
-fn build(engine: &Engine, cells: [usize; 3], viscous_part: f64) -> Result<AirEngine, Stop> {
+fn build(
+    engine: &Engine,
+    cells: [usize; 3],
+    viscous_part: f64,
+    idle: Option<IdleCells>,
+) -> Result<AirEngine, Stop> {
     let setup = Setup {
         cells,
         ends: StreamwiseEnds::Periodic,
@@ -85,6 +90,7 @@ fn build(engine: &Engine, cells: [usize; 3], viscous_part: f64) -> Result<AirEng
         sides: Sides::Periodic,
         relaxation_time: 0.5 + viscous_part,
         sponge_cells: None,
+        idle,
         operator: Operator::StabilisedRegularised,
         eddy_viscosity: None,
     };
@@ -112,9 +118,15 @@ fn point(engine: &Engine, side: usize) -> Result<Point, Stop> {
         spans: [false; 3],
     };
     let outer = [side / 2 + 2 * (CLEARANCE + 1); 3];
-    let fine = build(engine, nest.fine_cells(), 2e-3)?;
-    let mut levels = Levels::new(build(engine, outer, 1e-3)?).with(nest, Levels::new(fine))?;
-    let mut alone = build(engine, outer, 1e-3)?;
+    let refinement = Refinement {
+        nest,
+        inner: Vec::new(),
+    };
+    let idle = IdleCells::below(std::slice::from_ref(&refinement), None);
+    let fine = build(engine, nest.fine_cells(), 2e-3, None)?;
+    let mut levels =
+        Levels::new(build(engine, outer, 1e-3, idle)?).with(nest, Levels::new(fine))?;
+    let mut alone = build(engine, outer, 1e-3, idle)?;
     let cells = side.pow(3) as f64;
     let steps = ((TIMED_UPDATES / cells) as usize).max(LEAST_STEPS);
     let (mut of_box, mut of_others, mut of_coarse) =

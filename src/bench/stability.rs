@@ -249,6 +249,7 @@ fn survives(
         relaxation_time: 0.5 + point.viscous_part,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: point.operator,
         eddy_viscosity: point.eddy_viscosity.map(measured),
     };

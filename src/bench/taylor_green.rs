@@ -29,6 +29,7 @@ pub(super) fn flow(setting: &Setting) -> Flow {
             relaxation_time: 0.5 + 3.0 * viscosity,
             inlet_profile: None,
             sponge_cells: None,
+            idle: None,
             operator: setting.operator,
             eddy_viscosity: None,
         },

@@ -327,6 +327,7 @@ mod tests {
             relaxation_time: 0.8,
             inlet_profile: None,
             sponge_cells: None,
+            idle: None,
             operator: crate::lattice::Operator::TwoRelaxationTimes,
             eddy_viscosity: None,
         };

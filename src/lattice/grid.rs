@@ -15,6 +15,7 @@
 use std::sync::Arc;
 
 use super::eddy_viscosity::EddyViscosity;
+use super::nest::IdleCells;
 use super::{DIRECTIONS, Operator};
 
 /// Density excess and velocity of every cell at the start, in lattice units.
@@ -192,6 +193,8 @@ pub struct Setup {
     pub relaxation_time: f64,
     /// Length of the viscous sponge before the outlet [cells]; `None` without one.
     pub sponge_cells: Option<f64>,
+    /// Cells that steps leave out, as far as it saves time; `None` without boxes of finer cells.
+    pub idle: Option<IdleCells>,
     /// Collision operator.
     pub operator: Operator,
     /// Eddy viscosity; `None` without one.

@@ -1,6 +1,6 @@
 //! Boxes of cells half as large inside a lattice, and the cells through which two lattices know of each other.
 //!
-//! Eight fine cells fill a coarse one. The coarse lattice is computed everywhere, below the box, too. Cells are told apart by their depth: that of a
+//! Eight fine cells fill a coarse one. Cells are told apart by their depth: that of a
 //! coarse cell is the number of coarse cells between it and the nearest face of the box, negative outside.
 //!
 //! | depth | cells | what becomes of them when both lattices stand at one time |
@@ -10,10 +10,10 @@
 //! | 1 | coarse | *band*: restricted from the eight fine cells of each |
 //!
 //! A fine step spoils one layer of fine cells at the faces, so that two use up the shell. What lies deeper in the coarse lattice than the band
-//! influences nothing. Where the eddy viscosity of a cell follows from the velocities of its neighbours, the band is two cells deep: the coarse air
+//! influences nothing, and is left out of its steps ([`IdleCells`]). Where the eddy viscosity of a cell follows from the velocities of its neighbours, the band is two cells deep: the coarse air
 //! below the box knows nothing of what stands in it.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use super::eddy_viscosity::EddyViscosity;
 
@@ -183,6 +183,45 @@ impl Nest {
             })
             .collect();
         Planes { first: z, lines }
+    }
+}
+
+/// Cells of a lattice deep below a box of finer cells, which no step needs to compute.
+///
+/// Where cells next to them are computed, they find there what they sent themselves, as at a wall: all stays finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IdleCells {
+    /// The first.
+    pub first: [usize; 3],
+    /// One beyond the last.
+    pub end: [usize; 3],
+}
+
+impl IdleCells {
+    /// Those below the largest of some boxes in a lattice of that kind: deeper than the band. `None` where none are.
+    #[must_use]
+    pub fn below(boxes: &[Refinement], eddy_viscosity: Option<EddyViscosity>) -> Option<Self> {
+        let depth = (*band(eddy_viscosity).end() + 1) as usize;
+        let largest = boxes.iter().map(|refinement| &refinement.nest);
+        let largest = largest.max_by_key(|nest| nest.cells.iter().product::<usize>())?;
+        let margin = largest.spans.map(|spans| if spans { 0 } else { depth });
+        (0..3)
+            .all(|a| largest.cells[a] > 2 * margin[a])
+            .then(|| Self {
+                first: std::array::from_fn(|a| largest.first[a] + margin[a]),
+                end: std::array::from_fn(|a| largest.first[a] + largest.cells[a] - margin[a]),
+            })
+    }
+
+    /// Cells of a row at these y and z, in whole blocks of so many.
+    #[must_use]
+    pub fn blocks_of_row(&self, [y, z]: [usize; 2], block: usize) -> Range<usize> {
+        let holds = |a: usize, place: usize| (self.first[a]..self.end[a]).contains(&place);
+        if !holds(1, y) || !holds(2, z) {
+            return 0..0;
+        }
+        let first = self.first[0].next_multiple_of(block);
+        first..(self.end[0] / block * block).max(first)
     }
 }
 

@@ -223,6 +223,7 @@ mod tests {
             relaxation_time: 0.8,
             inlet_profile: None,
             sponge_cells: None,
+            idle: None,
             operator: Operator::TwoRelaxationTimes,
             eddy_viscosity: None,
         };

@@ -201,6 +201,7 @@ pub(super) fn setup(air: &Air, plan: &Plan) -> Setup {
         sides,
         relaxation_time: air.relaxation_time(0),
         sponge_cells,
+        idle: None,
         operator: air.operator,
         eddy_viscosity: air.eddy_viscosity.map(|eddy_viscosity| EddyViscosity {
             update_every: plan
@@ -228,6 +229,7 @@ pub(super) fn inner_setup(outermost: &Setup, air: &Air, level: &Level) -> Setup 
         })),
         relaxation_time: air.relaxation_time(level.depth),
         sponge_cells: None,
+        idle: None,
         ..outermost.clone()
     }
 }

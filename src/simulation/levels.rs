@@ -12,7 +12,8 @@ use crate::case::scene::Air;
 use crate::cpu::fluid::transfer;
 use crate::gpu::fluid::transfer as on_device;
 use crate::gpu::{Device, DeviceError};
-use crate::lattice::nest::{Level, Nest, Refinement};
+use crate::lattice::grid::Setup;
+use crate::lattice::nest::{IdleCells, Level, Nest, Refinement};
 use crate::plan::Plan;
 
 /// A lattice and the boxes in it.
@@ -92,10 +93,14 @@ impl Levels {
     ) -> Result<Self, DeviceError> {
         let mut levels = air.levels().into_iter();
         let outermost = setup(air, plan);
-        let mut build = |level: &Level| {
+        let mut build = |level: &Level, boxes: &[Refinement]| {
             let own = match level.depth {
                 0 => outermost.clone(),
                 _ => inner_setup(&outermost, air, level),
+            };
+            let own = Setup {
+                idle: IdleCells::below(boxes, own.eddy_viscosity),
+                ..own
             };
             AirEngine::of_level(air, (level, own), plan, device, state)
         };
@@ -106,10 +111,10 @@ impl Levels {
     fn from_tree(
         levels: &mut impl Iterator<Item = Level>,
         boxes: &[Refinement],
-        build: &mut impl FnMut(&Level) -> Result<AirEngine, DeviceError>,
+        build: &mut impl FnMut(&Level, &[Refinement]) -> Result<AirEngine, DeviceError>,
     ) -> Result<Self, DeviceError> {
         let missing = || DeviceError::Command("a box of finer cells has no lattice".to_owned());
-        let mut found = Self::new(build(&levels.next().ok_or_else(missing)?)?);
+        let mut found = Self::new(build(&levels.next().ok_or_else(missing)?, boxes)?);
         for Refinement { nest, inner } in boxes {
             found = found.with(*nest, Self::from_tree(levels, inner, build)?)?;
         }

@@ -128,6 +128,7 @@ impl Packet {
             relaxation_time: 0.5001,
             inlet_profile: None,
             sponge_cells: None,
+            idle: None,
             operator: Operator::StabilisedRegularised,
             eddy_viscosity: None,
         };

@@ -54,6 +54,7 @@ fn one(
         relaxation_time: relaxation_time(LID * n as f64 / REYNOLDS),
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator,
         eddy_viscosity: None,
     };

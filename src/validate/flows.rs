@@ -24,6 +24,7 @@ pub(super) fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operat
         relaxation_time,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator,
         eddy_viscosity: None,
     }

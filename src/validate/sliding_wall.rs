@@ -153,6 +153,7 @@ fn setup(chord: usize) -> Setup {
         sides: Sides::Each([Faces::Periodic, Faces::Walls([Wall::FreeSlip; 2])]),
         relaxation_time: 0.5 + 3.0 * SPEED * chord as f64 / REYNOLDS,
         sponge_cells: Some(chord as f64),
+        idle: None,
         operator: Operator::StabilisedRegularised,
         eddy_viscosity: None,
     }

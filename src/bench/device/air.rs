@@ -259,6 +259,7 @@ fn vortices(
         relaxation_time: RELAXATION_TIME,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator,
         eddy_viscosity: None,
     };

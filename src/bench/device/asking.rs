@@ -112,6 +112,7 @@ fn best_of_ten(
         relaxation_time: 0.6,
         inlet_profile: None,
         sponge_cells: None,
+        idle: None,
         operator: Operator::RecursiveRegularised,
         eddy_viscosity: None,
     };

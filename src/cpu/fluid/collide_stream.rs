@@ -19,6 +19,7 @@ use super::slabs::{self, Arrays};
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::faces::INLET_MEANS;
 use crate::lattice::grid::{Grid, InletProfile, LINE_BYTES, StreamwiseEnds};
+use crate::lattice::nest::IdleCells;
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real, opposite};
 
@@ -154,6 +155,7 @@ impl<T: Real> Fluid<T> {
                 slab,
                 body_force,
                 profile: self.setup.inlet_profile.as_ref(),
+                idle: self.setup.idle,
                 common: &common,
                 operator: PhantomData,
             });
@@ -179,6 +181,8 @@ struct SweepSlab<'a, T, C> {
     body_force: &'a BodyForce<'a>,
     /// Of the wind, and of the acceleration.
     profile: Option<&'a InletProfile>,
+    /// What is left out, in whole blocks.
+    idle: Option<IdleCells>,
     common: &'a Common<'a, T>,
     operator: PhantomData<C>,
 }
@@ -237,6 +241,9 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                     }
                 };
                 let start = block + plane * grid.stride_z + y * grid.stride_y;
+                let idle = self.idle.map_or(0..0, |idle| {
+                    idle.blocks_of_row([y, self.slab.first_plane + plane], block)
+                });
                 let whole = 0..nx;
                 let parts = match &self.slab.ends {
                     None => [whole, nx..nx],
@@ -247,16 +254,18 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         let row = plane * ny + y;
                         ends.put_in_place_before(&mut self.slab.arrays, row, number);
                     }
-                    collide_part::<S, T, C>(
-                        simd,
-                        &mut self.slab.arrays,
-                        start..start + nx,
-                        part,
-                        &common,
-                        &force,
-                        touched,
-                        acceleration.is_some(),
-                    );
+                    for part in around(part, &idle) {
+                        collide_part::<S, T, C>(
+                            simd,
+                            &mut self.slab.arrays,
+                            start..start + nx,
+                            part,
+                            &common,
+                            &force,
+                            touched,
+                            acceleration.is_some(),
+                        );
+                    }
                 }
                 fill_row_ends(
                     &mut self.slab.arrays,
@@ -298,6 +307,16 @@ impl<T: Real> Common<'_, T> {
             }
         }
     }
+}
+
+/// What of a part of a row lies before and behind its `idle` cells.
+#[inline(always)]
+fn around(part: Range<usize>, idle: &Range<usize>) -> [Range<usize>; 2] {
+    if idle.is_empty() {
+        return [part.clone(), part.end..part.end];
+    }
+    let [end, start] = [idle.start, idle.end].map(|place| place.clamp(part.start, part.end));
+    [part.start..end, start..part.end]
 }
 
 /// Collides a part of one row, which begins with a whole block, in runs of blocks that are alike: with or without force, before or where every cell

@@ -44,6 +44,7 @@ fn setup(operator: Operator, eddy: Option<EddyViscosity>, tunnel: bool) -> Setup
         relaxation_time: 0.52,
         inlet_profile: None,
         sponge_cells: tunnel.then_some(13.0),
+        idle: None,
         operator,
         eddy_viscosity: eddy,
     }

@@ -14,6 +14,7 @@ fn air<T: Real>(cells: [usize; 3], relaxation_time: f64) -> Fluid<T> {
         sides: Sides::Periodic,
         relaxation_time,
         sponge_cells: None,
+        idle: None,
         operator: Operator::StabilisedRegularised,
         eddy_viscosity: None,
     };

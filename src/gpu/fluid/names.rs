@@ -45,7 +45,16 @@ pub(super) fn constants(tuning: Tuning, setup: &Setup, grid: &Grid) -> Vec<(&'st
     let smagorinsky = setup
         .eddy_viscosity
         .and_then(|eddy_viscosity| eddy_viscosity.smagorinsky_constant());
+    let idle = setup
+        .idle
+        .map_or([[0; 3]; 2], |idle| [idle.first, idle.end]);
     vec![
+        ("IDLE_FIRST_X", idle[0][0] as f64),
+        ("IDLE_FIRST_Y", idle[0][1] as f64),
+        ("IDLE_FIRST_Z", idle[0][2] as f64),
+        ("IDLE_END_X", idle[1][0] as f64),
+        ("IDLE_END_Y", idle[1][1] as f64),
+        ("IDLE_END_Z", idle[1][2] as f64),
         ("COLLIDE_WORKGROUP", tuning.workgroup.into()),
         ("CELLS_X", grid.cells[0] as f64),
         ("CELLS_Y", grid.cells[1] as f64),
