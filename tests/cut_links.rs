@@ -21,6 +21,7 @@ pub fn trials() -> Vec<Trial> {
     [
         on_every_engine("cut_links::flow_between_planes_is_linear", Couette),
         on_every_engine("cut_links::walls_that_move_keep_the_mass", Closed),
+        on_every_engine("cut_links::air_that_is_shut_in_gets_out", ShutIn),
         on_every_engine("cut_links::air_slides_along_turned_walls", Slides),
         on_every_engine("cut_links::a_canopy_opens", Opens),
         plain("cut_links::what_is_not_there_costs_nothing", absent),
@@ -110,6 +111,45 @@ impl Body for Couette {
                 .sum();
             let error = (on_upper / (16.0 * stress) - 1.0).abs();
             assert!(error < tolerances::CUT_SHEAR, "{low} {high}: {error:e}");
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct ShutIn;
+
+impl Body for ShutIn {
+    /// Of a cell that an octahedron shuts in, density far from that around gets out, be it too large or too small; a little stays. The mass is kept.
+    fn run(self, engine: Engine) {
+        let (cells, place) = ([10; 3], 5);
+        let directions = [DVec3::X, DVec3::Y, DVec3::Z];
+        let corners = directions.into_iter().flat_map(|axis| [axis, -axis]);
+        let positions: Vec<DVec3> = (corners.map(|c| DVec3::splat(5.02) + 0.7 * c)).collect();
+        let mut triangles = Vec::new();
+        for (x, y, z) in (0..8).map(|k| (k & 1, 2 + (k >> 1 & 1), 4 + (k >> 2 & 1))) {
+            let mirrored = (x + y + z) % 2 == 1;
+            triangles.push(if mirrored { [x, z, y] } else { [x, y, z] });
+        }
+        let velocities = [DVec3::ZERO; 6];
+        for (before, after) in [(0.4, 0.05), (-0.3, -0.05), (0.04, 0.04)] {
+            let initial = |cell: [usize; 3]| {
+                let excess = if cell == [place; 3] { before } else { 0.0 };
+                (excess, [0.0; 3])
+            };
+            let mut air = engine.air(periodic(cells, 0.7), &initial);
+            let mut surface = CutSurface::new(&air, triangles.clone(), 6, (0, false));
+            let before_steps = mass_and_momentum(&air)[0];
+            for _ in 0..60 {
+                step(&mut air, &mut surface, &positions, &velocities);
+            }
+            let (excess, _) = states(&air)[place * 111];
+            assert!(
+                (excess - after).abs() < tolerances::SHUT_IN,
+                "{before}: {excess}, not {after}"
+            );
+            let drift = (mass_and_momentum(&air)[0] - before_steps).abs() / 1000.0;
+            let kept = 10.0 * tolerances::conservation(engine);
+            assert!(drift < kept, "mass {drift:e} a cell");
         }
     }
 }

@@ -493,6 +493,9 @@ pub const fn cut_mass(engine: Engine) -> f64 {
     }
 }
 
+/// Density excess that air shut in a cell keeps: what is beyond it falls by a half in a step, measured by populations that move.
+pub const SHUT_IN: f64 = 2e-3;
+
 /// D_p/D_0 after 10 ms against double precision: which link a pleat shares first hangs on round-off. Measured: 0.015.
 pub const OPENING_BY_LINKS: f64 = 0.05;
 

@@ -298,6 +298,15 @@ impl CutLinks {
         self.mask.has(from, pair as u8)
     }
 
+    /// How many links of a cell are cut.
+    #[must_use]
+    pub fn count_of_cell(&self, cell: [i32; 3]) -> u32 {
+        let mask = &self.mask;
+        let count =
+            |place: usize| mask.pairs[place].count_ones() + mask.arriving[place].count_ones();
+        mask.cells.place(cell).map_or(0, count)
+    }
+
     /// True where the links on both sides of a cell are cut, along any direction.
     #[must_use]
     pub fn cut_on_both_sides(&self, cell: [i32; 3]) -> bool {

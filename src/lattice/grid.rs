@@ -92,7 +92,8 @@ pub enum Wall {
     FreeSlip,
     /// Frictionless, and lets sound out ([`super::faces`]); along x as [`Wall::FreeSlip`].
     Absorbing,
-    /// The face of a box of finer cells: streams as [`Wall::FreeSlip`], which reaches no cell that counts; the velocity goes on beyond it.
+    /// The face of a box of finer cells. Nothing is copied through it: what cells there find, which they sent themselves two steps before, reaches no cell that counts.
+    /// The velocity goes on beyond it.
     OfBox,
     /// The air sticks to it.
     NoSlip {

@@ -65,8 +65,8 @@ fn met(ends: StreamwiseEnds, sides: Sides, axis: usize, upper: bool) -> Met {
     }
 }
 
-/// Where the population that enters `cell` along `direction` from outside left; `None` if nothing has to be copied because a ghost at
-/// inlet or outlet sends it.
+/// Where the population that enters `cell` along `direction` from outside left; `None` if nothing has to be copied, because a ghost at
+/// inlet or outlet sends it, or because what enters a box of finer cells reaches no cell that counts: cells at its faces find what they sent themselves.
 fn source(
     grid: &Grid,
     ends: StreamwiseEnds,
@@ -87,7 +87,8 @@ fn source(
         match met(ends, sides, a, from[a] >= n) {
             Met::Ghost => continue,
             Met::Repeats => from[a] = from[a].rem_euclid(n),
-            Met::Wall(Wall::FreeSlip | Wall::Absorbing | Wall::OfBox) => {
+            Met::Wall(Wall::OfBox) => return None,
+            Met::Wall(Wall::FreeSlip | Wall::Absorbing) => {
                 from[a] = from[a].clamp(0, n - 1);
                 velocity[a] = -velocity[a];
             }

@@ -11,7 +11,7 @@ use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::Seen;
 use crate::cut_links::{
     BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain, FacePressures,
-    Leaving, OutOfAir, Return, SIDES, Through,
+    Leaving, OutOfAir, Pockets, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -46,6 +46,8 @@ pub struct CutSurface {
     normals: Vec<DVec3>,
     areas: Vec<f64>,
     links: CutLinks,
+    /// Cells that they shut in.
+    pockets: Pockets,
     /// Sorted when first asked for.
     cuts: CutsByTriangle,
     /// Links are those of the positions.
@@ -100,6 +102,7 @@ impl CutSurface {
             normals: vec![DVec3::ZERO; triangles.len()],
             areas: vec![0.0; triangles.len()],
             links: CutLinks::default(),
+            pockets: Pockets::default(),
             cuts: CutsByTriangle::default(),
             found: false,
             reach: NOWHERE,
@@ -233,6 +236,7 @@ impl CutSurface {
             self.areas[k] = 0.5 * (b - a).cross(c - a).length();
         }
         self.links.find(positions, &self.triangles, &self.domain)?;
+        self.pockets.find(&self.links);
         if let Some(sliding) = &mut self.sliding {
             sliding.find(&self.links, &self.domain, &self.normals);
         }
@@ -429,6 +433,7 @@ impl CutSurface {
         if let Some(sliding) = &mut self.sliding {
             sliding.keep_mass(&mut rest);
         }
+        (self.pockets).relieve(self.links(), &self.returns, &mut rest);
         (self.back, self.rest, self.forces) = (back, rest, forces);
     }
 

@@ -115,7 +115,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across D_0 for an opening",
             unit: "1",
-            meaning: "cells over the nominal diameter; peak loads and filling times still change from 48 to 64",
+            meaning: "cells over the nominal diameter; from 96 to 192 the time to open a wide mouth changes by 1 %, that of narrow ones by 8 to 21 %",
             bound: Bound::AtLeast,
             limit: 128.0,
             supports: Supports::Opening,
@@ -125,9 +125,9 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across the mouth at release",
             unit: "1",
-            meaning: "cells over the diameter of the mouth: the kernel takes two at every side, cut links do not hold the lobes in fewer",
+            meaning: "cells over the diameter of the mouth; with 17 the time to open changes by 13 % on twice as fine cells, with 34 by 1 %",
             bound: Bound::AtLeast,
-            limit: 12.0,
+            limit: 34.0,
             supports: Supports::Opening,
             remedy: "raise resolution.cells_per_diameter, or release a wider mouth",
             value: |of| Some(of.mouth_m? / of.cell_m()),
