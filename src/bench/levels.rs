@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Engine, Stop, Watch, go_on, write_rows};
 use crate::lattice::Operator;
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use crate::lattice::nest::{CLEARANCE, IdleCells, Nest, Refinement};
 use crate::plan::AirPlacement;
 use crate::simulation::{AirEngine, Levels};
@@ -77,23 +77,31 @@ pub fn measure(
     Ok((points, text))
 }
 
-fn build(
-    engine: &Engine,
-    cells: [usize; 3],
-    viscous_part: f64,
-    idle: Option<IdleCells>,
-) -> Result<AirEngine, Stop> {
-    let setup = Setup {
+/// A lattice around a box, or the box itself.
+fn setup(cells: [usize; 3], of_box: bool, idle: Option<IdleCells>) -> Setup {
+    let periodic = Setup {
         cells,
         ends: StreamwiseEnds::Periodic,
         inlet_profile: None,
         sides: Sides::Periodic,
-        relaxation_time: 0.5 + viscous_part,
+        relaxation_time: 0.5 + 1e-3,
         sponge_cells: None,
         idle,
         operator: Operator::StabilisedRegularised,
         eddy_viscosity: None,
     };
+    if !of_box {
+        return periodic;
+    }
+    Setup {
+        ends: StreamwiseEnds::Walls([Wall::OfBox; 2]),
+        sides: Sides::Each([Faces::Walls([Wall::OfBox; 2]); 2]),
+        relaxation_time: 0.5 + 2e-3,
+        ..periodic
+    }
+}
+
+fn build(engine: &Engine, setup: Setup) -> Result<AirEngine, Stop> {
     let stream = |_: [usize; 3]| (0.0, STREAM);
     Ok(AirEngine::build(
         setup,
@@ -123,10 +131,10 @@ fn point(engine: &Engine, side: usize) -> Result<Point, Stop> {
         inner: Vec::new(),
     };
     let idle = IdleCells::below(std::slice::from_ref(&refinement), None);
-    let fine = build(engine, nest.fine_cells(), 2e-3, None)?;
-    let mut levels =
-        Levels::new(build(engine, outer, 1e-3, idle)?).with(nest, Levels::new(fine))?;
-    let mut alone = build(engine, outer, 1e-3, idle)?;
+    let fine = build(engine, setup(nest.fine_cells(), true, None))?;
+    let around = || build(engine, setup(outer, false, idle));
+    let mut levels = Levels::new(around()?).with(nest, Levels::new(fine))?;
+    let mut alone = around()?;
     let cells = side.pow(3) as f64;
     let steps = ((TIMED_UPDATES / cells) as usize).max(LEAST_STEPS);
     let (mut of_box, mut of_others, mut of_coarse) =

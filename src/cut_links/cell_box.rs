@@ -26,6 +26,18 @@ impl CellBox {
         }
     }
 
+    /// The smallest box that holds this one and another.
+    pub fn with(self, other: Self) -> Self {
+        if self.count() == 0 {
+            return other;
+        }
+        if other.count() == 0 {
+            return self;
+        }
+        let last = |of: Self| std::array::from_fn(|a| of.first[a] + of.size[a] as i32 - 1);
+        Self::around([self.first, last(self), other.first, last(other)].into_iter())
+    }
+
     /// Number of its cells.
     pub fn count(&self) -> usize {
         self.size.iter().product()

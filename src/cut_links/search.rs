@@ -23,6 +23,9 @@ const GENERAL_POSITION: DVec3 = DVec3::new(1.2e-5, 2.7e-5, 3.9e-5);
 const TRIANGLES_AT_ONCE: usize = 64;
 const LINKS_AT_ONCE: usize = 1024;
 
+/// Places in the order of cuts that one task looks at.
+const PLACES_AT_ONCE: usize = 16384;
+
 /// Cells of a lattice, cell centres at whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Domain {
@@ -136,7 +139,9 @@ struct Mask {
 
 impl Mask {
     fn lay(&mut self, links: &[CutLink]) {
-        self.cells = CellBox::around(links.iter().flat_map(|link| link.cells));
+        self.cells = (links.par_chunks(PLACES_AT_ONCE))
+            .map(|links| CellBox::around(links.iter().flat_map(|link| link.cells)))
+            .reduce(CellBox::default, CellBox::with);
         for pairs in [&mut self.pairs, &mut self.arriving] {
             pairs.clear();
             pairs.resize(self.cells.count(), 0);
@@ -234,20 +239,21 @@ impl CutLinks {
             })
             .collect();
         self.order.clear();
-        for (part, hits) in parts.iter().enumerate() {
+        let placed = parts.par_iter().enumerate().flat_map_iter(|(part, hits)| {
             let placed = hits.iter().enumerate();
-            let order = placed.map(|(k, hit)| (hit.key, part as u32, k as u32));
-            self.order.extend(order);
-        }
+            placed.map(move |(k, hit)| (hit.key, part as u32, k as u32))
+        });
+        self.order.par_extend(placed);
         self.order.par_sort_unstable();
         let order = &self.order;
         self.starts.clear();
-        let first_of_a_link = |place: &usize| *place == 0 || order[*place - 1].0 != order[*place].0;
-        self.starts.extend(
-            (0..order.len())
-                .filter(first_of_a_link)
-                .map(|place| place as u32),
-        );
+        let first_of_a_link = |place: &u32| {
+            let place = *place as usize;
+            place == 0 || order[place - 1].0 != order[place].0
+        };
+        let places = (0..order.len() as u32).into_par_iter();
+        self.starts
+            .par_extend(places.with_min_len(PLACES_AT_ONCE).filter(first_of_a_link));
         self.starts.push(order.len() as u32);
         let hit = |place: u32| {
             let (_, part, k) = order[place as usize];

@@ -1,9 +1,10 @@
 //! Drawing slices: a ray through every sample, so that they need no clipping and have no seams.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::canvas::{Canvas, Veil, check_count, sample_span};
-use super::colour::{blend, fraction};
+use super::colour::{Rgb, blend, fraction};
 use super::error::RenderError;
 use super::picture::{Slice, SliceDepth};
 use super::view::View;
@@ -82,6 +83,9 @@ impl Sheet {
     }
 }
 
+/// Colours, depth keys and veils of a row of samples; without veils an empty slice.
+type RowOfCanvas<'a> = (&'a mut [Rgb], &'a mut [f32], &'a mut [Veil]);
+
 /// Blends a slice over what the canvas shows.
 pub(super) fn draw_slice(canvas: &mut Canvas, slice: &Slice) {
     let view = canvas.view;
@@ -96,7 +100,14 @@ pub(super) fn draw_slice(canvas: &mut Canvas, slice: &Slice) {
     let opacity = slice.opacity.clamp(0.0, 1.0);
     let colours = slice.scale.table();
     let (columns, rows) = screen_bounds(canvas, slice);
-    for row in rows {
+    let mut veils = canvas.veils.chunks_mut(canvas.width);
+    let rows_of_canvas: Vec<_> = (canvas.colours.chunks_mut(canvas.width))
+        .zip(canvas.keys.chunks_mut(canvas.width))
+        .map(|(colours, keys)| (colours, keys, veils.next().unwrap_or_default()))
+        .enumerate()
+        .filter(|(row, _)| rows.contains(row))
+        .collect();
+    let draw_row = |(row, (below, keys, veils)): (usize, RowOfCanvas<'_>)| {
         for column in columns.clone() {
             let (start, direction) = view.ray(column as f64 + 0.5, row as f64 + 0.5);
             let depth = normal.dot(origin - start) / normal.dot(direction);
@@ -112,15 +123,14 @@ pub(super) fn draw_slice(canvas: &mut Canvas, slice: &Slice) {
             if value.is_nan() {
                 continue;
             }
-            let sample = row * canvas.width + column;
             if slice.depth == SliceDepth::Tested {
                 let key = view.key(depth) as f32;
-                if key <= canvas.keys[sample] {
+                if key <= keys[column] {
                     continue;
                 }
                 if opacity >= 1.0 {
-                    canvas.keys[sample] = key;
-                } else if let Some(veil) = canvas.veils.get_mut(sample) {
+                    keys[column] = key;
+                } else if let Some(veil) = veils.get_mut(column) {
                     let passes = (1.0 - opacity) * veil.passes;
                     *veil = Veil {
                         key: key.max(veil.key),
@@ -129,10 +139,10 @@ pub(super) fn draw_slice(canvas: &mut Canvas, slice: &Slice) {
                 }
             }
             let colour = colours[(value.clamp(0.0, 1.0) * 255.0 + 0.5) as usize];
-            let below = &mut canvas.colours[sample];
-            *below = blend(*below, colour, opacity);
+            below[column] = blend(below[column], colour, opacity);
         }
-    }
+    };
+    rows_of_canvas.into_par_iter().for_each(draw_row);
 }
 
 /// Columns and rows of samples that the slice may cover.
