@@ -115,7 +115,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across D_0 for an opening",
             unit: "1",
-            meaning: "cells over the nominal diameter; from 96 to 192 the time to open a wide mouth changes by 1 %, that of narrow ones by 8 to 21 %",
+            meaning: "cells over the nominal diameter; from 96 to 192 the time to open a wide mouth changes by 1 %, that of narrow ones by 6 to 22 %",
             bound: Bound::AtLeast,
             limit: 128.0,
             supports: Supports::Opening,
