@@ -2,7 +2,7 @@
 //!
 //! A fold that closes over the last cells inside presses their air together, for no link leads out; in truth it gets out along the fold. Such cells
 //! reach densities that no flow has: in a folded canopy 1.4 at 96 cells per D_0, 1.75 at 192. *Departure*: what is beyond [`KEPT`] goes to the populations
-//! at rest of the cells around, a share in every step. Mass stays exact; the sheet feels what is left.
+//! at rest of the cells around, a share in every step, and what is missing beyond it comes from there. Mass stays exact; the sheet feels what is left.
 
 use rayon::prelude::*;
 

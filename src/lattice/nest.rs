@@ -1,7 +1,7 @@
 //! Boxes of cells half as large inside a lattice, and the cells through which two lattices know of each other.
 //!
-//! Eight fine cells fill a coarse one. Cells are told apart by their depth: that of a
-//! coarse cell is the number of coarse cells between it and the nearest face of the box, negative outside.
+//! Eight fine cells fill a coarse one. Cells are told apart by their depth: that of a coarse cell is the number of coarse cells between it and the
+//! nearest face of the box, negative outside.
 //!
 //! | depth | cells | what becomes of them when both lattices stand at one time |
 //! |---|---|---|
@@ -299,6 +299,34 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+
+    /// Below the largest box, deeper than its band; along an axis that it spans everywhere. Rows lose whole blocks.
+    #[test]
+    fn cells_below_the_largest_box_are_idle() {
+        let refinement = |first: [usize; 3], cells: [usize; 3], spans: [bool; 3]| Refinement {
+            nest: Nest {
+                first,
+                cells,
+                spans,
+            },
+            inner: Vec::new(),
+        };
+        let small = refinement([4; 3], [8; 3], [false; 3]);
+        let large = refinement([20, 0, 5], [40, 16, 9], [false, true, false]);
+        let boxes = [small.clone(), large, small];
+        let idle = IdleCells::below(&boxes, None).unwrap();
+        assert_eq!([idle.first, idle.end], [[22, 0, 7], [58, 16, 12]]);
+        assert_eq!(idle.blocks_of_row([15, 11], 16), 32..48);
+        assert_eq!(idle.blocks_of_row([15, 11], 1), 22..58);
+        assert!(idle.blocks_of_row([15, 12], 1).is_empty());
+        assert!(idle.blocks_of_row([15, 11], 64).is_empty());
+        let wale = IdleCells::below(&boxes, Some(EddyViscosity::wale(0.5))).unwrap();
+        assert_eq!([wale.first, wale.end], [[23, 0, 8], [57, 16, 11]]);
+        assert_eq!(IdleCells::below(&[], None), None);
+        let narrow = refinement([4; 3], [8, 5, 5], [false; 3]);
+        let wale = Some(EddyViscosity::wale(0.5));
+        assert_eq!(IdleCells::below(&[narrow], wale), None);
+    }
 
     /// Every cell of a depth is in one line, and no other.
     #[test]

@@ -242,15 +242,17 @@ impl<'a> Plane<'a> {
         inside.then(|| self.velocity(i as usize, j as usize))
     }
 
-    /// Makes holes of values under a finer grid, but for a rim of one cell, so that nothing shows between them.
+    /// Makes holes of values under a finer grid, but for a rim of one cell, so that nothing shows between them. Where both end at one face there is no rim.
     fn leave_out(&self, finer: &Plane, values: &mut [f32]) {
         let size = self.fluid.cell_size_m;
-        let [own, _] = air_box(self.fluid);
+        let [own, end] = air_box(self.fluid);
         let [low, high] = air_box(finer.fluid);
         let axes = self.normal.in_plane();
         let inside = |axis: usize, cell: usize| {
             let place = own[axis] + (cell as f64 + 0.5) * size;
-            place > low[axis] + size && place < high[axis] - size
+            let rim = |between: f64| if between > 0.5 * size { size } else { 0.0 };
+            let rims = [rim(low[axis] - own[axis]), rim(end[axis] - high[axis])];
+            place > low[axis] + rims[0] && place < high[axis] - rims[1]
         };
         for j in (0..self.counts[1]).filter(|j| inside(axes[1], *j)) {
             for i in (0..self.counts[0]).filter(|i| inside(axes[0], *i)) {

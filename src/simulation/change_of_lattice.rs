@@ -33,6 +33,8 @@ struct Field {
     /// Corner of the lattice [m].
     corner_m: DVec3,
     cells: [usize; 3],
+    /// Axes along which it spans the lattice around it.
+    spans: [bool; 3],
     /// Its own scales.
     units: Units,
     states: Vec<(f32, [f32; 3])>,
@@ -59,6 +61,7 @@ fn read(engines: &Levels, air: &Air) -> Result<Vec<Field>, Failure> {
         Ok(Field {
             corner_m,
             cells: level.cells,
+            spans: level.spans,
             units,
             states: engine.macroscopic()?,
             stresses: engine.stresses()?,
@@ -93,10 +96,10 @@ impl Field {
         (place_m - self.corner_m) / self.units.cell_size_m - 0.5
     }
 
-    /// True if a place lies between cell centres of the lattice.
+    /// True if a place lies between cell centres of the lattice. Of an axis that it spans it holds all: below it coarser cells are left out of steps.
     fn holds(&self, place_m: DVec3) -> bool {
         let place = self.place(place_m);
-        (0..3).all(|a| (0.0..=(self.cells[a] - 1) as f64).contains(&place[a]))
+        (0..3).all(|a| self.spans[a] || (0.0..=(self.cells[a] - 1) as f64).contains(&place[a]))
     }
 
     /// Density excess, velocity and stress at a place, in the units of another lattice.

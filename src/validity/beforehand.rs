@@ -125,9 +125,9 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across the mouth at release",
             unit: "1",
-            meaning: "cells over the diameter of the mouth; with 17 the time to open changes by 13 % on twice as fine cells, with 34 by 1 %",
+            meaning: "cells over the diameter of the mouth; with 17 the time to open changes by 12 % on twice as fine cells, with 34 by 1 %",
             bound: Bound::AtLeast,
-            limit: 34.0,
+            limit: 33.0,
             supports: Supports::Opening,
             remedy: "raise resolution.cells_per_diameter, or release a wider mouth",
             value: |of| Some(of.mouth_m? / of.cell_m()),
