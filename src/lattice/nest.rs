@@ -10,8 +10,8 @@
 //! | 1 | coarse | *band*: restricted from the eight fine cells of each |
 //!
 //! A fine step spoils one layer of fine cells at the faces, so that two use up the shell. What lies deeper in the coarse lattice than the band
-//! influences nothing, and is left out of its steps ([`IdleCells`]). Where the eddy viscosity of a cell follows from the velocities of its neighbours, the band is two cells deep: the coarse air
-//! below the box knows nothing of what stands in it.
+//! influences nothing, and is left out of its steps ([`IdleCells`]). Where the eddy viscosity of a cell follows from the velocities of its
+//! neighbours, the band is two cells deep: the coarse air below the box knows nothing of what stands in it.
 
 use std::ops::{Range, RangeInclusive};
 
