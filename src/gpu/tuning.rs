@@ -1,5 +1,7 @@
 //! Choices about how a device works that change its speed, not its formulas; `ripstop bench device` compares those of the air.
 
+use std::time::Duration;
+
 /// How the arrays of populations are padded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Padding {
@@ -24,6 +26,9 @@ pub struct Tuning {
     /// Nodes of the largest fabric whose time steps are solved by one workgroup; `None`: by the kind of adapter, as
     /// measured on an NVIDIA H100 and Mesa's software adapter.
     pub small_cloth_nodes: Option<usize>,
+    /// Commands that take no longer wait for the next submission: as many as may wait stay well below two seconds together, after which
+    /// watchdogs bite.
+    pub longest_left: Duration,
 }
 
 impl Default for Tuning {
@@ -33,6 +38,7 @@ impl Default for Tuning {
             padding: Padding::Planes,
             bounds_checks: true,
             small_cloth_nodes: None,
+            longest_left: Duration::from_millis(15),
         }
     }
 }

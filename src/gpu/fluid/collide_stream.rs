@@ -15,9 +15,6 @@ use crate::gpu::error::DeviceError;
 /// Longest submission that is aimed at; watchdogs bite after about two seconds.
 const SUBMISSION_LIMIT: Duration = Duration::from_millis(250);
 
-/// What takes no longer is left to the next submission: as many as may wait stay below the limit together.
-const SHORT: Duration = Duration::from_millis(15);
-
 /// Planes of the first submission.
 const FIRST_PLANES: usize = 8;
 
@@ -153,7 +150,7 @@ impl Fluid {
     fn submit_timed(&mut self, commands: Commands, planes: usize) -> Result<(), DeviceError> {
         if self.timed_submissions >= TIMED_SUBMISSIONS {
             let takes = self.plane_time.unwrap_or_default() * planes as u32;
-            if takes <= SHORT {
+            if takes <= self.device.tuning().longest_left {
                 self.device.leave(commands);
             } else {
                 self.device.submit(commands);
