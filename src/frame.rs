@@ -186,3 +186,17 @@ pub struct StructureFrame {
     /// Tension [N], `[cable_count]`.
     pub cable_tensions_n: Vec<f64>,
 }
+
+impl StructureFrame {
+    /// Tensions of all segments of cables of some kinds [N].
+    pub fn tensions_n(&self, kinds: &[CableKind]) -> impl Iterator<Item = f64> {
+        let tensions = self.cable_tensions_n.iter().zip(&self.cable_kinds);
+        (tensions.filter(move |(_, own)| kinds.contains(own))).map(|(tension, _)| *tension)
+    }
+
+    /// The largest of them; `None` where there is no such cable.
+    #[must_use]
+    pub fn largest_tension_n(&self, kinds: &[CableKind]) -> Option<f64> {
+        self.tensions_n(kinds).reduce(f64::max)
+    }
+}

@@ -179,20 +179,26 @@ impl Body for MomentumBox {
 }
 
 fn threads() {
-    for scheme in ["coupling.scheme=kernel", "coupling.scheme=links"] {
-        same_on_threads(scheme);
+    // Triangles alone are shared among threads, then nodes, too.
+    for (scheme, rings) in [("kernel", 8), ("links", 18)] {
+        same_on_threads([
+            &format!("coupling.scheme={scheme}"),
+            &format!("structure.flat_circular.rings={rings}"),
+        ]);
     }
 }
 
-fn same_on_threads(scheme: &str) {
+fn same_on_threads([scheme, rings]: [&str; 2]) {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
         pool.install(|| {
-            let (simulation, _) =
-                simulate(&small_case(&["time.end_s=0.01", scheme]), Precision::F32);
+            let (simulation, _) = simulate(
+                &small_case(&["time.end_s=0.01", scheme, rings]),
+                Precision::F32,
+            );
             let cloth = simulation.cloth().unwrap();
             cloth
                 .positions_m

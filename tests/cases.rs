@@ -147,6 +147,7 @@ fn case(name: &str, file: &str) {
             "height_m",
             "line_tension_mean_n",
             "line_tension_max_n",
+            "belt_tension_max_n",
             "stress_max_pa",
             "force_imbalance",
             "slip_mean",

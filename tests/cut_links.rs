@@ -22,6 +22,10 @@ pub fn trials() -> Vec<Trial> {
         on_every_engine("cut_links::flow_between_planes_is_linear", Couette),
         on_every_engine("cut_links::walls_that_move_keep_the_mass", Closed),
         on_every_engine("cut_links::air_that_is_shut_in_gets_out", ShutIn),
+        on_every_engine(
+            "cut_links::it_does_not_matter_where_a_period_begins",
+            Shifted,
+        ),
         on_every_engine("cut_links::air_slides_along_turned_walls", Slides),
         on_every_engine("cut_links::a_canopy_opens", Opens),
         plain("cut_links::what_is_not_there_costs_nothing", absent),
@@ -115,6 +119,77 @@ impl Body for Couette {
     }
 }
 
+/// An octahedron of a radius [cells] around a place.
+fn octahedron(middle: DVec3, radius: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let directions = [DVec3::X, DVec3::Y, DVec3::Z];
+    let corners = directions.into_iter().flat_map(|axis| [axis, -axis]);
+    let triangles = (0..8).map(|k| {
+        let [x, y, z] = [k & 1, 2 + (k >> 1 & 1), 4 + (k >> 2 & 1)];
+        let mirrored = (x + y + z) % 2 == 1;
+        if mirrored { [x, z, y] } else { [x, y, z] }
+    });
+    let positions = corners.map(|c| middle + radius * c).collect();
+    (positions, triangles.collect())
+}
+
+#[derive(Clone, Copy)]
+struct Shifted;
+
+impl Body for Shifted {
+    /// Where everything repeats, a body that moves in a swirl of air does the same in the middle of the domain and over its edges.
+    fn run(self, engine: Engine) {
+        const CELLS: usize = 10;
+        let after = |shift: usize| {
+            let initial = |cell: [usize; 3]| {
+                let turn = |a: usize| {
+                    let place = (cell[a] + CELLS - shift) % CELLS;
+                    std::f64::consts::TAU * place as f64 / CELLS as f64
+                };
+                let [x, y, z] = [turn(0), turn(1), turn(2)];
+                let u = [y.sin() + z.cos(), z.sin() - x.cos(), x.sin() + y.cos()];
+                (0.01 * (x + 0.3).sin() * y.cos(), u.map(|u| 0.02 * u))
+            };
+            let mut air = engine.air(periodic([CELLS; 3], 0.6), &initial);
+            let middle = DVec3::new(5.25, 4.875, 5.125) + DVec3::splat(shift as f64);
+            let (mut positions, triangles) = octahedron(middle, 2.5);
+            let velocities = [DVec3::new(0.03, -0.02, 0.01); 6];
+            let mut surface = CutSurface::new(&air, triangles, 6, (0, false));
+            let mut forces = Vec::new();
+            for _ in 0..8 {
+                for (position, velocity) in positions.iter_mut().zip(velocities) {
+                    *position += velocity;
+                }
+                forces.push(step(&mut air, &mut surface, &positions, &velocities));
+            }
+            let states = states(&air);
+            let shifted = |place: usize| (place + shift) % CELLS;
+            let cells = (0..CELLS.pow(3)).map(|i| {
+                let [x, y, z] = [i, i / CELLS, i / CELLS.pow(2)].map(|place| place % CELLS);
+                states[shifted(x) + CELLS * (shifted(y) + CELLS * shifted(z))]
+            });
+            (forces, cells.collect::<Vec<_>>())
+        };
+        let (forces, states) = after(0);
+        let largest = forces
+            .iter()
+            .map(|force| force.length())
+            .fold(0.0, f64::max);
+        assert!(largest > 0.01);
+        for shift in [5, 7] {
+            let (shifted_forces, shifted_states) = after(shift);
+            for (force, shifted) in forces.iter().zip(shifted_forces) {
+                let error = (*force - shifted).length() / largest;
+                assert!(error < tolerances::MOVED_PERIOD, "{shift}: {error:e}");
+            }
+            for ((excess, u), (shifted_excess, shifted_u)) in states.iter().zip(shifted_states) {
+                let errors = (u.iter().zip(shifted_u)).map(|(u, shifted)| (u - shifted).abs());
+                let error = errors.fold((excess - shifted_excess).abs(), f64::max);
+                assert!(error < tolerances::MOVED_PERIOD, "{shift}: {error:e}");
+            }
+        }
+    }
+}
+
 #[derive(Clone, Copy)]
 struct ShutIn;
 
@@ -122,14 +197,7 @@ impl Body for ShutIn {
     /// Of a cell that an octahedron shuts in, density far from that around gets out, be it too large or too small; a little stays. The mass is kept.
     fn run(self, engine: Engine) {
         let (cells, place) = ([10; 3], 5);
-        let directions = [DVec3::X, DVec3::Y, DVec3::Z];
-        let corners = directions.into_iter().flat_map(|axis| [axis, -axis]);
-        let positions: Vec<DVec3> = (corners.map(|c| DVec3::splat(5.02) + 0.7 * c)).collect();
-        let mut triangles = Vec::new();
-        for (x, y, z) in (0..8).map(|k| (k & 1, 2 + (k >> 1 & 1), 4 + (k >> 2 & 1))) {
-            let mirrored = (x + y + z) % 2 == 1;
-            triangles.push(if mirrored { [x, z, y] } else { [x, y, z] });
-        }
+        let (positions, triangles) = octahedron(DVec3::splat(5.02), 0.7);
         let velocities = [DVec3::ZERO; 6];
         for (before, after) in [(0.4, 0.05), (-0.3, -0.05), (0.04, 0.04)] {
             let initial = |cell: [usize; 3]| {

@@ -130,6 +130,10 @@ fn chain() {
     near("sag_m", exact.sag_m);
     near("right_force_x_n", exact.horizontal_tension_n);
     near("right_force_z_n", 0.5 * 1.2 * weight_n_m);
+    // The last segment carries the weight of the chain but for its own half.
+    let largest = results.get("cable_tension_max_n").unwrap().value.unwrap();
+    let share = largest / exact.end_tension_n;
+    assert!((0.985..1.0).contains(&share), "{share}");
     // The reference of the case is that of ends which stay.
     assert!(results.get("sag_m").unwrap().reference.is_none());
 }

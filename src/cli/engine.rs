@@ -18,6 +18,18 @@ use crate::plan::{
     steps_are_left_to_host, steps_take_multigrid,
 };
 
+/// Opens a device, and says which better ones did not open.
+fn open(choice: &AdapterChoice) -> Result<Arc<Device>, DeviceError> {
+    let device = Device::open(choice)?;
+    for refused in device.passed_over() {
+        say(&format!(
+            "note: {refused} does not open; the device is {}",
+            device.info().name
+        ));
+    }
+    Ok(device)
+}
+
 /// Nodes from which `--cloth auto` puts the fabric on a real GPU where the device decides between evaluations, in steps in air with block-Jacobi. Two canopies
 /// of 674 nodes took 0.9 and 1.2 times as long on an NVIDIA H100 as with fabric on the host, one of 2 706 nodes half as long
 /// (docs/results/2026-11-27-fabric-on-the-device.md). In between it is an estimate.
@@ -155,7 +167,7 @@ impl EngineArguments {
         if engine == Engine::Gpu && scene.air.is_none() && self.cloth != ClothChoice::Device {
             // Whoever names an adapter must hear that there is none of that name.
             if chosen(&adapters(), &on_request).is_none() {
-                Device::open(&on_request)?;
+                open(&on_request)?;
             }
             say(
                 "note: the case has no [air], so --engine and --adapter change nothing; --cloth device puts the fabric on a device",
@@ -164,12 +176,12 @@ impl EngineArguments {
         let mut device = match engine {
             _ if scene.air.is_none() => None,
             Engine::Cpu => None,
-            Engine::Gpu => Some(Device::open(&on_request)?),
+            Engine::Gpu => Some(open(&on_request)?),
             Engine::Auto => match self.precision {
                 PrecisionChoice::F64 => None,
                 PrecisionChoice::F32 => automatic(scene),
                 // Only a device can.
-                PrecisionChoice::F16Storage => Some(Device::open(&AdapterChoice::Hardware)?),
+                PrecisionChoice::F16Storage => Some(open(&AdapterChoice::Hardware)?),
             },
         };
         let air = match device {
@@ -185,7 +197,7 @@ impl EngineArguments {
             ClothChoice::Auto if lacking.is_some() || steps_are_left_to_host(scene) => false,
             ClothChoice::Device => {
                 if device.is_none() {
-                    device = Some(Device::open(&on_request)?);
+                    device = Some(open(&on_request)?);
                 }
                 true
             }
@@ -197,7 +209,7 @@ impl EngineArguments {
                 };
                 let many = nodes >= enough;
                 if many && device.is_none() && engine == Engine::Auto {
-                    device = Device::open(&AdapterChoice::Hardware).ok();
+                    device = open(&AdapterChoice::Hardware).ok();
                 }
                 many && device.as_ref().is_some_and(|d| {
                     d.info().kind != AdapterKind::Software && fabric_fits(scene, d).is_ok()
@@ -243,7 +255,7 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
         air: AirPlacement::Gpu(Storage::F32),
         ..Placement::from(Precision::F32)
     };
-    let opened = Device::open(&AdapterChoice::Hardware)
+    let opened = open(&AdapterChoice::Hardware)
         .and_then(|device| air_fits(scene, &placement, &device).map(|()| device));
     opened
         .inspect_err(|error| say(&format!("note: the CPU computes the air, since {error}")))
@@ -328,7 +340,7 @@ pub(super) fn air_alone(
         (Engine::Auto, None) if precision == PrecisionChoice::F64 => return Ok(on_cpu),
         (Engine::Auto, None) if precision == PrecisionChoice::F16Storage => AdapterChoice::Hardware,
         (Engine::Auto, None) => {
-            return Ok(match Device::open(&AdapterChoice::Hardware) {
+            return Ok(match open(&AdapterChoice::Hardware) {
                 Ok(device) => (AirPlacement::Gpu(precision.storage()), Some(device)),
                 Err(_) => on_cpu,
             });
@@ -339,7 +351,7 @@ pub(super) fn air_alone(
     if precision == PrecisionChoice::F64 {
         return Err(Failure::Other(exit::BAD_CASE, F64_ON_DEVICE.to_owned()));
     }
-    let device = Device::open(&choice)?;
+    let device = open(&choice)?;
     stores(precision, &device)?;
     Ok((AirPlacement::Gpu(precision.storage()), Some(device)))
 }

@@ -152,7 +152,10 @@ pub fn chosen<'a>(adapters: &'a [AdapterInfo], choice: &AdapterChoice) -> Option
     adapters.iter().find(|info| info.fits(choice))
 }
 
-pub(super) fn take(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo), DeviceError> {
+/// All adapters that `choice` may take, the best first; never none.
+pub(super) fn fitting(
+    choice: &AdapterChoice,
+) -> Result<Vec<(wgpu::Adapter, AdapterInfo)>, DeviceError> {
     let all = match choice {
         // Nobody has asked for a device by name.
         AdapterChoice::Hardware => quietly(found),
@@ -168,28 +171,78 @@ pub(super) fn take(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterInfo
     } else {
         format!("found: {}", names.join(", "))
     };
-    let taken = all.into_iter().find(|(_, info)| info.fits(choice));
-    let Some((adapter, info)) = taken else {
-        return Err(DeviceError::NoAdapter(match choice {
-            AdapterChoice::Hardware => format!(
-                "no GPU; {listed}{}",
-                if names.is_empty() {
-                    ""
-                } else {
-                    "; --engine gpu and --adapter NAME take a software adapter too"
-                }
-            ),
-            AdapterChoice::Any => format!("no usable adapter; {listed}"),
-            AdapterChoice::Named(text) => {
-                format!("no adapter is called \"{text}\"; {listed}; `ripstop devices` lists them")
-            }
-        }));
-    };
-    if let Some(why) = info.shortcoming() {
-        return Err(DeviceError::NoAdapter(format!(
+    let (fitting, unfit): (Vec<_>, Vec<_>) = (all.into_iter())
+        .filter(|(_, info)| info.fits(choice))
+        .partition(|(_, info)| info.shortcoming().is_none());
+    if !fitting.is_empty() {
+        // A program that plays the device takes a card's place only where there is none.
+        let software = |(_, info): &(_, AdapterInfo)| info.kind == AdapterKind::Software;
+        let (software, cards): (Vec<_>, Vec<_>) = fitting.into_iter().partition(software);
+        return Ok(if cards.is_empty() { software } else { cards });
+    }
+    let short = (unfit.first()).and_then(|(_, info)| Some((info, info.shortcoming()?)));
+    Err(DeviceError::NoAdapter(match (short, choice) {
+        (Some((info, why)), _) => format!(
             "the adapter {} cannot run the engine: it {why}; take another (--adapter) or --engine cpu",
             info.name
-        )));
+        ),
+        (None, AdapterChoice::Hardware) => format!(
+            "no GPU; {listed}{}",
+            if names.is_empty() {
+                ""
+            } else {
+                "; --engine gpu and --adapter NAME take a software adapter too"
+            }
+        ),
+        (None, AdapterChoice::Any) => format!("no usable adapter; {listed}"),
+        (None, AdapterChoice::Named(text)) => {
+            format!("no adapter is called \"{text}\"; {listed}; `ripstop devices` lists them")
+        }
+    }))
+}
+
+/// What opens of some adapters, tried in their order, and why those before it did not.
+pub(super) fn first_that_opens<A, D>(
+    adapters: Vec<A>,
+    open: impl Fn(&A) -> Result<D, String>,
+) -> Result<(A, D, Vec<String>), DeviceError> {
+    let mut refused = Vec::new();
+    for adapter in adapters {
+        match open(&adapter) {
+            Ok(device) => return Ok((adapter, device, refused)),
+            Err(reason) => refused.push(reason),
+        }
     }
-    Ok((adapter, info))
+    Err(DeviceError::Open(refused.join("; ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn opened(works: [bool; 3]) -> Result<(usize, usize), String> {
+        let open = |&number: &usize| match works[number] {
+            true => Ok(number),
+            false => Err(format!("card {number}")),
+        };
+        match first_that_opens(vec![0, 1, 2], open) {
+            Ok((adapter, device, refused)) => {
+                assert_eq!(adapter, device);
+                Ok((device, refused.len()))
+            }
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    /// An adapter that does not open is passed over for the next one; where none opens, all reasons are told.
+    #[test]
+    fn the_next_adapter_is_tried() {
+        assert_eq!(opened([true, true, true]), Ok((0, 0)));
+        assert_eq!(opened([false, true, true]), Ok((1, 1)));
+        assert_eq!(opened([false, false, true]), Ok((2, 2)));
+        let told = opened([false; 3]).unwrap_err();
+        for number in 0..3 {
+            assert!(told.contains(&format!("card {number}")), "{told}");
+        }
+    }
 }

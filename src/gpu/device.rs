@@ -42,6 +42,7 @@ pub struct Device {
     pub(super) raw: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     info: AdapterInfo,
+    passed_over: Vec<String>,
     limits: wgpu::Limits,
     fault: Fault,
     in_flight: Mutex<VecDeque<wgpu::SubmissionIndex>>,
@@ -63,29 +64,27 @@ fn note(fault: &Fault, error: DeviceError) {
 }
 
 impl Device {
-    /// Opens an adapter with all the limits it offers.
+    /// Opens the best adapter of a choice with all the limits it offers; where the driver refuses, the next one.
     pub fn open(choice: &AdapterChoice) -> Result<Arc<Self>, DeviceError> {
         Self::open_tuned(choice, Tuning::default())
     }
 
     /// The same, with choices that a benchmark compares.
     pub fn open_tuned(choice: &AdapterChoice, tuning: Tuning) -> Result<Arc<Self>, DeviceError> {
-        let (adapter, info) = adapters::take(choice)?;
-        let limits = adapter.limits();
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("ripstop"),
-            required_features: adapter.features() & WANTED_FEATURES,
-            required_limits: limits.clone(),
-            memory_hints: wgpu::MemoryHints::Performance,
-            ..wgpu::DeviceDescriptor::default()
+        let open = |(adapter, info): &(wgpu::Adapter, AdapterInfo)| {
+            let descriptor = wgpu::DeviceDescriptor {
+                label: Some("ripstop"),
+                required_features: adapter.features() & WANTED_FEATURES,
+                required_limits: adapter.limits(),
+                memory_hints: wgpu::MemoryHints::Performance,
+                ..wgpu::DeviceDescriptor::default()
+            };
+            pollster::block_on(adapter.request_device(&descriptor))
+                .map_err(|error| format!("{} ({error})", info.name))
         };
-        let (raw, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-                DeviceError::Open {
-                    name: info.name.clone(),
-                    why: error.to_string(),
-                }
-            })?;
+        let ((adapter, info), (raw, queue), passed_over) =
+            adapters::first_that_opens(adapters::fitting(choice)?, open)?;
+        let limits = adapter.limits();
         let fault = Fault::default();
         let late = Arc::clone(&fault);
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -99,6 +98,7 @@ impl Device {
             raw,
             queue,
             info,
+            passed_over,
             limits,
             fault,
             in_flight: Mutex::default(),
@@ -113,6 +113,12 @@ impl Device {
     #[must_use]
     pub const fn info(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// Better adapters that did not open, each with the driver's reason.
+    #[must_use]
+    pub fn passed_over(&self) -> &[String] {
+        &self.passed_over
     }
 
     /// What a benchmark chose otherwise.

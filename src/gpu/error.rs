@@ -6,14 +6,9 @@ pub enum DeviceError {
     /// No adapter fits the request.
     #[error("{0}")]
     NoAdapter(String),
-    /// The adapter refused to open.
-    #[error("the device {name} could not be opened: {why}")]
-    Open {
-        /// The adapter.
-        name: String,
-        /// The driver's reason.
-        why: String,
-    },
+    /// No adapter opens: each with the driver's reason.
+    #[error("no device opens: {0}")]
+    Open(String),
     /// Something is larger than the device allows.
     #[error(
         "{what} needs {}, but {device} allows {} ({limit_name}); {remedy}",

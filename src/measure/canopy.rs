@@ -8,10 +8,11 @@ use super::read_out::{columns, results};
 use super::record::Record;
 use super::reduce::{column_max, mean_forces_n, quantity, reduce, released};
 use super::shared::{
-    BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT, DRAG_MARKERS, DRAG_MOMENTUM_BOX,
-    FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
-    KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, PRESSURE_RATIO,
-    PROJECTED_DIAMETER_RATIO, SLIP_MEAN, SLIP_RATIO, STRESS_MAX, TIME, WIND_SPEED,
+    BELT_TENSION_MAX, BELTS, BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT,
+    DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS,
+    IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_TENSION_MAX, MASS_DEFECT,
+    MASS_DRIFT, PRESSURE_RATIO, PROJECTED_DIAMETER_RATIO, RISER_TENSION_MAX, RISERS, SLIP_MEAN,
+    SLIP_RATIO, STRESS_MAX, TIME, VENT_LINE_TENSION_MAX, VENT_LINES, WIND_SPEED,
 };
 use super::statistics::{Mean, average, largest};
 use super::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
@@ -44,6 +45,9 @@ columns! {
     LINE_TENSION_MEAN: "line_tension_mean_n", "N", "mean tension of the suspension lines"
         => |now| average(&now.line_tensions_n()), reduced MeanOf;
     LINE_TENSION_MAX => |now| now.line_tensions_n().into_iter().fold(0.0, f64::max), reduced Largest;
+    BELT_TENSION_MAX => |now| now.largest_tension_n(CableKind::Belt), reduced LargestAndMean("belt_tension_max_steady_n"), when BELTS;
+    VENT_LINE_TENSION_MAX => |now| now.largest_tension_n(CableKind::VentLine), reduced LargestAndMean("vent_line_tension_max_steady_n"), when VENT_LINES;
+    RISER_TENSION_MAX => |now| now.largest_tension_n(CableKind::Riser), reduced LargestAndMean("riser_tension_max_steady_n"), when RISERS;
     STRESS_MAX => |now| now.shape.frame.stress_pa.iter().copied().fold(0.0, f64::max), reduced LargestAndMean("stress_max_steady_pa");
     SLIP_RATIO => |now| now.slip_ratio, when BY_MARKERS;
     APEX_OFFSET: "apex_offset_m", "m", "distance of the apex from the line through the confluence along the wind"
@@ -114,11 +118,14 @@ impl Moment {
 
     fn line_tensions_n(&self) -> Vec<f64> {
         let frame = &self.shape.frame;
-        let tensions = frame.cable_tensions_n.iter().zip(&frame.cable_kinds);
-        tensions
-            .filter(|(_, kind)| **kind == CableKind::SuspensionLine)
-            .map(|(tension, _)| *tension)
-            .collect()
+        frame.tensions_n(&[CableKind::SuspensionLine]).collect()
+    }
+
+    fn largest_tension_n(&self, kind: CableKind) -> f64 {
+        self.shape
+            .frame
+            .largest_tension_n(&[kind])
+            .unwrap_or(f64::NAN)
     }
 }
 

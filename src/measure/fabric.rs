@@ -10,9 +10,10 @@ use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
 use super::reduce::second_half;
 use super::shared::{
-    BY_MARKERS, FASTEST_NODE, FORCE_X, FORCE_Y, FORCE_Z, IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX,
-    KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT, MASS_DRIFT, SHEAR_STRESS_MAX, SLIP_RATIO,
-    STRESS_MAX, TENSION_MAX, TIME, VON_MISES_MAX, WIND_SPEED,
+    BELT_TENSION_MAX, BY_MARKERS, CABLE_TENSION_MAX, FASTEST_NODE, FORCE_X, FORCE_Y, FORCE_Z,
+    IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT,
+    MASS_DRIFT, RISER_TENSION_MAX, SHEAR_STRESS_MAX, SLIP_RATIO, STRESS_MAX, TENSION_MAX, TIME,
+    VENT_LINE_TENSION_MAX, VON_MISES_MAX, WIND_SPEED,
 };
 use super::statistics::{average, largest};
 use crate::case::Scene;
@@ -60,6 +61,10 @@ results! {
     VON_MISES_MAX;
     SHEAR_STRESS_MAX;
     LINE_TENSION_MAX;
+    BELT_TENSION_MAX;
+    VENT_LINE_TENSION_MAX;
+    RISER_TENSION_MAX;
+    CABLE_TENSION_MAX;
     SAG: "sag_m", "m", "sag of a cable";
     HORIZONTAL_TENSION: "horizontal_tension_n", "N", "horizontal tension of a cable";
     END_TENSION: "end_tension_n", "N", "tension of a cable at its ends";
@@ -163,6 +168,7 @@ pub(super) fn alone(
         .iter()
         .map(|p| p.z)
         .fold(f64::NEG_INFINITY, f64::max);
+    tension_results(results, structure);
     if let BodyKind::Cable(HangingCable {
         span_m,
         length_m,
@@ -248,13 +254,21 @@ pub(super) fn alone(
         results.insert(&YIELDING_SHARE, Quantity::new(value));
     }
     results.insert(&WEIGHT, Quantity::new(weight_n));
-    if structure.cable_kinds.contains(&CableKind::SuspensionLine) {
-        let tension = structure
-            .cable_tensions_n
-            .iter()
-            .copied()
-            .fold(0.0, f64::max);
-        results.insert(&LINE_TENSION_MAX, Quantity::new(tension));
+}
+
+/// Largest tensions of the kinds of cables that there are.
+fn tension_results(results: &mut Results, structure: &StructureFrame) {
+    let lines = [CableKind::SuspensionLine, CableKind::GapLine];
+    for (read_out, kinds) in [
+        (&LINE_TENSION_MAX, &lines[..]),
+        (&BELT_TENSION_MAX, &[CableKind::Belt]),
+        (&VENT_LINE_TENSION_MAX, &[CableKind::VentLine]),
+        (&RISER_TENSION_MAX, &[CableKind::Riser]),
+        (&CABLE_TENSION_MAX, &[CableKind::Cable]),
+    ] {
+        if let Some(tension_n) = structure.largest_tension_n(kinds) {
+            results.insert(read_out, Quantity::new(tension_n));
+        }
     }
 }
 

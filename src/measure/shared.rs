@@ -3,6 +3,7 @@
 use super::read_out::{ReadOut, When, results};
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
+use crate::frame::CableKind;
 
 /// Markers leave slip; at cut links the wall's velocity is met at the cut.
 pub(super) static BY_MARKERS: When<Scene> = When {
@@ -12,6 +13,26 @@ pub(super) static BY_MARKERS: When<Scene> = When {
             .coupling
             .is_some_and(|coupling| coupling.scheme == Scheme::Kernel)
     },
+};
+
+fn has(scene: &Scene, kind: CableKind) -> bool {
+    let structure = scene.body.as_ref().map(|body| &body.structure);
+    structure.is_some_and(|structure| structure.cables.iter().any(|cable| cable.kind == kind))
+}
+
+pub(super) static BELTS: When<Scene> = When {
+    words: "with belts",
+    holds: |scene| has(scene, CableKind::Belt),
+};
+
+pub(super) static VENT_LINES: When<Scene> = When {
+    words: "with vent lines",
+    holds: |scene| has(scene, CableKind::VentLine),
+};
+
+pub(super) static RISERS: When<Scene> = When {
+    words: "with risers",
+    holds: |scene| has(scene, CableKind::Riser),
 };
 
 macro_rules! rows {
@@ -44,6 +65,10 @@ rows! {
     PROJECTED_DIAMETER_RATIO: "projected_diameter_ratio", "1", "projected over nominal diameter; the root of the ratio of the areas";
     HEIGHT: "height_m", "m", "height of the canopy; its extent along the wind";
     LINE_TENSION_MAX: "line_tension_max_n", "N", "largest tension of a suspension line";
+    BELT_TENSION_MAX: "belt_tension_max_n", "N", "largest tension of a reinforcing belt";
+    VENT_LINE_TENSION_MAX: "vent_line_tension_max_n", "N", "largest tension of a vent line";
+    RISER_TENSION_MAX: "riser_tension_max_n", "N", "largest tension of a riser";
+    CABLE_TENSION_MAX: "cable_tension_max_n", "N", "largest tension of a free-standing cable";
 }
 
 results! {

@@ -11,7 +11,7 @@ use super::edges::Edges;
 use super::gather::Gather;
 use super::loads::StepInput;
 use super::triangle_reaction::TriangleReaction;
-use super::vectors::{each_summed, fill};
+use super::vectors::each_summed;
 use crate::cloth::Structure;
 
 /// A symmetric block: xx, yy, zz and yz, xz, xy.
@@ -95,32 +95,43 @@ impl CutSums {
         Self::of(gather.edges(structure), nodes, input.cut_triangles.iter())
     }
 
-    /// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
+    /// The reactions at `point`, with velocities (x − x̂)/dt: gradient [N] and part of the objective [J] of a node. Nothing where nothing is cut.
+    #[inline]
+    pub(super) fn at(&self, [base, point]: [&[DVec3]; 2], dt: f64, node: usize) -> (DVec3, f64) {
+        let Some(own) = self.nodes.get(node) else {
+            return (DVec3::ZERO, 0.0);
+        };
+        let way = point[node] - base[node];
+        let mut resistance = own.times(way);
+        for &[other, edge] in self.between.at(node) {
+            let other = other as usize;
+            resistance += self.edges[edge as usize].times(point[other] - base[other]);
+        }
+        let (resistance, pull) = (resistance / dt, self.pulls_n[node]);
+        (resistance - pull, way.dot(0.5 * resistance - pull))
+    }
+
+    /// The part of the objective that belongs to no node [J].
+    pub(super) fn rest_j(&self, dt: f64) -> f64 {
+        dt * self.rest_w
+    }
+
+    /// Adds the reactions at `point` to the gradient [N]; returns their part of the objective [J].
     pub(super) fn add_reactions(
         &self,
-        [base, point]: [&[DVec3]; 2],
+        places: [&[DVec3]; 2],
         dt: f64,
         gradient: &mut [DVec3],
     ) -> f64 {
         if self.nodes.is_empty() {
             return 0.0;
         }
-        let mut velocities = vec![DVec3::ZERO; point.len()];
-        fill(&mut velocities, |node| (point[node] - base[node]) / dt);
-        let resistance = |node: usize| {
-            let mut sum = self.nodes[node].times(velocities[node]);
-            for &[other, edge] in self.between.at(node) {
-                sum += self.edges[edge as usize].times(velocities[other as usize]);
-            }
-            sum
-        };
-        let power = each_summed(gradient, |node, gradient| {
-            let (velocity, pull) = (velocities[node], self.pulls_n[node]);
-            let resistance = resistance(node);
-            *gradient += resistance - pull;
-            velocity.dot(0.5 * resistance - pull)
+        let value = each_summed(gradient, |node, gradient| {
+            let (force, energy) = self.at(places, dt, node);
+            *gradient += force;
+            energy
         });
-        dt * (power + self.rest_w)
+        value + self.rest_j(dt)
     }
 
     /// Adds their blocks [N/m] to block-Jacobi's.

@@ -5,7 +5,7 @@
 //! Triangles whose law has no cone, as with a nonlinear shear law, are left to [`Membrane::respond`].
 //!
 //! Every lane is computed for itself from single operations that IEEE 754 rounds, none of them fused, and energies are summed lane by lane
-//! over 1024 triangles: the bits depend neither on the CPU's vectors nor on the number of threads.
+//! over 256 triangles: the bits depend neither on the CPU's vectors nor on the number of threads.
 
 use std::collections::HashMap;
 

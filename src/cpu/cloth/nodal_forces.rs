@@ -52,6 +52,16 @@ fn fill<E: Sync, P: Send + Clone + Default>(
     energies.iter().sum()
 }
 
+/// What the elements of a structure do where its nodes are, before it is gathered at them.
+pub(super) struct Elastic<'a> {
+    structure: &'a Structure,
+    gather: &'a Gather,
+    positions: &'a [DVec3],
+    pulls: &'a Pulls,
+    /// E [J].
+    pub energy_j: f64,
+}
+
 /// Writes the gradient of the elastic energy [N], `[node_count]`, and returns the energy [J].
 pub fn elastic_gradient(
     structure: &Structure,
@@ -60,6 +70,18 @@ pub fn elastic_gradient(
     pulls: &mut Pulls,
     gradient: &mut [DVec3],
 ) -> f64 {
+    let elastic = elastic(structure, gather, positions, pulls);
+    each(gradient, |node, gradient| *gradient = elastic.at(node));
+    elastic.energy_j
+}
+
+/// What all elements do with nodes at `positions` [m].
+pub(super) fn elastic<'a>(
+    structure: &'a Structure,
+    gather: &'a Gather,
+    positions: &'a [DVec3],
+    pulls: &'a mut Pulls,
+) -> Elastic<'a> {
     let mut energy = 0.0;
     if structure.membrane.is_some() {
         energy += gather
@@ -104,11 +126,13 @@ pub fn elastic_gradient(
         let offset = positions[guide.node as usize] - guide.anchor_m;
         energy += 0.5 * (guide.stiffness_n_m * offset).dot(offset);
     }
-    let pulls = &*pulls;
-    each(gradient, |node, gradient| {
-        *gradient = at_node(structure, gather, positions, pulls, node);
-    });
-    energy
+    Elastic {
+        structure,
+        gather,
+        positions,
+        pulls,
+        energy_j: energy,
+    }
 }
 
 /// Σ c_i x_i.
@@ -129,37 +153,41 @@ fn bending_pull<const N: usize>(bending: &Bending<N>, corner: usize, positions: 
     bend(bending, positions) * (bending.coefficients[corner] * bending.stiffness_n_m)
 }
 
-/// Gradient at one node [N].
-fn at_node(
-    structure: &Structure,
-    gather: &Gather,
-    positions: &[DVec3],
-    pulls: &Pulls,
-    node: usize,
-) -> DVec3 {
-    let mut sum = DVec3::ZERO;
-    if structure.membrane.is_some() {
-        for place in gather.triangles.places(node) {
-            sum += pulls.triangles[place];
+impl Elastic<'_> {
+    /// Gradient of the energy at one node [N].
+    #[inline]
+    pub(super) fn at(&self, node: usize) -> DVec3 {
+        let Self {
+            structure,
+            gather,
+            positions,
+            pulls,
+            ..
+        } = *self;
+        let mut sum = DVec3::ZERO;
+        if structure.membrane.is_some() {
+            for place in gather.triangles.places(node) {
+                sum += pulls.triangles[place];
+            }
         }
+        for (s, corner) in gather.springs.at(node) {
+            let other = structure.springs[s].nodes[1 - corner] as usize;
+            sum += (positions[node] - positions[other]) * pulls.springs[s];
+        }
+        for (b, corner) in gather.bendings.at(node) {
+            sum += bending_pull(&structure.bendings[b], corner, positions);
+        }
+        for (c, corner) in gather.curvatures.at(node) {
+            sum += bending_pull(&structure.curvatures[c], corner, positions);
+        }
+        for (c, corner) in gather.cables.at(node) {
+            let other = structure.cables[c].nodes[1 - corner] as usize;
+            sum += (positions[node] - positions[other]) * pulls.cables[c];
+        }
+        for (g, _) in gather.guides.at(node) {
+            let guide = &structure.guides[g];
+            sum += guide.stiffness_n_m * (positions[node] - guide.anchor_m);
+        }
+        sum
     }
-    for (s, corner) in gather.springs.at(node) {
-        let other = structure.springs[s].nodes[1 - corner] as usize;
-        sum += (positions[node] - positions[other]) * pulls.springs[s];
-    }
-    for (b, corner) in gather.bendings.at(node) {
-        sum += bending_pull(&structure.bendings[b], corner, positions);
-    }
-    for (c, corner) in gather.curvatures.at(node) {
-        sum += bending_pull(&structure.curvatures[c], corner, positions);
-    }
-    for (c, corner) in gather.cables.at(node) {
-        let other = structure.cables[c].nodes[1 - corner] as usize;
-        sum += (positions[node] - positions[other]) * pulls.cables[c];
-    }
-    for (g, _) in gather.guides.at(node) {
-        let guide = &structure.guides[g];
-        sum += guide.stiffness_n_m * (positions[node] - guide.anchor_m);
-    }
-    sum
 }

@@ -24,7 +24,7 @@ use super::integration::StepBase;
 use super::loads::{StepInput, add_pull_of_the_air, step_loads};
 use super::marker_sums::MarkerSums;
 use super::softened::Soft;
-use super::vectors::{self, chunked_sum, dot, each, fill, longest_m};
+use super::vectors::{self, dot, each, each_summed, fill, longest_m};
 use super::{Prepared, initial_hessian, nodal_forces, permeable, pressure, reactions, stiffness};
 use crate::cloth::Structure;
 use crate::solve::InitialHessian;
@@ -122,39 +122,27 @@ impl<'a> Objective<'a> {
             Some(soft) => (&soft.structure, &soft.gather),
             None => (structure, &*gather),
         };
-        let mut value =
-            nodal_forces::elastic_gradient(elements, of_elements, point, pulls, gradient);
+        let elastic = nodal_forces::elastic(elements, of_elements, point, pulls);
+        let mut value = elastic.energy_j;
         let (start, loads) = (&self.base.positions_m, &self.loads);
-        let [work] = chunked_sum(point.len(), |range| {
-            [range.map(|i| loads[i].dot(point[i] - start[i])).sum()]
-        });
-        value -= work;
-        let jump = self.input.pressure.following();
-        if let (Some(origin), false) = (self.origin_m, jump.is_none()) {
-            value += pressure::add_potential(structure, gather, point, origin, jump, gradient);
-        }
         if let Some(dt) = self.input.time_step_s {
             let damping = self.input.damping_1_s;
-            let velocities = &self.base.velocities_m_s;
-            let motion = |i: usize| {
-                let velocity = (point[i] - start[i]) / dt;
-                (velocity, velocity - velocities[i])
-            };
-            let [inertia] = chunked_sum(point.len(), |range| {
-                let energy = |i: usize| {
-                    let (velocity, change) = motion(i);
-                    let square = change.length_squared() + dt * damping * velocity.length_squared();
-                    0.5 * structure.masses_kg[i] * square
-                };
-                [range.map(energy).sum()]
+            let (velocities, cuts) = (&self.base.velocities_m_s, &self.cut_sums);
+            // All that a node tells by itself and its neighbours, in one pass.
+            value += each_summed(gradient, |node, gradient| {
+                let way = point[node] - start[node];
+                let velocity = way / dt;
+                let change = velocity - velocities[node];
+                let mass = structure.masses_kg[node];
+                let square = change.length_squared() + dt * damping * velocity.length_squared();
+                let (of_air, energy) = cuts.at([start, point], dt, node);
+                *gradient = elastic.at(node) - loads[node]
+                    + (change / dt + velocity * damping) * mass
+                    + of_air;
+                0.5 * mass * square - loads[node].dot(way) + energy
             });
-            value += inertia;
-            add_to(gradient, |i| {
-                let (velocity, change) = motion(i);
-                (change / dt + velocity * damping) * structure.masses_kg[i] - loads[i]
-            });
-            let base = (&start[..], dt);
-            let sums = (&self.marker_sums, &self.cut_sums);
+            value += cuts.rest_j(dt);
+            let (base, sums) = ((&start[..], dt), &self.marker_sums);
             value += reactions::add_reactions(structure, sums, base, &self.input, point, gradient);
             for dashpot in &self.dashpots {
                 let (dissipation, pull) = dashpot.energy_and_gradient(start, point);
@@ -164,7 +152,14 @@ impl<'a> Objective<'a> {
                 gradient[b] += pull;
             }
         } else {
-            add_to(gradient, |i| -loads[i]);
+            value += each_summed(gradient, |node, gradient| {
+                *gradient = elastic.at(node) - loads[node];
+                -loads[node].dot(point[node] - start[node])
+            });
+        }
+        let jump = self.input.pressure.following();
+        if let (Some(origin), false) = (self.origin_m, jump.is_none()) {
+            value += pressure::add_potential(structure, gather, point, origin, jump, gradient);
         }
         if let Some(contacts) = &mut self.prepared.contacts {
             value += contacts.add_gradient(point, gradient);
@@ -433,10 +428,6 @@ impl<'a> Objective<'a> {
         self.apply_inverse(&loads, &mut displacements);
         dot(&loads, &displacements).max(0.0).sqrt()
     }
-}
-
-fn add_to(result: &mut [DVec3], of: impl Fn(usize) -> DVec3 + Sync) {
-    each(result, |i, r| *r += of(i));
 }
 
 impl VectorSpace for Objective<'_> {

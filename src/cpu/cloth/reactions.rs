@@ -8,10 +8,10 @@ use super::marker_sums::MarkerSums;
 use super::{Cloth, permeable};
 use crate::cloth::Structure;
 
-/// Adds the reactions at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
+/// Adds all but those of cut links at `point`, with velocities (x − x̂)/dt, to the gradient [N]; returns their part of the objective [J].
 pub(super) fn add_reactions(
     structure: &Structure,
-    (sums, cuts): (&MarkerSums, &CutSums),
+    sums: &MarkerSums,
     (base, dt): (&[DVec3], f64),
     input: &StepInput,
     point: &[DVec3],
@@ -25,9 +25,7 @@ pub(super) fn add_reactions(
         gradient[node] += slip * drag.coefficient_kg_s;
     }
     value += permeable::add_reactions(structure, base, dt, input, point, gradient);
-    value += sums.add_reactions([base, point], dt, gradient);
-    value += cuts.add_reactions([base, point], dt, gradient);
-    value
+    value + sums.add_reactions([base, point], dt, gradient)
 }
 
 impl Cloth {
@@ -40,14 +38,9 @@ impl Cloth {
         let cuts = CutSums::new(&self.structure, &self.prepared.gather, input);
         // Displacements in a unit of time are velocities.
         let base = (&rest[..], 1.0);
-        add_reactions(
-            &self.structure,
-            (&sums, &cuts),
-            base,
-            input,
-            &self.velocities_m_s,
-            &mut forces,
-        );
+        let velocities = &self.velocities_m_s;
+        add_reactions(&self.structure, &sums, base, input, velocities, &mut forces);
+        cuts.add_reactions([&rest, velocities], 1.0, &mut forces);
         for force in &mut forces {
             *force = -*force;
         }

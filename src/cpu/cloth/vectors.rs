@@ -11,9 +11,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Elements or nodes that one task works on; part of the result, since sums are rounded chunk by chunk.
-pub(super) const CHUNK: usize = 1024;
+pub(super) const CHUNK: usize = 256;
 
-/// Up to so many items one thread is faster: waking others takes longer than the work.
+/// Up to so many items one thread is faster. The limit is low, and one for all loops here: threads stay awake between loops that follow each other, while a
+/// long loop by a single thread sends the others to sleep, and waking them takes longer than many a loop.
 pub(super) const ALONE: usize = 4 * CHUNK;
 
 /// What `of` finds for every chunk of `count` items, in order.
@@ -247,13 +248,16 @@ pub(super) fn products(
     }
 }
 
+/// Numbers that one task combines.
+const NUMBERS: usize = 3 * CHUNK;
+
 /// `result = Σ coefficient · vector`.
 pub(super) fn combine(result: &mut [Vec3], terms: &[(f64, &[Vec3])]) {
     let result: &mut [f32] = bytemuck::cast_slice_mut(result);
-    let mut chunks: Vec<&mut [f32]> = result.chunks_mut(CHUNK).collect();
-    let one = |(chunk, result): (usize, &mut &mut [f32])| {
-        let range = chunk * CHUNK..chunk * CHUNK + result.len();
-        let mut sums = [0.0f64; CHUNK];
+    let alone = result.len() <= 3 * ALONE;
+    let one = |(chunk, result): (usize, &mut [f32])| {
+        let range = chunk * NUMBERS..chunk * NUMBERS + result.len();
+        let mut sums = [0.0f64; NUMBERS];
         in_lanes(
             #[inline(always)]
             || {
@@ -269,10 +273,10 @@ pub(super) fn combine(result: &mut [Vec3], terms: &[(f64, &[Vec3])]) {
             },
         );
     };
-    if chunks.len() * CHUNK <= 3 * ALONE {
-        chunks.iter_mut().enumerate().for_each(one);
+    if alone {
+        result.chunks_mut(NUMBERS).enumerate().for_each(one);
     } else {
-        chunks.par_iter_mut().enumerate().for_each(one);
+        result.par_chunks_mut(NUMBERS).enumerate().for_each(one);
     }
 }
 
