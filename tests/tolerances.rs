@@ -64,7 +64,8 @@ pub const WALL_WITH_RESIDUAL: f64 = 1e-8;
 /// that does not let the air move along it 0.056 at 30°.
 pub const FACE_REFLECTION: f64 = 0.053;
 
-/// Forces over the largest [1] and velocities [cells per step] of a flow that was moved by whole cells where everything repeats: weights of cuts are rounded elsewhere.
+/// A flow that was moved by whole cells where everything repeats: forces over the largest, densities and velocities [cells per step]. Weights of cuts are rounded
+/// elsewhere. Measured: 7e-9 in f32 on the CPU, 6e-16 on the others.
 pub const MOVED_PERIOD: f64 = 1e-6;
 
 /// Flow through absorbing sides under a steady pressure of δρ = ± 3.6e-4 [cells per step]. Measured: 2e-9; without running means 1.9e-4.
