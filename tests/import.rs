@@ -14,6 +14,7 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("import::a_wing_has_the_measures_of_its_drawing", measures),
         plain("import::lines_lead_where_they_are_drawn", lines),
+        plain("import::rods_and_the_speed_bar", rods_and_bar),
         plain("import::a_wing_flies", flies),
         plain("import::a_wing_of_xflr5_has_its_measures", of_xflr5),
         plain("import::what_cannot_be_brought_in_is_told", refused),
@@ -107,8 +108,16 @@ fn drawing(even: bool, kind: &str) -> String {
         );
     }
     text += "* Brake distribution\n0 25 50 80 100\n0 0 0 0 0\n***\n*       11. Ramification lengths *\n3\t150\n4\t200\t80\n3\t120\n4\t180\t80\n***\n*  12. H V and VH ribs *\n0\n";
+    text += RODS;
+    text += "***\n*       28. PARAMETERS FOR CALAGE VARIATION\n***\n1\n3\n10. 35.  65.5  0  0  0\n-4 4 5 10\n";
     text
 }
+
+/// Two groups of rods around noses, as scheme 1 has them.
+const RODS: &str = "***\n*       21. JONCS DEFINITION (NYLON RODS)\n***\n1\n2\n1 1 8\n4.2   10.8    1.36   2.0\n3.67  9.0    0.79   2.0\n0.0   9.35    6.3   9.35\n2   9 11\n5.0   12.0    1.36   2.0\n3.67  8.0    0.79   2.0\n0.0   9.35    6.3   9.35\n";
+
+/// The same scheme as blocks of several kinds: an arc within ribs, and the two rods of a nose that is curved inwards.
+const OTHER_RODS: &str = "***\n*       21. JONCS DEFINITION (NYLON RODS)\n***\n2\n2\n1 2\n1\n1 3 4\n15 2 20 3 1.0\n0.0   9.35    6.3   9.35\n2 3\n1\n1 1 6\n4.2   10.8    1.0   2.0\n3.5   5.0     1.0   0.7\n4.5   5.0     2.2   1.0\n3.67  12.1    0.79   2.0\n0.0   10.35    6.3   9.35\n";
 
 /// A profile as LEparagliding has it: numbers of points before the coordinates.
 fn airfoil(thickness: f64) -> String {
@@ -221,6 +230,73 @@ fn lines() {
     // Upper lines of 1.5 m, of which the drawing says so.
     let height = 1.0 - 1.5 / 4.8;
     assert!((a.levels[0].height - height).abs() < 1e-9);
+}
+
+fn rods_and_bar() {
+    let drawn = drawing(true, "ds");
+    let of = |text: &str| leparagliding::import(text, Some(80.0), |_| None).unwrap();
+    let table = |text: &str| -> toml::Table { text.parse().unwrap() };
+    let imported = of(&drawn);
+    let wing = &table(&imported.text)["structure"]["wing"];
+    let numbers = |value: &toml::Value| -> Vec<f64> {
+        let numbers = value.as_array().unwrap().iter();
+        numbers
+            .map(|number| {
+                number
+                    .as_float()
+                    .or(number.as_integer().map(|i| i as f64))
+                    .unwrap()
+            })
+            .collect()
+    };
+    let rods = &wing["rods"];
+    assert_eq!(rods.as_table().unwrap().len(), 2);
+    let [upper, lower] = ["upper", "lower"].map(|side| numbers(&rods["nose_1"][side]));
+    for (found, end) in [(upper, 0.108), (lower, 0.09)] {
+        assert!(
+            found[0] == 0.0 && (found[1] - end).abs() < 1e-12,
+            "{found:?}"
+        );
+    }
+    // The first rib stands in the middle: 0 here.
+    let ribs = numbers(&rods["nose_2"]["ribs"]);
+    assert_eq!(ribs, [8.0, 9.0, 10.0]);
+    // Turned by 4° about C, at 0.655 of a chord of 2.2 m times the scale.
+    let shortened = &wing["speed_bar"]["shortening_m"];
+    let chord_m = 0.01 * CHORD_CM * SCALE;
+    for (row, place) in [("A", 0.1), ("B", 0.35)] {
+        let expected = (0.655 - place) * chord_m * 4f64.to_radians().sin();
+        let found = shortened[row].as_float().unwrap();
+        assert!((found - expected).abs() < 1e-6, "{row}: {found} {expected}");
+    }
+    assert!(shortened.get("C").is_none(), "{shortened}");
+    // Where the scheme has several kinds, what is left out is told.
+    let other = of(&drawn.replace(RODS, OTHER_RODS));
+    let rods = table(&other.text)["structure"]["wing"]["rods"].clone();
+    let around = numbers(&rods["nose_1"]["lower"]);
+    assert!((around[1] - 0.121).abs() < 1e-12, "{around:?}");
+    assert_eq!(rods.as_table().unwrap().len(), 1);
+    for told in [
+        "rods within ribs 3 to 4",
+        "two rods in each of the ribs 1 to 6",
+    ] {
+        let all = &other.left_out;
+        assert!(
+            all.iter().any(|line| line.contains(told)),
+            "{told}: {all:?}"
+        );
+    }
+    // Files of older versions have neither.
+    let older = of(&drawn[..drawn.find(RODS).unwrap()]);
+    let wing = table(&older.text)["structure"]["wing"].clone();
+    assert!(wing.get("rods").is_none() && wing.get("speed_bar").is_none());
+    for told in ["no section 21", "section 28"] {
+        let all = &older.left_out;
+        assert!(
+            all.iter().any(|line| line.contains(told)),
+            "{told}: {all:?}"
+        );
+    }
 }
 
 fn flies() {

@@ -57,6 +57,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "length_m",
     "lines",
     "load_n",
+    "lower",
     "mass_kg",
     "mini_ribs_from",
     "naca",
@@ -80,6 +81,7 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "start_file",
     "structure_every",
     "transition",
+    "upper",
     "value",
     "velocity_m_s",
     "vent_diameter_m",
@@ -181,6 +183,11 @@ const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
         "ram-air-parachute",
         None,
         &["structure.wing.tunnel.held=absent"],
+    ),
+    (
+        "wing-school",
+        None,
+        &["structure.wing.rods={nose={upper=[0.0,0.12],lower=[0.0,0.08],diameter_m=0.0024}}"],
     ),
     (
         "wing-school",

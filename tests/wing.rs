@@ -11,9 +11,9 @@ use ripstop::fabric::Fabric;
 use ripstop::geometry::airbag;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use ripstop::geometry::wing::frames::Station;
-use ripstop::geometry::wing::plan::{Fineness, Intakes, PartFabrics, Plan};
+use ripstop::geometry::wing::plan::{Fineness, Intakes, PartFabrics, Plan, Rod};
 use ripstop::geometry::wing::pressure::{Distribution, jumps_pa};
-use ripstop::geometry::wing::section::Profile;
+use ripstop::geometry::wing::section::{Profile, Side};
 use ripstop::geometry::wing::{BuiltWing, Part, build};
 use ripstop::rigid::Surface;
 
@@ -36,6 +36,7 @@ pub fn trials() -> Vec<Trial> {
             lagged_pressure,
         ),
         plain("wing::noses_stand_on_whole_meshes", noses_stand),
+        plain("wing::rods_follow_the_outline", rods),
     ]
     .into_iter()
     .flatten()
@@ -74,6 +75,7 @@ fn plan(stations: Vec<Station>, cells: usize) -> Plan {
         mini_ribs_from: None,
         rows: Vec::new(),
         tapes: Vec::new(),
+        rods: Vec::new(),
         hang_point_m: DVec3::new(0.3, 0.2, -5.0),
         pitch_guide_n_m: None,
         fabrics: PartFabrics {
@@ -160,6 +162,70 @@ fn sizes() {
     assert!((wing.measures.projected_span_m / expected - 1.0).abs() < 1e-6);
     assert!((wing.measures.flat_area_m2 - 12.0).abs() < 1e-9);
     assert!((wing.measures.projected_area_m2 / (2.0 * expected) - 1.0).abs() < 1e-6);
+}
+
+/// Rods around the nose of some ribs: their mass is that of their length, their energy ½ E I ∫ κ² ds of the profile.
+fn rods() {
+    let (chord, rigidity, heaviness) = (2.0, 0.004, 0.005);
+    let stations = || vec![station(0.0, chord, 0.0), station(3.0, chord, 0.0)];
+    let fine = Fineness {
+        along_chord: 120,
+        across_cell: 2,
+    };
+    let without = build(&plan(stations(), 6), fine).unwrap();
+    let mut with_rods = plan(stations(), 6);
+    with_rods.rods = vec![Rod {
+        name: "nose".to_owned(),
+        sides: [Some([0.0, 0.12]), Some([0.0, 0.08])],
+        flexural_rigidity_nm2: rigidity,
+        mass_per_length_kg_m: heaviness,
+        ribs: vec![0, 2],
+    }];
+    let wing = build(&with_rods, fine).unwrap();
+    // The outline from the end below to that above, evenly along itself.
+    let profile = Profile::naca("2415").unwrap();
+    let point = |u: f64| {
+        let side = if u < 0.0 { Side::Lower } else { Side::Upper };
+        let x = u * u;
+        chord * DVec3::new(x, 0.0, profile.height(side, x))
+    };
+    let ends = [
+        -wing.places.lower[wing.places.nearest(Side::Lower, 0.08)].sqrt(),
+        wing.places.upper[wing.places.nearest(Side::Upper, 0.12)].sqrt(),
+    ];
+    let count = 4000;
+    let places: Vec<DVec3> = (0..=count)
+        .map(|i| point(ends[0] + (ends[1] - ends[0]) * f64::from(i) / f64::from(count)))
+        .collect();
+    let (mut length, mut energy) = (0.0, 0.0);
+    for pair in places.windows(2) {
+        length += pair[0].distance(pair[1]);
+    }
+    for three in places.windows(3) {
+        let [a, b] = [three[1] - three[0], three[2] - three[1]];
+        let along = 0.5 * (a.length() + b.length());
+        let curvature = (b.normalize() - a.normalize()).length() / along;
+        energy += 0.5 * rigidity * curvature * curvature * along;
+    }
+    let mass = |wing: &BuiltWing| wing.structure.masses_kg.iter().sum::<f64>();
+    // Rib 0 in the middle, rib 2 on both halves.
+    let added = mass(&wing) - mass(&without);
+    assert!(
+        (added / (3.0 * heaviness * length) - 1.0).abs() < tolerance::ROD_LENGTH,
+        "{added} kg, {length} m"
+    );
+    let positions = &wing.structure.positions_m;
+    let stored: f64 = (wing.structure.bendings.iter())
+        .map(|bending| {
+            let terms = bending.nodes.iter().zip(bending.coefficients);
+            let sum: DVec3 = terms.map(|(node, c)| positions[*node as usize] * c).sum();
+            0.5 * bending.stiffness_n_m * sum.length_squared()
+        })
+        .sum();
+    assert!(
+        (stored / (3.0 * energy) - 1.0).abs() < tolerance::ROD_ENERGY,
+        "{stored} {energy} J"
+    );
 }
 
 fn ellipse() {

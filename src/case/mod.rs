@@ -65,6 +65,7 @@ mod values;
 pub mod wing;
 pub mod wing_design;
 mod wing_lines;
+mod wing_rods;
 mod wing_tunnel;
 pub mod xflr5;
 

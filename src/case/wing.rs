@@ -11,6 +11,7 @@ use super::usual;
 use super::values::{count_within, points, positive, vector, wing_key as key, within};
 use super::wing_design::{self, LoadTest, PanelShaping};
 use super::wing_lines::{Materials, check_materials, check_row, material};
+use super::wing_rods;
 use super::wing_tunnel;
 pub use super::wing_tunnel::{Pull, Tunnel};
 use crate::cloth::Structure;
@@ -202,6 +203,11 @@ fn refused(fault: WingFault) -> Problem {
             key("profiles"),
             message,
             "thicken the profile, make holes smaller, or raise mesh.along_chord",
+        ),
+        WingFault::Rod { name, .. } => Problem::new(
+            key(&format!("rods.{name}")),
+            message,
+            "make it longer, or raise mesh.along_chord",
         ),
         WingFault::Degenerate { .. } => Problem::new(
             key("stations"),
@@ -430,6 +436,7 @@ fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Resul
             .transpose()?,
         rows,
         tapes,
+        rods: wing_rods::check(table)?,
         hang_point_m,
         pitch_guide_n_m: table
             .pitch_guide_n_m

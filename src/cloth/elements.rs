@@ -153,6 +153,19 @@ impl Bending<3> {
             stiffness_n_m,
         }
     }
+
+    /// ½ E I κ² s of a rod that is straight at rest, at a node between edges of the given lengths [m]: s is half of both,
+    /// κ = |(x₊ − x)/b − (x − x₋)/a|/s. `flexural_rigidity_nm2` is E I.
+    #[must_use]
+    pub fn of_rod(nodes: [u32; 3], [before, behind]: [f64; 2], flexural_rigidity_nm2: f64) -> Self {
+        let share = 0.5 * (before + behind);
+        let [before, behind] = [share / before, share / behind];
+        Self {
+            nodes,
+            coefficients: [before, -(before + behind), behind],
+            stiffness_n_m: flexural_rigidity_nm2 / share.powi(3),
+        }
+    }
 }
 
 /// A straight piece of a cable.
@@ -222,6 +235,30 @@ mod tests {
             DVec2::new(2.0, 0.0),
         ];
         assert!(Triangle::new([0, 1, 2], bad).is_none());
+    }
+
+    /// A rod bent to a circle stores ½ E I/R² per length, wherever its nodes stand.
+    #[test]
+    fn a_bent_rod_stores_the_energy_of_a_beam() {
+        let (radius, rigidity) = (0.3, 0.004);
+        let place = |angle: f64| radius * DVec3::new(angle.cos(), 0.0, angle.sin());
+        // Edges of 0.5 to 1.5 degrees.
+        let angles: Vec<f64> = (0..60)
+            .map(|i| f64::from(i) + 0.25 * (2.3 * f64::from(i)).sin())
+            .map(f64::to_radians)
+            .collect();
+        let places: Vec<DVec3> = angles.iter().map(|angle| place(*angle)).collect();
+        let lengths: Vec<f64> = places.windows(2).map(|p| p[0].distance(p[1])).collect();
+        let (mut energy, mut length) = (0.0, 0.0);
+        for (three, pair) in places.windows(3).zip(lengths.windows(2)) {
+            let bending = Bending::of_rod([0, 1, 2], [pair[0], pair[1]], rigidity);
+            let terms = three.iter().zip(bending.coefficients);
+            let sum: DVec3 = terms.map(|(place, c)| place * c).sum();
+            energy += 0.5 * bending.stiffness_n_m * sum.length_squared();
+            length += 0.5 * (pair[0] + pair[1]);
+        }
+        let exact = 0.5 * rigidity * length / (radius * radius);
+        assert!((energy / exact - 1.0).abs() < 1e-3, "{energy} {exact}");
     }
 
     /// A flat sheet across the warp takes y, with places as exact as six digits make them.

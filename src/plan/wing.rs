@@ -69,6 +69,25 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             0.5 * risers
         )?;
     }
+    for rod in &wing.plan.rods {
+        let reach = |side: usize, name: &str| {
+            let range = rod.sides[side];
+            range.map(|[from, to]| format!("{from:.3} to {to:.3} {name}"))
+        };
+        let reach: Vec<String> = [reach(0, "above"), reach(1, "below")]
+            .into_iter()
+            .flatten()
+            .collect();
+        writeln!(
+            out,
+            "    rod {:<13} {} ribs of a half, {} per chord; E I {:.2e} N m2, {:.2} g/m",
+            rod.name,
+            rod.ribs.len(),
+            reach.join(", "),
+            rod.flexural_rigidity_nm2,
+            1e3 * rod.mass_per_length_kg_m
+        )?;
+    }
     for profile in &wing.plan.profiles {
         if let Profile::Points {
             nose_cut: Some(place),
@@ -211,7 +230,7 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
             out,
             "  pressure inside     {coefficient} of the dynamic one"
         ),
-        None => writeln!(out, "  pressure inside     what stands before the intakes"),
+        None => writeln!(out, "  pressure inside     by that before the intakes"),
     }
 }
 

@@ -1,10 +1,11 @@
 //! Loads of the air on a flown wing: pressure on its triangles, traction for the drag that pressures lack, drag of lines; and the glide that they make.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
 use super::flown_sections::{Between, turn_rad};
+use super::mouth::pressure_inside;
 use super::outer::OuterPressure;
 use super::skin::Skin;
 use super::{Settings, TrimError};
@@ -13,10 +14,11 @@ use crate::aero::drag::{self, DragArea, LineSegment};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::PanelSurface;
 use crate::cloth::Structure;
+use crate::geometry::wing::section::Side;
 use crate::geometry::wing::{BuiltWing, LineKind, Part};
 
 /// Places along an intake at which the pressure before it is taken.
-const INTAKE_POINTS: usize = 5;
+const INTAKE_POINTS: usize = 40;
 
 /// Angle of the stream with which the first search begins [rad].
 const START_RAD: f64 = 0.14;
@@ -281,7 +283,7 @@ impl<'a> Glider<'a> {
         let inside = self
             .settings
             .inside
-            .unwrap_or_else(|| self.before_intakes(&outer));
+            .unwrap_or_else(|| self.by_the_mouths(&outer));
         let far = viscous.flow.trefftz_forces(surface, 1.0);
         let induced_m2 = far.induced_drag_n / DYNAMIC_PA;
         let strip_drag_m2: Vec<f64> = decambering
@@ -436,8 +438,9 @@ impl<'a> Glider<'a> {
         loads
     }
 
-    /// Mean coefficient before the openings of the cells; that of stagnation where there are none (cases must say what a closed wing has).
-    fn before_intakes(&self, outer: &OuterPressure) -> f64 {
+    /// Coefficient inside by what stands before the mouths of the cells, their mean; that of stagnation where there are none (cases must say what a
+    /// closed wing has).
+    fn by_the_mouths(&self, outer: &OuterPressure) -> f64 {
         let Some(intakes) = self.wing.intakes else {
             return 1.0;
         };
@@ -446,12 +449,22 @@ impl<'a> Glider<'a> {
         for cell in open {
             let pair = &self.wing.frames[cell..cell + 2];
             let area = (pair[1].span_m - pair[0].span_m) * (pair[0].chord_m + pair[1].chord_m);
-            for i in 0..INTAKE_POINTS {
-                let share = (i as f64 + 0.5) / INTAKE_POINTS as f64;
-                let place = intakes.from + share * (intakes.to - intakes.from);
-                sum += area * outer.at(self.skin.of_cell(cell), -place.sqrt());
-                weight += area;
+            // Evenly in √(x/c), which is that along the outline near the nose.
+            let ends = [intakes.from, intakes.to].map(f64::sqrt);
+            let mut before: Vec<[f64; 2]> = Vec::with_capacity(INTAKE_POINTS + 1);
+            let mut last = None;
+            let mut along = 0.0;
+            for i in 0..=INTAKE_POINTS {
+                let root = ends[0] + (ends[1] - ends[0]) * i as f64 / INTAKE_POINTS as f64;
+                let place = root * root;
+                let height = pair[0].height(&self.wing.profiles, Side::Lower, place);
+                let point = DVec2::new(place, height);
+                along += last.map_or(0.0, |last: DVec2| last.distance(point));
+                last = Some(point);
+                before.push([along, outer.at(self.skin.of_cell(cell), -root)]);
             }
+            sum += area * pressure_inside(&before);
+            weight += area;
         }
         if weight > 0.0 { sum / weight } else { 1.0 }
     }

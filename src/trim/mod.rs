@@ -21,6 +21,7 @@
 pub mod balance;
 mod flown_sections;
 pub mod glider;
+mod mouth;
 pub mod outer;
 pub mod skin;
 
@@ -41,7 +42,7 @@ pub struct Settings {
     pub pilot_drag_area_m2: f64,
     /// Drag coefficient of lines and risers across the stream.
     pub line_drag_coefficient: f64,
-    /// Coefficient of the pressure inside all cells; `None`: the mean of what stands before the intakes.
+    /// Coefficient of the pressure inside all cells; `None`: by what stands before their mouths.
     pub inside: Option<f64>,
     /// Polars of the wing's sections.
     pub sections: SectionSettings,

@@ -420,14 +420,14 @@ fn rows(cells: usize, (span_m, chord_m): (f64, f64), keys: &mut Keys) {
 }
 
 /// By how much the bar shortens risers at full travel [m], row by row.
-const SPEED_BAR: [(&str, f64); 3] = [("A", 0.06), ("B", 0.04), ("C", 0.02)];
+const SPEED_BAR: [(&str, f64); 3] = [("A", 0.08), ("B", 0.053), ("C", 0.027)];
 
 fn speed_bar(keys: &mut Keys) {
     let shortening = SPEED_BAR.map(|(row, length)| (row.to_owned(), Value::from(length)));
     keys.set(
         "structure.wing.speed_bar.shortening_m",
         Value::Table(Table::from_iter(shortening)),
-        "two thirds and one third of that of the A risers behind them; with a third more the shipped school wing folds its nose in",
+        "two thirds and one third of that of the A risers behind them; with a third more a wing of class B folds its nose in",
     );
 }
 

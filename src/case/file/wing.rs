@@ -44,6 +44,9 @@ pub struct Wing {
     pub line_materials: BTreeMap<String, LineMaterial>,
     /// Rows of lines, by name, from the nose to the brakes.
     pub rows: BTreeMap<String, LineRow>,
+    /// Rods in pockets along the ribs' seams, by name; absent: none.
+    #[serde(default)]
+    pub rods: BTreeMap<String, Rod>,
     /// Speed bar, which shortens risers; absent: none.
     pub speed_bar: Option<SpeedBar>,
     /// Pull on the brakes [m], 0 to 2; 0 if absent. It shortens the risers of rows behind 0.99 of the chord, beyond their `trim_m`.
@@ -150,6 +153,24 @@ pub struct Hole {
     pub width: f64,
     /// Its height over the rib's, 0.05 to 0.9.
     pub height: f64,
+}
+
+/// Rods that hold the outline of ribs against folding, straight until they are put in. With both sides it goes around the nose.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rod {
+    /// Places on the upper side between which it lies, per chord; the first is 0 where it goes around the nose. Absent: it does not reach there.
+    pub upper: Option<[f64; 2]>,
+    /// The same on the lower side.
+    pub lower: Option<[f64; 2]>,
+    /// Diameter [m].
+    pub diameter_m: f64,
+    /// Modulus of elasticity [Pa]; 2.8e9, of nylon, if absent.
+    pub youngs_modulus_pa: Option<f64>,
+    /// Density [kg/m³]; 1140, of nylon, if absent.
+    pub density_kg_m3: Option<f64>,
+    /// Ribs with such a rod, counted from the middle; all if absent.
+    pub ribs: Option<Vec<usize>>,
 }
 
 /// Fabrics of a wing.

@@ -4,7 +4,9 @@
 
 mod published;
 mod read;
+mod rods;
 mod rows;
+mod speed;
 
 use std::collections::BTreeMap;
 
@@ -137,6 +139,8 @@ fn keys(
     openings(drawing, &mut keys);
     wing::sewn_of(drawing.intake().map_or(0.03, |[_, to]| to), &mut keys);
     rows::derive(drawing, scale_m, &mut keys, left_out);
+    rods::derive(drawing, &mut keys, left_out);
+    speed::derive(drawing, chord(0) * scale_m, &mut keys, left_out);
     let area_m2: f64 = (1..half)
         .map(|k| (chord(k - 1) + chord(k)) * (ribs[k].span - ribs[k - 1].span))
         .sum::<f64>()
@@ -146,7 +150,7 @@ fn keys(
     wing::trim_of((area_m2, pilot_kg), 0.0, Quality::Normal, &mut keys)
         .map_err(|problem| ImportFault::Pilot(problem.help))?;
     left_out.push(
-        "skin tension, holes of ribs, diagonals as drawn, rods, and materials: usual ones stand in their place".to_owned(),
+        "skin tension, holes of ribs, diagonals as drawn, trimmers, and materials: usual ones stand in their place".to_owned(),
     );
     Ok(keys)
 }

@@ -1,6 +1,9 @@
 //! The input file of LEparagliding (`leparagliding.txt`, versions 2.x and 3.x): numbered sections of plain lines. Lengths in it are centimetres of the
 //! drawing, which the wing scale multiplies.
 
+use super::rods::{self, RodGroup};
+use super::speed::SpeedStudy;
+
 /// m of a centimetre.
 pub(super) const CENTIMETRE_M: f64 = 0.01;
 
@@ -91,10 +94,14 @@ pub(super) struct Drawing {
     pub brakes: Vec<Path>,
     /// Of lines, and of brakes.
     pub branches: [Branches; 2],
+    /// Groups of rods; `None`: their section is not there, or cannot be read.
+    pub rods: Option<Vec<RodGroup>>,
+    /// Study of the speed system; `None`: there is none.
+    pub speed_study: Option<SpeedStudy>,
 }
 
 /// Lines of the sections, by their numbers.
-struct Sections<'a>(Vec<(usize, Vec<&'a str>)>);
+pub(super) struct Sections<'a>(Vec<(usize, Vec<&'a str>)>);
 
 /// Number of the section that a line with a star begins.
 fn heading(line: &str) -> Option<usize> {
@@ -120,7 +127,11 @@ impl<'a> Sections<'a> {
         Self(all)
     }
 
-    fn get(&self, number: usize, name: &'static str) -> Result<Section<'_, 'a>, ReadFault> {
+    pub(super) fn get(
+        &self,
+        number: usize,
+        name: &'static str,
+    ) -> Result<Section<'_, 'a>, ReadFault> {
         let found = self.0.iter().find(|(known, _)| *known == number);
         let (_, lines) = found.ok_or(ReadFault::Section { number, name })?;
         Ok(Section {
@@ -132,7 +143,7 @@ impl<'a> Sections<'a> {
 }
 
 /// Lines of a section that are still to be read.
-struct Section<'s, 'a> {
+pub(super) struct Section<'s, 'a> {
     number: usize,
     name: &'static str,
     lines: std::slice::Iter<'s, &'a str>,
@@ -145,7 +156,7 @@ impl<'a> Section<'_, 'a> {
         line.ok_or(ReadFault::Section { number, name })
     }
 
-    fn fault(&self, line: &str) -> ReadFault {
+    pub(super) fn fault(&self, line: &str) -> ReadFault {
         ReadFault::Line {
             number: self.number,
             name: self.name,
@@ -154,7 +165,7 @@ impl<'a> Section<'_, 'a> {
     }
 
     /// The numbers at the beginning of the next line, of which there are some at least.
-    fn numbers(&mut self, least: usize) -> Result<Vec<f64>, ReadFault> {
+    pub(super) fn numbers(&mut self, least: usize) -> Result<Vec<f64>, ReadFault> {
         let line = self.line()?;
         let found = numbers(line);
         if found.len() < least {
@@ -163,11 +174,11 @@ impl<'a> Section<'_, 'a> {
         Ok(found)
     }
 
-    fn number(&mut self) -> Result<f64, ReadFault> {
+    pub(super) fn number(&mut self) -> Result<f64, ReadFault> {
         Ok(self.numbers(1)?[0])
     }
 
-    fn count(&mut self) -> Result<usize, ReadFault> {
+    pub(super) fn count(&mut self) -> Result<usize, ReadFault> {
         Ok(self.number()?.max(0.0) as usize)
     }
 
@@ -326,6 +337,8 @@ impl Drawing {
             plans,
             brakes,
             branches,
+            rods: rods::read(&sections).ok(),
+            speed_study: SpeedStudy::read(&sections),
         })
     }
 }

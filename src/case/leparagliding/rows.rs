@@ -9,7 +9,7 @@ use super::read::{CENTIMETRE_M, Drawing, Path};
 const BRAKES: usize = 6;
 
 /// Names of the rows, by their risers from the nose.
-const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
+pub(super) const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
 
 /// Places that differ by less than this, over the chord, are one.
 const SAME_PLACE: f64 = 0.015;

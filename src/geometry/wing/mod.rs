@@ -11,7 +11,8 @@
 //! * [`patterns`] – panels laid flat;
 //! * [`measures`] – areas, lengths and masses;
 //! * [`cells`] – what cells enclose, wherever the fabric is;
-//! * `openings` – intakes and holes of ribs.
+//! * `openings` – intakes and holes of ribs;
+//! * `rods` – what stiffens the outline of ribs.
 //!
 //! # Rest shape
 //!
@@ -39,6 +40,7 @@ pub mod plan;
 pub mod planar;
 pub mod pressure;
 mod ribs;
+mod rods;
 pub mod section;
 
 use std::collections::HashMap;
@@ -171,6 +173,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
     builder.add_ribs()?;
     builder.add_diagonals()?;
     builder.add_tapes();
+    builder.add_rods()?;
     let hang_points = builder.add_lines();
     builder.add_guides();
     let measures = Measures::new(&builder);

@@ -34,6 +34,8 @@ pub struct Plan {
     pub rows: Vec<Row>,
     /// Tapes along the span.
     pub tapes: Vec<Tape>,
+    /// Rods along the ribs' outlines.
+    pub rods: Vec<Rod>,
     /// Where the risers of the right half are held [m].
     pub hang_point_m: DVec3,
     /// Stiffness with which a nose in the middle is kept from drifting along x [N/m]; `None`: the attitude follows from lines and loads
@@ -89,6 +91,21 @@ pub struct Tape {
     pub sewn: bool,
     /// What it is made of.
     pub cable: Cable,
+}
+
+/// Rods along the outline of ribs: straight where nothing bends them, and free to slide in their pockets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rod {
+    /// Name.
+    pub name: String,
+    /// Places between which it lies on the upper and on the lower side, per chord; around the nose where both begin there.
+    pub sides: [Option<[f64; 2]>; 2],
+    /// E I [N m²].
+    pub flexural_rigidity_nm2: f64,
+    /// Mass per length [kg/m].
+    pub mass_per_length_kg_m: f64,
+    /// Ribs that have one, counted from the middle.
+    pub ribs: Vec<usize>,
 }
 
 /// A row of lines, on both halves.
@@ -188,6 +205,14 @@ pub enum WingFault {
     Rib {
         /// Counted from the middle.
         rib: usize,
+    },
+    /// A rod reaches over one edge of the mesh, which cannot bend.
+    #[error("rod `{name}` reaches over {edges} edges of the mesh along the chord; two can bend")]
+    Rod {
+        /// Its name.
+        name: String,
+        /// Edges.
+        edges: usize,
     },
     /// Triangles without area.
     #[error(

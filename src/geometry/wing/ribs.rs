@@ -31,7 +31,7 @@ impl Builder<'_> {
     }
 
     /// Number of a rib counted from the middle.
-    fn count_of(&self, rib: usize) -> usize {
+    pub(super) fn count_of(&self, rib: usize) -> usize {
         let cells = self.plan.cells;
         let twice = (2 * rib).abs_diff(cells);
         twice.div_ceil(2)

@@ -89,6 +89,7 @@ fn wing(cells: usize, along_chord: usize) -> Result<BuiltWing, Stop> {
         mini_ribs_from: None,
         rows: Vec::new(),
         tapes: Vec::new(),
+        rods: Vec::new(),
         hang_point_m: HANG,
         pitch_guide_n_m: None,
         fabrics: PartFabrics {
