@@ -261,6 +261,13 @@ fn rods_and_bar() {
     // The first rib stands in the middle: 0 here.
     let ribs = numbers(&rods["nose_2"]["ribs"]);
     assert_eq!(ribs, [8.0, 9.0, 10.0]);
+    // Without a rib there they count from 1. A rib has one rod; those that are not there are told.
+    let odd = of(&drawing(false, "ds").replace("2   9 11", "2   7 14"));
+    let ribs = numbers(&table(&odd.text)["structure"]["wing"]["rods"]["nose_2"]["ribs"]);
+    assert_eq!(ribs, [9.0, 10.0, 11.0, 12.0]);
+    let told = "rods of 4 of the ribs 7 to 14";
+    let all = &odd.left_out;
+    assert!(all.iter().any(|line| line.contains(told)), "{all:?}");
     // Turned by 4° about C, at 0.655 of a chord of 2.2 m times the scale.
     let shortened = &wing["speed_bar"]["shortening_m"];
     let chord_m = 0.01 * CHORD_CM * SCALE;
@@ -290,7 +297,7 @@ fn rods_and_bar() {
     let older = of(&drawn[..drawn.find(RODS).unwrap()]);
     let wing = table(&older.text)["structure"]["wing"].clone();
     assert!(wing.get("rods").is_none() && wing.get("speed_bar").is_none());
-    for told in ["no section 21", "section 28"] {
+    for told in ["section 21 (rods)", "section 28"] {
         let all = &older.left_out;
         assert!(
             all.iter().any(|line| line.contains(told)),

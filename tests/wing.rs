@@ -182,7 +182,7 @@ fn rods() {
         ribs: vec![0, 2],
     }];
     let wing = build(&with_rods, fine).unwrap();
-    // The outline from the end below to that above, evenly along itself.
+    // The outline from the end below to that above, evenly in √(x/c).
     let profile = Profile::naca("2415").unwrap();
     let point = |u: f64| {
         let side = if u < 0.0 { Side::Lower } else { Side::Upper };

@@ -204,11 +204,6 @@ fn refused(fault: WingFault) -> Problem {
             message,
             "thicken the profile, make holes smaller, or raise mesh.along_chord",
         ),
-        WingFault::Rod { name, .. } => Problem::new(
-            key(&format!("rods.{name}")),
-            message,
-            "make it longer, or raise mesh.along_chord",
-        ),
         WingFault::Degenerate { .. } => Problem::new(
             key("stations"),
             message,

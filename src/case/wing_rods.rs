@@ -3,7 +3,7 @@
 use super::file;
 use super::problem::Problem;
 use super::usual;
-use super::values::{positive, wing_key as key, within};
+use super::values::{positive, wing_key, within};
 use crate::geometry::wing::plan::Rod;
 
 /// Nylon (polyamide 6.6, dry): modulus of elasticity [Pa] and density [kg/m³].
@@ -20,7 +20,7 @@ pub(super) fn check(table: &file::Wing) -> Result<Vec<Rod>, Problem> {
 }
 
 fn check_one(table: &file::Wing, name: &str, written: &file::Rod) -> Result<Rod, Problem> {
-    let key = |what: &str| key(&format!("rods.{name}.{what}"));
+    let key = |what: &str| wing_key(&format!("rods.{name}.{what}"));
     let sides = [("upper", written.upper), ("lower", written.lower)];
     let [upper, lower] = sides.map(|(side, places)| {
         places
@@ -28,16 +28,15 @@ fn check_one(table: &file::Wing, name: &str, written: &file::Rod) -> Result<Rod,
             .transpose()
     });
     let sides = [upper?, lower?];
-    let refuse = |message: &str| {
-        let message = format!("{}: {message}", key("upper"));
+    let refuse = |at: String, message: &str| {
         let help = "give upper = [0.0, 0.1] and lower = [0.0, 0.06] for a rod around the nose, or one of them for a rod on one side";
-        Err(Problem::new(key("upper"), message, help))
+        Err(Problem::new(&at, format!("{at}: {message}"), help))
     };
+    let around = "a rod on both sides goes around the nose, and begins at 0 on each";
     match sides {
-        [None, None] => return refuse("the rod has no place"),
-        [Some([above, _]), Some([below, _])] if above > 0.0 || below > 0.0 => {
-            return refuse("a rod on both sides goes around the nose, and begins at 0 on each");
-        }
+        [None, None] => return refuse(wing_key(&format!("rods.{name}")), "the rod has no place"),
+        [Some([above, _]), Some(_)] if above > 0.0 => return refuse(key("upper"), around),
+        [Some(_), Some([below, _])] if below > 0.0 => return refuse(key("lower"), around),
         _ => {}
     }
     let diameter_m = positive(&key("diameter_m"), written.diameter_m)?;
@@ -82,14 +81,22 @@ fn ribs(cells: usize) -> std::ops::RangeInclusive<usize> {
 
 fn check_ribs(key: &str, cells: usize, written: &[usize]) -> Result<(), Problem> {
     let all = ribs(cells);
-    let Some(unknown) = written.iter().find(|rib| !all.contains(rib)) else {
-        return Ok(());
-    };
-    let message = format!("{key}: there is no rib {unknown}");
     let help = format!(
-        "ribs of {cells} cells are {} to {}, counted from the middle",
+        "name some of {} to {}, counted from the middle, each once",
         all.start(),
         all.end()
     );
-    Err(Problem::new(key, message, help))
+    let refuse = |message: String| Err(Problem::new(key, message, help.as_str()));
+    if written.is_empty() {
+        return refuse(format!("{key} is empty"));
+    }
+    for (number, rib) in written.iter().enumerate() {
+        if !all.contains(rib) {
+            return refuse(format!("{key}: there is no rib {rib}"));
+        }
+        if written[..number].contains(rib) {
+            return refuse(format!("{key}: rib {rib} is there twice"));
+        }
+    }
+    Ok(())
 }

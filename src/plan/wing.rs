@@ -69,6 +69,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             0.5 * risers
         )?;
     }
+    if !wing.plan.rods.is_empty() {
+        writeln!(out, "  rods                {:.3} kg", measures.rod_mass_kg)?;
+    }
     for rod in &wing.plan.rods {
         let reach = |side: usize, name: &str| {
             let range = rod.sides[side];
@@ -80,7 +83,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             .collect();
         writeln!(
             out,
-            "    rod {:<13} {} ribs of a half, {} per chord; E I {:.2e} N m2, {:.2} g/m",
+            "    rod {:<13} {} ribs from the middle to the tip, {} per chord; E I {:.2e} N m2, {:.2} g/m",
             rod.name,
             rod.ribs.len(),
             reach.join(", "),
@@ -230,7 +233,10 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
             out,
             "  pressure inside     {coefficient} of the dynamic one"
         ),
-        None => writeln!(out, "  pressure inside     by that before the intakes"),
+        None => writeln!(
+            out,
+            "  pressure inside     by the pressure along the intakes"
+        ),
     }
 }
 

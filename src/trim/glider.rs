@@ -20,6 +20,10 @@ use crate::geometry::wing::{BuiltWing, LineKind, Part};
 /// Places along an intake at which the pressure before it is taken.
 const INTAKE_POINTS: usize = 40;
 
+/// √(x/c) up to which the point where the stream divides is looked for on either side of the nose, and places there.
+const NOSE_ROOT: f64 = 0.5;
+const NOSE_POINTS: usize = 200;
+
 /// Angle of the stream with which the first search begins [rad].
 const START_RAD: f64 = 0.14;
 
@@ -463,10 +467,29 @@ impl<'a> Glider<'a> {
                 last = Some(point);
                 before.push([along, outer.at(self.skin.of_cell(cell), -root)]);
             }
-            sum += area * pressure_inside(&before);
+            let divides = self.dividing_root(outer, cell);
+            let divides = match before.len() - 1 {
+                // Ahead of the front lip, or on the upper side; behind the rear lip; in between.
+                _ if divides <= ends[0] => f64::NEG_INFINITY,
+                _ if divides >= ends[1] => f64::INFINITY,
+                last => {
+                    let share = (divides - ends[0]) / (ends[1] - ends[0]);
+                    before[(share * last as f64).round() as usize][0]
+                }
+            };
+            sum += area * pressure_inside(&before, divides);
             weight += area;
         }
         if weight > 0.0 { sum / weight } else { 1.0 }
+    }
+
+    /// √(x/c) of the point around the nose where the stream divides, below zero on the upper side.
+    fn dividing_root(&self, outer: &OuterPressure, cell: usize) -> f64 {
+        let roots =
+            (0..=2 * NOSE_POINTS).map(|i| NOSE_ROOT * (i as f64 / NOSE_POINTS as f64 - 1.0));
+        let before = |root: f64| outer.at(self.skin.of_cell(cell), -root);
+        let highest = roots.max_by(|a, b| before(*a).total_cmp(&before(*b)));
+        highest.unwrap_or(0.0)
     }
 
     /// Calls with every loaded triangle, and the difference of the coefficients inside and outside, which pushes along its normal.

@@ -8,52 +8,57 @@
 //! C_i = 1/π ∫ C_o(t) √((1 − t)/(1 + t)) dt
 //! ```
 //!
-//! For a pressure that falls evenly it is that at a quarter of the mouth behind the upstream lip: more than the mean. Where the stream divides in the mouth, what arrives
-//! before it keeps its pressure, and both lips may be the upstream one: the lower of both values is taken, which goes on without a jump where the dividing point leaves
-//! the mouth. How far cells of the lattice agree stands in docs/results/2026-11-27-pressure-inside-ram-air-wings.md.
+//! For a pressure that falls evenly it is that at a quarter of the mouth behind the upstream lip: more than the mean. The lip that is nearer to the point where the
+//! stream divides is the upstream one. Where it divides within the mouth, either may be: then what lies between that lip and the dividing point counts with the
+//! pressure at that point, and the lower of both values is taken. It goes on without a jump where the dividing point leaves the mouth.
+//! docs/results/2026-11-27-pressure-inside-ram-air-wings.md has it beside the lattice.
 
 use std::f64::consts::PI;
 
 /// Points of the quadrature.
 const POINTS: usize = 64;
 
-/// Coefficient of the pressure inside, by points (place along the mouth from lip to lip, coefficient before it), of which there are two at least.
+/// Coefficient of the pressure inside, by points (place along the mouth, growing from lip to lip, and the coefficient before it), and by the place where the stream
+/// divides, which may lie beyond either lip. Stagnation, 1, without two points.
 #[must_use]
-pub fn pressure_inside(before: &[[f64; 2]]) -> f64 {
-    let backward: Vec<[f64; 2]> = before.iter().rev().map(|[s, c]| [-s, *c]).collect();
-    leaving_first_lip(before).min(leaving_first_lip(&backward))
+pub fn pressure_inside(before: &[[f64; 2]], divides: f64) -> f64 {
+    let [first, .., last] = before else {
+        return 1.0;
+    };
+    let leaving_first = || leaving_first_lip(before, divides);
+    let leaving_last = || {
+        let backward: Vec<[f64; 2]> = before.iter().rev().map(|[s, c]| [-s, *c]).collect();
+        leaving_first_lip(&backward, -divides)
+    };
+    if divides <= first[0] {
+        leaving_first()
+    } else if divides >= last[0] {
+        leaving_last()
+    } else {
+        leaving_first().min(leaving_last())
+    }
 }
 
 /// The same where the first lip is the upstream one.
-fn leaving_first_lip(before: &[[f64; 2]]) -> f64 {
-    let (Some(first), Some(last)) = (before.first(), before.last()) else {
-        return 0.0;
+fn leaving_first_lip(before: &[[f64; 2]], divides: f64) -> f64 {
+    let [[first, _], .., [last, _]] = before else {
+        return 1.0;
     };
-    let highest = before
-        .iter()
-        .map(|point| point[1])
-        .fold(f64::NEG_INFINITY, f64::max);
-    let divides = before
-        .iter()
-        .position(|point| point[1] == highest)
-        .unwrap_or(0);
     // With t = −cos θ the weight is (1 + cos θ) dθ.
-    let mut sum = 0.0;
-    for i in 0..POINTS {
+    let sum = |i: usize| {
         let cos = (PI * (i as f64 + 0.5) / POINTS as f64).cos();
-        let place = first[0] + 0.5 * (1.0 - cos) * (last[0] - first[0]);
-        let next = before
-            .partition_point(|point| point[0] <= place)
-            .clamp(1, before.len() - 1);
-        let coefficient = if next <= divides {
-            highest
-        } else {
-            let [a, b] = [before[next - 1], before[next]];
-            a[1] + (b[1] - a[1]) * (place - a[0]) / (b[0] - a[0])
-        };
-        sum += coefficient * (1.0 + cos);
-    }
-    sum / POINTS as f64
+        let place = first + 0.5 * (1.0 - cos) * (last - first);
+        at(before, place.max(divides.min(*last))) * (1.0 + cos)
+    };
+    (0..POINTS).map(sum).sum::<f64>() / POINTS as f64
+}
+
+/// Coefficient at a place, on straight lines between the points.
+fn at(before: &[[f64; 2]], place: f64) -> f64 {
+    let next = before.partition_point(|point| point[0] <= place);
+    let next = next.clamp(1, before.len() - 1);
+    let [a, b] = [before[next - 1], before[next]];
+    a[1] + (b[1] - a[1]) * (place - a[0]) / (b[0] - a[0])
 }
 
 #[cfg(test)]
@@ -67,28 +72,25 @@ mod tests {
 
     #[test]
     fn one_pressure_before_the_mouth_stands_inside() {
-        assert!((pressure_inside(&mouth(|_| 0.7)) - 0.7).abs() < 1e-12);
+        assert!((pressure_inside(&mouth(|_| 0.7), 4.0) - 0.7).abs() < 1e-12);
     }
 
     #[test]
     fn a_falling_pressure_counts_at_a_quarter_of_the_mouth() {
-        let falling = pressure_inside(&mouth(|s| 0.9 - 0.4 * s));
+        let falling = pressure_inside(&mouth(|s| 0.9 - 0.4 * s), 1.0);
         assert!((falling - 0.8).abs() < 1e-6, "{falling}");
-        let rising = pressure_inside(&mouth(|s| 0.5 + 0.4 * s));
+        let rising = pressure_inside(&mouth(|s| 0.5 + 0.4 * s), 6.0);
         assert!((rising - 0.8).abs() < 1e-6, "{rising}");
     }
 
     /// The line of one pressure comes back to the other lip: its slope, by the equation that it follows, sums up to nothing.
     #[test]
     fn the_line_across_the_mouth_closes() {
-        let before = mouth(|s| 1.0 - 1.3 * s * s + 0.2 * s);
-        let inside = leaving_first_lip(&before);
+        let coefficient = |s: f64| 1.0 - 1.3 * s * s - 0.2 * s;
+        let inside = leaving_first_lip(&mouth(coefficient), 3.0);
         // Slope η' = −√((1 + t)/(1 − t))/π ⨍ √((1 − τ)/(1 + τ)) g(τ)/(t − τ) dτ with g = C_i − C_o, by Chebyshev points of both kinds.
         let n = 400;
-        let g = |t: f64| {
-            let s = 0.5 * (1.0 + t);
-            inside - (1.0 - 1.3 * s * s + 0.2 * s)
-        };
+        let g = |t: f64| inside - coefficient(0.5 * (1.0 + t));
         let angle = |k: f64| PI * k / f64::from(n);
         let mut rise = 0.0;
         for i in 1..n {
@@ -100,14 +102,16 @@ mod tests {
             }
             rise += (1.0 + t) * slope / f64::from(n * n);
         }
-        assert!(rise.abs() < 0.01, "{rise}");
+        assert!(rise.abs() < 2e-3, "{rise}");
     }
 
-    /// As the dividing point crosses a mouth the pressure inside rises to that of stagnation and falls again, without a jump.
+    /// As the dividing point crosses a mouth the pressure inside rises nearly to that of stagnation and falls again, without a jump.
     #[test]
     fn it_follows_the_dividing_point() {
-        let at =
-            |divides: f64| pressure_inside(&mouth(|s| 1.0 - 1.5 * (s - divides) * (s - divides)));
+        let at = |divides: f64| {
+            let before = mouth(|s| 1.0 - 1.5 * (s - divides) * (s - divides));
+            pressure_inside(&before, 3.0 + 2.0 * divides)
+        };
         let values: Vec<f64> = (-20..=120).map(|i| at(0.01 * f64::from(i))).collect();
         for pair in values.windows(2) {
             assert!((pair[1] - pair[0]).abs() < 0.03, "{pair:?}");
@@ -118,5 +122,22 @@ mod tests {
         for lip in [values[20], values[120]] {
             assert!((lip - (1.0 - 1.5 / 8.0)).abs() < 1e-3, "{lip}");
         }
+    }
+
+    /// Which lip is the upstream one does not depend on the pressure before the mouth: with a suction peak in it, lips that swap ranks change nothing.
+    #[test]
+    fn a_suction_peak_does_not_turn_the_stream() {
+        let of = |first: f64| {
+            let before = mouth(|s| {
+                if s < 0.3 {
+                    first - (first + 0.5) * s / 0.3
+                } else {
+                    s - 0.8
+                }
+            });
+            pressure_inside(&before, 2.0)
+        };
+        let [lower, higher] = [of(0.19), of(0.21)];
+        assert!(higher > lower && higher - lower < 0.01, "{lower} {higher}");
     }
 }

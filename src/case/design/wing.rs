@@ -427,7 +427,7 @@ fn speed_bar(keys: &mut Keys) {
     keys.set(
         "structure.wing.speed_bar.shortening_m",
         Value::Table(Table::from_iter(shortening)),
-        "two thirds and one third of that of the A risers behind them; with a third more a wing of class B folds its nose in",
+        "two thirds and one third of that of the A risers behind them; with a third more a wing of 25 m² of class B folds its nose in",
     );
 }
 

@@ -155,7 +155,7 @@ pub struct Hole {
     pub height: f64,
 }
 
-/// Rods that hold the outline of ribs against folding, straight until they are put in. With both sides it goes around the nose.
+/// A rod that holds the outline of ribs against folding, straight until it is put in. With both sides it goes around the nose.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rod {

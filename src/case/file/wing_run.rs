@@ -38,7 +38,7 @@ pub struct Trim {
     pub pilot_drag_area_m2: f64,
     /// C_d of lines and risers across the stream, with the diameters of their materials; 1.1 if absent.
     pub line_drag_coefficient: Option<f64>,
-    /// C_i of all cells; if absent it follows from what stands before the open intakes (docs/wings.md). A closed wing must have it.
+    /// C_i of all cells; if absent it follows from the pressure along the open intakes (docs/wings.md). A closed wing must have it.
     pub internal_pressure_coefficient: Option<f64>,
     /// Rows [angle in °, C_l, C_d] by name of the profile; absent: computed by boundary layers, for the flown turn of the trailing edge, too (docs/low-order-aerodynamics.md).
     #[serde(default)]

@@ -6,6 +6,7 @@ mod published;
 mod read;
 mod rods;
 mod rows;
+mod sections;
 mod speed;
 
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 pub use published::{Published, line_length_m};
-pub use read::ReadFault;
+pub use sections::ReadFault;
 
 use self::read::{CENTIMETRE_M, Drawing};
 use super::design::{Keys, commented, wing};
@@ -138,9 +139,11 @@ fn keys(
     }
     openings(drawing, &mut keys);
     wing::sewn_of(drawing.intake().map_or(0.03, |[_, to]| to), &mut keys);
-    rows::derive(drawing, scale_m, &mut keys, left_out);
-    rods::derive(drawing, &mut keys, left_out);
-    speed::derive(drawing, chord(0) * scale_m, &mut keys, left_out);
+    let risers = rows::derive(drawing, scale_m, &mut keys, left_out);
+    let stand = (half, drawing.has_middle_rib());
+    rods::derive(&drawing.rods, stand, &mut keys, left_out);
+    let study = drawing.speed_study.as_ref();
+    speed::derive(study, &risers, chord(0) * scale_m, &mut keys, left_out);
     let area_m2: f64 = (1..half)
         .map(|k| (chord(k - 1) + chord(k)) * (ribs[k].span - ribs[k - 1].span))
         .sum::<f64>()

@@ -2,36 +2,11 @@
 //! drawing, which the wing scale multiplies.
 
 use super::rods::{self, RodGroup};
+use super::sections::{ReadFault, Section, Sections, numbers, unquoted};
 use super::speed::SpeedStudy;
 
 /// m of a centimetre.
 pub(super) const CENTIMETRE_M: f64 = 0.01;
-
-/// Why a file cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ReadFault {
-    /// A section is not there, or ends too early.
-    #[error("section {number} ({name}) is missing, or is too short")]
-    Section {
-        /// Its number in the file.
-        number: usize,
-        /// What it holds.
-        name: &'static str,
-    },
-    /// A length is not positive.
-    #[error("{0} is not positive")]
-    Length(&'static str),
-    /// A line of a section has too few numbers.
-    #[error("in section {number} ({name}) the line `{line}` cannot be read")]
-    Line {
-        /// Number of the section.
-        number: usize,
-        /// What it holds.
-        name: &'static str,
-        /// The line.
-        line: String,
-    },
-}
 
 /// A rib, from the middle outwards.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,114 +69,10 @@ pub(super) struct Drawing {
     pub brakes: Vec<Path>,
     /// Of lines, and of brakes.
     pub branches: [Branches; 2],
-    /// Groups of rods; `None`: their section is not there, or cannot be read.
-    pub rods: Option<Vec<RodGroup>>,
+    /// Groups of rods, or why they cannot be read.
+    pub rods: Result<Vec<RodGroup>, ReadFault>,
     /// Study of the speed system; `None`: there is none.
     pub speed_study: Option<SpeedStudy>,
-}
-
-/// Lines of the sections, by their numbers.
-pub(super) struct Sections<'a>(Vec<(usize, Vec<&'a str>)>);
-
-/// Number of the section that a line with a star begins.
-fn heading(line: &str) -> Option<usize> {
-    let rest = line.trim_start().trim_start_matches('*').trim_start();
-    let (number, name) = rest.split_once('.')?;
-    let is_name = name.trim_start().starts_with(|c: char| c.is_alphabetic());
-    number.trim().parse().ok().filter(|_| is_name)
-}
-
-impl<'a> Sections<'a> {
-    fn new(text: &'a str) -> Self {
-        let mut all: Vec<(usize, Vec<&str>)> = Vec::new();
-        for line in text.lines() {
-            let line = line.trim();
-            if line.starts_with('*') {
-                if let Some(number) = heading(line) {
-                    all.push((number, Vec::new()));
-                }
-            } else if let (false, Some((_, lines))) = (line.is_empty(), all.last_mut()) {
-                lines.push(line);
-            }
-        }
-        Self(all)
-    }
-
-    pub(super) fn get(
-        &self,
-        number: usize,
-        name: &'static str,
-    ) -> Result<Section<'_, 'a>, ReadFault> {
-        let found = self.0.iter().find(|(known, _)| *known == number);
-        let (_, lines) = found.ok_or(ReadFault::Section { number, name })?;
-        Ok(Section {
-            number,
-            name,
-            lines: lines.iter(),
-        })
-    }
-}
-
-/// Lines of a section that are still to be read.
-pub(super) struct Section<'s, 'a> {
-    number: usize,
-    name: &'static str,
-    lines: std::slice::Iter<'s, &'a str>,
-}
-
-impl<'a> Section<'_, 'a> {
-    fn line(&mut self) -> Result<&'a str, ReadFault> {
-        let (number, name) = (self.number, self.name);
-        let line = self.lines.next().copied();
-        line.ok_or(ReadFault::Section { number, name })
-    }
-
-    pub(super) fn fault(&self, line: &str) -> ReadFault {
-        ReadFault::Line {
-            number: self.number,
-            name: self.name,
-            line: line.to_owned(),
-        }
-    }
-
-    /// The numbers at the beginning of the next line, of which there are some at least.
-    pub(super) fn numbers(&mut self, least: usize) -> Result<Vec<f64>, ReadFault> {
-        let line = self.line()?;
-        let found = numbers(line);
-        if found.len() < least {
-            return Err(self.fault(line));
-        }
-        Ok(found)
-    }
-
-    pub(super) fn number(&mut self) -> Result<f64, ReadFault> {
-        Ok(self.numbers(1)?[0])
-    }
-
-    pub(super) fn count(&mut self) -> Result<usize, ReadFault> {
-        Ok(self.number()?.max(0.0) as usize)
-    }
-
-    /// Rows that begin with a number and have some more; what is a heading is passed over.
-    fn rows(self, least: usize) -> Vec<Vec<f64>> {
-        let rows = self.lines.map(|line| numbers(line));
-        rows.filter(|row| row.len() >= least).collect()
-    }
-}
-
-/// Numbers at the beginning of a line.
-fn numbers(line: &str) -> Vec<f64> {
-    let words = line.split_whitespace();
-    let number = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
-    words.map_while(number).collect()
-}
-
-fn unquoted(line: &str) -> String {
-    let line = line.trim();
-    let inner = line
-        .strip_prefix('"')
-        .and_then(|rest| rest.split('"').next());
-    inner.unwrap_or(line).trim().to_owned()
 }
 
 /// Paths, each with its number of levels, pairs of level and order, row and rib.
@@ -337,7 +208,7 @@ impl Drawing {
             plans,
             brakes,
             branches,
-            rods: rods::read(&sections).ok(),
+            rods: rods::read(&sections),
             speed_study: SpeedStudy::read(&sections),
         })
     }

@@ -3,7 +3,7 @@
 use toml::Value;
 
 use super::super::design::Keys;
-use super::read::{Drawing, ReadFault, Sections};
+use super::sections::{ReadFault, Sections};
 
 /// What the file does not tell of its rods: nylon of 2.4 mm.
 const DIAMETER_M: f64 = 0.0024;
@@ -29,7 +29,8 @@ pub(super) fn read(sections: &Sections) -> Result<Vec<RodGroup>, ReadFault> {
     let blocks = match scheme {
         0 => 0,
         1 => 1,
-        _ => section.count()?,
+        2 => section.count()?,
+        _ => return Err(section.fault(&scheme.to_string())),
     };
     let mut groups = Vec::new();
     for _ in 0..blocks {
@@ -53,7 +54,8 @@ pub(super) fn read(sections: &Sections) -> Result<Vec<RodGroup>, ReadFault> {
                     section.numbers(4)?;
                     [upper, section.numbers(4)?[1]]
                 }
-                _ => [section.numbers(4)?[1], section.numbers(4)?[1]],
+                AROUND_NOSE => [section.numbers(4)?[1], section.numbers(4)?[1]],
+                _ => return Err(section.fault(&kind.to_string())),
             };
             section.numbers(4)?;
             groups.push(RodGroup { kind, ribs, ends });
@@ -62,12 +64,21 @@ pub(super) fn read(sections: &Sections) -> Result<Vec<RodGroup>, ReadFault> {
     Ok(groups)
 }
 
-/// Puts the rods around noses; says what is left out.
-pub(super) fn derive(drawing: &Drawing, keys: &mut Keys, left_out: &mut Vec<String>) {
-    let Some(groups) = &drawing.rods else {
-        left_out.push("rods: the file has no section 21 that can be read".to_owned());
-        return;
+/// Puts the rods around noses into so many ribs of a half, of which the first may stand in the middle; says what is left out.
+pub(super) fn derive(
+    groups: &Result<Vec<RodGroup>, ReadFault>,
+    (ribs, has_middle_rib): (usize, bool),
+    keys: &mut Keys,
+    left_out: &mut Vec<String>,
+) {
+    let groups = match groups {
+        Ok(groups) => groups,
+        Err(fault) => {
+            left_out.push(format!("rods: {fault}"));
+            return;
+        }
     };
+    let mut taken: Vec<usize> = Vec::new();
     let mut number = 0;
     for group in groups {
         let per_chord = group.ends.map(|end| 0.01 * end);
@@ -84,6 +95,21 @@ pub(super) fn derive(drawing: &Drawing, keys: &mut Keys, left_out: &mut Vec<Stri
                 group.ribs[0], group.ribs[1]
             ));
         }
+        // A rib has the rod of the first group that names it.
+        let named = group.ribs[0].max(1)..=group.ribs[1].min(ribs);
+        let free: Vec<usize> = named.filter(|rib| !taken.contains(rib)).collect();
+        let asked = (group.ribs[1] + 1).saturating_sub(group.ribs[0]);
+        if free.len() < asked {
+            left_out.push(format!(
+                "rods of {} of the ribs {} to {}: they are not there, or have others",
+                asked - free.len(),
+                group.ribs[0],
+                group.ribs[1]
+            ));
+        }
+        if free.is_empty() {
+            continue;
+        }
         number += 1;
         let of = |name: &str| format!("structure.wing.rods.nose_{number}.{name}");
         for (side, end) in ["upper", "lower"].into_iter().zip(per_chord) {
@@ -95,9 +121,9 @@ pub(super) fn derive(drawing: &Drawing, keys: &mut Keys, left_out: &mut Vec<Stri
         }
         let why = "usual: nylon of 2.4 mm; the file does not tell";
         keys.set(of("diameter_m"), DIAMETER_M, why);
-        let first = usize::from(drawing.has_middle_rib());
-        let last = group.ribs[1].min(drawing.ribs.len());
-        let ribs = (group.ribs[0].max(1)..=last).map(|rib| Value::from((rib - first) as i64));
-        keys.set(of("ribs"), ribs.collect::<Vec<Value>>(), "section 21");
+        let first = usize::from(has_middle_rib);
+        let numbers = free.iter().map(|rib| Value::from((rib - first) as i64));
+        keys.set(of("ribs"), numbers.collect::<Vec<Value>>(), "section 21");
+        taken.extend(free);
     }
 }

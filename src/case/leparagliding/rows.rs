@@ -9,7 +9,7 @@ use super::read::{CENTIMETRE_M, Drawing, Path};
 const BRAKES: usize = 6;
 
 /// Names of the rows, by their risers from the nose.
-pub(super) const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
+const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
 
 /// Places that differ by less than this, over the chord, are one.
 const SAME_PLACE: f64 = 0.015;
@@ -30,8 +30,14 @@ struct Attachment<'a> {
     path: &'a Path,
 }
 
-/// Puts all rows; says what the file has and they do not.
-pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out: &mut Vec<String>) {
+/// Puts all rows; says what the file has and they do not. The names of the risers' rows, from the nose; `None` where a riser has none.
+pub(super) fn derive(
+    drawing: &Drawing,
+    scale_m: f64,
+    keys: &mut Keys,
+    left_out: &mut Vec<String>,
+) -> Vec<Option<&'static str>> {
+    let mut risers_with_rows = Vec::new();
     let mut places: Vec<f64> = Vec::new();
     let (mut lost, mut moved) = (0, 0);
     let rows = NAMES.into_iter().zip(&drawing.plans);
@@ -46,6 +52,7 @@ pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out:
                 None => lost += 1,
             }
         }
+        risers_with_rows.push((!row.is_empty()).then_some(name));
         if !row.is_empty() {
             put(drawing, (name, &row), scale_m, keys);
         }
@@ -71,6 +78,9 @@ pub(super) fn derive(drawing: &Drawing, scale_m: f64, keys: &mut Keys, left_out:
             "{lost} lines lead to an anchor that is not there, or where another one is"
         ));
     }
+    // The last row is that of the brakes.
+    risers_with_rows.pop();
+    risers_with_rows
 }
 
 fn is_same(a: &Attachment, b: &Attachment) -> bool {

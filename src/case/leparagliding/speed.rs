@@ -3,8 +3,7 @@
 use toml::{Table, Value};
 
 use super::super::design::Keys;
-use super::read::{Drawing, Section, Sections};
-use super::rows::NAMES;
+use super::sections::{Section, Sections};
 
 /// A study of the speed system: the wing turns about the attachments of its last riser.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,20 +39,26 @@ impl SpeedStudy {
     }
 }
 
-/// Puts the speed bar.
-pub(super) fn derive(drawing: &Drawing, chord_m: f64, keys: &mut Keys, left_out: &mut Vec<String>) {
-    let Some(study) = &drawing.speed_study else {
-        left_out.push("a speed bar: the file has no study of one (section 28)".to_owned());
+/// Puts the speed bar, by the rows of the risers from the nose on, if they have lines, and the chord in the middle [m].
+pub(super) fn derive(
+    study: Option<&SpeedStudy>,
+    risers: &[Option<&str>],
+    chord_m: f64,
+    keys: &mut Keys,
+    left_out: &mut Vec<String>,
+) {
+    let Some(study) = study else {
+        left_out.push(
+            "a speed bar: the file has no study of one that can be used (section 28)".to_owned(),
+        );
         return;
     };
-    let rows = NAMES.into_iter().zip(&drawing.plans);
-    let rows = rows.filter(|(_, paths)| !paths.is_empty());
-    let shortened: Table = rows
-        .zip(study.shortening_m(chord_m))
+    let shortened: Table = (risers.iter().zip(study.shortening_m(chord_m)))
         .filter(|(_, length_m)| *length_m > 0.0)
-        .map(|((name, _), length_m)| (name.to_owned(), Value::from(length_m)))
+        .filter_map(|(row, length_m)| row.map(|name| (name.to_owned(), Value::from(length_m))))
         .collect();
     if shortened.is_empty() {
+        left_out.push("a speed bar: its study has one riser (section 28)".to_owned());
         return;
     }
     keys.set(

@@ -28,6 +28,8 @@ pub(super) struct Builder<'a> {
     pub(super) rows_across: Vec<Vec<Vec<u32>>>,
     /// Nodes along the edges of diagonals, by their ends on the seams: on a coarse mesh diagonals of neighbouring rows meet there.
     pub(super) diagonal_edges: HashMap<[u32; 2], Vec<u32>>,
+    /// Mass of all rods [kg].
+    pub(super) rod_mass_kg: f64,
 }
 
 impl Builder<'_> {

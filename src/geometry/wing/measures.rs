@@ -25,6 +25,8 @@ pub struct Measures {
     pub line_length_m: f64,
     /// Mass of lines, risers and tapes [kg].
     pub cable_mass_kg: f64,
+    /// Mass of all rods [kg].
+    pub rod_mass_kg: f64,
     /// Number of lines on both halves, without risers.
     pub lines: usize,
 }
@@ -54,6 +56,7 @@ impl Measures {
             parts: Vec::new(),
             line_length_m: 0.0,
             cable_mass_kg: 0.0,
+            rod_mass_kg: 0.0,
             lines: 0,
         };
         for (rib, pair) in frames.windows(2).enumerate() {
@@ -98,7 +101,9 @@ impl Measures {
             }
         }
         let fabric: f64 = measures.parts.iter().map(|part| part.3).sum();
-        measures.cable_mass_kg = builder.structure.masses_kg.iter().sum::<f64>() - fabric;
+        measures.rod_mass_kg = builder.rod_mass_kg;
+        let sewn = fabric + measures.rod_mass_kg;
+        measures.cable_mass_kg = builder.structure.masses_kg.iter().sum::<f64>() - sewn;
         measures
     }
 }

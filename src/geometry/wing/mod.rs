@@ -168,12 +168,13 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
         outlines: Vec::new(),
         rows_across: Vec::new(),
         diagonal_edges: HashMap::new(),
+        rod_mass_kg: 0.0,
     };
     builder.add_panels()?;
     builder.add_ribs()?;
     builder.add_diagonals()?;
     builder.add_tapes();
-    builder.add_rods()?;
+    builder.add_rods();
     let hang_points = builder.add_lines();
     builder.add_guides();
     let measures = Measures::new(&builder);

@@ -206,14 +206,6 @@ pub enum WingFault {
         /// Counted from the middle.
         rib: usize,
     },
-    /// A rod reaches over one edge of the mesh, which cannot bend.
-    #[error("rod `{name}` reaches over {edges} edges of the mesh along the chord; two can bend")]
-    Rod {
-        /// Its name.
-        name: String,
-        /// Edges.
-        edges: usize,
-    },
     /// Triangles without area.
     #[error(
         "a triangle of the {part} of cell or rib {number} (from the left tip, from 0) has no area"
