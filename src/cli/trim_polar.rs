@@ -70,7 +70,7 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
             return Err(refused(
                 "structure.wing",
                 format!("in {}: --bar needs a speed bar", case.name),
-                "give [structure.wing.speed_bar] shortening_m = { A = 0.08, B = 0.053, C = 0.027 }: by how much it shortens the risers of each row at full travel",
+                "give [structure.wing.speed_bar] shortening_m = { A = 0.07, B = 0.047, C = 0.023 }: by how much it shortens the risers of each row at full travel",
             ));
         }
         varies.push(vary(&format!("structure.wing.speed_bar.used={list}"))?);

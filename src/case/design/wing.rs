@@ -420,14 +420,14 @@ fn rows(cells: usize, (span_m, chord_m): (f64, f64), keys: &mut Keys) {
 }
 
 /// By how much the bar shortens risers at full travel [m], row by row.
-const SPEED_BAR: [(&str, f64); 3] = [("A", 0.08), ("B", 0.053), ("C", 0.027)];
+const SPEED_BAR: [(&str, f64); 3] = [("A", 0.07), ("B", 0.047), ("C", 0.023)];
 
 fn speed_bar(keys: &mut Keys) {
     let shortening = SPEED_BAR.map(|(row, length)| (row.to_owned(), Value::from(length)));
     keys.set(
         "structure.wing.speed_bar.shortening_m",
         Value::Table(Table::from_iter(shortening)),
-        "two thirds and one third of that of the A risers behind them; with a third more a wing of 25 m² of class B folds its nose in",
+        "two thirds and one third of that of the A risers behind them; of 25 m² a wing of class D folds its nose in with a seventh more, one of class B with half as much again",
     );
 }
 
