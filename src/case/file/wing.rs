@@ -161,7 +161,7 @@ pub struct Hole {
 pub struct Rod {
     /// Places on the upper side between which it lies, per chord; the first is 0 where it goes around the nose. Absent: it does not reach there.
     pub upper: Option<[f64; 2]>,
-    /// The same on the lower side.
+    /// Places on the lower side between which it lies, in the same way.
     pub lower: Option<[f64; 2]>,
     /// Diameter [m].
     pub diameter_m: f64,
