@@ -3,15 +3,18 @@
 //! A cut link leads from cell A to cell B behind the wall. The mirror image of B in the wall lies in the air. What B would send is taken from the cells about that image: g is the
 //! population that leaves them along −d. It comes back with the velocity across the wall and the shear stress upon it turned round,
 //!
-//! r = g + 6 w α (d·n) (j − ρ V)·n − 18 w (d·n) d·s,
+//! r = g + 6 w β (d·n) (j − ρ V)·n − 18 w (d·n) d·s,
 //!
-//! n the unit normal away from the air, V the velocity of the wall, α = min(1, 1/2q) by the distance q of the cut, ρ, j and s density, momentum and the part along the
-//! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, where the image lies. On a wall along the lattice, midway between cells, this is specular
+//! n the unit normal away from the air, V the velocity of the wall, ρ, j and s density, momentum and the part along the
+//! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, of the cells about the image. With α = min(1, 1/2q) by the distance q of the cut, β = α η + ½ (1 − η): the velocity across
+//! a wall grows with the height over it, and the cells lie higher than their image; η is its height over theirs, 1 at most, and ½ (1 − η) takes from g what they have too much. (Were it 1 throughout, air would stream out of walls
+//! where the flow along them speeds up, as at a nose. That the cells lie askew along the wall, too, is not heeded.) On a wall along the lattice, midway between cells, this is specular
 //! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
 //! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain; the
-//! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass.
+//! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass. What is given back arrives
+//! with the velocity of the air along the wall. At rest it would hold the air back, and what is taken away would drive it: a section has thrust.
 //!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
 //! breaks down, and so do cells of tight folds.
@@ -125,6 +128,8 @@ pub(super) struct Image {
     along: DVec3,
     /// α.
     strength: f64,
+    /// β.
+    across: f64,
     pub(super) cells: [(f64, u32); CELLS_OF_AN_IMAGE],
 }
 
@@ -135,6 +140,17 @@ pub struct Slides {
     pub normal: DVec3,
     /// True where a model of the boundary layer gives the stress.
     pub modelled: bool,
+}
+
+/// What a side where the air slides loses.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Loss {
+    /// Mass that leaves, and does not come back, along a plane: 6 w d·(j − ρ V − n n·(j − ρ V)).
+    pub along: f64,
+    /// All that does not come back, for a wall that goes on as it moves.
+    pub all: f64,
+    /// Velocity along d of the air at the wall.
+    pub velocity: f64,
 }
 
 /// Images of all cut links at which the air slides.
@@ -196,18 +212,19 @@ impl Images {
                 let slides = slides(link.cuts[side].triangle as usize)?;
                 let away = away(link, side, slides.normal);
                 let off = air.off(link, side, (away, slides.modelled))?;
-                let cells = air.cells_of_image(link, side, away);
-                let sum: f64 = cells.iter().map(|(share, _)| share).sum();
+                let (cells, closer) = air.cells_of_image(link, side, away);
                 let direction = link.leaving(side);
                 let d = vector(direction);
+                let strength = (0.5 / link.distance(side)).min(1.0);
                 let image = Image {
                     link: (task * LINKS_AT_ONCE + number) as u32,
                     side: side as u8,
                     direction: direction as u8,
                     away,
                     along: d - away * d.dot(away),
-                    strength: (0.5 / link.distance(side)).min(1.0),
-                    cells: cells.map(|(share, _)| (share / sum, 0)),
+                    strength,
+                    across: strength * closer + 0.5 * (1.0 - closer),
+                    cells: cells.map(|(share, _)| (share, 0)),
                 };
                 Some(Found {
                     image,
@@ -316,23 +333,23 @@ impl Images {
         })
     }
 
-    /// Puts what comes back to every side that slides into `returns`, from what was taken and is `leaving` the cells; `wall` tells the wall's velocity at a side of a link. Into `along` goes
-    /// the mass that leaves along a side, and does not come back, where the air slides along a plane: 6 w d·(j − ρ V − n n·(j − ρ V)).
+    /// Puts what comes back to every side that slides into `returns`, from what was taken and is `leaving` the cells; `wall` tells the wall's velocity at a side of a link. Into `losses` goes
+    /// what it loses.
     pub fn returned(
         &self,
         leaving: &[Leaving],
         wall: impl Fn(usize, usize) -> DVec3 + Sync,
         returns: &mut [[Return; 2]],
-        along: &mut Vec<[f64; 2]>,
+        losses: &mut Vec<[Loss; 2]>,
     ) {
-        along.resize(returns.len(), [0.0; 2]);
+        losses.resize(returns.len(), [Loss::default(); 2]);
         (returns
             .par_iter_mut()
-            .zip(along)
+            .zip(losses)
             .zip(&self.of_link)
             .enumerate())
         .with_min_len(LINKS_AT_ONCE)
-        .for_each(|(link, ((returns, along), images))| {
+        .for_each(|(link, ((returns, losses), images))| {
             for side in super::SIDES {
                 if images[side] == NO_IMAGE {
                     continue;
@@ -345,22 +362,16 @@ impl Images {
                     at.add(share, &self.air[cell]);
                     came += share * leaving[cell][from];
                 }
-                let (further, lost) = image.reflected(came, &at, wall(link, side));
-                along[side] = lost;
-                returns[side] = Return {
-                    out: returns[side].out,
-                    share: 0.0,
-                    further,
-                    strength: image.strength,
-                };
+                (returns[side], losses[side]) =
+                    image.reflected((returns[side].out, came), &at, wall(link, side));
             }
         });
     }
 }
 
 impl Image {
-    /// What comes back, less what the wall's velocity adds, and what leaves along a plane.
-    fn reflected(&self, came: f64, air: &Air, wall: DVec3) -> (f64, f64) {
+    /// What comes back, and what is lost, by what went `out` and what `came` from the image.
+    fn reflected(&self, (out, came): (f64, f64), air: &Air, wall: DVec3) -> (Return, Loss) {
         let away = self.away;
         let direction = usize::from(self.direction);
         let six_weights = 6.0 * WEIGHTS[direction];
@@ -368,14 +379,25 @@ impl Image {
         let across = d.dot(away);
         let relative = air.momentum - wall * air.density;
         let passing = away.dot(relative);
+        let along = self.along.dot(relative);
+        let moves = d.dot(wall);
         // d·s, s being the part along the wall of the flux across it.
         let shear = self.along.dot(air.flux(away)) - self.along.dot(air.momentum) * away.dot(wall);
         // As far as the wall's velocity changes in this step, it is that of a wall to which the air sticks: convex in the fabric's step.
-        let added = self.strength * (across * passing + d.dot(wall));
-        (
-            came + six_weights * (added - 3.0 * across * shear),
-            six_weights * self.along.dot(relative),
-        )
+        let added = self.across * across * passing + self.strength * moves;
+        let further = came + six_weights * (added - 3.0 * across * shear);
+        let returned = Return {
+            out,
+            share: 0.0,
+            further,
+            strength: self.strength,
+        };
+        let loss = Loss {
+            along: six_weights * along,
+            all: out - further - six_weights * (1.0 - self.strength) * moves,
+            velocity: along / air.density + moves,
+        };
+        (returned, loss)
     }
 }
 
@@ -477,20 +499,22 @@ impl Surroundings<'_> {
         Some(found)
     }
 
-    /// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air.
+    /// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air, with their shares, and η.
     fn cells_of_image(
         &self,
         link: &CutLink,
         side: usize,
         away: DVec3,
-    ) -> [(f64, [i32; 3]); CELLS_OF_AN_IMAGE] {
+    ) -> ([(f64, [i32; 3]); CELLS_OF_AN_IMAGE], f64) {
         let own = link.cells[side];
         let d = vector(link.leaving(side));
-        let image = d - away * (2.0 * (1.0 - link.distance(side)) * d.dot(away));
-        let mut nearest = [(0.0, own); CELLS_OF_AN_IMAGE];
+        let across = d.dot(away);
+        let height = (1.0 - link.distance(side)) * across;
+        let image = d - away * (2.0 * height);
+        let mut nearest = [(0.0, own, 0); CELLS_OF_AN_IMAGE];
         for direction in 0..DIRECTION_COUNT {
             let distance = (vector(direction) - image).length_squared();
-            let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own);
+            let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own, direction);
             if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
                 continue;
             }
@@ -506,7 +530,18 @@ impl Surroundings<'_> {
                 }
             }
         }
-        nearest
+        let sum: f64 = nearest.iter().map(|(share, ..)| share).sum();
+        let lower = (nearest.iter())
+            .map(|(share, _, direction)| share * vector(*direction).dot(away))
+            .sum::<f64>()
+            / sum;
+        let of_cells = link.distance(side) * across - lower;
+        let closer = if of_cells > height {
+            height / of_cells
+        } else {
+            1.0
+        };
+        (nearest.map(|(share, cell, _)| (share / sum, cell)), closer)
     }
 }
 

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
 use crate::cut_links::cell_numbers::CellNumbers;
-use crate::cut_links::slide::{self, Asked, Slides};
+use crate::cut_links::slide::{self, Asked, Loss, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
     BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Return, Stress,
@@ -16,8 +16,8 @@ use crate::lattice::WEIGHTS;
 
 /// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane [cells].
 ///
-/// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift is 13, 10, 4, 7, 1 % too low with blocks of 1, 2, 3, 4, 8 cells and 3 % with the whole wall;
-/// it has a thrust of 0.002, 0.007, 0.016, 0.015, 0.026 and 0.022.
+/// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift is 7, 4, 2 % too low with blocks of 1, 2, 4 cells;
+/// it has a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
 const BLOCK: i32 = 4;
 
 /// Cut links of a cell from which on it shares with no other, half of all: in tight folds it would fill up (docs/results/2026-11-26-sliding-in-creases.md).
@@ -31,8 +31,8 @@ pub(super) struct Sliding {
     images: Images,
     /// What left the cells of the images.
     leaving: Vec<Leaving>,
-    /// By link and side, the mass that leaves there, and does not come back, along a plane.
-    along: Vec<[f64; 2]>,
+    /// By link and side.
+    losses: Vec<[Loss; 2]>,
     spaces: Spaces,
     /// Sides that slide, in the order of links.
     sides: Vec<Side>,
@@ -63,6 +63,13 @@ struct Side {
     groups: [u32; 2],
     /// Of the direction.
     weight: f64,
+}
+
+impl Side {
+    /// Its link, and which side of it this is.
+    fn place(&self) -> (usize, usize) {
+        (self.link as usize, usize::from(self.side))
+    }
 }
 
 /// Boundary layers that are modelled, and what they take from the air.
@@ -100,7 +107,7 @@ impl Sliding {
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
             leaving: Vec::new(),
-            along: Vec::new(),
+            losses: Vec::new(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
             sides: Vec::new(),
             cut: CellNumbers::default(),
@@ -224,7 +231,18 @@ impl Sliding {
                 modelled.taken = true;
             }
         }
-        images.returned(leaving, velocity, returns, &mut self.along);
+        images.returned(leaving, velocity, returns, &mut self.losses);
+        self.carry(returns);
+    }
+
+    /// What is given back arrives with the velocity u of the air along the wall: of the mass m 3 m d·u comes along −d, and so much less elsewhere. Taken from what the links lose if the wall
+    /// goes on as it moves, so that the fabric knows of it in its step.
+    fn carry(&mut self, returns: &mut [[Return; 2]]) {
+        self.share(|_, loss| loss.all);
+        for (side, given) in self.sides.iter().zip(&self.given) {
+            let (link, of_link) = side.place();
+            returns[link][of_link].further -= 3.0 * given * self.losses[link][of_link].velocity;
+        }
     }
 
     /// What left the cells of the images, and the populations that lose the stress of modelled layers in this step.
@@ -258,16 +276,24 @@ impl Sliding {
     ///
     /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
     pub(super) fn keep_mass(&mut self, rest: &mut [[f64; 2]]) {
-        let (sides, along) = (&self.sides, &self.along);
-        let place = |side: &Side| (side.link as usize, usize::from(side.side));
+        self.returned += self.share(|(link, side), _| rest[link][side]);
+        for (side, given) in self.sides.iter().zip(&self.given) {
+            let (link, of_link) = side.place();
+            rest[link][of_link] = *given;
+        }
+    }
+
+    /// Lays out what every side gets of what all have `lost`, and tells how much of that goes to whole walls, loss and gain alike.
+    fn share(&mut self, lost: impl Fn((usize, usize), &Loss) -> f64 + Sync) -> f64 {
+        let (sides, losses) = (&self.sides, &self.losses);
         // What is lost, and by which weight in all.
         let parts: Vec<Vec<[f64; 2]>> = (sides.par_chunks(SIDES_AT_ONCE))
             .map(|sides| {
                 let mut sums = vec![[0.0; 2]; self.spaces.count()];
                 for side in sides {
-                    let (link, of_link) = place(side);
+                    let (link, of_link) = side.place();
                     let sum = &mut sums[side.groups[0] as usize];
-                    sum[0] += along[link][of_link];
+                    sum[0] += losses[link][of_link].along;
                     sum[1] += side.weight;
                 }
                 sums
@@ -280,17 +306,16 @@ impl Sliding {
                 sum[1] += part[1];
             }
         }
-        self.returned += of_spaces.iter().map(|[lost, _]| lost.abs()).sum::<f64>();
         let share = |[lost, weight]: [f64; 2]| lost / weight.max(f64::MIN_POSITIVE);
-        let rests = &*rest;
         let of_blocks: Vec<f64> = (self.blocks.par_windows(2))
             .with_min_len(BLOCKS_AT_ONCE)
             .map(|bounds| {
                 let mut sum = [0.0; 2];
                 for side in &self.of_blocks[bounds[0] as usize..bounds[1] as usize] {
                     let side = &sides[*side as usize];
-                    let (link, of_link) = place(side);
-                    sum[0] += rests[link][of_link] - along[link][of_link];
+                    let (link, of_link) = side.place();
+                    let loss = &losses[link][of_link];
+                    sum[0] += lost((link, of_link), loss) - loss.along;
                     sum[1] += side.weight;
                 }
                 share(sum)
@@ -303,9 +328,6 @@ impl Sliding {
                 (share(of_spaces[space]) + of_blocks[block]) * side.weight
             })
             .collect_into_vec(&mut self.given);
-        for (side, given) in sides.iter().zip(&self.given) {
-            let (link, of_link) = place(side);
-            rest[link][of_link] = *given;
-        }
+        of_spaces.iter().map(|[lost, _]| lost.abs()).sum()
     }
 }
