@@ -59,10 +59,9 @@ fn setups() -> Vec<Setup> {
             Some(EddyViscosity::wale(0.5)),
             Some(EddyViscosity::vreman(0.07)),
         ] {
-            // Set-ups are shaders of their own, which a software device compiles for long. Viscosities that neighbours decide upon are a stage that knows no operator.
-            let by_neighbours =
-                eddy_viscosity.is_some_and(|e| e.model != EddyViscosityModel::Smagorinsky);
-            if by_neighbours && operator != Operator::StabilisedRegularised {
+            // Set-ups are shaders of their own, which a software device compiles for long. Collisions take Vreman's viscosity from the same stage as that of WALE.
+            let vreman = eddy_viscosity.is_some_and(|e| e.model == EddyViscosityModel::Vreman);
+            if vreman && operator != Operator::StabilisedRegularised {
                 continue;
             }
             for (ends, sides, sponge_cells) in [

@@ -10,7 +10,7 @@ use crate::command_line::{program, ripstop, root};
 use crate::engines::{needs_device, plain};
 use crate::tolerances;
 
-/// Problems that take some seconds on any engine.
+/// Problems that take some seconds on a CPU.
 const FAST: [&str; 5] = [
     "poiseuille",
     "couette",
@@ -19,7 +19,7 @@ const FAST: [&str; 5] = [
     "shear-layer",
 ];
 
-/// Those that a software device computes in seconds. Walls in motion, and sound at inlet, outlet and sides, it meets in `walls` and `air`.
+/// Those that a software device computes in seconds. It meets walls in motion in `walls`, and sound at inlet, outlet and sides in `air` (at the outlet along its normal alone).
 const FAST_ON_DEVICE: [&str; 3] = ["poiseuille", "levels", "shear-layer"];
 
 /// Flow through what air passes, and a fall in a box that follows.

@@ -33,6 +33,8 @@ pub(super) struct Sliding {
     leaving: Vec<Leaving>,
     /// By link and side.
     losses: Vec<[Loss; 2]>,
+    /// By space, what passes along planes there, and by which weight in all.
+    of_spaces: Vec<[f64; 2]>,
     spaces: Spaces,
     /// Sides that slide, in the order of links.
     sides: Vec<Side>,
@@ -108,6 +110,7 @@ impl Sliding {
             images: Images::default(),
             leaving: Vec::new(),
             losses: Vec::new(),
+            of_spaces: Vec::new(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
             sides: Vec::new(),
             cut: CellNumbers::default(),
@@ -232,10 +235,11 @@ impl Sliding {
             }
         }
         images.returned(leaving, velocity, returns, &mut self.losses);
+        self.sum_spaces();
         self.carry(returns);
     }
 
-    /// What is given back arrives with the velocity u of the air along the wall: of the mass m 3 m d·u comes along −d, and so much less elsewhere. Taken from what the links lose if the wall
+    /// What is given back arrives with the velocity u of the air along the wall: of a mass m, −3 m d·u comes along −d, the rest of it at rest. It follows from what links lose where the wall
     /// goes on as it moves, so that the fabric knows of it in its step.
     fn carry(&mut self, returns: &mut [[Return; 2]]) {
         self.share(|_, loss| loss.all);
@@ -276,17 +280,19 @@ impl Sliding {
     ///
     /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
     pub(super) fn keep_mass(&mut self, rest: &mut [[f64; 2]]) {
-        self.returned += self.share(|(link, side), _| rest[link][side]);
+        self.share(|(link, side), _| rest[link][side]);
+        self.returned += (self.of_spaces.iter())
+            .map(|[lost, _]| lost.abs())
+            .sum::<f64>();
         for (side, given) in self.sides.iter().zip(&self.given) {
             let (link, of_link) = side.place();
             rest[link][of_link] = *given;
         }
     }
 
-    /// Lays out what every side gets of what all have `lost`, and tells how much of that goes to whole walls, loss and gain alike.
-    fn share(&mut self, lost: impl Fn((usize, usize), &Loss) -> f64 + Sync) -> f64 {
+    /// Sums up what passes along planes.
+    fn sum_spaces(&mut self) {
         let (sides, losses) = (&self.sides, &self.losses);
-        // What is lost, and by which weight in all.
         let parts: Vec<Vec<[f64; 2]>> = (sides.par_chunks(SIDES_AT_ONCE))
             .map(|sides| {
                 let mut sums = vec![[0.0; 2]; self.spaces.count()];
@@ -299,13 +305,19 @@ impl Sliding {
                 sums
             })
             .collect();
-        let mut of_spaces = vec![[0.0; 2]; self.spaces.count()];
+        self.of_spaces.clear();
+        self.of_spaces.resize(self.spaces.count(), [0.0; 2]);
         for part in &parts {
-            for (sum, part) in of_spaces.iter_mut().zip(part) {
+            for (sum, part) in self.of_spaces.iter_mut().zip(part) {
                 sum[0] += part[0];
                 sum[1] += part[1];
             }
         }
+    }
+
+    /// Lays out what every side gets of what all have `lost`.
+    fn share(&mut self, lost: impl Fn((usize, usize), &Loss) -> f64 + Sync) {
+        let (sides, losses, of_spaces) = (&self.sides, &self.losses, &self.of_spaces);
         let share = |[lost, weight]: [f64; 2]| lost / weight.max(f64::MIN_POSITIVE);
         let of_blocks: Vec<f64> = (self.blocks.par_windows(2))
             .with_min_len(BLOCKS_AT_ONCE)
@@ -328,6 +340,5 @@ impl Sliding {
                 (share(of_spaces[space]) + of_blocks[block]) * side.weight
             })
             .collect_into_vec(&mut self.given);
-        of_spaces.iter().map(|[lost, _]| lost.abs()).sum()
     }
 }
