@@ -73,6 +73,14 @@ impl CutLink {
 }
 
 impl Return {
+    /// Leaves a share of it, and takes half-way bounce-back for the rest.
+    pub fn lessen(&mut self, share: f64) {
+        let rest = 1.0 - share;
+        self.share = rest + share * self.share;
+        self.further *= share;
+        self.strength = rest + share * self.strength;
+    }
+
     /// r, where the sheet moves with d·v along the direction d of leaving, of weight w.
     #[must_use]
     pub fn back(&self, weight: f64, along: f64) -> f64 {

@@ -17,6 +17,9 @@
 //! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass. What is given back arrives
 //! with the velocity of the air along the wall. At rest it would hold the air back, and what is taken away would drive it: a section has thrust.
 //!
+//! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, the wall gives the air what nobody did: round a nose, that drives a section on. Bounce-back
+//! gives nothing. So a block of links lets only that share of what slides come back with which it gives no more than beside a plane, and what left for the rest ([`Energy`]).
+//!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
 //! breaks down, and so do cells of tight folds.
 //!
@@ -152,6 +155,53 @@ pub struct Loss {
     pub all: f64,
     /// Velocity along d of the air at the wall.
     pub velocity: f64,
+    /// What the wall gives the air.
+    pub energy: Energy,
+}
+
+/// Energy that a side gives the air, in the frame of the wall, where a share y of what slides comes back and of the rest what left: a y + b y²; beside a plane, and where the air is as at the image,
+/// c y. Energy of a population f: f²/6w, that is ρu²/2 of all.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Energy {
+    /// c − a.
+    pub free: f64,
+    /// b.
+    pub square: f64,
+}
+
+impl Energy {
+    /// Where g more comes back than went `out`, and of the image `came` back and `went`; all in the frame of the wall, along a direction of six weights.
+    fn new(six_weights: f64, (out, back): (f64, f64), (went, came): (f64, f64)) -> Self {
+        let more = back - out;
+        Self {
+            free: (came * came - went * went - 2.0 * out * more) / six_weights,
+            square: more * more / six_weights,
+        }
+    }
+
+    /// The largest share of what slides with which the wall gives the air no more than beside a plane.
+    #[must_use]
+    pub fn share(self) -> f64 {
+        if self.free >= self.square {
+            return 1.0;
+        }
+        (self.free / self.square).max(0.0)
+    }
+}
+
+impl std::ops::AddAssign for Energy {
+    fn add_assign(&mut self, other: Self) {
+        self.free += other.free;
+        self.square += other.square;
+    }
+}
+
+impl Loss {
+    /// Where a share of what slides comes back, and of the rest what left.
+    pub fn lessen(&mut self, share: f64) {
+        self.along *= share;
+        self.all *= share;
+    }
 }
 
 /// Images of all cut links at which the air slides.
@@ -357,22 +407,29 @@ impl Images {
                 }
                 let image = &self.images[images[side] as usize];
                 let from = opposite(usize::from(image.direction));
-                let (mut at, mut came) = (Air::default(), 0.0);
+                let (mut at, mut went, mut came) = (Air::default(), 0.0, 0.0);
                 for (share, cell) in image.cells {
                     let cell = cell as usize;
                     at.add(share, &self.air[cell]);
+                    went += share * leaving[cell][usize::from(image.direction)];
                     came += share * leaving[cell][from];
                 }
                 (returns[side], losses[side]) =
-                    image.reflected((returns[side].out, came), &at, wall(link, side));
+                    image.reflected(returns[side].out, (went, came), &at, wall(link, side));
             }
         });
     }
 }
 
 impl Image {
-    /// What comes back, and what is lost, by what went `out` and what `came` from the image.
-    fn reflected(&self, (out, came): (f64, f64), air: &Air, wall: DVec3) -> (Return, Loss) {
+    /// What comes back, and what is lost, by what went `out` and what of the image `went` with it and `came` back.
+    fn reflected(
+        &self,
+        out: f64,
+        (went, came): (f64, f64),
+        air: &Air,
+        wall: DVec3,
+    ) -> (Return, Loss) {
         let away = self.away;
         let direction = usize::from(self.direction);
         let six_weights = 6.0 * WEIGHTS[direction];
@@ -393,10 +450,18 @@ impl Image {
             further,
             strength: self.strength,
         };
+        // For a wall that goes on as it moves, and as the wall sees it.
+        let back = further - six_weights * self.strength * moves;
+        let frame = 0.5 * six_weights * moves;
         let loss = Loss {
             along: six_weights * along,
-            all: out - further - six_weights * (1.0 - self.strength) * moves,
+            all: out - back - six_weights * moves,
             velocity: along / air.density + moves,
+            energy: Energy::new(
+                six_weights,
+                (out - frame, back + frame),
+                (went - frame, came + frame),
+            ),
         };
         (returned, loss)
     }

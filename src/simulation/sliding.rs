@@ -7,14 +7,14 @@ use rustc_hash::FxHashMap;
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
 use crate::cut_links::cell_numbers::CellNumbers;
-use crate::cut_links::slide::{self, Asked, Loss, Slides};
+use crate::cut_links::slide::{self, Asked, Energy, Loss, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
     BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Return, Stress,
 };
 use crate::lattice::WEIGHTS;
 
-/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane [cells].
+/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air no energy [cells].
 ///
 /// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift is 7, 4, 2 % too low with blocks of 1, 2, 4 cells;
 /// it has a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
@@ -45,6 +45,8 @@ pub(super) struct Sliding {
     /// Numbers of sides in the order of their blocks, and where those of a block begin; one more at the end.
     of_blocks: Vec<u32>,
     blocks: Vec<u32>,
+    /// By block, which share of what slides comes back.
+    shares: Vec<f64>,
     /// What every side gives back.
     given: Vec<f64>,
     returned: f64,
@@ -124,6 +126,7 @@ impl Sliding {
             friction,
             of_blocks: Vec::new(),
             blocks: Vec::new(),
+            shares: Vec::new(),
             given: Vec::new(),
             returned: 0.0,
         })
@@ -235,8 +238,36 @@ impl Sliding {
             }
         }
         images.returned(leaving, velocity, returns, &mut self.losses);
+        self.hold_energy(returns);
         self.sum_spaces();
         self.carry(returns);
+    }
+
+    /// Lets less slide in blocks where the wall would give the air more energy than beside a plane.
+    ///
+    /// Populations of images are copies: where the air at the image has more energy than at the wall, energy comes from nowhere. Round a nose that was a thrust
+    /// (docs/results/2026-11-28-energy-of-sliding-walls.md).
+    fn hold_energy(&mut self, returns: &mut [[Return; 2]]) {
+        let (sides, losses) = (&self.sides, &self.losses);
+        (self.blocks.par_windows(2))
+            .with_min_len(BLOCKS_AT_ONCE)
+            .map(|bounds| {
+                let mut energy = Energy::default();
+                for side in &self.of_blocks[bounds[0] as usize..bounds[1] as usize] {
+                    let (link, of_link) = sides[*side as usize].place();
+                    energy += losses[link][of_link].energy;
+                }
+                energy.share()
+            })
+            .collect_into_vec(&mut self.shares);
+        for side in sides {
+            let share = self.shares[side.groups[1] as usize];
+            if share < 1.0 {
+                let (link, of_link) = side.place();
+                returns[link][of_link].lessen(share);
+                self.losses[link][of_link].lessen(share);
+            }
+        }
     }
 
     /// What is given back arrives with the velocity u of the air along the wall: of a mass m, −3 m d·u comes along −d, the rest of it at rest. It follows from what links lose where the wall

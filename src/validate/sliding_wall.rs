@@ -1,7 +1,7 @@
 //! Walls along which the air slides, at cut links: a plane that lies anyhow in the lattice, and the lift of a section.
 //!
 //! A stream along a plane loses nothing where the air slides; what it loses is told over what it loses where the air sticks. A closed section (NACA 0012 at 4°,
-//! between planes that repeat) lifts as in a frictionless stream, if the flow leaves its trailing edge smoothly on so few cells: C_l of potential flow. Where the section stands between
+//! between planes that repeat) lifts as in a frictionless stream, if the flow leaves its trailing edge smoothly on so few cells: C_l of potential flow. It has no drag. Where the section stands between
 //! the cells turns it by some half a cell over its chord, so that the mean over four places is judged; their scatter is told.
 
 use glam::DVec3;
@@ -37,6 +37,9 @@ const LIFT: f64 = 0.479;
 
 /// Distance of the mean over the places of the section from that.
 const BAND_OF_LIFT: f64 = 0.15;
+
+/// Most drag or thrust of the mean over the places: in a plane stream without friction there is none.
+const BAND_OF_SECTION_DRAG: f64 = 0.02;
 
 /// Cells per chord from which on it is judged.
 const GATED_CELLS: usize = 24;
@@ -135,7 +138,10 @@ fn section(session: &mut Session, chord: usize) -> Result<(), Stop> {
         row.gate(Gate::Within(BAND_OF_LIFT));
     }
     session.row(cells, format!("{of}: lift, scatter"), scatter);
-    session.row(cells, format!("{of}: drag, mean"), mean(1));
+    let row = session.row(cells, format!("{of}: drag, mean"), mean(1));
+    if chord >= GATED_CELLS {
+        row.gate(Gate::AtMost(BAND_OF_SECTION_DRAG));
+    }
     if chord == GATED_CELLS {
         let [lift, drag] = coefficients(session, chord, PLACES[0], Friction::NoSlip)?;
         session.row(cells, format!("{of}, the air sticks: lift"), lift);
