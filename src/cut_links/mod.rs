@@ -29,6 +29,7 @@
 //! * [`pockets`]: air shut in by folds;
 //! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
 //! * [`slide`]: what comes back where the air slides along the surface;
+//! * [`energy`]: what of that the wall may give the air;
 //! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
 //! * `modelled`: what it needs to know of the air;
 //! * [`stress`]: where that is taken from the air;
@@ -39,6 +40,7 @@ pub mod boundary_layer;
 pub mod by_triangle;
 mod cell_box;
 pub mod cell_numbers;
+pub mod energy;
 pub mod faces;
 mod modelled;
 pub mod places;

@@ -17,8 +17,8 @@
 //! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass. What is given back arrives
 //! with the velocity of the air along the wall. At rest it would hold the air back, and what is taken away would drive it: a section has thrust.
 //!
-//! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, the wall gives the air what nobody did: round a nose, that drives a section on. Bounce-back
-//! gives nothing. So a block of links lets only that share of what slides come back with which it gives no more than beside a plane, and what left for the rest ([`Energy`]).
+//! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, that would come from nowhere: round a nose, it drives a section on. A block of links may give
+//! the air no more than along a plane. Where it would, only a share of what slides comes back; the rest is bounce-back ([`super::energy`]).
 //!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
 //! breaks down, and so do cells of tight folds.
@@ -31,6 +31,7 @@ use rayon::prelude::*;
 use super::bounce::Return;
 use super::boundary_layer::{Face, Seen};
 use super::cell_numbers::CellNumbers;
+use super::energy::Energy;
 use super::modelled::{Modelled, Off};
 use super::search::{CutLink, CutLinks, Domain};
 use crate::lattice::nest::CHANGED_BY_LAYERS;
@@ -155,45 +156,8 @@ pub struct Loss {
     pub all: f64,
     /// Velocity along d of the air at the wall.
     pub velocity: f64,
-    /// What the wall gives the air.
+    /// What the wall gives the air, if all slides.
     pub energy: Energy,
-}
-
-/// Energy that a side gives the air, in the frame of the wall, where a share y of what slides comes back and of the rest what left: a y + b y²; beside a plane, and where the air is as at the image,
-/// c y. Energy of a population f: f²/6w, that is ρu²/2 of all.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Energy {
-    /// c − a.
-    pub free: f64,
-    /// b.
-    pub square: f64,
-}
-
-impl Energy {
-    /// Where g more comes back than went `out`, and of the image `came` back and `went`; all in the frame of the wall, along a direction of six weights.
-    fn new(six_weights: f64, (out, back): (f64, f64), (went, came): (f64, f64)) -> Self {
-        let more = back - out;
-        Self {
-            free: (came * came - went * went - 2.0 * out * more) / six_weights,
-            square: more * more / six_weights,
-        }
-    }
-
-    /// The largest share of what slides with which the wall gives the air no more than beside a plane.
-    #[must_use]
-    pub fn share(self) -> f64 {
-        if self.free >= self.square {
-            return 1.0;
-        }
-        (self.free / self.square).max(0.0)
-    }
-}
-
-impl std::ops::AddAssign for Energy {
-    fn add_assign(&mut self, other: Self) {
-        self.free += other.free;
-        self.square += other.square;
-    }
 }
 
 impl Loss {

@@ -72,9 +72,13 @@ pub(super) fn account(results: &Results, scene: &Scene) -> Option<AccountRow> {
     );
     let detail = if share <= LIMIT {
         ""
-    } else if scene.wing().is_some() {
-        "it holds noses and tips open in place of the rods and wires of real wings, which are not modelled: with less they fold, and with it stresses \
-         come out too small"
+    } else if let Some(wing) = scene.wing() {
+        if wing.plan.rods.is_empty() {
+            "it holds noses and tips open in place of the rods and wires of real wings, which this one lacks (structure.wing.rods): with less they fold, \
+             and with it stresses come out too small"
+        } else {
+            "it holds open what the rods do not: with less, tips and slack parts fold, and with it stresses come out too small"
+        }
     } else {
         "fabric carries what it should not: lower residual_stiffness"
     };

@@ -7,17 +7,18 @@ use rustc_hash::FxHashMap;
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
 use crate::cut_links::cell_numbers::CellNumbers;
-use crate::cut_links::slide::{self, Asked, Energy, Loss, Slides};
+use crate::cut_links::energy::Energy;
+use crate::cut_links::slide::{self, Asked, Loss, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
     BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Return, Stress,
 };
 use crate::lattice::WEIGHTS;
 
-/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air no energy [cells].
+/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air no more energy than along one [cells].
 ///
-/// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift is 7, 4, 2 % too low with blocks of 1, 2, 4 cells;
-/// it has a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
+/// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift was 7, 4, 2 % too low with blocks of 1, 2, 4 cells
+/// before energy was held; it had a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
 const BLOCK: i32 = 4;
 
 /// Cut links of a cell from which on it shares with no other, half of all: in tight folds it would fill up (docs/results/2026-11-26-sliding-in-creases.md).
@@ -243,7 +244,7 @@ impl Sliding {
         self.carry(returns);
     }
 
-    /// Lets less slide in blocks where the wall would give the air more energy than beside a plane.
+    /// Lets less slide in blocks where the wall would give the air more energy than along a plane.
     ///
     /// Populations of images are copies: where the air at the image has more energy than at the wall, energy comes from nowhere. Round a nose that was a thrust
     /// (docs/results/2026-11-28-energy-of-sliding-walls.md).

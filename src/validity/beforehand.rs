@@ -207,7 +207,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across the chord for lift, cut links",
             unit: "1",
-            meaning: "cells over the chord of a wing that cuts links; a ram-air wing's lift at 4 to 12 degrees is 10 % too low to 9 % too high with 24, 14 % too low to 23 % too high with 48, a section's 2 % too low to 11 % too high with 24 to 48; from 48 to 96 the wing's changes by 5 %",
+            meaning: "cells over the chord of a wing that cuts links; a ram-air wing's lift at 4 to 12 degrees is 4 to 17 % too low with 24, 22 % too low to 32 % too high with 48, a section's 3 % too low to 5 % too high with 24 to 48",
             bound: Bound::AtLeast,
             limit: 96.0,
             supports: Supports::Lift,
