@@ -33,7 +33,7 @@ const CHORD_CM: f64 = 220.0;
 const SCALE: f64 = 1.05;
 
 /// Place of a rib, and chord there [cm]: an ellipse upon a rectangle.
-fn rib(number: usize, even: bool) -> [f64; 2] {
+pub fn rib(number: usize, even: bool) -> [f64; 2] {
     let offset = if even { 0.0 } else { 0.5 };
     let last = (RIBS - 1) as f64 + offset;
     let x = 0.5 * SPAN_CM * (number as f64 + offset) / last;
@@ -45,7 +45,7 @@ fn rib(number: usize, even: bool) -> [f64; 2] {
 }
 
 /// A drawing of ours in the format of LEparagliding 3, with what its own files have: headings, tabs, numbers without a leading digit.
-fn drawing(even: bool, kind: &str) -> String {
+pub fn drawing(even: bool, kind: &str) -> String {
     let mut text = String::from(
         "****************\n* Input data file 3.28 version  *\n****************\n*             1. GEOMETRY                                    *\n* Brand name\n\"Ripstop\"\n* Wing name\n\"Own wing\"\n* Drawing scale\n1.\n",
     );

@@ -83,6 +83,7 @@ mod tolerances;
 mod trim;
 mod validate;
 mod validity;
+mod vh_ribs;
 mod wall_friction;
 mod walls;
 mod wing;
@@ -107,6 +108,7 @@ fn main() -> std::process::ExitCode {
         wall_friction::trials(),
         walls::trials(),
         wing::trials(),
+        vh_ribs::trials(),
         wing_design::trials(),
         wing_patterns::trials(),
         lep_sim::trials(),

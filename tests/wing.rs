@@ -56,13 +56,13 @@ const FABRIC: Fabric = Fabric {
     yield_stress_pa: None,
 };
 
-const FINENESS: Fineness = Fineness {
+pub const FINENESS: Fineness = Fineness {
     along_chord: 16,
     across_cell: 4,
 };
 
 /// Without lines, holes or intakes.
-fn plan(stations: Vec<Station>, cells: usize) -> Plan {
+pub fn plan(stations: Vec<Station>, cells: usize) -> Plan {
     Plan {
         profiles: vec![Profile::naca("2415").unwrap()],
         stations,
@@ -76,6 +76,7 @@ fn plan(stations: Vec<Station>, cells: usize) -> Plan {
         rows: Vec::new(),
         tapes: Vec::new(),
         rods: Vec::new(),
+        vh_ribs: Vec::new(),
         hang_point_m: DVec3::new(0.3, 0.2, -5.0),
         pitch_guide_n_m: None,
         fabrics: PartFabrics {
@@ -87,7 +88,7 @@ fn plan(stations: Vec<Station>, cells: usize) -> Plan {
     }
 }
 
-fn station(span_m: f64, chord_m: f64, roll_deg: f64) -> Station {
+pub fn station(span_m: f64, chord_m: f64, roll_deg: f64) -> Station {
     Station {
         span_m,
         chord_m,

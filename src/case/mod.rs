@@ -67,6 +67,7 @@ pub mod wing_design;
 mod wing_lines;
 mod wing_rods;
 mod wing_tunnel;
+mod wing_vh_ribs;
 pub mod xflr5;
 
 pub use design::{Derived, TABLES as DESIGN_TABLES, expanded};

@@ -14,6 +14,7 @@ use super::wing_lines::{Materials, check_materials, check_row, material};
 use super::wing_rods;
 use super::wing_tunnel;
 pub use super::wing_tunnel::{Pull, Tunnel};
+use super::wing_vh_ribs;
 use crate::cloth::Structure;
 use crate::geometry::wing;
 use crate::geometry::wing::frames::Station;
@@ -431,6 +432,7 @@ fn check_plan(table: &file::Wing, materials: &Materials, folder: &Path) -> Resul
             .transpose()?,
         rows,
         tapes,
+        vh_ribs: wing_vh_ribs::check(table)?,
         rods: wing_rods::check(table)?,
         hang_point_m,
         pitch_guide_n_m: table

@@ -44,6 +44,9 @@ pub struct Wing {
     pub line_materials: BTreeMap<String, LineMaterial>,
     /// Rows of lines, by name, from the nose to the brakes.
     pub rows: BTreeMap<String, LineRow>,
+    /// V- and H-ribs as drawn, beside the rows' `diagonals`; absent: none.
+    #[serde(default)]
+    pub vh_ribs: Vec<VhRib>,
     /// Rods in pockets along the ribs' seams, by name; absent: none.
     #[serde(default)]
     pub rods: BTreeMap<String, Rod>,
@@ -279,6 +282,18 @@ pub struct Diagonals {
     pub foot: f64,
     /// Width at the upper seam, per chord.
     pub head: f64,
+}
+
+/// Fabric between two neighbouring ribs on both halves: a V-rib from one seam towards the other, or an H-rib (strap) along one.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VhRib {
+    /// The ribs, counted from the middle. With an odd number of cells [0, 1] lies across the middle cell.
+    pub ribs: [usize; 2],
+    /// Places between which it is sewn to each of them, per chord; at least one edge of the mesh on each side of their middle.
+    pub between: [[f64; 2]; 2],
+    /// Heights there over those of the ribs: 0 is the lower seam, 1 the upper one; else 0.1 to 0.9. A hole that lies in the way is left out of the rib.
+    pub heights: [f64; 2],
 }
 
 /// Side of a wing.

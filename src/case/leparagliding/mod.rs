@@ -8,6 +8,7 @@ mod rods;
 mod rows;
 mod sections;
 mod speed;
+mod vh_ribs;
 
 use std::collections::BTreeMap;
 
@@ -17,6 +18,7 @@ pub use published::{Published, line_length_m};
 pub use sections::ReadFault;
 
 use self::read::{CENTIMETRE_M, Drawing};
+use self::vh_ribs::Piece;
 use super::design::{Keys, commented, wing};
 use super::file::Quality;
 use crate::geometry::profile::Profile;
@@ -69,7 +71,8 @@ pub fn import(
     }
     let mut left_out = Vec::new();
     let is_flat = |file: &str| thickness(file).is_some_and(|share| share < FLAT);
-    let keys = keys(&drawing, pilot_kg, &is_flat, &mut left_out)?;
+    let vh_ribs = vh_ribs::read(text);
+    let keys = keys((&drawing, &vh_ribs), pilot_kg, &is_flat, &mut left_out)?;
     let mut case = Table::from_iter([("version".to_owned(), Value::from(1))]);
     let derived = keys.put_into(&mut case);
     let mut profiles: Vec<String> = drawing.ribs.iter().map(|rib| rib.profile.clone()).collect();
@@ -92,7 +95,7 @@ pub fn airfoil_thickness(text: &str) -> Option<f64> {
 }
 
 fn keys(
-    drawing: &Drawing,
+    (drawing, vh_ribs): (&Drawing, &Result<Vec<Piece>, ReadFault>),
     pilot_kg: Option<f64>,
     is_flat: &dyn Fn(&str) -> bool,
     left_out: &mut Vec<String>,
@@ -139,7 +142,8 @@ fn keys(
     }
     openings(drawing, &mut keys);
     wing::sewn_of(drawing.intake().map_or(0.03, |[_, to]| to), &mut keys);
-    let risers = rows::derive(drawing, scale_m, &mut keys, left_out);
+    let as_drawn = vh_ribs::derive(vh_ribs, (drawing, scale_m), &mut keys, left_out);
+    let risers = rows::derive(drawing, (scale_m, !as_drawn), &mut keys, left_out);
     let stand = (half, drawing.has_middle_rib());
     rods::derive(&drawing.rods, stand, &mut keys, left_out);
     let study = drawing.speed_study.as_ref();
@@ -153,7 +157,8 @@ fn keys(
     wing::trim_of((area_m2, pilot_kg), 0.0, Quality::Normal, &mut keys)
         .map_err(|problem| ImportFault::Pilot(problem.help))?;
     left_out.push(
-        "skin tension, holes of ribs, diagonals as drawn, trimmers, and materials: usual ones stand in their place".to_owned(),
+        "skin tension, holes of ribs, trimmers, and materials: usual ones stand in their place"
+            .to_owned(),
     );
     Ok(keys)
 }

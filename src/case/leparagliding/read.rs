@@ -27,8 +27,9 @@ pub(super) struct Rib {
     pub is_open: bool,
     /// Length of a mini-rib on its inner side, per cent of the chord; 0 or 1: none.
     pub mini_rib: f64,
-    /// Places of the rows A, B, C, …, per cent of the chord.
+    /// Places of the rows A, B, C, …, per cent of the chord; lines lead to the first `anchor_count`, V- and H-ribs to any that is not 0.
     pub anchors: Vec<f64>,
+    pub anchor_count: usize,
 }
 
 /// A way from the riser up to an anchor.
@@ -157,11 +158,8 @@ impl Drawing {
                 intake: [rest[0], rest[1]],
                 is_open: rest[2] != 0.0,
                 mini_rib: rest.get(5).copied().unwrap_or(0.0),
-                anchors: anchors[2..]
-                    .iter()
-                    .take(anchors[1] as usize)
-                    .copied()
-                    .collect(),
+                anchors: anchors[2..].to_vec(),
+                anchor_count: anchors[1] as usize,
             });
         }
         if ribs.len() < 3 || ribs.len() < placed.len() {

@@ -30,10 +30,10 @@ struct Attachment<'a> {
     path: &'a Path,
 }
 
-/// Puts all rows; says what the file has and they do not. The names of the risers' rows, from the nose; `None` where a riser has none.
+/// Puts all rows, with `usual_diagonals` or without; says what the file has and they do not. The names of the risers' rows, from the nose; `None` where a riser has none.
 pub(super) fn derive(
     drawing: &Drawing,
-    scale_m: f64,
+    (scale_m, usual_diagonals): (f64, bool),
     keys: &mut Keys,
     left_out: &mut Vec<String>,
 ) -> Vec<Option<&'static str>> {
@@ -54,7 +54,7 @@ pub(super) fn derive(
         }
         risers_with_rows.push((!row.is_empty()).then_some(name));
         if !row.is_empty() {
-            put(drawing, (name, &row), scale_m, keys);
+            put(drawing, (name, &row), (scale_m, usual_diagonals), keys);
         }
     }
     let between = drawing.brakes.iter().filter(|path| path.rib.fract() != 0.0);
@@ -98,7 +98,8 @@ fn attachment<'a>(
     let place = if path.row == BRAKES {
         1.0
     } else {
-        0.01 * rib.anchors.get(path.row.checked_sub(1)?)?
+        let with_lines = &rib.anchors[..rib.anchor_count.min(rib.anchors.len())];
+        0.01 * with_lines.get(path.row.checked_sub(1)?)?
     };
     if !(0.01..=1.0).contains(&place) {
         return None;
@@ -124,7 +125,12 @@ fn attachment<'a>(
     })
 }
 
-fn put(drawing: &Drawing, (name, row): (&str, &[Attachment]), scale_m: f64, keys: &mut Keys) {
+fn put(
+    drawing: &Drawing,
+    (name, row): (&str, &[Attachment]),
+    (scale_m, usual_diagonals): (f64, bool),
+    keys: &mut Keys,
+) {
     let of = |key: &str| format!("structure.wing.rows.{name}.{key}");
     let is_brake = name == "brake";
     let why = if is_brake {
@@ -155,7 +161,7 @@ fn put(drawing: &Drawing, (name, row): (&str, &[Attachment]), scale_m: f64, keys
     keys.set(of("riser_material"), "webbing", "usual");
     if is_brake {
         keys.set(of("trim_m"), 0.1, "brakes hang loose");
-    } else if DIAGONALS.contains(&position) {
+    } else if usual_diagonals && DIAGONALS.contains(&position) {
         keys.set(of("diagonals.foot"), 0.02, "usual");
         keys.set(of("diagonals.head"), 0.1, "usual");
     }

@@ -297,7 +297,7 @@ impl Sewing<'_> {
             .filter(|hole| hole.len() >= 3)
             .map(|hole| thinned(&hole.iter().map(flat).collect::<Vec<_>>(), mean_edge(&ring)))
             .collect();
-        let filled = planar::fill(&ring, &cut).ok_or_else(|| {
+        let filled = planar::fill(&ring, &cut, &[]).ok_or_else(|| {
             format!("rib {number} (counted from 0) cannot be filled with triangles: its outline crosses itself or a hole")
         })?;
         for point in &filled.points[nodes.len()..] {

@@ -12,6 +12,9 @@ use super::section::Side;
 use crate::cloth::{Structure, Triangle};
 use crate::fabric::Fabric;
 
+/// Where a V- or H-rib is sewn to a rib between its seams: number of the place on the upper side, and the bits of the height.
+pub(super) type SeamPlace = (usize, u64);
+
 /// Nodes on the outline of a rib or along a line across a cell, and what builders add to.
 pub(super) struct Builder<'a> {
     pub(super) plan: &'a Plan,
@@ -28,6 +31,8 @@ pub(super) struct Builder<'a> {
     pub(super) rows_across: Vec<Vec<Vec<u32>>>,
     /// Nodes along the edges of diagonals, by their ends on the seams: on a coarse mesh diagonals of neighbouring rows meet there.
     pub(super) diagonal_edges: HashMap<[u32; 2], Vec<u32>>,
+    /// Nodes of ribs between their seams that V- and H-ribs are sewn to.
+    pub(super) seam_nodes: HashMap<(usize, SeamPlace), u32>,
     /// Mass of all rods [kg].
     pub(super) rod_mass_kg: f64,
 }

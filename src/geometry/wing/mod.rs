@@ -42,6 +42,7 @@ pub mod pressure;
 mod ribs;
 mod rods;
 pub mod section;
+mod vh_ribs;
 
 use std::collections::HashMap;
 
@@ -168,11 +169,13 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
         outlines: Vec::new(),
         rows_across: Vec::new(),
         diagonal_edges: HashMap::new(),
+        seam_nodes: HashMap::new(),
         rod_mass_kg: 0.0,
     };
     builder.add_panels()?;
     builder.add_ribs()?;
     builder.add_diagonals()?;
+    builder.add_vh_ribs()?;
     builder.add_tapes();
     builder.add_rods();
     let hang_points = builder.add_lines();

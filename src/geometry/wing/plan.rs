@@ -34,6 +34,8 @@ pub struct Plan {
     pub rows: Vec<Row>,
     /// Tapes along the span.
     pub tapes: Vec<Tape>,
+    /// V- and H-ribs as drawn, of the right half.
+    pub vh_ribs: Vec<VhRib>,
     /// Rods along the ribs' outlines.
     pub rods: Vec<Rod>,
     /// Where the risers of the right half are held [m].
@@ -160,6 +162,38 @@ pub struct Diagonals {
     pub foot: f64,
     /// The same at the upper seam.
     pub head: f64,
+}
+
+/// Fabric between two neighbouring ribs: a V-rib from one seam towards the other, or an H-rib along one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VhRib {
+    /// Ribs, counted from the middle.
+    pub ribs: [usize; 2],
+    /// Where it is sewn to each.
+    pub ends: [VhRibEnd; 2],
+}
+
+/// Where a V- or H-rib is sewn to a rib.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VhRibEnd {
+    /// Places between which it reaches, per chord; at least one edge of the mesh on each side of their middle.
+    pub between: [f64; 2],
+    /// Height over that of the rib there: 0 at the lower seam, 1 at the upper one.
+    pub height: f64,
+}
+
+impl VhRibEnd {
+    /// The seam that it lies on, if it does.
+    #[must_use]
+    pub const fn seam(&self) -> Option<Side> {
+        if self.height <= 0.0 {
+            Some(Side::Lower)
+        } else if self.height >= 1.0 {
+            Some(Side::Upper)
+        } else {
+            None
+        }
+    }
 }
 
 /// How fine the mesh is.

@@ -14,16 +14,16 @@ const LARGEST_AREA: f64 = 4.0;
 /// A filled outline.
 #[derive(Debug, Clone)]
 pub struct Filled {
-    /// Points: the outline's, those of the holes, then new ones inside.
+    /// Points: the outline's, those of the holes, those given inside, then new ones.
     pub points: Vec<DVec2>,
     /// Triangles, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// Fills a polygon but for its holes with a refined constrained Delaunay triangulation (Ruppert's algorithm, of the `spade` crate) that
-/// leaves the given edges whole, so that neighbours fit. `None` if edges cross or points coincide.
+/// leaves the given edges whole, so that neighbours fit; `inside` are nodes of it. `None` if edges cross or points coincide.
 #[must_use]
-pub fn fill(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Option<Filled> {
+pub fn fill(outline: &[DVec2], holes: &[Vec<DVec2>], inside: &[DVec2]) -> Option<Filled> {
     let mut points = Vec::new();
     let mut edges = Vec::new();
     for ring in std::iter::once(outline).chain(holes.iter().map(Vec::as_slice)) {
@@ -31,6 +31,7 @@ pub fn fill(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Option<Filled> {
         points.extend(ring.iter().map(|p| Point2::new(p.x, p.y)));
         edges.extend((0..ring.len()).map(|i| [first + i, first + (i + 1) % ring.len()]));
     }
+    points.extend(inside.iter().map(|p| Point2::new(p.x, p.y)));
     let given = points.len();
     let mut crossing = false;
     let mut mesh =
@@ -84,7 +85,7 @@ mod tests {
     #[test]
     fn a_ring_keeps_its_edges_and_its_area() {
         let (outer, inner) = (ring(1.0, 40), ring(0.4, 16));
-        let filled = fill(&outer, std::slice::from_ref(&inner)).unwrap();
+        let filled = fill(&outer, std::slice::from_ref(&inner), &[]).unwrap();
         let found: f64 = filled
             .triangles
             .iter()
@@ -107,10 +108,25 @@ mod tests {
     }
 
     #[test]
+    fn points_inside_are_nodes() {
+        let (outer, inner) = (ring(1.0, 40), ring(0.3, 16));
+        let given = [-0.5, 0.0, 0.5].map(|x| DVec2::new(x, 0.6));
+        let filled = fill(&outer, std::slice::from_ref(&inner), &given).unwrap();
+        assert_eq!(filled.points[56..59], given);
+        let found: f64 = (filled.triangles.iter())
+            .map(|t| area(&t.map(|n| filled.points[n as usize])))
+            .sum();
+        assert!((found - (area(&outer) - area(&inner))).abs() < 1e-12);
+        for node in 56..59 {
+            assert!(filled.triangles.iter().any(|t| t.contains(&node)));
+        }
+    }
+
+    #[test]
     fn crossing_outlines_are_refused() {
         let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(DVec2::from_array);
-        assert!(fill(&bow, &[]).is_none());
+        assert!(fill(&bow, &[], &[]).is_none());
         let twice = [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(DVec2::from_array);
-        assert!(fill(&twice, &[]).is_none());
+        assert!(fill(&twice, &[], &[]).is_none());
     }
 }

@@ -90,6 +90,7 @@ fn wing(cells: usize, along_chord: usize) -> Result<BuiltWing, Stop> {
         rows: Vec::new(),
         tapes: Vec::new(),
         rods: Vec::new(),
+        vh_ribs: Vec::new(),
         hang_point_m: HANG,
         pitch_guide_n_m: None,
         fabrics: PartFabrics {

@@ -1,0 +1,268 @@
+//! Section 12: V- and H-ribs.
+
+use toml::{Table, Value};
+
+use super::super::design::Keys;
+use super::read::{CENTIMETRE_M, Drawing};
+use super::sections::{ReadFault, Sections};
+
+/// Kinds: a strap along the lower seams; V-ribs that end below the upper seam, and at it; a strap on two V-ribs; a V-rib along the whole chord with holes; any
+/// piece between two ribs. From ten on the same, with widths per cent of the chord.
+const STRAP: usize = 1;
+const PARTIAL: usize = 2;
+const FULL: usize = 3;
+const ON_TWO: usize = 4;
+const CONTINUOUS: usize = 5;
+const GENERAL: usize = 6;
+const PER_CHORD: usize = 10;
+
+/// Room at nose and trailing edge, per chord; heights that are on a seam, and those between that ribs have room for.
+const PLACES: [f64; 2] = [0.03, 0.95];
+const ON_SEAM: [f64; 2] = [0.05, 0.95];
+const BETWEEN_SEAMS: [f64; 2] = [0.1, 0.9];
+
+/// Least width, per chord.
+const NARROWEST: f64 = 1e-3;
+
+/// A line of the section: kind, and the numbers behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Piece {
+    kind: usize,
+    numbers: Vec<f64>,
+}
+
+/// An end of a piece: rib by the numbers of the file, place, widths before and behind it and height, per chord and per height.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    rib: i64,
+    place: f64,
+    widths: [f64; 2],
+    height: f64,
+}
+
+pub(super) fn read(text: &str) -> Result<Vec<Piece>, ReadFault> {
+    let sections = Sections::new(text);
+    let mut section = sections.get(12, "H V and VH ribs")?;
+    let count = section.count()?;
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    section.numbers(2)?;
+    (0..count)
+        .map(|_| {
+            let row = section.numbers(8)?;
+            let kind = row[1] as usize;
+            let numbers = row[2..].to_vec();
+            let least = if kind % PER_CHORD == GENERAL { 10 } else { 8 };
+            if numbers.len() < least {
+                return Err(
+                    section.fault(&row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "))
+                );
+            }
+            Ok(Piece { kind, numbers })
+        })
+        .collect()
+}
+
+/// Puts the pieces; says what is left out. True where the file tells of them: the plan needs no usual diagonals then.
+pub(super) fn derive(
+    pieces: &Result<Vec<Piece>, ReadFault>,
+    (drawing, scale_m): (&Drawing, f64),
+    keys: &mut Keys,
+    left_out: &mut Vec<String>,
+) -> bool {
+    let pieces = match pieces {
+        Ok(pieces) => pieces,
+        Err(fault) => {
+            left_out.push(format!(
+                "V- and H-ribs: {fault}; usual diagonals stand in their place"
+            ));
+            return false;
+        }
+    };
+    let mut all = Vec::new();
+    let mut lost = 0;
+    for piece in pieces {
+        match piece.ends(drawing, scale_m) {
+            Some(ends) => all.extend(ends.iter().filter_map(|ends| written(drawing, *ends))),
+            None => lost += 1,
+        }
+    }
+    let continuous = pieces
+        .iter()
+        .filter(|piece| piece.kind % PER_CHORD == CONTINUOUS);
+    let continuous = continuous.count();
+    if continuous > 0 {
+        left_out.push(format!(
+            "holes of {continuous} continuous V-ribs: here one V-rib with straight edges stands on every anchor, and they meet at the upper seam"
+        ));
+    }
+    if lost > 0 {
+        left_out.push(format!(
+            "{lost} V- and H-ribs lead to an anchor or a rib that is not there, or are of an unknown kind"
+        ));
+    }
+    if !all.is_empty() {
+        keys.set("structure.wing.vh_ribs", all, "section 12");
+    }
+    true
+}
+
+/// As the plan has it; `None` where a rib is not there.
+fn written(drawing: &Drawing, ends: [End; 2]) -> Option<Value> {
+    let first = i64::from(drawing.has_middle_rib());
+    // The rib on the other side of a cell in the middle has no number of its own in the file, either.
+    let ribs = ends.map(|end| end.rib - first);
+    let is_there = |rib: &i64| (0..drawing.ribs.len() as i64 + 1 - first).contains(rib);
+    if !ribs.iter().all(is_there) {
+        return None;
+    }
+    let heights = ends.map(|end| {
+        if end.height <= ON_SEAM[0] {
+            0.0
+        } else if end.height >= ON_SEAM[1] {
+            1.0
+        } else {
+            end.height.clamp(BETWEEN_SEAMS[0], BETWEEN_SEAMS[1])
+        }
+    });
+    let between = ends.map(|end| {
+        let [before, behind] = end.widths.map(|width| width.max(NARROWEST));
+        let [from, to] = [end.place - before, end.place + behind];
+        let places = [from, to].map(|place| place.clamp(PLACES[0], PLACES[1]));
+        (places[1] > places[0]).then(|| Value::from(places.map(Value::from).to_vec()))
+    });
+    let [Some(one), Some(other)] = between else {
+        return None;
+    };
+    Some(Value::Table(Table::from_iter([
+        (
+            "ribs".to_owned(),
+            Value::from(ribs.map(Value::from).to_vec()),
+        ),
+        ("between".to_owned(), Value::from(vec![one, other])),
+        (
+            "heights".to_owned(),
+            Value::from(heights.map(Value::from).to_vec()),
+        ),
+    ])))
+}
+
+impl Piece {
+    /// Ends of what it is sewn of; `None` where an anchor or a rib is not there.
+    fn ends(&self, drawing: &Drawing, scale_m: f64) -> Option<Vec<[End; 2]>> {
+        let numbers = &self.numbers;
+        let whole = |number: usize| numbers[number] as i64;
+        // A whole V-rib may say so by a mark of its own.
+        let per_chord = self.kind > PER_CHORD || (self.kind == FULL && numbers[6] == 1.0);
+        // Widths in centimetres of the drawing, or per cent of the chord.
+        let width = |number: usize, rib: i64| {
+            let chord_m = scale_m * chord(drawing, rib)?;
+            Some(if per_chord {
+                0.01 * numbers[number]
+            } else {
+                numbers[number] * CENTIMETRE_M * drawing.scale / chord_m
+            })
+        };
+        // About the anchor of a row.
+        let about = |rib: i64, row: i64, number: usize, height: f64| {
+            let width = width(number, rib)?;
+            let place = anchor(drawing, rib, row)?;
+            Some(End {
+                rib,
+                place,
+                widths: [width; 2],
+                height,
+            })
+        };
+        let rib = whole(0);
+        // To the middle and to the tip.
+        let sides = [(2, rib - 1), (3, rib + 1)];
+        let asked = || sides.into_iter().filter(|(flag, _)| whole(*flag) == 1);
+        Some(match self.kind % PER_CHORD {
+            STRAP => {
+                let other = whole(2);
+                vec![[
+                    about(rib, whole(1), 4, 0.0)?,
+                    about(other, whole(3), 4, 0.0)?,
+                ]]
+            }
+            kind @ (PARTIAL | FULL) => {
+                let height = if kind == FULL { 1.0 } else { 0.01 * numbers[6] };
+                let row = whole(1);
+                let piece = |(_, to)| Some([about(rib, row, 4, 0.0)?, about(to, row, 5, height)?]);
+                asked().map(piece).collect::<Option<_>>()?
+            }
+            ON_TWO => {
+                let (row, height) = (whole(1), 0.01 * numbers[6]);
+                let mut pieces =
+                    vec![[about(rib, row, 5, height)?, about(rib + 1, row, 5, height)?]];
+                for (flag, at, foot) in [(2, rib, rib - 1), (3, rib + 1, rib + 2)] {
+                    if whole(flag) == 1 {
+                        pieces.push([about(foot, row, 4, 0.0)?, about(at, row, 5, height)?]);
+                    }
+                }
+                pieces
+            }
+            CONTINUOUS => {
+                let row = whole(1);
+                let piece = |(_, to)| {
+                    let head = End {
+                        widths: to_neighbours(drawing, to, row)?,
+                        ..about(to, row, 7, 1.0)?
+                    };
+                    Some([about(rib, row, 7, 0.0)?, head])
+                };
+                asked().map(piece).collect::<Option<_>>()?
+            }
+            GENERAL => {
+                let end = |first: usize| {
+                    let rib = whole(first);
+                    Some(End {
+                        rib,
+                        place: 0.01 * numbers[first + 1],
+                        // Backward first.
+                        widths: [width(first + 4, rib)?, width(first + 3, rib)?],
+                        height: 0.01 * numbers[first + 2],
+                    })
+                };
+                vec![[end(0)?, end(5)?]]
+            }
+            _ => return None,
+        })
+    }
+}
+
+/// Number of the rib of the file that stands for another: that on the other side of a cell in the middle is the first one.
+fn index(drawing: &Drawing, rib: i64) -> Option<usize> {
+    let number = if rib == 0 && !drawing.has_middle_rib() {
+        1
+    } else {
+        rib
+    };
+    usize::try_from(number - 1)
+        .ok()
+        .filter(|index| *index < drawing.ribs.len())
+}
+
+/// Chord of a rib, in units of the drawing.
+fn chord(drawing: &Drawing, rib: i64) -> Option<f64> {
+    let rib = &drawing.ribs[index(drawing, rib)?];
+    Some(rib.edges[1] - rib.edges[0])
+}
+
+/// Place of an anchor, per chord.
+fn anchor(drawing: &Drawing, rib: i64, row: i64) -> Option<f64> {
+    let anchors = &drawing.ribs[index(drawing, rib)?].anchors;
+    let place = anchors.get(usize::try_from(row - 1).ok()?)?;
+    (*place > 0.0).then_some(0.01 * place)
+}
+
+/// From an anchor to the middle between it and the one before, and the one behind; as far to where there is none as to the other.
+fn to_neighbours(drawing: &Drawing, rib: i64, row: i64) -> Option<[f64; 2]> {
+    let here = anchor(drawing, rib, row)?;
+    let to = |row| anchor(drawing, rib, row).map(|other| 0.5 * (other - here).abs());
+    let (before, behind) = (to(row - 1), to(row + 1));
+    let any = before.or(behind)?;
+    Some([before.unwrap_or(any), behind.unwrap_or(any)])
+}
