@@ -73,8 +73,8 @@ impl CutLink {
 }
 
 impl Return {
-    /// Leaves a share of it, and takes half-way bounce-back for the rest.
-    pub fn lessen(&mut self, share: f64) {
+    /// A share of it, and half-way bounce-back for the rest of 1; more than 1 goes beyond it, away from bounce-back.
+    pub fn blend(&mut self, share: f64) {
         let rest = 1.0 - share;
         self.share = rest + share * self.share;
         self.further *= share;

@@ -17,8 +17,8 @@
 //! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass. What is given back arrives
 //! with the velocity of the air along the wall. At rest it would hold the air back, and what is taken away would drive it: a section has thrust.
 //!
-//! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, that would come from nowhere: round a nose, it drives a section on. A block of links may give
-//! the air no more than along a plane. Where it would, only a share of what slides comes back; the rest is bounce-back ([`super::energy`]).
+//! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, that would come from nowhere: round a nose, it drives a section on. Where it has less, the
+//! wall would brake. A block of links gives the air what it would along a plane, by the share of what slides that comes back; the rest is bounce-back ([`super::energy`]).
 //!
 //! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
 //! breaks down, and so do cells of tight folds.
@@ -162,7 +162,7 @@ pub struct Loss {
 
 impl Loss {
     /// Where a share of what slides comes back, and of the rest what left.
-    pub fn lessen(&mut self, share: f64) {
+    pub fn blend(&mut self, share: f64) {
         self.along *= share;
         self.all *= share;
     }

@@ -122,10 +122,10 @@ fn in_equilibrium(excess: f64, velocity: DVec3) -> Leaving {
     })
 }
 
-/// A uniform stream slides along a plane as it is, however both lie. Where the air farther off is faster, less slides, and what comes back has the share of a plane's energy that slides, to round-off;
-/// where it is slower, all does. A wall that moves with the air sees the same.
+/// A uniform stream slides along a plane as it is, however both lie. Where the air farther off is faster, less slides, where it is slower, more; what comes back has that share of a plane's energy,
+/// to round-off. A wall that moves with the air sees the same.
 #[test]
-fn walls_give_no_more_energy_than_planes() {
+fn walls_give_as_much_energy_as_planes() {
     let domain = a_box([44; 3]);
     for (turn, lean) in [(0.0_f64, 0.0_f64), (0.3, 0.0), (0.6, 0.4)] {
         let along = DVec3::new(turn.cos(), 0.0, turn.sin());
@@ -153,12 +153,14 @@ fn walls_give_no_more_energy_than_planes() {
         let (_, energy) = energy_of(DVec3::ZERO, &|_| uniform);
         let share = energy.free / energy.square;
         assert!((share - 1.0).abs() < 1e-9, "{turn}: {share}");
-        for (growth, less) in [(0.1, true), (-0.1, false)] {
+        for (growth, less) in [(0.1, true), (-0.02, false)] {
             let leaving =
                 |cell: [i32; 3]| in_equilibrium(0.004, stream * (1.0 + growth * height(cell)));
             let (mut returns, energy) = energy_of(DVec3::ZERO, &leaving);
             let share = energy.share();
-            assert_eq!(share < 1.0, less, "{turn}: {energy:?}");
+            // Between none and the most.
+            assert!(share > 0.0 && share < 1.24, "{turn}: {share}");
+            assert_eq!(share < 1.0, less, "{turn}: {share}");
             // Frames differ by populations of third order: by 3e-4 here. Without the wall's frame the shares differ by 0.006 and more.
             let moved = |cell: [i32; 3]| in_equilibrium(0.004, stream * (growth * height(cell)));
             let of_moved = energy_of(-stream, &moved).1.share();
@@ -169,7 +171,7 @@ fn walls_give_no_more_energy_than_planes() {
             let (mut given, mut of_a_plane) = (0.0, 0.0);
             for (link, side) in images.sides() {
                 let direction = links.links()[link].leaving(side);
-                returns[link][side].lessen(share);
+                returns[link][side].blend(share);
                 let (out, back) = (
                     returns[link][side].out,
                     returns[link][side].back(WEIGHTS[direction], 0.0),
@@ -184,11 +186,7 @@ fn walls_give_no_more_energy_than_planes() {
                 });
                 of_a_plane += (came * came - went * went) / (6.0 * WEIGHTS[direction]);
             }
-            if less {
-                assert!((given - share * of_a_plane).abs() < 1e-12, "{turn}");
-            } else {
-                assert!(given < of_a_plane, "{turn}");
-            }
+            assert!((given - share * of_a_plane).abs() < 1e-12, "{turn}");
         }
     }
 }

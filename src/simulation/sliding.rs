@@ -15,7 +15,7 @@ use crate::cut_links::{
 };
 use crate::lattice::WEIGHTS;
 
-/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air no more energy than along one [cells].
+/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air as much energy as along one [cells].
 ///
 /// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift was 7, 4, 2 % too low with blocks of 1, 2, 4 cells
 /// before energy was held; it had a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
@@ -46,7 +46,7 @@ pub(super) struct Sliding {
     /// Numbers of sides in the order of their blocks, and where those of a block begin; one more at the end.
     of_blocks: Vec<u32>,
     blocks: Vec<u32>,
-    /// By block, which share of what slides comes back.
+    /// By block, by which share what slides comes back.
     shares: Vec<f64>,
     /// What every side gives back.
     given: Vec<f64>,
@@ -244,10 +244,11 @@ impl Sliding {
         self.carry(returns);
     }
 
-    /// Lets less slide in blocks where the wall would give the air more energy than along a plane.
+    /// Lets less slide in blocks where the wall would give the air more energy than along a plane, and more where it would give less.
     ///
     /// Populations of images are copies: where the air at the image has more energy than at the wall, energy comes from nowhere. Round a nose that was a thrust
-    /// (docs/results/2026-11-28-energy-of-sliding-walls.md).
+    /// (docs/results/2026-11-28-energy-of-sliding-walls.md). Where it has less, walls brake
+    /// (docs/results/2026-11-28-walls-that-take-no-energy.md).
     fn hold_energy(&mut self, returns: &mut [[Return; 2]]) {
         let (sides, losses) = (&self.sides, &self.losses);
         (self.blocks.par_windows(2))
@@ -263,10 +264,10 @@ impl Sliding {
             .collect_into_vec(&mut self.shares);
         for side in sides {
             let share = self.shares[side.groups[1] as usize];
-            if share < 1.0 {
+            if share != 1.0 {
                 let (link, of_link) = side.place();
-                returns[link][of_link].lessen(share);
-                self.losses[link][of_link].lessen(share);
+                returns[link][of_link].blend(share);
+                self.losses[link][of_link].blend(share);
             }
         }
     }

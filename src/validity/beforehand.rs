@@ -207,7 +207,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 25] {
         Rule {
             name: "cells across the chord for lift, cut links",
             unit: "1",
-            meaning: "cells over the chord of a wing that cuts links; a ram-air wing's lift at 4 to 12 degrees is 4 to 17 % too low with 24, 22 % too low to 32 % too high with 48, a section's 3 % too low to 5 % too high with 24 to 48",
+            meaning: "cells over the chord of a wing that cuts links; a rigid ram-air wing's lift at 4 and 12 degrees is off by up to 6 % with 24 and 10 % with 48, a section's by 3 % with 24 to 48; one of fabric has half to nine tenths of the rigid one's with 24",
             bound: Bound::AtLeast,
             limit: 96.0,
             supports: Supports::Lift,

@@ -16,10 +16,13 @@ const CONTINUOUS: usize = 5;
 const GENERAL: usize = 6;
 const PER_CHORD: usize = 10;
 
-/// Room at nose and trailing edge, per chord; heights that are on a seam, and those between that ribs have room for.
+/// Room at nose and trailing edge between the seams, per chord; heights that are on a seam, and those between that ribs have room for.
 const PLACES: [f64; 2] = [0.03, 0.95];
 const ON_SEAM: [f64; 2] = [0.05, 0.95];
 const BETWEEN_SEAMS: [f64; 2] = [0.1, 0.9];
+
+/// Upper edges that do not lean [°].
+const UPRIGHT_DEG: f64 = 90.0;
 
 /// Least width, per chord.
 const NARROWEST: f64 = 1e-3;
@@ -52,6 +55,9 @@ pub(super) fn read(text: &str) -> Result<Vec<Piece>, ReadFault> {
         .map(|_| {
             let row = section.numbers(8)?;
             let kind = row[1] as usize;
+            // Of kinds that are not known nothing is.
+            let known = (STRAP..=GENERAL).contains(&(kind % PER_CHORD)) && kind < 2 * PER_CHORD;
+            let kind = if known { kind } else { 0 };
             let numbers = row[2..].to_vec();
             let least = if kind % PER_CHORD == GENERAL { 10 } else { 8 };
             if numbers.len() < least {
@@ -83,38 +89,47 @@ pub(super) fn derive(
     let mut all = Vec::new();
     let mut lost = 0;
     for piece in pieces {
-        match piece.ends(drawing, scale_m) {
-            Some(ends) => all.extend(ends.iter().filter_map(|ends| written(drawing, *ends))),
-            None => lost += 1,
+        for ends in piece.ends(drawing, scale_m) {
+            match ends.and_then(|ends| written(drawing, ends)) {
+                Some(ends) => all.push(ends),
+                None => lost += 1,
+            }
         }
     }
-    let continuous = pieces
-        .iter()
-        .filter(|piece| piece.kind % PER_CHORD == CONTINUOUS);
-    let continuous = continuous.count();
+    let count = |is: &dyn Fn(&Piece) -> bool| pieces.iter().filter(|piece| is(piece)).count();
+    let continuous = count(&|piece| piece.kind % PER_CHORD == CONTINUOUS);
     if continuous > 0 {
         left_out.push(format!(
-            "holes of {continuous} continuous V-ribs: here one V-rib with straight edges stands on every anchor, and they meet at the upper seam"
+            "holes of the continuous V-ribs in {continuous} lines of section 12: here a V-rib with straight edges stands on every anchor, and they meet at the upper seam"
+        ));
+    }
+    let leaning = count(&|piece| {
+        [PARTIAL, ON_TWO].contains(&(piece.kind % PER_CHORD))
+            && ![0.0, UPRIGHT_DEG].contains(&piece.numbers[7])
+    });
+    if leaning > 0 {
+        left_out.push(format!(
+            "the lean of the upper edges of {leaning} V-ribs: here they run at one height over the lower seam"
         ));
     }
     if lost > 0 {
         left_out.push(format!(
-            "{lost} V- and H-ribs lead to an anchor or a rib that is not there, or are of an unknown kind"
+            "{lost} V- and H-ribs lead to an anchor or a rib that is not there, or past a neighbour, or are of an unknown kind"
         ));
     }
-    if !all.is_empty() {
+    let any = !all.is_empty();
+    if any {
         keys.set("structure.wing.vh_ribs", all, "section 12");
     }
-    true
+    any || pieces.is_empty()
 }
 
-/// As the plan has it; `None` where a rib is not there.
+/// As the plan has it; `None` where the ribs are no neighbours, or there is no room.
 fn written(drawing: &Drawing, ends: [End; 2]) -> Option<Value> {
     let first = i64::from(drawing.has_middle_rib());
     // The rib on the other side of a cell in the middle has no number of its own in the file, either.
     let ribs = ends.map(|end| end.rib - first);
-    let is_there = |rib: &i64| (0..drawing.ribs.len() as i64 + 1 - first).contains(rib);
-    if !ribs.iter().all(is_there) {
+    if ribs[0].abs_diff(ribs[1]) != 1 {
         return None;
     }
     let heights = ends.map(|end| {
@@ -126,15 +141,15 @@ fn written(drawing: &Drawing, ends: [End; 2]) -> Option<Value> {
             end.height.clamp(BETWEEN_SEAMS[0], BETWEEN_SEAMS[1])
         }
     });
-    let between = ends.map(|end| {
+    let [one, other] = [0, 1].map(|k| {
+        let (end, on_seam) = (ends[k], heights[k] == 0.0 || heights[k] == 1.0);
         let [before, behind] = end.widths.map(|width| width.max(NARROWEST));
         let [from, to] = [end.place - before, end.place + behind];
-        let places = [from, to].map(|place| place.clamp(PLACES[0], PLACES[1]));
+        let [least, most] = if on_seam { [0.0, 1.0] } else { PLACES };
+        let places = [from, to].map(|place| place.clamp(least, most));
         (places[1] > places[0]).then(|| Value::from(places.map(Value::from).to_vec()))
     });
-    let [Some(one), Some(other)] = between else {
-        return None;
-    };
+    let (one, other) = (one?, other?);
     Some(Value::Table(Table::from_iter([
         (
             "ribs".to_owned(),
@@ -150,9 +165,10 @@ fn written(drawing: &Drawing, ends: [End; 2]) -> Option<Value> {
 
 impl Piece {
     /// Ends of what it is sewn of; `None` where an anchor or a rib is not there.
-    fn ends(&self, drawing: &Drawing, scale_m: f64) -> Option<Vec<[End; 2]>> {
+    fn ends(&self, drawing: &Drawing, scale_m: f64) -> Vec<Option<[End; 2]>> {
         let numbers = &self.numbers;
-        let whole = |number: usize| numbers[number] as i64;
+        // Numbers of ribs and rows are small; what is not leads nowhere.
+        let whole = |number: usize| numbers[number].clamp(-1e6, 1e6) as i64;
         // A whole V-rib may say so by a mark of its own.
         let per_chord = self.kind > PER_CHORD || (self.kind == FULL && numbers[6] == 1.0);
         // Widths in centimetres of the drawing, or per cent of the chord.
@@ -175,45 +191,42 @@ impl Piece {
                 height,
             })
         };
-        let rib = whole(0);
-        // To the middle and to the tip.
+        let both = |one: Option<End>, other: Option<End>| Some([one?, other?]);
+        let (rib, row) = (whole(0), whole(1));
+        // To the middle and to the tip, where they are asked for.
         let sides = [(2, rib - 1), (3, rib + 1)];
         let asked = || sides.into_iter().filter(|(flag, _)| whole(*flag) == 1);
-        Some(match self.kind % PER_CHORD {
+        match self.kind % PER_CHORD {
             STRAP => {
-                let other = whole(2);
-                vec![[
-                    about(rib, whole(1), 4, 0.0)?,
-                    about(other, whole(3), 4, 0.0)?,
-                ]]
+                let other = about(whole(2), whole(3), 4, 0.0);
+                vec![both(about(rib, row, 4, 0.0), other)]
             }
             kind @ (PARTIAL | FULL) => {
                 let height = if kind == FULL { 1.0 } else { 0.01 * numbers[6] };
-                let row = whole(1);
-                let piece = |(_, to)| Some([about(rib, row, 4, 0.0)?, about(to, row, 5, height)?]);
-                asked().map(piece).collect::<Option<_>>()?
+                asked()
+                    .map(|(_, to)| both(about(rib, row, 4, 0.0), about(to, row, 5, height)))
+                    .collect()
             }
             ON_TWO => {
-                let (row, height) = (whole(1), 0.01 * numbers[6]);
-                let mut pieces =
-                    vec![[about(rib, row, 5, height)?, about(rib + 1, row, 5, height)?]];
+                let upper = |at| about(at, row, 5, 0.01 * numbers[6]);
+                let mut pieces = vec![both(upper(rib), upper(rib + 1))];
                 for (flag, at, foot) in [(2, rib, rib - 1), (3, rib + 1, rib + 2)] {
                     if whole(flag) == 1 {
-                        pieces.push([about(foot, row, 4, 0.0)?, about(at, row, 5, height)?]);
+                        pieces.push(both(about(foot, row, 4, 0.0), upper(at)));
                     }
                 }
                 pieces
             }
             CONTINUOUS => {
-                let row = whole(1);
-                let piece = |(_, to)| {
-                    let head = End {
+                let head = |to| {
+                    Some(End {
                         widths: to_neighbours(drawing, to, row)?,
                         ..about(to, row, 7, 1.0)?
-                    };
-                    Some([about(rib, row, 7, 0.0)?, head])
+                    })
                 };
-                asked().map(piece).collect::<Option<_>>()?
+                asked()
+                    .map(|(_, to)| both(about(rib, row, 7, 0.0), head(to)))
+                    .collect()
             }
             GENERAL => {
                 let end = |first: usize| {
@@ -226,10 +239,10 @@ impl Piece {
                         height: 0.01 * numbers[first + 2],
                     })
                 };
-                vec![[end(0)?, end(5)?]]
+                vec![both(end(0), end(5))]
             }
-            _ => return None,
-        })
+            _ => vec![None],
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use super::section::Side;
 use crate::cloth::{Structure, Triangle};
 use crate::fabric::Fabric;
 
-/// Where a V- or H-rib is sewn to a rib between its seams: number of the place on the upper side, and the bits of the height.
-pub(super) type SeamPlace = (usize, u64);
+/// Where a V- or H-rib is sewn to a rib between its seams: number of the place on the upper side, and the height in fiftieths.
+pub(super) type SeamPlace = (usize, u32);
 
 /// Nodes on the outline of a rib or along a line across a cell, and what builders add to.
 pub(super) struct Builder<'a> {

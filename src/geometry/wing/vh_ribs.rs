@@ -12,6 +12,9 @@ use super::section::Side;
 /// Places of attachments at which diagonals have room, per chord.
 const DIAGONALS: std::ops::RangeInclusive<f64> = 0.02..=0.9;
 
+/// Heights between the seams at which ribs have nodes, over the height of the rib.
+const HEIGHTS: f64 = 50.0;
+
 impl Builder<'_> {
     /// Diagonals of all rows, from every attachment to the upper seams of the neighbouring ribs.
     pub(super) fn add_diagonals(&mut self) -> Result<(), WingFault> {
@@ -92,10 +95,9 @@ impl Builder<'_> {
         match end.seam() {
             Some(side) => self.on_seam(rib, side, self.span(side, end)),
             None => {
-                let [first, last] = self.span(Side::Upper, end);
-                let height = end.height.to_bits();
-                (first..=last)
-                    .filter_map(|j| self.seam_nodes.get(&(rib, (j, height))).copied())
+                let places = self.places_between_seams(end);
+                places
+                    .filter_map(|place| self.seam_nodes.get(&(rib, place)).copied())
                     .collect()
             }
         }
@@ -109,6 +111,16 @@ impl Builder<'_> {
             .map(|(_, end)| end)
     }
 
+    /// Places of an end that lies between the seams, away from where these meet; two at least. Heights are to a fiftieth, so that pieces that end near each other share nodes.
+    fn places_between_seams(&self, end: &VhRibEnd) -> impl Iterator<Item = SeamPlace> + use<> {
+        let beyond = self.places.upper.len() - 1;
+        let [first, last] = self.span(Side::Upper, end);
+        let first = first.clamp(1, beyond - 2);
+        let last = last.clamp(first + 1, beyond - 1);
+        let height = (end.height * HEIGHTS).round() as u32;
+        (first..=last).map(move |place| (place, height))
+    }
+
     /// Points of a rib to which V- and H-ribs are sewn between its seams, in its plane per chord; and their places.
     pub(super) fn seam_points(&self, rib: usize) -> (Vec<DVec2>, Vec<SeamPlace>) {
         let frame = &self.frames[rib];
@@ -116,16 +128,15 @@ impl Builder<'_> {
         let mut points = Vec::new();
         let mut places: Vec<SeamPlace> = Vec::new();
         for end in self.seams(rib) {
-            let [first, last] = self.span(Side::Upper, end);
-            for j in first..=last {
-                let place = (j, end.height.to_bits());
+            for place in self.places_between_seams(end) {
                 if places.contains(&place) {
                     continue;
                 }
                 places.push(place);
-                let x = self.places.upper[j];
+                let x = self.places.upper[place.0];
                 let (up, down) = (height(Side::Upper, x), height(Side::Lower, x));
-                points.push(DVec2::new(x, down + end.height * (up - down)));
+                let share = f64::from(place.1) / HEIGHTS;
+                points.push(DVec2::new(x, down + share * (up - down)));
             }
         }
         (points, places)
