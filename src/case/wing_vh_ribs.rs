@@ -9,8 +9,8 @@ use crate::geometry::wing::plan::{VhRib, VhRibEnd};
 const PLACES: std::ops::RangeInclusive<f64> = 0.0..=1.0;
 
 /// The same, and the heights, away from both seams.
-const PLACES_BETWEEN_SEAMS: std::ops::RangeInclusive<f64> = 0.03..=0.95;
-const HEIGHTS_BETWEEN_SEAMS: std::ops::RangeInclusive<f64> = 0.1..=0.9;
+pub(super) const PLACES_BETWEEN_SEAMS: std::ops::RangeInclusive<f64> = 0.03..=0.95;
+pub(super) const HEIGHTS_BETWEEN_SEAMS: std::ops::RangeInclusive<f64> = 0.1..=0.9;
 
 pub(super) fn check(table: &file::Wing) -> Result<Vec<VhRib>, Problem> {
     let written = table.vh_ribs.iter().enumerate();

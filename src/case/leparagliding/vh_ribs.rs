@@ -3,6 +3,7 @@
 use toml::{Table, Value};
 
 use super::super::design::Keys;
+use super::super::wing_vh_ribs::{HEIGHTS_BETWEEN_SEAMS, PLACES_BETWEEN_SEAMS};
 use super::read::{CENTIMETRE_M, Drawing};
 use super::sections::{ReadFault, Sections};
 
@@ -16,10 +17,8 @@ const CONTINUOUS: usize = 5;
 const GENERAL: usize = 6;
 const PER_CHORD: usize = 10;
 
-/// Room at nose and trailing edge between the seams, per chord; heights that are on a seam, and those between that ribs have room for.
-const PLACES: [f64; 2] = [0.03, 0.95];
+/// Heights up to which an end is on the lower seam, and from which on the upper one.
 const ON_SEAM: [f64; 2] = [0.05, 0.95];
-const BETWEEN_SEAMS: [f64; 2] = [0.1, 0.9];
 
 /// Upper edges that do not lean [°].
 const UPRIGHT_DEG: f64 = 90.0;
@@ -138,15 +137,20 @@ fn written(drawing: &Drawing, ends: [End; 2]) -> Option<Value> {
         } else if end.height >= ON_SEAM[1] {
             1.0
         } else {
-            end.height.clamp(BETWEEN_SEAMS[0], BETWEEN_SEAMS[1])
+            end.height
+                .clamp(*HEIGHTS_BETWEEN_SEAMS.start(), *HEIGHTS_BETWEEN_SEAMS.end())
         }
     });
     let [one, other] = [0, 1].map(|k| {
         let (end, on_seam) = (ends[k], heights[k] == 0.0 || heights[k] == 1.0);
         let [before, behind] = end.widths.map(|width| width.max(NARROWEST));
         let [from, to] = [end.place - before, end.place + behind];
-        let [least, most] = if on_seam { [0.0, 1.0] } else { PLACES };
-        let places = [from, to].map(|place| place.clamp(least, most));
+        let allowed = if on_seam {
+            0.0..=1.0
+        } else {
+            PLACES_BETWEEN_SEAMS
+        };
+        let places = [from, to].map(|place| place.clamp(*allowed.start(), *allowed.end()));
         (places[1] > places[0]).then(|| Value::from(places.map(Value::from).to_vec()))
     });
     let (one, other) = (one?, other?);
