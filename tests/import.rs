@@ -6,14 +6,15 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use ripstop::case::{self, Choices, leparagliding};
 
-use crate::command_line::ripstop;
+use crate::command_line::{ripstop, root};
 use crate::engines::plain;
 use crate::folders::json;
 
 pub fn trials() -> Vec<Trial> {
     [
         plain("import::a_wing_has_the_measures_of_its_drawing", measures),
-        plain("import::lines_lead_where_they_are_drawn", lines),
+        plain("import::the_example_is_up_to_date", example),
+        plain("import::folders_within_folders", nested),
         plain("import::rods_and_the_speed_bar", rods_and_bar),
         plain("import::a_wing_flies", flies),
         plain("import::a_wing_of_xflr5_has_its_measures", of_xflr5),
@@ -30,7 +31,7 @@ const RIBS: usize = 12;
 /// Flat span and chord in the middle of the drawing [cm]; the wing scale.
 const SPAN_CM: f64 = 800.0;
 const CHORD_CM: f64 = 220.0;
-const SCALE: f64 = 1.05;
+pub const SCALE: f64 = 1.05;
 
 /// Place of a rib, and chord there [cm]: an ellipse upon a rectangle.
 pub fn rib(number: usize, even: bool) -> [f64; 2] {
@@ -138,12 +139,39 @@ fn airfoil(thickness: f64) -> String {
     text
 }
 
-fn put(folder: &Path, even: bool, kind: &str) {
+pub fn put(folder: &Path, even: bool, kind: &str) {
     std::fs::create_dir_all(folder).unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("leparagliding.txt", &drawing(even, kind));
     write("own.txt", &airfoil(0.17));
     write("edge.txt", &airfoil(0.0));
+}
+
+/// The drawing that the documentation brings in, by its command.
+fn example() {
+    let folder = root().join("cases/drawings/own-wing");
+    if std::env::var_os("RIPSTOP_WRITE_DOCS").is_some() {
+        put(&folder, true, "ds");
+    }
+    let fresh = tempfile::tempdir().unwrap();
+    put(fresh.path(), true, "ds");
+    for name in ["leparagliding.txt", "own.txt", "edge.txt"] {
+        let [kept, now] = [&folder, fresh.path()]
+            .map(|at: &Path| std::fs::read_to_string(at.join(name)).unwrap_or_default());
+        assert!(
+            kept == now,
+            "cases/drawings/own-wing/{name} is not what tests/import.rs draws: run with RIPSTOP_WRITE_DOCS=1"
+        );
+    }
+    let out = fresh.path().join("out");
+    let file = folder.join("leparagliding.txt");
+    let output = ripstop(&[
+        "import",
+        file.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}", output.errors);
 }
 
 fn measures() {
@@ -202,34 +230,45 @@ fn measures() {
     }
 }
 
-fn lines() {
+/// A folder of folders brings in all wings that lie in it, one in a folder of its own and those beside it.
+fn nested() {
     let folder = tempfile::tempdir().unwrap();
-    put(folder.path(), true, "ds");
-    let imported = leparagliding::import(&drawing(true, "ds"), Some(80.0), |_| None).unwrap();
-    let case = case::parse(
-        "wing.toml",
-        &imported.text,
-        folder.path(),
-        &Choices::default(),
-    );
-    let case = case.unwrap_or_else(|told| panic!("{told}"));
-    let rows = &case.scene.wing().unwrap().plan.rows;
-    let [a, b, c, brake] = &rows[..] else {
-        panic!("{} rows", rows.len());
-    };
-    // The rib in the middle has a line of each half; the riser of B carries one to an anchor of A at the tip.
-    assert_eq!(a.ribs, [0, 2, 4, 6, 8, 10]);
-    assert_eq!(b.ribs, [0, 2, 4, 6, 8, 10, 11]);
-    let places: Vec<f64> = b.attachments().map(|(_, place)| place).collect();
-    assert_eq!(places[..6], [0.35; 6]);
-    assert!((places[6] - 0.1).abs() < 1e-9 && (c.position - 0.655).abs() < 1e-9);
-    assert_eq!(a.levels[0].joins, [3, 3]);
-    assert_eq!(b.levels[0].joins, [3, 3, 1]);
-    assert_eq!(brake.ribs, [2, 4, 7, 10]);
-    assert_eq!(brake.levels[0].joins, [2, 2]);
-    // Upper lines of 1.5 m, of which the drawing says so.
-    let height = 1.0 - 1.5 / 4.8;
-    assert!((a.levels[0].height - height).abs() < 1e-9);
+    let at = |name: &str| folder.path().join(name);
+    for name in ["all/wing", "all/wing/22", "all/series/a/b"] {
+        put(&at(name), true, "ds");
+    }
+    let out = at("out");
+    let all = at("all");
+    let output = ripstop(&[
+        "import",
+        all.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    for name in ["wing", "wing/22", "series/a/b"] {
+        assert!(out.join(name).join("wing.toml").is_file(), "{name}");
+        let name = Path::new(name).display().to_string();
+        assert!(
+            output
+                .printed
+                .lines()
+                .any(|line| line.starts_with(&format!("{name} "))),
+            "{name}: {}",
+            output.printed
+        );
+    }
+    // The folder of a wing is one.
+    let own = at("own");
+    let one = all.join("series").join("a").join("b");
+    let output = ripstop(&[
+        "import",
+        one.to_str().unwrap(),
+        "--out",
+        own.to_str().unwrap(),
+    ]);
+    assert_eq!(output.code, 0, "{}", output.errors);
+    assert!(own.join("b").join("wing.toml").is_file());
 }
 
 fn rods_and_bar() {
@@ -373,11 +412,60 @@ fn refused() {
         let end = text.find("10. BRAKES").unwrap();
         std::fs::write(&path, &text[..end]).unwrap();
     });
-    for (output, told) in [
+    let sheet = folder.path().join("glider.ods");
+    std::fs::write(&sheet, "PK").unwrap();
+    let openglider = ripstop(&["import", sheet.to_str().unwrap()]);
+    let changed = |even: bool, kind: &str, from: &str, to: &str| {
+        import(even, kind, &|at| {
+            let path = at.join("leparagliding.txt");
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.contains(from), "{from}");
+            std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        })
+    };
+    let back = |number: usize| {
+        let chord = rib(number, true)[1];
+        format!("{:.2}", 0.4 * (CHORD_CM - chord) + chord)
+    };
+    let cases = [
         (one_skin, "only \"ds\""),
         (no_airfoil, "own.txt"),
         (cut_short, "section 10 (brakes)"),
-    ] {
+        (openglider, "OpenGlider"),
+        // A digit too many in the trailing edge of the fourth rib.
+        (
+            changed(
+                true,
+                "ds",
+                &back(3),
+                &format!("{}0", back(3).replace('.', "")),
+            ),
+            "the chord of rib 4 (section 1)",
+        ),
+        (
+            changed(
+                true,
+                "ds",
+                "* Number of ribs\n\t24",
+                "* Number of ribs\n\t33",
+            ),
+            "tells of 33 ribs, but lists 12 of a half: 23 or 24",
+        ),
+        (
+            changed(true, "ds", "\n 4\t", "\n 4\t-"),
+            "rib 4 (section 1) does not lie farther out",
+        ),
+        (
+            changed(true, "ds", "\n 4\t", "\n 4,\t"),
+            "rib 4 has no row in section 1",
+        ),
+        // Files of one skin hold other things: what they are is told before those.
+        (
+            changed(true, "ss", "1\town.txt", "1 own.txt x"),
+            "only \"ds\"",
+        ),
+    ];
+    for (output, told) in cases {
         assert_eq!(output.code, 2, "{}", output.errors);
         assert!(output.errors.contains(told), "{told}: {}", output.errors);
     }

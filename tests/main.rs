@@ -46,6 +46,7 @@ mod folders;
 mod front_door;
 mod fuzz;
 mod import;
+mod import_lines;
 mod interrupts;
 mod keeping;
 mod lep_sim;
@@ -160,6 +161,7 @@ fn main() -> std::process::ExitCode {
         polar::trials(),
         python::trials(),
         import::trials(),
+        import_lines::trials(),
         fuzz::trials(),
         resumption::trials(),
         resolved::trials(),

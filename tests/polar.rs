@@ -244,6 +244,7 @@ fn refused() {
     };
     told(&SWEPT.replace("\"2415\"", "\"24152\""), &[], "24152");
     told(SWEPT, &["--angle", "4,2,1"], "is no sweep");
+    told(SWEPT, &["--angle", "5"], "is not FROM,TO,STEP");
     told(SWEPT, &["--brake", "0.1"], "a wing by itself");
     told(
         &SWEPT.replace("profile = \"p\" }", "profile = \"q\" }"),

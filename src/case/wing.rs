@@ -210,6 +210,11 @@ fn refused(fault: WingFault) -> Problem {
             message,
             "chords and cell widths must not vanish, nor diagonals collapse",
         ),
+        WingFault::BelowRiser { .. } => Problem::new(
+            key("rows"),
+            message,
+            "shorten `to_sail_m` of its lowest nodes, or the riser, or hang the wing lower (`hang_point_m`)",
+        ),
     }
 }
 

@@ -6,7 +6,7 @@ use super::file;
 use super::problem::Problem;
 use super::usual;
 use super::values::{absent, positive, wing_key as key, within};
-use crate::geometry::wing::plan::{Diagonals, Level, Row};
+use crate::geometry::wing::plan::{Diagonals, JoinPlace, LEAST_LINE_M, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
 /// Cables by name, with their breaking loads [N].
@@ -116,42 +116,8 @@ pub(super) fn check_row(
         ));
     }
     let positions = check_positions(&key("positions"), table, written)?;
-    let mut carried = written.ribs.len();
-    let mut height = 1.0;
-    let mut levels = Vec::new();
-    for (number, level) in written.levels.iter().enumerate() {
-        let is_last = number + 1 == written.levels.len();
-        let refuse = |message: String| {
-            Err(Problem::new(
-                key("levels"),
-                format!("{}: {message}", key("levels")),
-                "list levels from the attachments down; all but the last have `joins` (how many lines join at each node below) and `height` (share of the way from the riser up, falling), the last has neither",
-            ))
-        };
-        let (joins, at) = match (&level.joins, level.height) {
-            (None, None) if is_last => (Vec::new(), 0.0),
-            (Some(joins), Some(at)) if !is_last => (joins.clone(), at),
-            _ => return refuse(format!("level {} has the wrong keys", number + 1)),
-        };
-        if !is_last {
-            if joins.iter().sum::<usize>() != carried || joins.contains(&0) {
-                return refuse(format!(
-                    "the lines that join below level {} are {joins:?}, but {carried} reach it",
-                    number + 1
-                ));
-            }
-            if !(at > 0.05 && at < height - 0.02) {
-                return refuse(format!("level {} has height {at}", number + 1));
-            }
-            (carried, height) = (joins.len(), at);
-        }
-        levels.push(Level {
-            joins,
-            height: at,
-            material: level.material.clone(),
-            cable: material(materials, &key("levels"), &level.material)?,
-        });
-    }
+    let weights = check_weights(&key("weights"), written)?;
+    let levels = check_levels(&key("levels"), written, materials)?;
     if levels.is_empty() {
         return Err(absent(&key("levels"), "a row has lines"));
     }
@@ -199,12 +165,110 @@ pub(super) fn check_row(
         position,
         ribs: written.ribs.clone(),
         positions,
+        weights,
         levels,
         riser_length_m,
         riser: material(materials, &key("riser_material"), &written.riser_material)?,
         trim_m,
         diagonals,
     })
+}
+
+fn check_weights(key: &str, written: &file::LineRow) -> Result<Vec<f64>, Problem> {
+    let Some(weights) = &written.weights else {
+        return Ok(Vec::new());
+    };
+    if weights.len() != written.ribs.len() {
+        return Err(Problem::new(
+            key,
+            format!(
+                "{key} has {} numbers for {} ribs",
+                weights.len(),
+                written.ribs.len()
+            ),
+            "give one number for each rib in `ribs`",
+        ));
+    }
+    let all = weights.iter().map(|weight| positive(key, *weight));
+    all.collect()
+}
+
+/// Levels of lines, from the sail down.
+fn check_levels(
+    key: &str,
+    written: &file::LineRow,
+    materials: &Materials,
+) -> Result<Vec<Level>, Problem> {
+    let mut carried = written.ribs.len();
+    let mut height = 1.0;
+    // Ways to the sail from what stands above, by the lines that come down.
+    let mut above_m: Vec<f64> = vec![0.0; carried];
+    let mut levels = Vec::new();
+    for (number, level) in written.levels.iter().enumerate() {
+        let is_last = number + 1 == written.levels.len();
+        let refuse = |message: String| {
+            Err(Problem::new(
+                key,
+                format!("{key}: level {} {message}", number + 1),
+                "list levels from the attachments down; all but the last have `joins` (how many lines join at each node below) and either `height` (share of the way from the riser up, falling) or `to_sail_m` (way from each node to the sail in m, growing), the last has neither",
+            ))
+        };
+        let (joins, place) = match (&level.joins, level.height, &level.to_sail_m) {
+            (None, None, None) if is_last => (Vec::new(), JoinPlace::Height(0.0)),
+            (Some(joins), Some(at), None) if !is_last => (joins.clone(), JoinPlace::Height(at)),
+            (Some(joins), None, Some(ways)) if !is_last => {
+                (joins.clone(), JoinPlace::ToSail(ways.clone()))
+            }
+            _ => return refuse("has the wrong keys".to_owned()),
+        };
+        if !is_last {
+            if joins.iter().sum::<usize>() != carried || joins.contains(&0) {
+                return refuse(format!(
+                    "joins {joins:?} lines, but {carried} lines reach it"
+                ));
+            }
+            let ways_m = match &place {
+                JoinPlace::Height(at) => {
+                    if !(*at > 0.05 && *at < height - 0.02) {
+                        return refuse(format!("has height {at}"));
+                    }
+                    height = *at;
+                    vec![0.0; joins.len()]
+                }
+                JoinPlace::ToSail(ways) => {
+                    if ways.len() != joins.len() {
+                        return refuse(format!(
+                            "has {} ways to the sail for {} nodes",
+                            ways.len(),
+                            joins.len()
+                        ));
+                    }
+                    ways.clone()
+                }
+            };
+            let mut rest = &above_m[..];
+            for (&count, &way_m) in joins.iter().zip(&ways_m) {
+                let (own, others) = rest.split_at(count);
+                rest = others;
+                let least = own.iter().copied().fold(0.0, f64::max) + LEAST_LINE_M;
+                let is_given = matches!(place, JoinPlace::ToSail(_));
+                if is_given && !(least..100.0).contains(&way_m) {
+                    return refuse(format!(
+                        "has a node {way_m} m below the sail, where at least {least:.3} m are needed"
+                    ));
+                }
+            }
+            above_m = ways_m;
+            carried = joins.len();
+        }
+        levels.push(Level {
+            joins,
+            place,
+            material: level.material.clone(),
+            cable: material(materials, key, &level.material)?,
+        });
+    }
+    Ok(levels)
 }
 
 /// By how much the speed bar shortens the riser of a row [m].

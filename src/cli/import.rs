@@ -17,7 +17,7 @@ use crate::output::{
 
 #[derive(Debug, Args)]
 pub(super) struct ImportArguments {
-    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it, or a folder whose folders hold one each; or a wing of XFLR5 (`.xwimp`), with the
+    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it, or a folder in which folders hold one each; or a wing of XFLR5 (`.xwimp`), with the
     /// coordinates of its profiles beside it (`NAME.dat`).
     file: PathBuf,
     /// Folder for the case and the airfoil files; of several wings each has a folder there.
@@ -50,6 +50,13 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
         .is_some_and(|end| end.eq_ignore_ascii_case("xwimp"))
     {
         return of_xflr5(arguments);
+    }
+    let is_text = |end: &std::ffi::OsStr| end.eq_ignore_ascii_case("txt");
+    if arguments.file.extension().is_some_and(|end| !is_text(end)) {
+        return Err(bad(format!(
+            "{} is neither a {THEIRS} nor a wing of XFLR5 (.xwimp): other formats cannot be read, such as those of OpenGlider (.ods, .json)",
+            arguments.file.display()
+        )));
     }
     let (imported, case) = one(&arguments.file, &arguments.out, arguments.pilot)?;
     let folder = folder_of(&arguments.file);
@@ -181,15 +188,32 @@ fn put(
     Ok(case)
 }
 
+/// How deep folders with wings may lie in the one that is given.
+const DEEPEST: usize = 4;
+
+/// Folders that hold a wing: this one, and those within.
+fn find_wings(folder: &Path, deepest: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    if folder.join(THEIRS).is_file() {
+        found.push(folder.to_owned());
+    }
+    if deepest > 0 {
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            // Links may lead in circles.
+            if entry.file_type()?.is_dir() {
+                find_wings(&entry.path(), deepest - 1, found)?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Brings in the wing of every folder in a folder, and tells of each in a line.
 fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
     let told = arguments.file.display();
-    let entries = std::fs::read_dir(&arguments.file)
+    let mut folders = Vec::new();
+    find_wings(&arguments.file, DEEPEST, &mut folders)
         .map_err(|why| bad(format!("cannot read {told}: {why}")))?;
-    let mut folders: Vec<PathBuf> = (entries.flatten())
-        .map(|entry| entry.path())
-        .filter(|folder| folder.join(THEIRS).is_file())
-        .collect();
     folders.sort();
     if folders.is_empty() {
         return Err(bad(format!(
@@ -208,13 +232,19 @@ fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
     let mut lines = vec![head.map(str::to_owned).to_vec()];
     let (mut notes, mut failures) = (Vec::new(), 0);
     for folder in folders {
-        let name = folder.file_name().unwrap_or_default();
+        // Folders within folders have both names.
+        let name = folder.strip_prefix(&arguments.file).unwrap_or(&folder);
+        let name = if name.as_os_str().is_empty() {
+            Path::new(arguments.file.file_name().unwrap_or_default())
+        } else {
+            name
+        };
         let found = one(
             &folder.join(THEIRS),
             &arguments.out.join(name),
             arguments.pilot,
         );
-        let name = name.to_string_lossy().into_owned();
+        let name = name.display().to_string();
         let wing = found
             .as_ref()
             .ok()
@@ -229,7 +259,10 @@ fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
                     shown(measures.flat_area_m2),
                     shown(measures.flat_span_m),
                     shown(measures.projected_area_m2),
-                    shown(leparagliding::line_length_m(case)),
+                    shown(
+                        leparagliding::lines_m(&leparagliding::rows_of_lines_m(case))
+                            .unwrap_or(0.0),
+                    ),
                     "brought in".to_owned(),
                 ]
             }
@@ -273,54 +306,56 @@ fn table(case: &Case, folder: &Path) -> String {
     let theirs = |name: &str| read(&folder.join(name)).unwrap_or_default();
     let published = Published::read(&theirs("lep-out.txt"), &theirs("lines.txt"));
     let measures = &wing.built.measures;
-    let lines_m = leparagliding::line_length_m(case);
-    let rows = [
+    let of_rows = leparagliding::rows_of_lines_m(case);
+    let mut rows = vec![
         (
-            "flat area",
+            "flat area".to_owned(),
             "m²",
             measures.flat_area_m2,
             published.flat_area_m2,
         ),
         (
-            "flat span",
+            "flat span".to_owned(),
             "m",
             measures.flat_span_m,
             published.flat_span_m,
         ),
         (
-            "projected area",
+            "projected area".to_owned(),
             "m²",
             measures.projected_area_m2,
             published.projected_area_m2,
         ),
         (
-            "projected span",
+            "projected span".to_owned(),
             "m",
             measures.projected_span_m,
             published.projected_span_m,
         ),
         (
-            "lines, without risers and brakes",
+            "lines, without risers and brakes".to_owned(),
             "m",
-            lines_m,
-            published.lines_m,
+            leparagliding::lines_m(&of_rows).unwrap_or(0.0),
+            leparagliding::lines_m(&published.rows_m),
         ),
     ];
+    for (name, ours_m) in of_rows {
+        let theirs = published.rows_m.iter().find(|(theirs, _)| *theirs == name);
+        let told = match &name[..] {
+            "brake" => "  brakes, without their main line".to_owned(),
+            _ => format!("  row {name}"),
+        };
+        rows.push((told, "m", ours_m, theirs.map(|(_, length_m)| *length_m)));
+    }
     let head = ["", "unit", "here", "LEparagliding", "difference"].map(str::to_owned);
-    let row = |(name, unit, ours, theirs): (&str, &str, f64, Option<f64>)| {
+    let row = |(name, unit, ours, theirs): (String, &str, f64, Option<f64>)| {
         let shown = |number: f64| significant(number, DIGITS);
         let theirs_text = theirs.map_or_else(|| NOTHING.to_owned(), shown);
         let difference = theirs.map_or_else(
             || NOTHING.to_owned(),
             |theirs| format!("{:+.2} %", 100.0 * (ours / theirs - 1.0)),
         );
-        vec![
-            name.to_owned(),
-            unit.to_owned(),
-            shown(ours),
-            theirs_text,
-            difference,
-        ]
+        vec![name, unit.to_owned(), shown(ours), theirs_text, difference]
     };
     let lines: Vec<Vec<String>> = std::iter::once(head.to_vec())
         .chain(rows.into_iter().map(row))

@@ -7,6 +7,18 @@ use super::polar_arguments::PolarArguments;
 use super::trim_polar;
 
 pub(super) fn polar(arguments: &PolarArguments) -> Result<u8, Failure> {
+    if let Some(text) = &arguments.angle {
+        let numbers = text.split(',').map(|word| word.trim().parse::<f64>());
+        let numbers: Vec<_> = numbers.collect();
+        if numbers.len() != 3 || numbers.iter().any(Result::is_err) {
+            return Err(Failure::Other(
+                exit::BAD_CASE,
+                format!(
+                    "--angle {text} is not FROM,TO,STEP: give three numbers in degrees, as --angle -4,20,1"
+                ),
+            ));
+        }
+    }
     let angle = arguments.angle.iter();
     let angles: Vec<String> = angle
         .map(|angles| format!("aero.wing.angles_deg=[{angles}]"))

@@ -11,7 +11,7 @@ use crate::measure;
 use crate::sweep::{Chosen, Vary};
 
 /// Results of the table, before those of the rows.
-const RESULTS: [&str; 10] = [
+const RESULTS: [&str; 12] = [
     "speed_m_s",
     "sink_m_s",
     "glide_ratio",
@@ -22,6 +22,8 @@ const RESULTS: [&str; 10] = [
     "section_drag_share",
     "line_drag_share",
     "pilot_drag_share",
+    "internal_pressure_coefficient",
+    "residual_stiffness_load_share",
 ];
 
 /// Results that are drawn over another: that one first.

@@ -216,6 +216,8 @@ pub struct LineRow {
     pub ribs: Vec<usize>,
     /// Place of every attachment on the lower side, per chord, where they are not all at `position`: a line may then lead to any rib, and several to one.
     pub positions: Option<Vec<f64>>,
+    /// Weights of the attachments, in the order of `ribs`, in the means that nodes and the riser point to, such as the loads that a design takes for them; alike if absent.
+    pub weights: Option<Vec<f64>>,
     /// Levels of lines from the attachments down.
     pub levels: Vec<LineLevel>,
     /// Length of the riser [m].
@@ -262,7 +264,7 @@ pub enum HalfName {
     Right,
 }
 
-/// A level of lines. The last one has neither `joins` nor `height`: its lines meet at the riser.
+/// A level of lines. All but the last have `joins`, and either `height` or `to_sail_m`; lines of the last meet at the riser.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LineLevel {
@@ -272,6 +274,8 @@ pub struct LineLevel {
     pub joins: Option<Vec<usize>>,
     /// Where they join: share of the way from the riser to the mean of the attachments above.
     pub height: Option<f64>,
+    /// Where they join, in place of `height`: way from each node to the sail, a number for each of `joins` [m]. A node lies on the way from the riser or node below to the mean of the attachments above; the line between two nodes is as long as their numbers differ.
+    pub to_sail_m: Option<Vec<f64>>,
 }
 
 /// Diagonals from an attachment to the upper seams of both neighbouring ribs; their ends lie at nodes.

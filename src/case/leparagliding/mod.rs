@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
-pub use published::{Published, line_length_m};
+pub use published::{Published, lines_m, rows_of_lines_m};
 pub use sections::ReadFault;
 
 use self::read::{CENTIMETRE_M, Drawing};
@@ -65,10 +65,11 @@ pub fn import(
     pilot_kg: Option<f64>,
     thickness: impl Fn(&str) -> Option<f64>,
 ) -> Result<Imported, ImportFault> {
-    let drawing = Drawing::read(text)?;
-    if drawing.kind != "ds" {
-        return Err(ImportFault::Kind(drawing.kind));
+    let kind = read::kind(text)?;
+    if kind != "ds" {
+        return Err(ImportFault::Kind(kind));
     }
+    let drawing = Drawing::read(text)?;
     let mut left_out = Vec::new();
     let is_flat = |file: &str| thickness(file).is_some_and(|share| share < FLAT);
     let vh_ribs = vh_ribs::read(text);

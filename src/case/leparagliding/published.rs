@@ -1,10 +1,11 @@
 //! What LEparagliding found for the same wing: `lep-out.txt` and `lines.txt`, where they lie beside its input.
 
 use super::super::load::Case;
+use super::read::CENTIMETRE_M;
 use crate::geometry::wing::LineKind;
 
 /// Measures of a wing, as far as the files tell them.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Published {
     /// Flat area [m²].
     pub flat_area_m2: Option<f64>,
@@ -14,8 +15,8 @@ pub struct Published {
     pub projected_area_m2: Option<f64>,
     /// Projected span [m].
     pub projected_span_m: Option<f64>,
-    /// Length of all lines of both halves, without risers and brakes [m].
-    pub lines_m: Option<f64>,
+    /// Names of rows, as the plan has them, and lengths of their lines above the risers and the brakes' main line, both halves [m].
+    pub rows_m: Vec<(String, f64)>,
 }
 
 impl Published {
@@ -34,36 +35,59 @@ impl Published {
             flat_span_m: of("Flat span"),
             projected_area_m2: of("Projected area"),
             projected_span_m: of("Projected span"),
-            lines_m: half_lines_m(lines).map(|half| 2.0 * half),
+            rows_m: rows_m(lines),
         }
     }
 }
 
-/// Length of the lines of one half: `12   4A4   90.1 cm  …`, where the first digit of a name is its level from the riser, 1, up.
-fn half_lines_m(text: &str) -> Option<f64> {
-    let length_m = |line: &str| {
-        let mut words = line.split_whitespace();
-        words.next()?.parse::<usize>().ok()?;
-        let name = words.next()?;
-        let length: f64 = words.next()?.parse().ok()?;
-        let is_centimetres = words.next()? == "cm";
-        let level = name.chars().next()?.to_digit(10)?;
-        let is_brake = name[1..].starts_with(['F', 'f']) || name.to_lowercase().contains("br");
-        (is_centimetres && level > 1 && !is_brake).then_some(0.01 * length)
-    };
-    let all: Vec<f64> = text.lines().filter_map(length_m).collect();
-    (!all.is_empty()).then(|| all.iter().sum())
+/// Lengths by rows of lines as `12   4A4   90.1 cm  …` under `Plan A` or `Brake lines`, where the first digit of a name is its level, from 1 for the
+/// riser or the brakes' main line. Older versions write no unit.
+fn rows_m(text: &str) -> Vec<(String, f64)> {
+    let mut rows: Vec<(String, f64)> = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if line.starts_with("Brake lines") {
+            rows.push(("brake".to_owned(), 0.0));
+        } else if let Some(name) = line.strip_prefix("Plan ") {
+            rows.push((name.trim().to_owned(), 0.0));
+        } else if let (Some(length_m), Some((_, sum))) = (upper_line_m(line), rows.last_mut()) {
+            // That of the other half is as long.
+            *sum += 2.0 * length_m;
+        }
+    }
+    rows
 }
 
-/// Length of all lines of a wing's rows but the brakes, both halves, at rest [m].
+/// Length of a line above the first level [m]; `None` of anything else.
+fn upper_line_m(line: &str) -> Option<f64> {
+    let mut words = line.split_whitespace();
+    words.next()?.parse::<usize>().ok()?;
+    let mut name = words.next()?.chars();
+    let level = name.next()?.to_digit(10)?;
+    let is_name = name.next()?.is_ascii_uppercase() && name.all(|digit| digit.is_ascii_digit());
+    let length: f64 = words.next()?.parse().ok()?;
+    (is_name && level > 1).then_some(CENTIMETRE_M * length)
+}
+
+/// Names of a wing's rows and lengths of their lines without risers, both halves, at rest [m].
 #[must_use]
-pub fn line_length_m(case: &Case) -> f64 {
+pub fn rows_of_lines_m(case: &Case) -> Vec<(String, f64)> {
     let (Some(wing), Some(body)) = (case.scene.wing(), &case.scene.body) else {
-        return 0.0;
+        return Vec::new();
     };
-    let brake = wing.plan.rows.iter().position(|row| row.position >= 1.0);
-    let cables = body.structure.cables.iter().zip(&wing.built.line_kinds);
-    let lines = cables
-        .filter(|(_, kind)| matches!(kind, LineKind::Line { row, .. } if Some(*row) != brake));
-    lines.map(|(cable, _)| cable.rest_length_m).sum()
+    let cables = || body.structure.cables.iter().zip(&wing.built.line_kinds);
+    let of = |number: usize| {
+        let lines = cables()
+            .filter(|(_, kind)| matches!(kind, LineKind::Line { row, .. } if *row == number));
+        lines.map(|(cable, _)| cable.rest_length_m).sum()
+    };
+    (wing.built.row_names.iter().enumerate())
+        .map(|(number, name)| (name.clone(), of(number)))
+        .collect()
+}
+
+/// Sum over the rows but the brakes; `None` without rows.
+#[must_use]
+pub fn lines_m(rows: &[(String, f64)]) -> Option<f64> {
+    let others = rows.iter().filter(|(name, _)| name != "brake");
+    (!rows.is_empty()).then(|| others.map(|(_, length_m)| length_m).sum())
 }

@@ -27,6 +27,8 @@ pub(super) struct Rib {
     pub is_open: bool,
     /// Length of a mini-rib on its inner side, per cent of the chord; 0 or 1: none.
     pub mini_rib: f64,
+    /// Share of the load over that of its chord.
+    pub weight: f64,
     /// Places of the rows A, B, C, …, per cent of the chord; lines lead to the first `anchor_count`, V- and H-ribs to any that is not 0.
     pub anchors: Vec<f64>,
     pub anchor_count: usize,
@@ -35,7 +37,7 @@ pub(super) struct Rib {
 /// A way from the riser up to an anchor.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
-    /// Order of the line in every level above the riser, from below.
+    /// Order of the line in every level above the riser, or the brakes' main line, from below.
     pub lines: Vec<usize>,
     /// Row: 1 is A; 6 is the brakes.
     pub row: usize,
@@ -52,8 +54,6 @@ pub(super) struct Drawing {
     pub name: String,
     /// Of all lengths but risers and karabiners.
     pub scale: f64,
-    /// `ds` of two skins, `ss` of one, `pc` of a parachute.
-    pub kind: String,
     /// Washin at the tip and in the middle [°], and how it follows: 0 as written, 1 and 2 by the chord.
     pub washin_deg: [f64; 2],
     pub washin_rule: i64,
@@ -64,9 +64,14 @@ pub(super) struct Drawing {
     pub riser: f64,
     pub lines: f64,
     pub karabiners: f64,
+    /// What lines point to: means of attachments (0), by chords (1), by chords and weights of the ribs (2), by those and shares of the rows (3).
+    pub aim: i64,
+    /// Shares of the load that the rows of a rib with 2, 3, … of them take.
+    pub row_shares: Vec<Vec<f64>>,
     /// Paths of every riser, from the nose.
     pub plans: Vec<Vec<Path>>,
-    /// Paths of the brakes.
+    /// Length of the brakes' main line [cm], and their paths.
+    pub brake_main: f64,
     pub brakes: Vec<Path>,
     /// Of lines, and of brakes.
     pub branches: [Branches; 2],
@@ -84,7 +89,7 @@ fn paths(section: &mut Section, count: usize) -> Result<Vec<Path>, ReadFault> {
             let levels = row[0] as usize;
             let ends = [row[row.len() - 2], row[row.len() - 1]];
             let orders = row[1..row.len() - 2].chunks_exact(2).take(levels);
-            // The first level is the riser.
+            // The first level is the riser, or the main line of the brakes.
             let lines: Vec<usize> = orders.skip(1).map(|pair| pair[1] as usize).collect();
             Ok(Path {
                 lines,
@@ -99,6 +104,26 @@ fn paths(section: &mut Section, count: usize) -> Result<Vec<Path>, ReadFault> {
 fn branches(section: &mut Section) -> Result<Branches, ReadFault> {
     let mut one = || Ok(section.numbers(2)?[1..].to_vec());
     Ok([one()?, one()?])
+}
+
+/// Shares of the load by the number of rows, from 2 on, in section 18.
+fn row_shares(sections: &Sections) -> Result<Vec<Vec<f64>>, ReadFault> {
+    let mut section = sections.get(18, "elastic lines")?;
+    section.number()?;
+    (2..=5).map(|rows| section.numbers(rows)).collect()
+}
+
+/// Chord over that of the next rib towards the middle above which one of both is a slip of the pen.
+const MOST_GROWTH: f64 = 2.0;
+
+/// Kind of a wing: `ds` of two skins, `ss` of one, `pc` of a parachute. Files of the latter hold other things in the sections that follow.
+pub(super) fn kind(text: &str) -> Result<String, ReadFault> {
+    let sections = Sections::new(text);
+    let mut geometry = sections.get(1, "geometry")?;
+    for _ in 0..7 {
+        geometry.line()?;
+    }
+    Ok(unquoted(geometry.line()?))
 }
 
 impl Drawing {
@@ -123,9 +148,9 @@ impl Drawing {
         geometry.number()?;
         let scale = geometry.number()?;
         geometry.number()?;
-        geometry.number()?;
+        let rib_count = geometry.number()?;
         let washin = geometry.numbers(2)?;
-        let kind = unquoted(geometry.line()?);
+        geometry.line()?;
         // Rib, x, leading and trailing edge, x in space, z, lean, axis of the washin, washin.
         let placed = geometry.rows(8);
         if scale <= 0.0 {
@@ -133,8 +158,11 @@ impl Drawing {
         }
         let mut airfoils = sections.get(2, "airfoils")?;
         let anchors = sections.get(3, "anchor points")?.rows(3);
-        let mut ribs = Vec::new();
+        let mut ribs: Vec<Rib> = Vec::new();
         for (row, anchors) in placed.iter().zip(&anchors) {
+            if row[0] != (ribs.len() + 1) as f64 {
+                return Err(ReadFault::Rib(ribs.len() + 1));
+            }
             let line = airfoils.line()?;
             // Ribs are numbered alike in all three sections.
             if numbers(line).first() != row.first() || anchors.first() != row.first() {
@@ -149,6 +177,17 @@ impl Drawing {
             if rest.len() < 3 {
                 return Err(airfoils.fault(line));
             }
+            if let Some(inner) = ribs.last()
+                && row[1] <= inner.span
+            {
+                return Err(ReadFault::Order(ribs.len() + 1));
+            }
+            let chord = row[3] - row[2];
+            if let Some(inner) = ribs.last()
+                && chord > MOST_GROWTH * (inner.edges[1] - inner.edges[0])
+            {
+                return Err(ReadFault::Chord(ribs.len() + 1));
+            }
             ribs.push(Rib {
                 span: row[1],
                 edges: [row[2], row[3]],
@@ -158,6 +197,7 @@ impl Drawing {
                 intake: [rest[0], rest[1]],
                 is_open: rest[2] != 0.0,
                 mini_rib: rest.get(5).copied().unwrap_or(0.0),
+                weight: rest.get(4).copied().unwrap_or(1.0),
                 anchors: anchors[2..].to_vec(),
                 anchor_count: anchors[1] as usize,
             });
@@ -165,6 +205,14 @@ impl Drawing {
         if ribs.len() < 3 || ribs.len() < placed.len() {
             let (number, name) = (3, "anchor points");
             return Err(ReadFault::Section { number, name });
+        }
+        // Both halves; one in the middle is counted once, or twice by some.
+        let counts = [2 * ribs.len(), 2 * ribs.len() - 1];
+        if !counts.contains(&(rib_count as usize)) {
+            return Err(ReadFault::RibCount {
+                told: rib_count as usize,
+                found: ribs.len(),
+            });
         }
         let mut estimate = sections.get(8, "angle of attack")?;
         let [_, _, calage, riser, lines, karabiners] = [
@@ -179,7 +227,7 @@ impl Drawing {
             return Err(ReadFault::Length("a length of section 8"));
         }
         let mut suspension = sections.get(9, "suspension lines")?;
-        suspension.number()?;
+        let aim = suspension.number()? as i64;
         let plans = (0..suspension.count()?)
             .map(|_| {
                 let count = suspension.count()?;
@@ -187,7 +235,7 @@ impl Drawing {
             })
             .collect::<Result<_, _>>()?;
         let mut braking = sections.get(10, "brakes")?;
-        braking.number()?;
+        let brake_main = braking.number()?;
         let count = braking.count()?;
         let brakes = paths(&mut braking, count)?;
         let mut lengths = sections.get(11, "ramification lengths")?;
@@ -195,7 +243,6 @@ impl Drawing {
         Ok(Self {
             name,
             scale,
-            kind,
             washin_deg: [washin[0], washin.get(2).copied().unwrap_or(0.0)],
             washin_rule: washin[1] as i64,
             ribs,
@@ -203,7 +250,10 @@ impl Drawing {
             riser,
             lines,
             karabiners,
+            aim,
+            row_shares: row_shares(&sections).unwrap_or_default(),
             plans,
+            brake_main,
             brakes,
             branches,
             rods: rods::read(&sections),

@@ -14,12 +14,14 @@ const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];
 /// Places that differ by less than this, over the chord, are one.
 const SAME_PLACE: f64 = 0.015;
 
+/// Foremost place of an attachment, over the chord.
+const FOREMOST: f64 = 0.01;
+
 /// Places of rows at which diagonals have room, over the chord.
 const DIAGONALS: std::ops::RangeInclusive<f64> = 0.02..=0.9;
 
-/// Least height of a node over the riser, and distance of nodes above each other, over the height of the row.
-const LOWEST: f64 = 0.1;
-const APART: f64 = 0.05;
+/// Share of the height of the lines in which an undivided line is divided, where the file tells no length.
+const USUAL_SHARE: f64 = 0.5;
 
 /// An attachment: rib as ours count, place over the chord, and the lines that lead there.
 struct Attachment<'a> {
@@ -39,7 +41,7 @@ pub(super) fn derive(
 ) -> Vec<Option<&'static str>> {
     let mut risers_with_rows = Vec::new();
     let mut places: Vec<f64> = Vec::new();
-    let (mut lost, mut moved) = (0, 0);
+    let (mut lost, mut moved): (Vec<String>, usize) = (Vec::new(), 0);
     let rows = NAMES.into_iter().zip(&drawing.plans);
     let brakes = std::iter::once(("brake", &drawing.brakes));
     for (name, paths) in rows.chain(brakes) {
@@ -49,7 +51,7 @@ pub(super) fn derive(
             moved += usize::from(found.as_ref().is_some_and(|one| one.is_moved));
             match found.filter(|new| !row.iter().any(|known| is_same(known, new))) {
                 Some(new) => row.push(new),
-                None => lost += 1,
+                None => lost.push(format!("to row {} of rib {}", path.row, path.rib)),
             }
         }
         risers_with_rows.push((!row.is_empty()).then_some(name));
@@ -73,9 +75,10 @@ pub(super) fn derive(
     if risers > NAMES.len() {
         left_out.push(format!("{} of {risers} risers", risers - NAMES.len()));
     }
-    if lost > 0 {
+    if !lost.is_empty() {
         left_out.push(format!(
-            "{lost} lines lead to an anchor that is not there, or where another one is"
+            "lines that lead to an anchor that is not there, or where another one is: {}",
+            lost.join(", ")
         ));
     }
     // The last row is that of the brakes.
@@ -101,10 +104,11 @@ fn attachment<'a>(
         let with_lines = &rib.anchors[..rib.anchor_count.min(rib.anchors.len())];
         0.01 * with_lines.get(path.row.checked_sub(1)?)?
     };
-    if !(0.01..=1.0).contains(&place) {
+    if !(0.0..=1.0).contains(&place) {
         return None;
     }
     let drawn = place;
+    let place = place.max(FOREMOST);
     // Cells at the tips may be closed there; the plan has one intake for all.
     let place = match drawing.intake() {
         Some([from, to]) if place > from && place < to => to,
@@ -147,24 +151,54 @@ fn put(
     keys.set(of("ribs"), ribs, why);
     let positions: Vec<Value> = row.iter().map(|one| Value::from(one.place)).collect();
     keys.set(of("positions"), positions, why);
+    let weights: Option<Vec<f64>> = row.iter().map(|one| weight(drawing, one.path)).collect();
+    if let Some(weights) = weights.filter(|_| !is_brake) {
+        let weights: Vec<Value> = weights.into_iter().map(Value::from).collect();
+        keys.set(
+            of("weights"),
+            weights,
+            "sections 9 and 18: what lines point to",
+        );
+    }
     keys.set(
         of("levels"),
         levels(drawing, is_brake, row, scale_m),
         "sections 9 to 11",
     );
-    let riser_m = if is_brake {
-        0.3
+    let (riser_m, riser_material, why) = if is_brake {
+        // The main line begins where the last riser ends.
+        let length_m = drawing.brake_main * scale_m + drawing.riser * CENTIMETRE_M;
+        (length_m, "main", "main line and riser, sections 10 and 8")
     } else {
-        drawing.riser * CENTIMETRE_M
+        (drawing.riser * CENTIMETRE_M, "webbing", "section 8")
     };
-    keys.set(of("riser_length_m"), riser_m, "section 8");
-    keys.set(of("riser_material"), "webbing", "usual");
+    keys.set(of("riser_length_m"), riser_m, why);
+    keys.set(of("riser_material"), riser_material, "usual");
     if is_brake {
         keys.set(of("trim_m"), 0.1, "brakes hang loose");
     } else if usual_diagonals && DIAGONALS.contains(&position) {
         keys.set(of("diagonals.foot"), 0.02, "usual");
         keys.set(of("diagonals.head"), 0.1, "usual");
     }
+}
+
+/// Weight of an attachment in what lines point to; `None` where all are alike.
+fn weight(drawing: &Drawing, path: &Path) -> Option<f64> {
+    let number = (path.rib.round() as usize).checked_sub(1)?;
+    let rib = drawing.ribs.get(number)?;
+    let chord = rib.edges[1] - rib.edges[0];
+    let by_chord = chord / (drawing.ribs[0].edges[1] - drawing.ribs[0].edges[0]);
+    let share = match rib.anchor_count {
+        0 | 1 => 1.0,
+        rows => 0.01 * drawing.row_shares.get(rows - 2)?.get(path.row - 1)?,
+    };
+    let weight = match drawing.aim {
+        1 => by_chord,
+        2 => by_chord * rib.weight,
+        3 => by_chord * rib.weight * share,
+        _ => return None,
+    };
+    (weight > 0.0).then_some(weight)
 }
 
 /// Levels of lines from the sail down: where fewer lines lead to an attachment than to others of the row, the uppermost is divided.
@@ -183,16 +217,29 @@ fn levels(drawing: &Drawing, is_brake: bool, row: &[Attachment], scale_m: f64) -
         };
         (&orders[..count.min(orders.len())], own)
     };
-    let branches = &drawing.branches[usize::from(is_brake)];
-    let lengths = if most >= 3 {
-        &branches[1]
-    } else {
-        &branches[0]
+    let ways = &drawing.branches[usize::from(is_brake)];
+    // Way to the sail of the node below a level of an attachment's path.
+    let way_m = |number: usize, level: usize| {
+        let lines = row[number].path.lines.len();
+        let divided = most - lines;
+        let ways = match lines {
+            2 => &ways[0][..],
+            3 => &ways[1][..],
+            _ => &[],
+        };
+        // Ways are written from the lowest node up.
+        let of_node = |node: usize| Some(ways.get(ways.len().checked_sub(node + 1)?)? * scale_m);
+        if level >= divided
+            && let Some(way) = of_node(level - divided)
+        {
+            return way;
+        }
+        // Its uppermost line is divided evenly.
+        let whole = of_node(0).unwrap_or(USUAL_SHARE * drawing.lines * scale_m);
+        whole * (level + 1) as f64 / (divided + 1) as f64
     };
-    let height_m = drawing.lines * scale_m;
     let mut levels = Vec::new();
     let mut carried: Vec<usize> = (0..row.len()).collect();
-    let mut above = 1.0;
     for level in 0..most - 1 {
         // Neighbours that one line carries join; the first of them stands for it below.
         let mut joins: Vec<(i64, usize)> = Vec::new();
@@ -204,17 +251,15 @@ fn levels(drawing: &Drawing, is_brake: bool, row: &[Attachment], scale_m: f64) -
                 _ => joins.push((1, number)),
             }
         }
-        // Lengths from the sail are written from the lowest node up.
-        let from_sail = lengths.len().checked_sub(level + 1).map(|k| lengths[k]);
-        let usual = 1.0 - (level + 1) as f64 / most as f64;
-        let height = from_sail.map_or(usual, |length| 1.0 - length * scale_m / height_m);
-        let height = height.min(above - APART).max(LOWEST);
-        above = height;
         let counts: Vec<Value> = joins.iter().map(|(count, _)| Value::from(*count)).collect();
+        let ways: Vec<Value> = joins
+            .iter()
+            .map(|(_, first)| Value::from(way_m(*first, level)))
+            .collect();
         levels.push(Value::Table(Table::from_iter([
             ("material".to_owned(), Value::from("gallery")),
             ("joins".to_owned(), Value::from(counts)),
-            ("height".to_owned(), Value::from(height)),
+            ("to_sail_m".to_owned(), Value::from(ways)),
         ])));
         carried = joins.into_iter().map(|(_, first)| first).collect();
     }

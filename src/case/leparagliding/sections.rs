@@ -14,6 +14,29 @@ pub enum ReadFault {
     /// A length is not positive.
     #[error("{0} is not positive")]
     Length(&'static str),
+    /// Ribs are not listed from the middle outwards.
+    #[error(
+        "rib {0} (section 1) does not lie farther out than the one before: list ribs from the middle outwards"
+    )]
+    Order(usize),
+    /// A chord that no wing has.
+    #[error(
+        "the chord of rib {0} (section 1) is more than twice that of the rib before: look at its leading and trailing edge"
+    )]
+    Chord(usize),
+    /// A rib has no row that can be read.
+    #[error(
+        "rib {0} has no row in section 1 that can be read: it takes its number and at least seven more, with points in decimals"
+    )]
+    Rib(usize),
+    /// Ribs are missing, or their number is wrong.
+    #[error("section 1 tells of {told} ribs, but lists {found} of a half: {} or {} are expected", 2 * found - 1, 2 * found)]
+    RibCount {
+        /// Of the whole wing, as the file says.
+        told: usize,
+        /// Rows of a half.
+        found: usize,
+    },
     /// A line of a section has too few numbers.
     #[error("in section {number} ({name}) the line `{line}` cannot be read")]
     Line {

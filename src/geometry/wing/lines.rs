@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::builder::Builder;
 use super::parts::LineKind;
-use super::plan::Row;
+use super::plan::{JoinPlace, LEAST_LINE_M, Row, WingFault};
 use super::section::Side;
 use crate::cloth::Guide;
 use crate::frame::CableKind;
@@ -17,7 +17,7 @@ struct Piece {
 
 impl Builder<'_> {
     /// Adds the lines of all rows and returns the held nodes, right and left.
-    pub(super) fn add_lines(&mut self) -> [u32; 2] {
+    pub(super) fn add_lines(&mut self) -> Result<[u32; 2], WingFault> {
         let plan = self.plan;
         let right = plan.hang_point_m;
         let points =
@@ -27,10 +27,10 @@ impl Builder<'_> {
         }
         for (number, row) in plan.rows.iter().enumerate() {
             for half in 0..2 {
-                self.add_row(number, row, half, points[half]);
+                self.add_row(number, row, half, points[half])?;
             }
         }
-        points
+        Ok(points)
     }
 
     /// Keeps the middle from drifting: along x as stiffly as the plan says, along y, where symmetry leaves nothing to carry, alike.
@@ -65,7 +65,13 @@ impl Builder<'_> {
         }
     }
 
-    fn add_row(&mut self, number: usize, row: &Row, half: usize, hang: u32) {
+    fn add_row(
+        &mut self,
+        number: usize,
+        row: &Row,
+        half: usize,
+        hang: u32,
+    ) -> Result<(), WingFault> {
         let node = |(from_middle, place): (usize, f64)| {
             let j = self.places.nearest(Side::Lower, place);
             let k = if place >= 1.0 {
@@ -76,51 +82,57 @@ impl Builder<'_> {
             self.outlines[self.counted(from_middle)[half]][k]
         };
         let attachments: Vec<u32> = row.attachments().map(node).collect();
-        let mean = |nodes: &[u32], builder: &Self| {
-            nodes.iter().map(|&n| builder.position(n)).sum::<DVec3>() / nodes.len() as f64
-        };
+        let weight = |number: usize| row.weights.get(number).copied().unwrap_or(1.0);
+        let places: Vec<Attachment> = (attachments.iter().enumerate())
+            .map(|(number, &node)| Attachment {
+                place_m: self.position(node),
+                weight: weight(number),
+            })
+            .collect();
         let hang_m = self.position(hang);
-        let towards = (mean(&attachments, self) - hang_m).normalize_or(DVec3::Z);
+        let towards = (mean(&places) - hang_m).normalize_or(DVec3::Z);
         let riser_m = hang_m + towards * row.riser_length_m;
         let riser = self.structure.add_node(riser_m);
-        // Every node above with the attachments that it carries.
-        let mut above: Vec<(u32, Vec<u32>)> = attachments.iter().map(|&n| (n, vec![n])).collect();
-        for (level, lines) in row.levels.iter().enumerate() {
-            let mut below: Vec<(u32, Vec<u32>)> = Vec::new();
-            let mut pieces = Vec::new();
-            if lines.joins.is_empty() {
-                let ends = above.iter().map(|(node, _)| Piece {
-                    nodes: [*node, riser],
-                    extra_m: 0.0,
-                });
-                pieces.extend(ends);
-            } else {
-                let mut rest = &above[..];
-                for &count in &lines.joins {
-                    let (group, others) = rest.split_at(count.min(rest.len()));
-                    rest = others;
-                    let carried: Vec<u32> =
-                        group.iter().flat_map(|(_, c)| c.iter().copied()).collect();
-                    let place = riser_m.lerp(mean(&carried, self), lines.height);
-                    let node = self.structure.add_node(place);
-                    pieces.extend(group.iter().map(|(upper, _)| Piece {
-                        nodes: [*upper, node],
-                        extra_m: 0.0,
-                    }));
-                    below.push((node, carried));
-                }
+        let joins = joins_of(row, &places, riser_m).map_err(|(to_sail_m, way_m)| {
+            WingFault::BelowRiser {
+                row: number + 1,
+                to_sail_m,
+                way_m,
             }
-            for piece in pieces {
-                let kind = LineKind::Line { row: number, level };
+        })?;
+        let mut above = attachments;
+        for (level, lines) in row.levels.iter().enumerate() {
+            let kind = LineKind::Line { row: number, level };
+            let mut below = Vec::new();
+            let mut rest = &above[..];
+            // The last level has none: its lines meet at the riser.
+            for join in joins.get(level).into_iter().flatten() {
+                let (group, others) = rest.split_at(join.lines);
+                rest = others;
+                let node = self.structure.add_node(join.place_m);
+                below.push((node, group));
+            }
+            if below.is_empty() {
+                below.push((riser, rest));
+            }
+            let ends: Vec<[u32; 2]> = (below.iter())
+                .flat_map(|&(node, group)| group.iter().map(move |&upper| [upper, node]))
+                .collect();
+            above = below.into_iter().map(|(node, _)| node).collect();
+            for nodes in ends {
+                let piece = Piece {
+                    nodes,
+                    extra_m: 0.0,
+                };
                 self.add_piece(&piece, &lines.cable, kind);
             }
-            above = below;
         }
         let piece = Piece {
             nodes: [riser, hang],
             extra_m: row.trim_m,
         };
         self.add_piece(&piece, &row.riser, LineKind::Riser { row: number });
+        Ok(())
     }
 
     fn add_piece(&mut self, piece: &Piece, cable: &crate::lines::Cable, kind: LineKind) {
@@ -130,4 +142,98 @@ impl Builder<'_> {
             .add_cable(&piece.nodes, &[length_m], cable, CableKind::SuspensionLine);
         self.line_kinds.push(kind);
     }
+}
+
+/// A node where lines join.
+struct Join {
+    /// How many lines of the level above end there.
+    lines: usize,
+    place_m: DVec3,
+}
+
+/// A group of lines of a level before it has its place.
+struct Group {
+    lines: usize,
+    /// Mean of the attachments that it carries.
+    target_m: DVec3,
+}
+
+/// Where a line meets the sail, and its weight in means.
+#[derive(Clone, Copy)]
+struct Attachment {
+    place_m: DVec3,
+    weight: f64,
+}
+
+fn mean(attachments: &[Attachment]) -> DVec3 {
+    let all = || attachments.iter();
+    all().map(|one| one.place_m * one.weight).sum::<DVec3>()
+        / all().map(|one| one.weight).sum::<f64>()
+}
+
+/// The nodes of every level but the last, from the sail down; places are found from the riser up, as a node's depends on that of the one below.
+///
+/// # Errors
+///
+/// Where a node would stand at the riser or below it: its way to the sail, and that of the riser [m].
+fn joins_of(
+    row: &Row,
+    attachments: &[Attachment],
+    riser_m: DVec3,
+) -> Result<Vec<Vec<Join>>, (f64, f64)> {
+    let mut groups: Vec<Vec<Group>> = Vec::new();
+    let mut carried: Vec<Vec<Attachment>> = attachments.iter().map(|&one| vec![one]).collect();
+    for level in row.levels.iter().filter(|level| !level.joins.is_empty()) {
+        let mut rest = &carried[..];
+        let mut next = Vec::new();
+        let mut here = Vec::new();
+        for &count in &level.joins {
+            let (own, others) = rest.split_at(count.min(rest.len()));
+            rest = others;
+            let all = own.concat();
+            here.push(Group {
+                lines: own.len(),
+                target_m: mean(&all),
+            });
+            next.push(all);
+        }
+        groups.push(here);
+        carried = next;
+    }
+    let mut placed: Vec<Vec<Join>> = Vec::new();
+    // What every group of a level hangs on: its place, and its way to the sail where that is given.
+    let mut below: Vec<(DVec3, Option<f64>)> =
+        vec![(riser_m, None); groups.last().map_or(0, Vec::len)];
+    for (here, level) in groups.iter().zip(&row.levels).rev() {
+        let mut joins = Vec::new();
+        let mut ways = Vec::new();
+        for (number, group) in here.iter().enumerate() {
+            let (from_m, way_below) = below[number];
+            let (place_m, way) = match &level.place {
+                JoinPlace::Height(share) => (riser_m.lerp(group.target_m, *share), None),
+                JoinPlace::ToSail(ways) => {
+                    let way = ways[number];
+                    let distance = from_m.distance(group.target_m);
+                    let length = way_below.unwrap_or(distance) - way;
+                    if length < LEAST_LINE_M {
+                        return Err((way, distance));
+                    }
+                    let along = (group.target_m - from_m).normalize_or(DVec3::Z);
+                    (from_m + along * length, Some(way))
+                }
+            };
+            joins.push(Join {
+                lines: group.lines,
+                place_m,
+            });
+            ways.push((place_m, way));
+        }
+        // Those of the level above, by the group that each belongs to.
+        below = (here.iter().zip(ways))
+            .flat_map(|(group, way)| std::iter::repeat_n(way, group.lines))
+            .collect();
+        placed.push(joins);
+    }
+    placed.reverse();
+    Ok(placed)
 }

@@ -178,7 +178,7 @@ pub fn build(plan: &Plan, fineness: Fineness) -> Result<BuiltWing, WingFault> {
     builder.add_vh_ribs()?;
     builder.add_tapes();
     builder.add_rods();
-    let hang_points = builder.add_lines();
+    let hang_points = builder.add_lines()?;
     builder.add_guides();
     let measures = Measures::new(&builder);
     builder.structure.openings = builder.openings();

@@ -121,6 +121,8 @@ pub struct Row {
     pub ribs: Vec<usize>,
     /// Place of every attachment where they are not all at `position`; else empty.
     pub positions: Vec<f64>,
+    /// Weight of every attachment in the means that nodes and the riser point to; empty: alike.
+    pub weights: Vec<f64>,
     /// From the attachments down.
     pub levels: Vec<Level>,
     /// From where the lines of the row meet to the hang point.
@@ -147,12 +149,25 @@ impl Row {
 pub struct Level {
     /// How many lines join at each node below, from the middle to the tip; empty: all meet at the riser.
     pub joins: Vec<usize>,
-    /// Where they join: share of the way from the riser to the mean of the attachments above.
-    pub height: f64,
+    /// Where they join.
+    pub place: JoinPlace,
     /// Name of the material.
     pub material: String,
     /// What they are made of.
     pub cable: Cable,
+}
+
+/// Shortest line between two nodes [m].
+pub const LEAST_LINE_M: f64 = 0.02;
+
+/// Where lines of a level join.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JoinPlace {
+    /// Share of the way from the riser to the mean of the attachments above.
+    Height(f64),
+    /// Way from each node to the sail [m], along the way from the node or riser below to the mean of the attachments above: the lowest node is as far
+    /// from that mean, and the line between two nodes as long as their ways differ.
+    ToSail(Vec<f64>),
 }
 
 /// Shape of diagonals.
@@ -249,5 +264,17 @@ pub enum WingFault {
         part: &'static str,
         /// Number.
         number: usize,
+    },
+    /// A node of lines would stand at the riser or below it.
+    #[error(
+        "lines of row {row} join {to_sail_m} m below the sail, but its riser ends {way_m:.2} m below it"
+    )]
+    BelowRiser {
+        /// Number of the row, from 1.
+        row: usize,
+        /// Way from the node to the sail [m].
+        to_sail_m: f64,
+        /// Way from the end of the riser to the mean of the attachments [m].
+        way_m: f64,
     },
 }

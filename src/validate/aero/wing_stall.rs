@@ -6,6 +6,8 @@ use std::path::Path;
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
+use crate::aero::section::Conditions;
+use crate::case::bare_wing::{BareWing, SectionPolar};
 use crate::case::{Choices, SHIPPED, parse};
 use crate::polar::{numbers, solve};
 
@@ -79,6 +81,46 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 missed,
             )
             .gate(Gate::AtMost(0.0));
+    }
+    if session.size(false, true) {
+        computed_sections(session, wing, strips[0])?;
+    }
+    Ok(())
+}
+
+/// The same wing by what is computed of its sections, as designers' wings are.
+///
+/// Layers of thick cambered sections let go too late ([`viscous_sections`](super::viscous_sections)), and the wing's with them.
+fn computed_sections(session: &mut Session, mut wing: BareWing, strips: usize) -> Result<(), Stop> {
+    session.check_interrupt()?;
+    for profile in &mut wing.profiles {
+        profile.polar = SectionPolar::Computed {
+            critical_amplification: Conditions::default().critical_amplification,
+            transition: [None; 2],
+        };
+    }
+    wing.strips = strips;
+    wing.angles_deg = (-8..=30).map(f64::from).collect();
+    let polar = solve(&wing)?;
+    let found = numbers(&polar);
+    let nothing = (f64::NAN, f64::NAN);
+    let (lift, angle) = found.highest_lift.unwrap_or(nothing);
+    session
+        .aero_row(
+            polar.panels,
+            "lift slope per degree, computed sections",
+            found.lift_slope_per_deg.unwrap_or(f64::NAN),
+        )
+        .reference(SLOPE, SOURCE)
+        .gate(Gate::Within(0.08));
+    // No gates: they would be those of the sections' highest lift.
+    for (what, value, measured) in [
+        ("highest lift coefficient", lift, HIGHEST_LIFT),
+        ("angle of the highest lift [deg]", angle, ITS_ANGLE_DEG),
+    ] {
+        session
+            .aero_row(polar.panels, format!("{what}, computed sections"), value)
+            .reference(measured, SOURCE);
     }
     Ok(())
 }

@@ -1,0 +1,201 @@
+//! Lines of imported wings: where they lead, how long they are, and how their lengths stand beside those that LEparagliding found.
+
+use std::fmt::Write;
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Choices, leparagliding};
+use ripstop::geometry::wing::LineKind;
+use ripstop::geometry::wing::plan::{JoinPlace, Row};
+
+use crate::command_line::ripstop;
+use crate::engines::plain;
+use crate::import::{SCALE, drawing, put, rib};
+
+pub fn trials() -> Vec<Trial> {
+    [
+        plain("import_lines::lead_where_they_are_drawn", lines),
+        plain("import_lines::are_as_long_as_they_are_drawn", cascade),
+        plain("import_lines::stand_beside_those_that_were_found", beside),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn lines() {
+    let folder = tempfile::tempdir().unwrap();
+    put(folder.path(), true, "ds");
+    let imported = leparagliding::import(&drawing(true, "ds"), Some(80.0), |_| None).unwrap();
+    let case = case::parse(
+        "wing.toml",
+        &imported.text,
+        folder.path(),
+        &Choices::default(),
+    );
+    let case = case.unwrap_or_else(|told| panic!("{told}"));
+    let rows = &case.scene.wing().unwrap().plan.rows;
+    let [a, b, c, brake] = &rows[..] else {
+        panic!("{} rows", rows.len());
+    };
+    // The rib in the middle has a line of each half; the riser of B carries one to an anchor of A at the tip.
+    assert_eq!(a.ribs, [0, 2, 4, 6, 8, 10]);
+    assert_eq!(b.ribs, [0, 2, 4, 6, 8, 10, 11]);
+    let places: Vec<f64> = b.attachments().map(|(_, place)| place).collect();
+    assert_eq!(places[..6], [0.35; 6]);
+    assert!((places[6] - 0.1).abs() < 1e-9 && (c.position - 0.655).abs() < 1e-9);
+    assert_eq!(a.levels[0].joins, [3, 3]);
+    assert_eq!(b.levels[0].joins, [3, 3, 1]);
+    assert_eq!(brake.ribs, [2, 4, 7, 10]);
+    assert_eq!(brake.levels[0].joins, [2, 2]);
+    // Nodes lie 1.5 m below the sail, as the drawing says; a line that is not divided there leaves where the others do.
+    let ways = |row: &Row| match &row.levels[0].place {
+        JoinPlace::ToSail(ways) => ways.clone(),
+        JoinPlace::Height(_) => panic!("by height"),
+    };
+    for way in ways(a) {
+        assert!((way - 1.5 * SCALE).abs() < 1e-9, "{way}");
+    }
+    // The main line of the brakes is theirs, too: 2.5 m, above risers of 0.45 m, which have no scale.
+    let main_m = 2.5 * SCALE + 0.45;
+    assert!(
+        (brake.riser_length_m - main_m).abs() < 1e-9,
+        "{}",
+        brake.riser_length_m
+    );
+    for way in ways(brake) {
+        assert!((way - 1.2 * SCALE).abs() < 1e-9, "{way}");
+    }
+    // Lines point to where the loads of the drawing are, once it tells them: by chord, and A with 40 % of a rib's.
+    assert!(a.weights.is_empty());
+    let loads = "***\n*  18. Elastic lines corrections *\n100\n75 25\n40 40 20\n35 35 20 10\n35 35 15 10 5\n";
+    let told = leparagliding::import(&(drawing(true, "ds") + loads), Some(80.0), |_| None).unwrap();
+    let table: toml::Table = told.text.parse().unwrap();
+    let weights = table["structure"]["wing"]["rows"]["A"]["weights"]
+        .as_array()
+        .unwrap();
+    for (number, weight) in [0, 2, 4, 6, 8, 10].into_iter().zip(weights) {
+        let expected = 0.4 * rib(number, true)[1] / rib(0, true)[1];
+        let found = weight.as_float().unwrap();
+        assert!(
+            (found / expected - 1.0).abs() < 1e-3,
+            "{number}: {found} {expected}"
+        );
+    }
+}
+
+/// Lines between two nodes are as long as their ways to the sail differ, and the lowest node is as far from the mean of what it carries.
+fn cascade() {
+    let folder = tempfile::tempdir().unwrap();
+    put(folder.path(), true, "ds");
+    let imported = leparagliding::import(&drawing(true, "ds"), Some(80.0), |_| None).unwrap();
+    let with = |levels: &str| {
+        let mut table: toml::Table = imported.text.parse().unwrap();
+        let levels: toml::Table = format!("levels = {levels}").parse().unwrap();
+        table["structure"]["wing"]["rows"]["A"]["levels"] = levels["levels"].clone();
+        let text = toml::to_string(&table).unwrap();
+        case::parse("wing.toml", &text, folder.path(), &Choices::default())
+    };
+    let levels = |upper: &str, lower: &str| {
+        format!(
+            "[{{ material = \"gallery\", joins = [2, 2, 2], to_sail_m = {upper} }}, {{ material = \"gallery\", joins = [2, 1], to_sail_m = {lower} }}, {{ material = \"main\" }}]"
+        )
+    };
+    let case =
+        with(&levels("[0.5, 0.5, 0.6]", "[1.4, 1.7]")).unwrap_or_else(|told| panic!("{told}"));
+    let (body, wing) = (
+        case.scene.body.as_ref().unwrap(),
+        case.scene.wing().unwrap(),
+    );
+    let cables = body.structure.cables.iter().zip(&wing.built.line_kinds);
+    let of_level = |wanted: usize| {
+        cables
+            .clone()
+            .filter(move |(_, kind)| matches!(kind, LineKind::Line { row: 0, level } if *level == wanted))
+            .map(|(cable, _)| cable)
+    };
+    let mut found = of_level(1).map(|cable| cable.rest_length_m);
+    for half in ["right", "left"] {
+        for expected in [0.9, 0.9, 1.1] {
+            let length = found.next().unwrap();
+            assert!(
+                (length - expected).abs() < 1e-9,
+                "{half}: {length} {expected}"
+            );
+        }
+    }
+    // The outermost lower node carries the last two attachments alone.
+    let ends = |level: usize| of_level(level).map(|cable| cable.nodes);
+    let place = |node: u32| body.structure.positions_m[node as usize];
+    let upper: Vec<[u32; 2]> = ends(0).collect();
+    let middle: Vec<[u32; 2]> = ends(1).collect();
+    let target = 0.5 * (place(upper[4][0]) + place(upper[5][0]));
+    assert!((place(middle[2][1]).distance(target) - 1.7).abs() < 1e-9);
+    for (levels, told) in [
+        (
+            levels("[0.5, 0.5, 0.6]", "[1.4, 0.6]"),
+            "0.6 m below the sail, where at least 0.620 m",
+        ),
+        (
+            levels("[0.5, 0.5]", "[1.4, 1.7]"),
+            "2 ways to the sail for 3 nodes",
+        ),
+        (
+            levels("[0.5, 0.5, 0.6]", "[1.4, 9.0]"),
+            "join 9 m below the sail, but its riser ends",
+        ),
+        (
+            levels("[0.5, 0.5, -0.6]", "[1.4, 1.7]"),
+            "-0.6 m below the sail",
+        ),
+        (
+            levels("[0.5, 0.5, nan]", "[1.4, 1.7]"),
+            "NaN m below the sail",
+        ),
+    ] {
+        let message = with(&levels).unwrap_err().to_string();
+        assert!(message.contains(told), "{message}");
+    }
+}
+
+/// Lengths by rows beside those of `lines.txt`, of versions with a unit and without.
+fn beside() {
+    for unit in [" cm  -  type  2", ""] {
+        let folder = tempfile::tempdir().unwrap();
+        put(folder.path(), true, "ds");
+        let mut lines = String::from(" Line number - Label\n\n Plan A\n\n");
+        let mut add = |number: usize, name: &str, length: f64| {
+            let _ = writeln!(lines, "  {number}   {name}   {length}{unit}");
+        };
+        add(1, "1A1", 45.0);
+        add(2, "2A1", 300.0);
+        add(3, "3A12", 150.0);
+        lines += "\n Brake lines\n\n  4  1F1  310.0\n";
+        let _ = writeln!(lines, "  5  2F1  200.0{unit}");
+        lines += " Total line lengths (without loops) =    297.89 m\n 1   4.26 m\n";
+        std::fs::write(folder.path().join("lines.txt"), lines).unwrap();
+        let out = folder.path().join("out");
+        let output = ripstop(&[
+            "import",
+            folder.path().join("leparagliding.txt").to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(output.code, 0, "{}", output.errors);
+        // Both halves, without the riser and the main line of the brakes.
+        let theirs = |row: &str| {
+            let line = output
+                .printed
+                .lines()
+                .find(|line| line.trim_start().starts_with(row));
+            let mut words: Vec<&str> = line
+                .unwrap_or_else(|| panic!("{row}: {}", output.printed))
+                .split_whitespace()
+                .collect();
+            assert_eq!(words.pop(), Some("%"), "{words:?}");
+            words[words.len() - 2].parse::<f64>().unwrap()
+        };
+        assert_eq!(theirs("lines, without risers"), 9.0);
+        assert_eq!(theirs("row A"), 9.0);
+        assert_eq!(theirs("brakes"), 4.0);
+    }
+}
