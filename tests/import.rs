@@ -268,7 +268,7 @@ fn nested() {
         own.to_str().unwrap(),
     ]);
     assert_eq!(output.code, 0, "{}", output.errors);
-    assert!(own.join("b").join("wing.toml").is_file());
+    assert!(own.join("wing.toml").is_file());
 }
 
 fn rods_and_bar() {
@@ -458,6 +458,23 @@ fn refused() {
         (
             changed(true, "ds", "\n 4\t", "\n 4,\t"),
             "rib 4 has no row in section 1",
+        ),
+        (
+            changed(true, "ds", "3\t1 1\t2 1\t3 1", "5\t1 1\t2 1\t3 1"),
+            "a path of lines has 5 levels",
+        ),
+        (
+            changed(
+                true,
+                "ds",
+                "*       10. BRAKES *\n250",
+                "*       10. BRAKES *\n0",
+            ),
+            "the main line of the brakes, section 10, is not positive",
+        ),
+        (
+            changed(true, "ds", "\n4\t200\t80", "\n4\t200"),
+            "section 11",
         ),
         // Files of one skin hold other things: what they are is told before those.
         (

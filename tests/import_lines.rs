@@ -47,13 +47,18 @@ fn lines() {
     assert_eq!(b.levels[0].joins, [3, 3, 1]);
     assert_eq!(brake.ribs, [2, 4, 7, 10]);
     assert_eq!(brake.levels[0].joins, [2, 2]);
-    // Nodes lie 1.5 m below the sail, as the drawing says; a line that is not divided there leaves where the others do.
+    // Nodes lie 1.5 m below the sail, as the drawing says; the line of B to an anchor of A has none, and is divided in its middle.
     let ways = |row: &Row| match &row.levels[0].place {
         JoinPlace::ToSail(ways) => ways.clone(),
         JoinPlace::Height(_) => panic!("by height"),
     };
     for way in ways(a) {
         assert!((way - 1.5 * SCALE).abs() < 1e-9, "{way}");
+    }
+    let of_b = ways(b);
+    assert_eq!(of_b.len(), 3);
+    for (way, expected) in of_b.iter().zip([1.5, 1.5, 2.4]) {
+        assert!((way - expected * SCALE).abs() < 1e-9, "{way}");
     }
     // The main line of the brakes is theirs, too: 2.5 m, above risers of 0.45 m, which have no scale.
     let main_m = 2.5 * SCALE + 0.45;
@@ -73,6 +78,7 @@ fn lines() {
     let weights = table["structure"]["wing"]["rows"]["A"]["weights"]
         .as_array()
         .unwrap();
+    assert_eq!(weights.len(), 6);
     for (number, weight) in [0, 2, 4, 6, 8, 10].into_iter().zip(weights) {
         let expected = 0.4 * rib(number, true)[1] / rib(0, true)[1];
         let found = weight.as_float().unwrap();
@@ -83,6 +89,9 @@ fn lines() {
     }
 }
 
+/// Three pairs, of which two and one go on.
+const LEVELS_OF_A: &str = "[{ material = \"gallery\", joins = [2, 2, 2], to_sail_m = [0.5, 0.5, 0.6] }, { material = \"gallery\", joins = [2, 1], to_sail_m = [1.4, 1.7] }, { material = \"main\" }]";
+
 /// Lines between two nodes are as long as their ways to the sail differ, and the lowest node is as far from the mean of what it carries.
 fn cascade() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,6 +101,20 @@ fn cascade() {
         let mut table: toml::Table = imported.text.parse().unwrap();
         let levels: toml::Table = format!("levels = {levels}").parse().unwrap();
         table["structure"]["wing"]["rows"]["A"]["levels"] = levels["levels"].clone();
+        let text = toml::to_string(&table).unwrap();
+        case::parse("wing.toml", &text, folder.path(), &Choices::default())
+    };
+    let with_weights = |weights: &str| {
+        let mut table: toml::Table = imported.text.parse().unwrap();
+        let row: toml::Table = format!("weights = {weights}\nlevels = {}", LEVELS_OF_A)
+            .parse()
+            .unwrap();
+        for (key, value) in row {
+            table["structure"]["wing"]["rows"]["A"]
+                .as_table_mut()
+                .unwrap()
+                .insert(key, value);
+        }
         let text = toml::to_string(&table).unwrap();
         case::parse("wing.toml", &text, folder.path(), &Choices::default())
     };
@@ -130,10 +153,44 @@ fn cascade() {
     let middle: Vec<[u32; 2]> = ends(1).collect();
     let target = 0.5 * (place(upper[4][0]) + place(upper[5][0]));
     assert!((place(middle[2][1]).distance(target) - 1.7).abs() < 1e-9);
+    // A weight moves a node: the last attachment draws the outermost lower node towards itself.
+    let weighted =
+        with_weights("[1.0, 1.0, 1.0, 1.0, 1.0, 3.0]").unwrap_or_else(|told| panic!("{told}"));
+    let (body, wing) = (
+        weighted.scene.body.as_ref().unwrap(),
+        weighted.scene.wing().unwrap(),
+    );
+    let cables = body.structure.cables.iter().zip(&wing.built.line_kinds);
+    let ends = |wanted: usize| -> Vec<[u32; 2]> {
+        cables
+            .clone()
+            .filter(
+                |(_, kind)| matches!(kind, LineKind::Line { row: 0, level } if *level == wanted),
+            )
+            .map(|(cable, _)| cable.nodes)
+            .collect()
+    };
+    let place = |node: u32| body.structure.positions_m[node as usize];
+    let (upper, middle) = (ends(0), ends(1));
+    let target = 0.25 * place(upper[4][0]) + 0.75 * place(upper[5][0]);
+    assert!((place(middle[2][1]).distance(target) - 1.7).abs() < 1e-9);
+    for weights in ["[1.0]", "[1.0, 1.0, 1.0, 1.0, 1.0, 0.0]"] {
+        let message = with_weights(weights).unwrap_err().to_string();
+        assert!(message.contains("rows.A.weights"), "{message}");
+    }
     for (levels, told) in [
         (
+            levels("[0.5, 0.5, 0.6]", "[1.4, 1.7]").replace("[2, 1]", "[9223372036854775807, 4]"),
+            "but 3 lines reach it",
+        ),
+        (
+            levels("[0.5, 0.5, 0.6]", "[1.4, 1.7]")
+                .replace("to_sail_m = [1.4, 1.7]", "height = 0.3"),
+            "all by `height`, or all by `to_sail_m`",
+        ),
+        (
             levels("[0.5, 0.5, 0.6]", "[1.4, 0.6]"),
-            "0.6 m below the sail, where at least 0.620 m",
+            "0.6 m below the sail, where 0.620 to 100 m",
         ),
         (
             levels("[0.5, 0.5]", "[1.4, 1.7]"),
@@ -141,7 +198,7 @@ fn cascade() {
         ),
         (
             levels("[0.5, 0.5, 0.6]", "[1.4, 9.0]"),
-            "join 9 m below the sail, but its riser ends",
+            "join 9 m below the sail, but the riser ends",
         ),
         (
             levels("[0.5, 0.5, -0.6]", "[1.4, 1.7]"),

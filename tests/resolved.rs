@@ -80,11 +80,13 @@ const ABSENT_IS_NOTHING: &[&str] = &[
     "sponge_length_m",
     "start_file",
     "structure_every",
+    "to_sail_m",
     "transition",
     "upper",
     "value",
     "velocity_m_s",
     "vent_diameter_m",
+    "weights",
     "yield_stress_pa",
     "youngs_modulus_pa",
 ];

@@ -210,10 +210,10 @@ fn refused(fault: WingFault) -> Problem {
             message,
             "chords and cell widths must not vanish, nor diagonals collapse",
         ),
-        WingFault::BelowRiser { .. } => Problem::new(
-            key("rows"),
+        WingFault::BelowRiser { row, .. } => Problem::new(
+            key(&format!("rows.{row}.levels")),
             message,
-            "shorten `to_sail_m` of its lowest nodes, or the riser, or hang the wing lower (`hang_point_m`)",
+            "shorten `to_sail_m` of its lowest nodes, or the riser, or hang the wing lower (`hang_point_m`); in a drawing of LEparagliding these are sections 11, 8 and 10",
         ),
     }
 }

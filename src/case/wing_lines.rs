@@ -174,6 +174,9 @@ pub(super) fn check_row(
     })
 }
 
+/// Longest way from a node to the sail [m].
+const LONGEST_M: f64 = 100.0;
+
 fn check_weights(key: &str, written: &file::LineRow) -> Result<Vec<f64>, Problem> {
     let Some(weights) = &written.weights else {
         return Ok(Vec::new());
@@ -221,8 +224,17 @@ fn check_levels(
             }
             _ => return refuse("has the wrong keys".to_owned()),
         };
+        let kind = |level: &file::LineLevel| level.to_sail_m.is_some();
+        if !is_last && kind(level) != kind(&written.levels[0]) {
+            return refuse(
+                "has not the kind of place that the first has: all by `height`, or all by `to_sail_m`"
+                    .to_owned(),
+            );
+        }
         if !is_last {
-            if joins.iter().sum::<usize>() != carried || joins.contains(&0) {
+            // None alone may exceed what there is: their sum has to be a number.
+            let fits = joins.iter().all(|count| (1..=carried).contains(count));
+            if !fits || joins.iter().sum::<usize>() != carried {
                 return refuse(format!(
                     "joins {joins:?} lines, but {carried} lines reach it"
                 ));
@@ -252,9 +264,9 @@ fn check_levels(
                 rest = others;
                 let least = own.iter().copied().fold(0.0, f64::max) + LEAST_LINE_M;
                 let is_given = matches!(place, JoinPlace::ToSail(_));
-                if is_given && !(least..100.0).contains(&way_m) {
+                if is_given && !(least..LONGEST_M).contains(&way_m) {
                     return refuse(format!(
-                        "has a node {way_m} m below the sail, where at least {least:.3} m are needed"
+                        "has a node {way_m} m below the sail, where {least:.3} to {LONGEST_M} m are possible"
                     ));
                 }
             }

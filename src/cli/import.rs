@@ -17,7 +17,7 @@ use crate::output::{
 
 #[derive(Debug, Args)]
 pub(super) struct ImportArguments {
-    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it, or a folder in which folders hold one each; or a wing of XFLR5 (`.xwimp`), with the
+    /// `leparagliding.txt` of LEparagliding, with its airfoil files beside it, or a folder with such folders, up to four deep; or a wing of XFLR5 (`.xwimp`), with the
     /// coordinates of its profiles beside it (`NAME.dat`).
     file: PathBuf,
     /// Folder for the case and the airfoil files; of several wings each has a folder there.
@@ -51,8 +51,11 @@ pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
     {
         return of_xflr5(arguments);
     }
-    let is_text = |end: &std::ffi::OsStr| end.eq_ignore_ascii_case("txt");
-    if arguments.file.extension().is_some_and(|end| !is_text(end)) {
+    let end = arguments.file.extension().unwrap_or_default();
+    if ["ods", "json"]
+        .iter()
+        .any(|other| end.eq_ignore_ascii_case(other))
+    {
         return Err(bad(format!(
             "{} is neither a {THEIRS} nor a wing of XFLR5 (.xwimp): other formats cannot be read, such as those of OpenGlider (.ods, .json)",
             arguments.file.display()
@@ -191,18 +194,21 @@ fn put(
 /// How deep folders with wings may lie in the one that is given.
 const DEEPEST: usize = 4;
 
-/// Folders that hold a wing: this one, and those within.
-fn find_wings(folder: &Path, deepest: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+/// Folders that hold a wing: this one, and those within, but hidden ones.
+fn find_wings(folder: &Path, deepest: usize, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
     if folder.join(THEIRS).is_file() {
         found.push(folder.to_owned());
     }
-    if deepest > 0 {
-        for entry in std::fs::read_dir(folder)? {
-            let entry = entry?;
-            // Links may lead in circles.
-            if entry.file_type()?.is_dir() {
-                find_wings(&entry.path(), deepest - 1, found)?;
-            }
+    if deepest == 0 {
+        return Ok(());
+    }
+    let unreadable = |why: std::io::Error| bad(format!("cannot read {}: {why}", folder.display()));
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        let path = entry.path();
+        if path.is_dir() && !is_hidden {
+            find_wings(&path, deepest - 1, found)?;
         }
     }
     Ok(())
@@ -212,8 +218,7 @@ fn find_wings(folder: &Path, deepest: usize, found: &mut Vec<PathBuf>) -> std::i
 fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
     let told = arguments.file.display();
     let mut folders = Vec::new();
-    find_wings(&arguments.file, DEEPEST, &mut folders)
-        .map_err(|why| bad(format!("cannot read {told}: {why}")))?;
+    find_wings(&arguments.file, DEEPEST, &mut folders)?;
     folders.sort();
     if folders.is_empty() {
         return Err(bad(format!(
@@ -232,19 +237,18 @@ fn several(arguments: &ImportArguments) -> Result<u8, Failure> {
     let mut lines = vec![head.map(str::to_owned).to_vec()];
     let (mut notes, mut failures) = (Vec::new(), 0);
     for folder in folders {
-        // Folders within folders have both names.
+        // Folders within folders have all their names, the wing of the folder itself none.
         let name = folder.strip_prefix(&arguments.file).unwrap_or(&folder);
-        let name = if name.as_os_str().is_empty() {
-            Path::new(arguments.file.file_name().unwrap_or_default())
-        } else {
-            name
-        };
         let found = one(
             &folder.join(THEIRS),
             &arguments.out.join(name),
             arguments.pilot,
         );
-        let name = name.display().to_string();
+        let name = if name.as_os_str().is_empty() {
+            folder.display().to_string()
+        } else {
+            name.display().to_string()
+        };
         let wing = found
             .as_ref()
             .ok()

@@ -7,22 +7,18 @@ use super::polar_arguments::PolarArguments;
 use super::trim_polar;
 
 pub(super) fn polar(arguments: &PolarArguments) -> Result<u8, Failure> {
+    let mut angles = Vec::new();
     if let Some(text) = &arguments.angle {
         let numbers = text.split(',').map(|word| word.trim().parse::<f64>());
-        let numbers: Vec<_> = numbers.collect();
-        if numbers.len() != 3 || numbers.iter().any(Result::is_err) {
-            return Err(Failure::Other(
-                exit::BAD_CASE,
-                format!(
-                    "--angle {text} is not FROM,TO,STEP: give three numbers in degrees, as --angle -4,20,1"
-                ),
-            ));
+        let numbers: Vec<f64> = numbers.filter_map(Result::ok).collect();
+        let [from, to, step] = numbers[..] else {
+            return Err(not_angles(text));
+        };
+        if numbers.iter().any(|number| !number.is_finite()) || text.split(',').count() != 3 {
+            return Err(not_angles(text));
         }
+        angles.push(format!("aero.wing.angles_deg=[{from:?}, {to:?}, {step:?}]"));
     }
-    let angle = arguments.angle.iter();
-    let angles: Vec<String> = angle
-        .map(|angles| format!("aero.wing.angles_deg=[{angles}]"))
-        .collect();
     let case = arguments.case.load(&[])?;
     let trims = [&arguments.brake, &arguments.bar, &arguments.mass];
     if case.scene.bare_wing.is_some() {
@@ -35,4 +31,13 @@ pub(super) fn polar(arguments: &PolarArguments) -> Result<u8, Failure> {
         return bare_polar::polar(arguments, &arguments.case.load(&angles)?);
     }
     trim_polar::polar(arguments, &case)
+}
+
+fn not_angles(text: &str) -> Failure {
+    Failure::Other(
+        exit::BAD_CASE,
+        format!(
+            "--angle {text} is not FROM,TO,STEP: give three numbers in degrees, as --angle -4,20,1"
+        ),
+    )
 }

@@ -54,6 +54,8 @@ fn rows_m(text: &str) -> Vec<(String, f64)> {
             *sum += 2.0 * length_m;
         }
     }
+    // A row of risers alone has nothing to compare.
+    rows.retain(|(_, length_m)| *length_m > 0.0);
     rows
 }
 

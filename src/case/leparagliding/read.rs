@@ -45,7 +45,7 @@ pub(super) struct Path {
     pub rib: f64,
 }
 
-/// Lengths of upper lines, for three and for four levels: from the sail to the nodes below, the lowest last [cm].
+/// Lengths of upper lines, for three and for four levels: from the sail to the nodes, the lowest first [cm].
 pub(super) type Branches = [Vec<f64>; 2];
 
 /// What a file says.
@@ -64,15 +64,17 @@ pub(super) struct Drawing {
     pub riser: f64,
     pub lines: f64,
     pub karabiners: f64,
-    /// What lines point to: means of attachments (0), by chords (1), by chords and weights of the ribs (2), by those and shares of the rows (3).
+    /// What lines point to: means of attachments (0; 1 and 2 come to the same in the program), or of their loads (3).
     pub aim: i64,
-    /// Shares of the load that the rows of a rib with 2, 3, … of them take.
+    /// Shares of the load that the rows of a rib with 2, 3, … of them take [%]; empty where they cannot be read.
     pub row_shares: Vec<Vec<f64>>,
     /// Paths of every riser, from the nose.
     pub plans: Vec<Vec<Path>>,
     /// Length of the brakes' main line [cm], and their paths.
     pub brake_main: f64,
     pub brakes: Vec<Path>,
+    /// Brakes are longer at some places along the span than at others.
+    pub brakes_are_spread: bool,
     /// Of lines, and of brakes.
     pub branches: [Branches; 2],
     /// Groups of rods, or why they cannot be read.
@@ -81,12 +83,18 @@ pub(super) struct Drawing {
     pub speed_study: Option<SpeedStudy>,
 }
 
+/// Levels of lines that the format has, with the riser.
+const MOST_LEVELS: usize = 4;
+
 /// Paths, each with its number of levels, pairs of level and order, row and rib.
 fn paths(section: &mut Section, count: usize) -> Result<Vec<Path>, ReadFault> {
     (0..count)
         .map(|_| {
             let row = section.numbers(7)?;
             let levels = row[0] as usize;
+            if !(1..=MOST_LEVELS).contains(&levels) {
+                return Err(ReadFault::Levels(levels));
+            }
             let ends = [row[row.len() - 2], row[row.len() - 1]];
             let orders = row[1..row.len() - 2].chunks_exact(2).take(levels);
             // The first level is the riser, or the main line of the brakes.
@@ -102,15 +110,17 @@ fn paths(section: &mut Section, count: usize) -> Result<Vec<Path>, ReadFault> {
 
 /// Of lines of three and four levels.
 fn branches(section: &mut Section) -> Result<Branches, ReadFault> {
-    let mut one = || Ok(section.numbers(2)?[1..].to_vec());
-    Ok([one()?, one()?])
+    // Each begins with the number of levels, and has a length for every node.
+    let mut one = |nodes: usize| Ok(section.numbers(1 + nodes)?[1..=nodes].to_vec());
+    Ok([one(1)?, one(2)?])
 }
 
 /// Shares of the load by the number of rows, from 2 on, in section 18.
 fn row_shares(sections: &Sections) -> Result<Vec<Vec<f64>>, ReadFault> {
     let mut section = sections.get(18, "elastic lines")?;
     section.number()?;
-    (2..=5).map(|rows| section.numbers(rows)).collect()
+    let shares = |rows: usize| section.numbers(rows).unwrap_or_default();
+    Ok((2..=5).map(shares).collect())
 }
 
 /// Chord over that of the next rib towards the middle above which one of both is a slip of the pen.
@@ -238,6 +248,14 @@ impl Drawing {
         let brake_main = braking.number()?;
         let count = braking.count()?;
         let brakes = paths(&mut braking, count)?;
+        if brake_main <= 0.0 && !brakes.is_empty() {
+            return Err(ReadFault::Length(
+                "the main line of the brakes, section 10,",
+            ));
+        }
+        // Places along the span, and by how much brakes are longer there.
+        let _places = braking.numbers(1);
+        let spread = braking.numbers(1).unwrap_or_default();
         let mut lengths = sections.get(11, "ramification lengths")?;
         let branches = [branches(&mut lengths)?, branches(&mut lengths)?];
         Ok(Self {
@@ -254,6 +272,7 @@ impl Drawing {
             row_shares: row_shares(&sections).unwrap_or_default(),
             plans,
             brake_main,
+            brakes_are_spread: spread.iter().any(|more| *more != 0.0),
             brakes,
             branches,
             rods: rods::read(&sections),

@@ -20,8 +20,11 @@ const FOREMOST: f64 = 0.01;
 /// Places of rows at which diagonals have room, over the chord.
 const DIAGONALS: std::ops::RangeInclusive<f64> = 0.02..=0.9;
 
-/// Share of the height of the lines in which an undivided line is divided, where the file tells no length.
-const USUAL_SHARE: f64 = 0.5;
+/// Least weight of an attachment: means of such that carry nothing are those of their places.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// Control parameter of section 9 by which lines point to the mean of the loads.
+const BY_LOAD: i64 = 3;
 
 /// An attachment: rib as ours count, place over the chord, and the lines that lead there.
 struct Attachment<'a> {
@@ -56,7 +59,13 @@ pub(super) fn derive(
         }
         risers_with_rows.push((!row.is_empty()).then_some(name));
         if !row.is_empty() {
-            put(drawing, (name, &row), (scale_m, usual_diagonals), keys);
+            put(
+                drawing,
+                (name, &row),
+                (scale_m, usual_diagonals),
+                keys,
+                left_out,
+            );
         }
     }
     let between = drawing.brakes.iter().filter(|path| path.rib.fract() != 0.0);
@@ -70,6 +79,15 @@ pub(super) fn derive(
         left_out.push(format!(
             "{moved} lines end elsewhere by up to 1.5 % of the chord, or at the rear edge of the intake: places near each other are one here"
         ));
+    }
+    if !(0..=BY_LOAD).contains(&drawing.aim) {
+        left_out.push(format!(
+            "what lines point to by the control parameter {} of section 9: here to the mean of the attachments",
+            drawing.aim
+        ));
+    }
+    if drawing.brakes_are_spread {
+        left_out.push("the brake distribution of section 10: brakes are drawn without".to_owned());
     }
     let risers = drawing.plans.len();
     if risers > NAMES.len() {
@@ -134,6 +152,7 @@ fn put(
     (name, row): (&str, &[Attachment]),
     (scale_m, usual_diagonals): (f64, bool),
     keys: &mut Keys,
+    left_out: &mut Vec<String>,
 ) {
     let of = |key: &str| format!("structure.wing.rows.{name}.{key}");
     let is_brake = name == "brake";
@@ -151,14 +170,17 @@ fn put(
     keys.set(of("ribs"), ribs, why);
     let positions: Vec<Value> = row.iter().map(|one| Value::from(one.place)).collect();
     keys.set(of("positions"), positions, why);
-    let weights: Option<Vec<f64>> = row.iter().map(|one| weight(drawing, one.path)).collect();
-    if let Some(weights) = weights.filter(|_| !is_brake) {
-        let weights: Vec<Value> = weights.into_iter().map(Value::from).collect();
-        keys.set(
-            of("weights"),
-            weights,
-            "sections 9 and 18: what lines point to",
-        );
+    if drawing.aim == BY_LOAD && !is_brake {
+        let weights: Option<Vec<f64>> = row.iter().map(|one| weight(drawing, one.path)).collect();
+        if let Some(weights) = weights {
+            let weights: Vec<Value> = weights.into_iter().map(Value::from).collect();
+            let why = "sections 9 and 18: what lines point to";
+            keys.set(of("weights"), weights, why);
+        } else {
+            left_out.push(format!(
+                "loads that lines of row {name} point to: section 18 does not tell them; they point to the mean of the attachments"
+            ));
+        }
     }
     keys.set(
         of("levels"),
@@ -182,7 +204,7 @@ fn put(
     }
 }
 
-/// Weight of an attachment in what lines point to; `None` where all are alike.
+/// Weight of an attachment where lines point to the mean of the loads; `None` where section 18 does not tell it.
 fn weight(drawing: &Drawing, path: &Path) -> Option<f64> {
     let number = (path.rib.round() as usize).checked_sub(1)?;
     let rib = drawing.ribs.get(number)?;
@@ -192,13 +214,7 @@ fn weight(drawing: &Drawing, path: &Path) -> Option<f64> {
         0 | 1 => 1.0,
         rows => 0.01 * drawing.row_shares.get(rows - 2)?.get(path.row - 1)?,
     };
-    let weight = match drawing.aim {
-        1 => by_chord,
-        2 => by_chord * rib.weight,
-        3 => by_chord * rib.weight * share,
-        _ => return None,
-    };
-    (weight > 0.0).then_some(weight)
+    Some((by_chord * rib.weight * share).max(LEAST_WEIGHT))
 }
 
 /// Levels of lines from the sail down: where fewer lines lead to an attachment than to others of the row, the uppermost is divided.
@@ -235,7 +251,7 @@ fn levels(drawing: &Drawing, is_brake: bool, row: &[Attachment], scale_m: f64) -
             return way;
         }
         // Its uppermost line is divided evenly.
-        let whole = of_node(0).unwrap_or(USUAL_SHARE * drawing.lines * scale_m);
+        let whole = of_node(0).unwrap_or(drawing.lines * scale_m);
         whole * (level + 1) as f64 / (divided + 1) as f64
     };
     let mut levels = Vec::new();

@@ -21,7 +21,7 @@ pub enum ReadFault {
     Order(usize),
     /// A chord that no wing has.
     #[error(
-        "the chord of rib {0} (section 1) is more than twice that of the rib before: look at its leading and trailing edge"
+        "the chord of rib {0} (section 1) is more than twice that of the one before: look at the leading and trailing edges of both"
     )]
     Chord(usize),
     /// A rib has no row that can be read.
@@ -29,6 +29,11 @@ pub enum ReadFault {
         "rib {0} has no row in section 1 that can be read: it takes its number and at least seven more, with points in decimals"
     )]
     Rib(usize),
+    /// A path of lines that the format does not have.
+    #[error(
+        "a path of lines has {0} levels (sections 9 and 10): 1 to 4 are possible, with the riser"
+    )]
+    Levels(usize),
     /// Ribs are missing, or their number is wrong.
     #[error("section 1 tells of {told} ribs, but lists {found} of a half: {} or {} are expected", 2 * found - 1, 2 * found)]
     RibCount {

@@ -95,7 +95,7 @@ impl Builder<'_> {
         let riser = self.structure.add_node(riser_m);
         let joins = joins_of(row, &places, riser_m).map_err(|(to_sail_m, way_m)| {
             WingFault::BelowRiser {
-                row: number + 1,
+                row: row.name.clone(),
                 to_sail_m,
                 way_m,
             }

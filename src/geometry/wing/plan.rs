@@ -267,11 +267,11 @@ pub enum WingFault {
     },
     /// A node of lines would stand at the riser or below it.
     #[error(
-        "lines of row {row} join {to_sail_m} m below the sail, but its riser ends {way_m:.2} m below it"
+        "lines of row {row} join {to_sail_m} m below the sail, but the riser ends {way_m:.2} m below it, and lines are {LEAST_LINE_M} m long at least"
     )]
     BelowRiser {
-        /// Number of the row, from 1.
-        row: usize,
+        /// Name of the row.
+        row: String,
         /// Way from the node to the sail [m].
         to_sail_m: f64,
         /// Way from the end of the riser to the mean of the attachments [m].
