@@ -7,9 +7,8 @@ use ripstop::case::{self, Choices, leparagliding};
 use ripstop::geometry::wing::LineKind;
 use ripstop::geometry::wing::plan::{JoinPlace, Row};
 
-use crate::command_line::ripstop;
 use crate::engines::plain;
-use crate::import::{SCALE, drawing, put, rib};
+use crate::import::{SCALE, brought_in, drawing, put, rib};
 
 pub fn trials() -> Vec<Trial> {
     [
@@ -231,12 +230,7 @@ fn beside() {
         lines += " Total line lengths (without loops) =    297.89 m\n 1   4.26 m\n";
         std::fs::write(folder.path().join("lines.txt"), lines).unwrap();
         let out = folder.path().join("out");
-        let output = ripstop(&[
-            "import",
-            folder.path().join("leparagliding.txt").to_str().unwrap(),
-            "--out",
-            out.to_str().unwrap(),
-        ]);
+        let output = brought_in(&folder.path().join("leparagliding.txt"), &out);
         assert_eq!(output.code, 0, "{}", output.errors);
         // Both halves, without the riser and the main line of the brakes.
         let theirs = |row: &str| {
