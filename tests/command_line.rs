@@ -324,8 +324,19 @@ fn no_gpu() {
     let output = without_adapter(&["check", CANOPY]);
     assert_eq!(output.code, 0, "{}", output.errors);
     assert!(output.printed.contains("CPU"), "{}", output.printed);
-    let output = without_adapter(&["devices"]);
+    let output = without_adapter(&["devices", "--measure"]);
     assert_eq!(output.code, 0);
+    let measured = |line: &str| {
+        Some(
+            line.split_once("measured ")?
+                .1
+                .split(' ')
+                .next()?
+                .to_owned(),
+        )
+    };
+    let pace = output.printed.lines().find_map(measured).unwrap();
+    assert!(pace.parse::<f64>().unwrap() > 0.0, "{}", output.printed);
     assert!(
         output.printed.contains("no adapter found"),
         "{}",

@@ -25,6 +25,10 @@ pub fn trials() -> Vec<Trial> {
             "faults::of_a_device_in_the_midst::gpu".to_owned(),
             of_a_device,
         )],
+        vec![needs_device(
+            "faults::of_a_device_that_opens_again::gpu".to_owned(),
+            opened_again,
+        )],
     ]
     .into_iter()
     .flatten()
@@ -193,7 +197,7 @@ fn of_the_program() {
     assert!(
         refused
             .errors
-            .contains("neither between:STEP nor within:STEP"),
+            .contains("none of between:STEP, within:STEP and device:STEP"),
         "{}",
         refused.errors
     );
@@ -277,4 +281,46 @@ fn of_a_device() {
     let (result, _) = attempt((CANOPY, None), &changes, &out, Start::New, observer);
     assert!(matches!(result, Err(RunError::Device(_))), "{result:?}");
     failed_summary(&out, "the device was lost");
+}
+
+/// A device that goes away after a checkpoint is opened anew, and the run goes on from there, with the bits of one that kept its device.
+fn opened_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, out] = ["whole", "out"].map(|name| folder.path().join(name));
+    let run = |out: &Path, fault: Option<&str>, every: &str| {
+        let mut command = canopy(
+            out,
+            &[
+                "--set",
+                "time.end_s=0.02",
+                "--engine",
+                "gpu",
+                "--checkpoint-every",
+                every,
+            ],
+        );
+        command.envs(fault.map(|fault| ("RIPSTOP_TEST_FAULT", fault)));
+        finished(command.output().unwrap())
+    };
+    let kept = run(&whole, None, "1000");
+    assert_eq!(kept.code, 0, "{}", kept.errors);
+    let steps = json(&whole.join("summary.json"))["steps"].as_u64().unwrap();
+    let fault = format!("device:{}", steps - 5);
+    // Without a checkpoint there is nothing to go on from.
+    let lost = run(&out, Some(&fault), "1000");
+    assert_eq!(lost.code, 3, "{}", lost.errors);
+    assert!(
+        lost.errors.contains("the device was lost"),
+        "{}",
+        lost.errors
+    );
+    std::fs::remove_dir_all(&out).unwrap();
+    let survived = run(&out, Some(&fault), "0.001");
+    assert_eq!(survived.code, 0, "{}", survived.errors);
+    let told = "it opened again, and the run went on from its last checkpoint";
+    assert!(survived.errors.contains(told), "{}", survived.errors);
+    let summary = json(&out.join("summary.json"));
+    assert!(summary["notes"].to_string().contains(told));
+    assert_eq!(summary["stop"]["state"], "finished");
+    same(&whole, &out);
 }

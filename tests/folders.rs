@@ -61,7 +61,10 @@ pub fn canopy(out: &Path, more: &[&str]) -> Command {
 /// The same with another command.
 pub fn canopy_of(begin: &[&str], out: &Path, more: &[&str]) -> Command {
     let mut arguments = begin.to_vec();
-    arguments.extend([CANOPY, "--engine", "cpu", "--out", out.to_str().unwrap()]);
+    arguments.extend([CANOPY, "--out", out.to_str().unwrap()]);
+    if !more.contains(&"--engine") {
+        arguments.extend(["--engine", "cpu"]);
+    }
     for change in SMALL {
         arguments.extend(["--set", change]);
     }

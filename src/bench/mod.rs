@@ -7,6 +7,7 @@
 //! coupling air and fabric, and follows the default one down to sheets much lighter than the air around them. [`aerodynamics`] measures
 //! panels, and draws a measured wing's polar beside the computed one. [`fabric`] solves equilibria with known answers over mesh size, model and
 //! arithmetic. [`levels`] measures what boxes of finer cells cost beside their steps. [`device`] measures a device: latencies, bandwidth, air, canopies and fabric.
+//! [`pace`] tells which of CPU threads and a device updates bare air the faster, for `--engine auto`.
 //!
 //! Times are of the steps alone. They compare settings of one run on one machine; nothing here is a test.
 
@@ -19,6 +20,7 @@ pub mod fabric;
 mod front;
 pub mod levels;
 mod measurement;
+pub mod pace;
 mod plots;
 pub mod stability;
 mod taylor_green;

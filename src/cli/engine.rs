@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use super::exit;
 use super::failure::Failure;
 use super::log::say;
+use crate::bench::pace;
 use crate::case::Scene;
 use crate::case::coupling::{Friction, Scheme};
 use crate::gpu::adapters::{adapters, chosen, has_gpu};
@@ -256,10 +257,32 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
         ..Placement::from(Precision::F32)
     };
     let opened = open(&AdapterChoice::Hardware)
-        .and_then(|device| air_fits(scene, &placement, &device).map(|()| device));
+        .and_then(|device| air_fits(scene, &placement, &device).map(|()| device))
+        .map_err(|error| error.to_string())
+        .and_then(|device| match device.info().kind {
+            // It shares the CPU's memory, which bounds both.
+            AdapterKind::Integrated => {
+                let paces = (pace::of_device(&device), pace::of_cpu());
+                slower_than_cpu(&device.info().name, paces).map_or(Ok(device), Err)
+            }
+            _ => Ok(device),
+        });
     opened
-        .inspect_err(|error| say(&format!("note: the CPU computes the air, since {error}")))
+        .inspect_err(|why| say(&format!("note: the CPU computes the air, since {why}")))
         .ok()
+}
+
+/// Why CPU threads are taken in place of a device, by what both update per second; `None` where the device is the faster.
+fn slower_than_cpu(name: &str, (device, cpu): (Result<f64, DeviceError>, f64)) -> Option<String> {
+    match device {
+        Ok(device) if device > cpu => None,
+        Ok(device) => Some(format!(
+            "{name} makes {:.0} million updates of bare air per second and the CPU's threads {:.0} (--engine gpu takes the device)",
+            1e-6 * device,
+            1e-6 * cpu
+        )),
+        Err(error) => Some(error.to_string()),
+    }
 }
 
 /// Whether the device can keep populations as asked for.
@@ -354,4 +377,22 @@ pub(super) fn air_alone(
     let device = open(&choice)?;
     stores(precision, &device)?;
     Ok((AirPlacement::Gpu(precision.storage()), Some(device)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_faster_of_an_integrated_gpu_and_the_cpu_is_taken() {
+        assert_eq!(slower_than_cpu("A", (Ok(9e7), 8e7)), None);
+        let why = slower_than_cpu("A", (Ok(7e7), 8e7)).unwrap();
+        assert!(why.starts_with("A makes 70 million updates"), "{why}");
+        let lost = DeviceError::Lost("gone".to_owned());
+        assert!(
+            slower_than_cpu("A", (Err(lost), 8e7))
+                .unwrap()
+                .contains("gone")
+        );
+    }
 }

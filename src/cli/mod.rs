@@ -80,7 +80,7 @@ enum Command {
     /// Measure error against seconds over resolution, Mach number, operator, storage and engine.
     Bench(bench::BenchArguments),
     /// List the adapters of this machine, and which one `auto` takes.
-    Devices,
+    Devices(devices::DevicesArguments),
     /// Compute problems with known answers; exit code 1 if a gate fails.
     Validate(validate::ValidateArguments),
 }
@@ -123,7 +123,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Man => pages::man(&Cli::command()),
         Command::Schema(arguments) => schema::schema(arguments),
         Command::Bench(arguments) => bench::bench(arguments),
-        Command::Devices => devices::devices(),
+        Command::Devices(arguments) => devices::devices(arguments),
         Command::Validate(arguments) => validate::validate(arguments),
     }
 }

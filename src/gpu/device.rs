@@ -109,6 +109,16 @@ impl Device {
         }))
     }
 
+    /// Opens the adapter of a device anew, once that one is lost; its passes are timed as before.
+    pub fn open_again(lost: &Self) -> Result<Arc<Self>, DeviceError> {
+        let choice = AdapterChoice::Named(lost.info.name.clone());
+        let device = Self::open_tuned(&choice, lost.tuning)?;
+        if lost.meter.clock().is_some() {
+            device.time_passes();
+        }
+        Ok(device)
+    }
+
     /// The adapter.
     #[must_use]
     pub const fn info(&self) -> &AdapterInfo {

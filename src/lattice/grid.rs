@@ -333,10 +333,15 @@ impl Grid {
         Self::aligned(cells, 1)
     }
 
-    /// The same grid with rows padded, so that the element of the first cell (x = 0) of every row is a multiple of `alignment`.
+    /// The same grid with rows padded, so that the element of the first cell (x = 0) of every row is a multiple of `alignment`, and so many elements
+    /// lie behind every row.
     #[must_use]
     pub const fn aligned(cells: [usize; 3], alignment: usize) -> Self {
-        Self::with_strides(cells, [alignment, 1], alignment - 1)
+        let grid = Self::with_strides(cells, [alignment, 1], alignment - 1);
+        Self {
+            total: grid.total + alignment - 1,
+            ..grid
+        }
     }
 
     /// The same grid with rows and planes padded to multiples of so many elements each, from the first ghost cell on.

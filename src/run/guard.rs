@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::Run;
 use super::error::RunError;
 use super::fault::caught;
 use crate::checkpoint;
@@ -34,17 +35,28 @@ pub(super) fn settle<T>(folder: &Path, result: &mut Result<T, RunError>) {
     }
 }
 
-/// Environment variable with which tests of the program itself ask for a fault: `between:N` before step N, `within:N` in the midst of it.
+/// Environment variable with which tests of the program itself ask for a fault: `between:N` before step N, `within:N` in the midst of it, `device:N` for
+/// a device that is lost before step N.
 ///
 /// A variable, since the tests start the program that users have: a feature of the build would test another one.
 pub(super) const ON_PURPOSE: &str = "RIPSTOP_TEST_FAULT";
+
+/// What fails.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Failing {
+    /// The program, between two steps.
+    Between,
+    /// The program, where the state is no longer whole.
+    Within,
+    /// The device, between two steps; once, in a run that was not gone on with.
+    Device,
+}
 
 /// A fault that a test asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct OnPurpose {
     pub(super) step: u64,
-    /// Where the state is no longer whole.
-    pub(super) within: bool,
+    pub(super) what: Failing,
 }
 
 impl OnPurpose {
@@ -54,34 +66,39 @@ impl OnPurpose {
             let text = text.to_string_lossy();
             Self::read(&text).map(Some).ok_or_else(|| {
                 RunError::Start(format!(
-                    "{ON_PURPOSE}={text} is neither between:STEP nor within:STEP; unset it, as it is for tests of the program alone"
+                    "{ON_PURPOSE}={text} is none of between:STEP, within:STEP and device:STEP; unset it, as it is for tests of the program alone"
                 ))
             })
         })
     }
 
     fn read(text: &str) -> Option<Self> {
-        let (place, step) = text.split_once(':')?;
+        let (what, step) = text.split_once(':')?;
         let step = step.parse().ok()?;
-        match place {
-            "between" => Some(Self {
-                step,
-                within: false,
-            }),
-            "within" => Some(Self { step, within: true }),
-            _ => None,
-        }
+        let what = match what {
+            "between" => Failing::Between,
+            "within" => Failing::Within,
+            "device" => Failing::Device,
+            _ => return None,
+        };
+        Some(Self { step, what })
+    }
+
+    /// True if a run that begins as `run` does is to have the fault.
+    pub(super) fn is_due_in(&self, run: &Run) -> bool {
+        self.what != Failing::Device || run.resumed_at_step.is_none()
     }
 }
 
 impl std::fmt::Display for OnPurpose {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let place = if self.within { "in" } else { "before" };
+        let what = match self.what {
+            Failing::Between => "the run ends with a fault before",
+            Failing::Within => "the run ends with a fault in",
+            Failing::Device => "the device is lost before",
+        };
         let step = self.step;
-        write!(
-            f,
-            "warning: {ON_PURPOSE} is set, so the run ends with a fault {place} step {step}"
-        )
+        write!(f, "warning: {ON_PURPOSE} is set, so {what} step {step}")
     }
 }
 
@@ -91,9 +108,10 @@ mod tests {
 
     #[test]
     fn faults_on_purpose_are_read_or_refused() {
-        let of = |text: &str| OnPurpose::read(text).map(|fault| (fault.step, fault.within));
-        assert_eq!(of("between:30"), Some((30, false)));
-        assert_eq!(of("within:7"), Some((7, true)));
+        let of = |text: &str| OnPurpose::read(text).map(|fault| (fault.step, fault.what));
+        assert_eq!(of("between:30"), Some((30, Failing::Between)));
+        assert_eq!(of("within:7"), Some((7, Failing::Within)));
+        assert_eq!(of("device:9"), Some((9, Failing::Device)));
         for text in ["", "30", "between:", "between:-1", "after:3", "within: 3"] {
             assert_eq!(of(text), None, "{text}");
         }

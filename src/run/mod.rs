@@ -12,6 +12,7 @@ mod guard;
 mod identity;
 mod keeping;
 mod log;
+mod losses;
 mod mesh_pictures;
 mod missing;
 mod names;
@@ -51,6 +52,7 @@ pub use folder::{carried_over, holds_another, is_unfinished_run};
 use guard::{OnPurpose, guarded, settle};
 use identity::{COMPUTED_BY, account};
 use log::Log;
+use losses::Losses;
 pub use mesh_pictures::draw_findings;
 use missing::Missing;
 pub use order::{Observer, Order, Report, Start};
@@ -118,68 +120,71 @@ pub fn run(
     result
 }
 
-/// The same in a folder that is locked.
+/// The same in a folder that is locked; on a device opened anew where one is lost.
 fn run_locked(
     mut order: Order,
     requests: &Requests,
     observer: &mut Log<'_>,
 ) -> Result<Report, RunError> {
     let on_purpose = OnPurpose::asked_for()?;
-    let earlier = folder::admit(&order)?;
-    remove_leftovers(order.folder);
     let began = Instant::now();
-    let fallback = order.fallback.take();
-    let (case, folder, start) = (order.case, order.folder, order.start);
-    let (overwrite, keep_final) = (order.overwrite, order.keep_final);
-    let checkpoint_interval = order.checkpoint_interval;
-    let mut run = match (Run::prepare(order, earlier.clone(), observer), fallback) {
-        // A device that the program chose by itself is no reason to fail.
+    let mut losses = Losses::default();
+    loop {
+        let mut run = begin(&order, requests, observer)?;
+        run.notes.extend(losses.notes.iter().cloned());
+        if let Some(on_purpose) = on_purpose.filter(|asked| asked.is_due_in(&run)) {
+            observer.note(&on_purpose.to_string());
+            run.on_purpose = Some(on_purpose);
+        }
+        let (reason, diverged) = match guarded(|| run.drive(observer)) {
+            Ok(reason) => (reason, None),
+            Err(RunError::Diverged(diverged)) => {
+                run.leave_phase();
+                (diverged.to_string(), Some(diverged))
+            }
+            Err(mut other) => {
+                if let RunError::Fault(fault) = &mut other {
+                    run.rescue(fault);
+                }
+                run.leave_phase();
+                run.end_failed(&other.to_string(), began);
+                drop(run);
+                losses.survive(&mut order, other, observer)?;
+                continue;
+            }
+        };
+        if let Some(note) = run.lattice.note(run.case) {
+            if diverged.is_some() || reason != INTERRUPTED {
+                observer.note(&note);
+            }
+            run.notes.push(note);
+        }
+        return run.end(reason, diverged, began);
+    }
+}
+
+/// Admits a run to its folder and reads what it begins from; on the CPU where a device that the program chose by itself turns out too small.
+fn begin<'a>(
+    order: &Order<'a>,
+    requests: &Requests,
+    observer: &mut Log<'_>,
+) -> Result<Run<'a>, RunError> {
+    let earlier = folder::admit(order)?;
+    remove_leftovers(order.folder);
+    let mut run = match (
+        Run::prepare(order.clone(), earlier.clone(), observer),
+        &order.fallback,
+    ) {
         (Err(RunError::Device(error)), Some(plan)) => {
             observer.note(&format!("the CPU computes, since {error}"));
-            let on_cpu = Order {
-                case,
-                plan,
-                device: None,
-                fallback: None,
-                folder,
-                start,
-                overwrite,
-                keep_final,
-                checkpoint_interval,
-            };
-            Run::prepare(on_cpu, earlier, observer)?
+            Run::prepare(order.on_cpu(plan), earlier, observer)?
         }
         (prepared, _) => prepared?,
     };
-    requests.set_resumable(matches!(start, Start::Resume | Start::Extend));
+    requests.set_resumable(matches!(order.start, Start::Resume | Start::Extend));
     run.requests = requests.clone();
-    observer.open(start);
-    if let Some(on_purpose) = on_purpose {
-        observer.note(&on_purpose.to_string());
-        run.on_purpose = Some(on_purpose);
-    }
-    let (reason, diverged) = match guarded(|| run.drive(observer)) {
-        Ok(reason) => (reason, None),
-        Err(RunError::Diverged(diverged)) => {
-            run.leave_phase();
-            (diverged.to_string(), Some(diverged))
-        }
-        Err(mut other) => {
-            if let RunError::Fault(fault) = &mut other {
-                run.rescue(fault);
-            }
-            run.leave_phase();
-            run.end_failed(&other.to_string(), began);
-            return Err(other);
-        }
-    };
-    if let Some(note) = run.lattice.note(run.case) {
-        if diverged.is_some() || reason != INTERRUPTED {
-            observer.note(&note);
-        }
-        run.notes.push(note);
-    }
-    run.end(reason, diverged, began)
+    observer.open(order.start);
+    Ok(run)
 }
 
 /// Runs a case to its end without writing anything; samples at the case's cadence, and once at the end.

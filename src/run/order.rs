@@ -33,7 +33,7 @@ pub struct Report {
 }
 
 /// What to run, and where.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Order<'a> {
     /// The case.
     pub case: &'a Case,
@@ -53,6 +53,29 @@ pub struct Order<'a> {
     pub keep_final: bool,
     /// Wall time between checkpoints.
     pub checkpoint_interval: Duration,
+}
+
+impl Order<'_> {
+    /// The same by another plan, which takes no device.
+    pub(super) fn on_cpu(&self, plan: &Plan) -> Self {
+        Self {
+            plan: plan.clone(),
+            device: None,
+            fallback: None,
+            ..self.clone()
+        }
+    }
+
+    /// The same, but it goes on from the newest checkpoint of its folder.
+    pub(super) fn going_on(&self) -> Self {
+        Self {
+            start: match self.start {
+                Start::Extend => Start::Extend,
+                Start::New | Start::Resume | Start::From(_) => Start::Resume,
+            },
+            ..self.clone()
+        }
+    }
 }
 
 /// How a run begins.

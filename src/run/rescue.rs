@@ -2,21 +2,29 @@
 
 use super::Run;
 use super::fault::{Fault, caught};
-use super::guard::{ON_PURPOSE, OnPurpose};
+use super::guard::{Failing, ON_PURPOSE};
 
 impl Run<'_> {
-    /// Panics if a test asks for it at this step, and the state is whole as it asks for.
+    /// Panics, or gives the device up, if a test asks for it at this step and the state is whole as it asks for.
     #[allow(clippy::panic, reason = "what follows a panic is to be tested")]
     /// It stays a call of its own: traces without line tables name it, too.
     #[inline(never)]
     pub(super) fn fail_on_purpose(&self) {
-        let step = self.simulation.step_count();
-        let within = !self.whole;
+        let Some(fault) = &self.on_purpose else {
+            return;
+        };
         // Steps of all air may be several of the fabric.
-        let due = |fault: &OnPurpose| step >= fault.step && within == fault.within;
-        if self.on_purpose.as_ref().is_some_and(due) {
-            panic!("a fault on purpose, as {ON_PURPOSE} asks for");
+        let due = self.simulation.step_count() >= fault.step;
+        match fault.what {
+            Failing::Between if due && self.whole => {}
+            Failing::Within if due && !self.whole => {}
+            Failing::Device if due && self.whole => {
+                self.simulation.give_device_up();
+                return;
+            }
+            _ => return,
         }
+        panic!("a fault on purpose, as {ON_PURPOSE} asks for");
     }
 
     /// After a fault: writes a checkpoint, if the state is whole.

@@ -70,6 +70,13 @@ impl Simulation {
         self.device.as_ref().map_or(Ok(()), |device| device.check())
     }
 
+    /// Gives the device up, if one takes part: for tests of what follows.
+    pub fn give_device_up(&self) {
+        if let Some(device) = &self.device {
+            device.destroy();
+        }
+    }
+
     /// The air.
     #[must_use]
     pub const fn air(&self) -> Option<&Levels> {

@@ -50,9 +50,10 @@ pub struct ForcedCells<'a> {
 #[derive(Clone, Copy)]
 struct Common<'a, T> {
     relaxation_time: T,
-    /// Relaxation time of every cell of a row, and the first block with a value of its own; `None` without a sponge, where a row does not
-    /// have its own from the eddy viscosity.
-    profile: Option<(&'a [T], usize)>,
+    /// Relaxation time of every cell of a row, to the end of its last block.
+    relaxation_times: &'a [T],
+    /// First block in which they are not all `relaxation_time`: of the sponge, or of a row that has its own from the eddy viscosity.
+    own_from: usize,
     eddy_factor: T,
     /// What the stage `eddy_viscosity` adds to the relaxation time of every cell, x fastest; `None` without that stage.
     held: Option<&'a [T]>,
@@ -109,10 +110,10 @@ impl<T: Real> Fluid<T> {
         let block = LINE_BYTES / size_of::<T>();
         let common = Common {
             relaxation_time,
-            profile: self.relaxation_profile.as_deref().map(|profile| {
-                let first = profile.partition_point(|tau| *tau <= relaxation_time);
-                (profile, first / block * block)
-            }),
+            relaxation_times: &self.relaxation_times,
+            own_from: (self.relaxation_times).partition_point(|tau| *tau <= relaxation_time)
+                / block
+                * block,
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
             held: self
                 .held_eddy_viscosity
@@ -202,9 +203,10 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
         // Force of every cell of a row; where nothing acts it stays zero (or the acceleration).
         let mut resting = acceleration.unwrap_or_default();
         let profile = self.profile.filter(|_| acceleration.is_some());
-        let mut force = resting.map(|component| vec![component; nx]);
+        let length = self.common.relaxation_times.len();
+        let mut force = resting.map(|component| vec![component; length]);
         // Relaxation time of every cell of a row, where they all differ.
-        let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| nx)];
+        let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| length)];
         for plane in 0..self.slab.planes {
             for y in 0..ny {
                 let row = ((self.slab.first_plane + plane) * ny + y) as u32;
@@ -235,7 +237,8 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         let held = &held[row as usize * nx..][..nx];
                         self.common.add_up(held, &mut relaxation_times);
                         Common {
-                            profile: Some((&relaxation_times, 0)),
+                            relaxation_times: &relaxation_times,
+                            own_from: 0,
                             ..*self.common
                         }
                     }
@@ -294,17 +297,8 @@ impl<T: Real> Common<'_, T> {
     /// Relaxation times of a row: molecular or the sponge's, plus the held eddy part.
     #[inline(always)]
     fn add_up(&self, held: &[T], sums: &mut [T]) {
-        match self.profile {
-            None => {
-                for (sum, &held) in sums.iter_mut().zip(held) {
-                    *sum = self.relaxation_time + held;
-                }
-            }
-            Some((profile, _)) => {
-                for ((sum, &held), &base) in sums.iter_mut().zip(held).zip(profile) {
-                    *sum = base + held;
-                }
-            }
+        for ((sum, &held), &base) in sums.iter_mut().zip(held).zip(self.relaxation_times) {
+            *sum = base + held;
         }
     }
 }
@@ -339,7 +333,6 @@ fn collide_part<S: Simd, T: Real, C: Collision>(
     accelerated: bool,
 ) {
     let block = LINE_BYTES / size_of::<T>();
-    let profile_start = common.profile.map_or(row.len(), |(_, start)| start);
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
@@ -347,8 +340,8 @@ fn collide_part<S: Simd, T: Real, C: Collision>(
         .peekable();
     let mut x = part.start;
     while x < part.end {
-        let mut end = if x < profile_start {
-            profile_start.min(part.end)
+        let mut end = if x < common.own_from {
+            common.own_from.min(part.end)
         } else {
             part.end
         };
@@ -370,34 +363,26 @@ fn collide_part<S: Simd, T: Real, C: Collision>(
             }
         }
         let cells = row.start + x..row.start + end;
-        let profile = common.profile.filter(|_| x >= profile_start);
-        let tau = profile.map_or(&[][..], |(profile, _)| &profile[x..end]);
-        let body = if forced {
-            [&force[0][x..end], &force[1][x..end], &force[2][x..end]]
-        } else {
-            [&[][..]; 3]
-        };
-        match (profile.is_some(), forced) {
+        let tau = &common.relaxation_times[x..];
+        let body = [&force[0][x..], &force[1][x..], &force[2][x..]];
+        match (forced, x >= common.own_from) {
             (false, false) => {
                 collide_run::<S, T, C, false, false>(simd, arrays, cells, common, tau, body);
             }
             (false, true) => {
-                collide_run::<S, T, C, true, false>(simd, arrays, cells, common, tau, body);
-            }
-            (true, false) => {
                 collide_run::<S, T, C, false, true>(simd, arrays, cells, common, tau, body);
             }
-            (true, true) => {
-                collide_run::<S, T, C, true, true>(simd, arrays, cells, common, tau, body);
-            }
+            (true, _) => collide_run::<S, T, C, true, true>(simd, arrays, cells, common, tau, body),
         }
         x = end;
     }
 }
 
-/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `PROFILE`, `force` only where `FORCED`.
+/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `OWN_TIMES`, `force` only where `FORCED`; both begin at the first cell
+/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end: every copy of it costs as much of
+/// the compiler's time as a file.
 #[inline(always)]
-fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE: bool>(
+fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(
     simd: S,
     arrays: &mut [&mut [T]; DIRECTION_COUNT],
     cells: Range<usize>,
@@ -412,30 +397,32 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE
         eddy_factor: Lanes::splat(simd, common.eddy_factor),
     };
     let lanes = T::lanes::<S>();
-    let whole = cells.len() / lanes;
-    let range = cells.start / lanes..cells.start / lanes + whole;
+    let (whole, count) = (cells.len() / lanes, cells.len().div_ceil(lanes));
+    let first = cells.start / lanes;
     // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
     let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
         std::array::from_fn(|_| Default::default());
     for (direction, array) in arrays.iter_mut().enumerate() {
-        vectors[direction] = &mut T::vectors_mut::<S>(array).0[..range.end];
+        vectors[direction] = &mut T::vectors_mut::<S>(array).0[..first + count];
     }
-    let tau_vectors = &T::vectors::<S>(tau).0[..if PROFILE { whole } else { 0 }];
+    let tau_vectors = &T::vectors::<S>(tau).0[..if OWN_TIMES { count } else { 0 }];
     let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
     for a in 0..3 {
-        force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { whole } else { 0 }];
+        force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { count } else { 0 }];
     }
-    for i in 0..whole {
+    // What is written of it are the cells of the run alone; behind them lie ghost cells.
+    let mut last = [zero; DIRECTION_COUNT];
+    for i in 0..count {
         // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
         // (a fifth slower).
-        let place = std::hint::black_box(range.start + i);
+        let place = std::hint::black_box(first + i);
         let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
             let vector = &vectors[direction][place];
             prefetch(vector);
             f[direction] = Lanes::new(simd, *vector);
         }
-        if PROFILE {
+        if OWN_TIMES {
             local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
         }
         if FORCED {
@@ -444,34 +431,21 @@ fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const PROFILE
             }
         }
         let out = C::collide::<_, FORCED>(&f, &local);
+        if i == whole {
+            last = out;
+            break;
+        }
         for direction in 0..DIRECTION_COUNT {
             vectors[opposite(direction)][place] = out[direction].vector;
         }
     }
-    let whole = whole * lanes;
-    if whole == cells.len() {
+    if whole == count {
         return;
     }
-    let part = cells.start + whole..cells.end;
-    let mut f = [zero; DIRECTION_COUNT];
+    let part = cells.start + whole * lanes..cells.end;
     for direction in 0..DIRECTION_COUNT {
-        f[direction] = Lanes::new(simd, T::load_part(simd, &arrays[direction][part.clone()]));
-    }
-    if PROFILE {
-        local.relaxation_time = Lanes::new(simd, T::load_part(simd, &tau[whole..]));
-    }
-    if FORCED {
-        for a in 0..3 {
-            local.force[a] = Lanes::new(simd, T::load_part(simd, &force[a][whole..]));
-        }
-    }
-    let out = C::collide::<_, FORCED>(&f, &local);
-    for direction in 0..DIRECTION_COUNT {
-        T::store_part(
-            simd,
-            &mut arrays[opposite(direction)][part.clone()],
-            out[direction].vector,
-        );
+        let into = &mut arrays[opposite(direction)][part.clone()];
+        T::store_part(simd, into, last[direction].vector);
     }
 }
 

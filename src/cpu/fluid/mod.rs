@@ -42,8 +42,8 @@ pub struct Fluid<T: Real> {
     /// Sides that let sound out; empty where none does.
     absorbing_sides: Vec<AbsorbingSide>,
     face_means: FaceMeans,
-    /// Relaxation time per x [cells]; `None` without a sponge.
-    relaxation_profile: Option<Vec<T>>,
+    /// Relaxation time per x, with that of the sponge, to the end of a row's last block.
+    relaxation_times: Vec<T>,
     /// `None` where no model needs the velocity gradient.
     held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
     /// `None` but in boxes of finer cells.
@@ -62,10 +62,13 @@ impl<T: Real> Fluid<T> {
     /// ([`crate::lattice::start`]); at rest where it is `None`.
     #[must_use]
     pub fn new(setup: Setup, initial: Option<&Initial>) -> Self {
-        let grid = Grid::aligned(setup.cells, LINE_BYTES / size_of::<T>());
-        let relaxation_profile = setup
+        let block = LINE_BYTES / size_of::<T>();
+        let grid = Grid::aligned(setup.cells, block);
+        let mut relaxation_times = setup
             .relaxation_profile()
-            .map(|profile| profile.into_iter().map(T::of).collect());
+            .unwrap_or_else(|| vec![setup.relaxation_time; setup.cells[0]]);
+        let last = (relaxation_times.last().copied()).unwrap_or(setup.relaxation_time);
+        relaxation_times.resize(setup.cells[0].next_multiple_of(block), last);
         let mut fluid = Self {
             grid,
             // Populations of air at rest are zero, as they are made.
@@ -83,7 +86,7 @@ impl<T: Real> Fluid<T> {
             )),
             absorbing_sides: AbsorbingSide::all(&setup),
             face_means: FaceMeans::at_rest(&setup),
-            relaxation_profile,
+            relaxation_times: relaxation_times.into_iter().map(T::of).collect(),
             held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             exchanged_ends: None,
             inlet_velocity: [0.0; 3],
