@@ -114,6 +114,9 @@ fn new_prints() {
             std::fs::read_to_string(root().join(&files[name])).unwrap()
         );
     }
+    // The list has their first sentences, whose numbers hold points.
+    let list = ripstop(&["new"]).printed;
+    assert!(list.contains("pulled together to 0.8 m\n"), "{list}");
     // With a folder, the case and all that it names, ready to be checked; nothing that is there is lost.
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("mine");

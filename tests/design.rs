@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
+use ripstop::case::scene::Flow;
 use ripstop::case::{self, Case, Choices, DESIGN_TABLES, SHIPPED};
 use ripstop::measure;
 
@@ -14,6 +15,7 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("design::the_whole_case_runs_as_the_design", expanded),
         plain("design::what_is_written_stands", written),
+        plain("design::the_wind_follows_what_is_written", balanced),
         plain("design::sizes_and_units", sizes),
         plain("design::every_type_is_a_case", types),
         plain("design::the_rate_of_descent_balances", descent),
@@ -189,6 +191,51 @@ fn types() {
             }
         }
     }
+}
+
+/// What a case says itself of air, gravity and payload counts in the wind of a steady descent, and in all that follows from it.
+fn balanced() {
+    let text = "version = 1\n[canopy]\ntype = \"flat_circular\"\ndiameter_m = 10.0\npayload_kg = 100.0\nquality = \"draft\"\n";
+    let wind = |changes: &[&str]| {
+        let case = load(text, changes).unwrap();
+        let air = case.scene.air.unwrap();
+        let Flow::WindTunnel {
+            speed_m_s,
+            start_time_s,
+            ..
+        } = air.flow
+        else {
+            panic!("no tunnel");
+        };
+        // Diameters in which the wind rises.
+        let rise = start_time_s * speed_m_s / 10.0;
+        assert!((rise / 0.67 - 1.0).abs() < 0.01, "{rise}");
+        speed_m_s
+    };
+    let usual = wind(&[]);
+    let drag_area_m2 = 2.0 * 100.0 * 9.80665 / (1.225 * usual * usual);
+    assert!(
+        (drag_area_m2 / 78.54 - 0.775).abs() < 0.05,
+        "{drag_area_m2}"
+    );
+    let payload = (drag_area_m2 / (drag_area_m2 + 60.0)).sqrt();
+    for (change, factor) in [
+        ("air.density_kg_m3=0.3648", (1.225_f64 / 0.3648).sqrt()),
+        ("canopy.altitude_m=11000.0", (1.225_f64 / 0.3639).sqrt()),
+        (
+            "gravity.acceleration_m_s2=[-3.71, 0.0, 0.0]",
+            (3.71_f64 / 9.80665).sqrt(),
+        ),
+        ("canopy.payload_drag_area_m2=60.0", payload),
+        ("payload.drag_area_m2=60", payload),
+        ("payload.mass_kg=400.0", 2.0),
+        // No gravity is the usual one.
+        ("gravity.acceleration_m_s2=[0.0, 0.0, 0.0]", 1.0),
+    ] {
+        let ratio = wind(&[change]) / usual;
+        assert!((ratio / factor - 1.0).abs() < 0.003, "{change}: {ratio}");
+    }
+    assert!((wind(&["air.wind_tunnel.speed_m_s=10.0"]) - 10.0).abs() < 1e-12);
 }
 
 /// The rate of descent is where drag without walls bears payload, fabric, tapes and lines.

@@ -6,8 +6,9 @@ use ripstop::output::{ExpectedError, Supports, ValidityRow};
 use ripstop::plan::{Plan, Precision};
 use ripstop::validity;
 
-use crate::command_line::{CANOPY, ripstop, root};
+use crate::command_line::{CANOPY, finished, ripstop, root};
 use crate::engines::plain;
+use crate::folders::canopy;
 use crate::tolerances;
 
 pub fn trials() -> Vec<Trial> {
@@ -19,6 +20,7 @@ pub fn trials() -> Vec<Trial> {
         ("validity::strict_sphere", strict_sphere),
         ("validity::runs_beyond_their_limits", beyond),
         ("validity::results_and_their_support", support),
+        ("validity::strict_about_what_has_not_settled", strict_wake),
     ]
     .into_iter()
     .flat_map(|(name, test)| plain(name, test))
@@ -289,6 +291,24 @@ fn beyond() {
             "largest strain of the fabric",
         ),
         (
+            canopy,
+            &[
+                "lines.breaking_load_n=0.1",
+                "time.end_s=0.006",
+                "output.sample_interval_s=0.001",
+            ][..],
+            "line tension over breaking load",
+        ),
+        (
+            canopy,
+            &[
+                "lines.area_m2=1e-9",
+                "time.end_s=0.006",
+                "output.sample_interval_s=0.001",
+            ][..],
+            "largest strain of a suspension line",
+        ),
+        (
             sheet,
             &[
                 "gravity.acceleration_m_s2=[0.0, 0.0, -1e9]",
@@ -366,4 +386,25 @@ fn support() {
     ] {
         assert_eq!(supports.covers(name), covered, "{supports:?} {name}");
     }
+}
+
+/// Where nothing in the set-up speaks against a mean, its wake may still not have settled.
+fn strict_wake() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = finished(
+        canopy(
+            &folder.path().join("out"),
+            &["--set", "time.end_s=0.02", "--strict"],
+        )
+        .output()
+        .unwrap(),
+    );
+    assert_eq!(output.code, 1, "{}", output.errors);
+    let reason = "\n  the wake has not settled";
+    assert_eq!(
+        output.errors.matches(reason).count(),
+        1,
+        "{}",
+        output.errors
+    );
 }

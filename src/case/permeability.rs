@@ -79,12 +79,27 @@ pub(super) fn check(
     }
 }
 
+/// Air thinner than in any laboratory.
+const THIN_AIR_KG_M3: f64 = 1.0;
+
 fn check_points(key: &str, pressures: &[f64], speeds: &[f64]) -> Result<Permeability, Problem> {
     for pressure in pressures {
         at_once(|| positive(&format!("{key}.pressures_pa"), *pressure))?;
     }
     for speed in speeds {
         at_once(|| positive(&format!("{key}.air_speeds_m_s"), *speed))?;
+    }
+    for (pressure, speed) in pressures.iter().zip(speeds) {
+        let of_a_hole = (2.0 * pressure / THIN_AIR_KG_M3).sqrt();
+        if *speed > of_a_hole {
+            return Err(Problem::new(
+                format!("{key}.air_speeds_m_s"),
+                format!(
+                    "{speed} m/s at {pressure} Pa is more than a hole without any fabric lets pass ({of_a_hole:.1} m/s, in air of {THIN_AIR_KG_M3} kg/m³)"
+                ),
+                "give metres per second; cubic feet per minute and square foot are 0.00508 m/s each",
+            ));
+        }
     }
     match (pressures, speeds) {
         ([pressure], [speed]) => Ok(Permeability::from_point([*pressure, *speed])),

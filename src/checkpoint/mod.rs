@@ -167,15 +167,6 @@ pub fn exists(folder: &Path) -> bool {
     NAMES.iter().any(|name| folder.join(name).exists())
 }
 
-/// When the newest checkpoint in `folder` was written; `None` without one.
-#[must_use]
-pub fn written_at(folder: &Path) -> Option<std::time::SystemTime> {
-    let times = NAMES
-        .iter()
-        .filter_map(|name| std::fs::metadata(folder.join(name)).ok()?.modified().ok());
-    times.max()
-}
-
 /// All sections of a checkpoint.
 #[derive(Debug)]
 pub struct Reader {

@@ -60,7 +60,7 @@ pub(super) fn devices(arguments: &DevicesArguments) -> Result<u8, Failure> {
             None => "usable by --adapter or --engine gpu".to_owned(),
         };
         if arguments.measure && info.shortcoming().is_none() {
-            let choice = AdapterChoice::Named(info.name.clone());
+            let choice = AdapterChoice::Exactly(Box::new(info.clone()));
             match Device::open(&choice).and_then(|device| pace::of_device(&device)) {
                 Ok(pace) => text.push_str(&pace_line(pace)),
                 Err(error) => {

@@ -1,6 +1,6 @@
 //! Which engine computes what: turns `--engine`, `--cloth`, `--adapter` and `--precision` into a placement and an open device.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
@@ -210,7 +210,11 @@ impl EngineArguments {
                 };
                 let many = nodes >= enough;
                 if many && device.is_none() && engine == Engine::Auto {
-                    device = open(&AdapterChoice::Hardware).ok();
+                    // An integrated one that the air was not given to is no better for fabric.
+                    let opened = open(&AdapterChoice::Hardware).ok();
+                    device = opened.filter(|d| {
+                        scene.air.is_none() || d.info().kind != AdapterKind::Integrated
+                    });
                 }
                 many && device.as_ref().is_some_and(|d| {
                     d.info().kind != AdapterKind::Software && fabric_fits(scene, d).is_ok()
@@ -262,8 +266,11 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
         .and_then(|device| match device.info().kind {
             // It shares the CPU's memory, which bounds both.
             AdapterKind::Integrated => {
-                let paces = (pace::of_device(&device), pace::of_cpu());
-                slower_than_cpu(&device.info().name, paces).map_or(Ok(device), Err)
+                let slower = SLOWER.get_or_init(|| {
+                    let paces = (pace::of_device(&device), pace::of_cpu());
+                    slower_than_cpu(&device.info().name, paces)
+                });
+                slower.clone().map_or(Ok(device), Err)
             }
             _ => Ok(device),
         });
@@ -272,10 +279,16 @@ fn automatic(scene: &Scene) -> Option<Arc<Device>> {
         .ok()
 }
 
+/// Why not the integrated GPU: measured once, so that all runs of a sweep are computed alike.
+static SLOWER: OnceLock<Option<String>> = OnceLock::new();
+
+/// By how much a device must be the faster.
+const MARGIN: f64 = 1.1;
+
 /// Why CPU threads are taken in place of a device, by what both update per second; `None` where the device is the faster.
 fn slower_than_cpu(name: &str, (device, cpu): (Result<f64, DeviceError>, f64)) -> Option<String> {
     match device {
-        Ok(device) if device > cpu => None,
+        Ok(device) if device > MARGIN * cpu => None,
         Ok(device) => Some(format!(
             "{name} makes {:.0} million updates of bare air per second and the CPU's threads {:.0} (--engine gpu takes the device)",
             1e-6 * device,

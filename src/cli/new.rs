@@ -191,8 +191,15 @@ fn first_sentence(case: &str) -> String {
         .map(str::trim)
         .collect();
     let text = comment.join(" ");
-    let end = text.find(['.', '?', ':']).map_or(text.len(), |at| at);
-    text[..end].trim().to_owned()
+    // A point within a number ends nothing.
+    let ends = |(at, mark): &(usize, char)| {
+        let next = text[at + mark.len_utf8()..].chars().next();
+        matches!(mark, '.' | '?' | ':') && next.is_none_or(char::is_whitespace)
+    };
+    let end = text.char_indices().find(ends);
+    text[..end.map_or(text.len(), |(at, _)| at)]
+        .trim()
+        .to_owned()
 }
 
 /// Writes a case and the files that it names, given by their paths in a folder and their texts, and the schema, which other cases there may have. The

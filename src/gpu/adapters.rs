@@ -60,6 +60,8 @@ pub enum AdapterChoice {
     Any,
     /// One whose name contains this text, whatever the case of its letters.
     Named(String),
+    /// The one of which all this is known.
+    Exactly(Box<AdapterInfo>),
 }
 
 /// Storage buffers that the widest stage, `interpolate` at the touched cells, is given; a test counts them.
@@ -142,6 +144,7 @@ impl AdapterInfo {
             }
             AdapterChoice::Any => self.shortcoming().is_none(),
             AdapterChoice::Named(text) => self.name.to_lowercase().contains(&text.to_lowercase()),
+            AdapterChoice::Exactly(info) => self == &**info,
         }
     }
 }
@@ -159,7 +162,7 @@ pub(super) fn fitting(
     let all = match choice {
         // Nobody has asked for a device by name.
         AdapterChoice::Hardware => quietly(found),
-        AdapterChoice::Any | AdapterChoice::Named(_) => found(),
+        AdapterChoice::Any | AdapterChoice::Named(_) | AdapterChoice::Exactly(_) => found(),
     };
     let names: Vec<String> = all
         .iter()
@@ -195,6 +198,9 @@ pub(super) fn fitting(
             }
         ),
         (None, AdapterChoice::Any) => format!("no usable adapter; {listed}"),
+        (None, AdapterChoice::Exactly(info)) => {
+            format!("the adapter {} is not there any more; {listed}", info.name)
+        }
         (None, AdapterChoice::Named(text)) => {
             format!("no adapter is called \"{text}\"; {listed}; `ripstop devices` lists them")
         }

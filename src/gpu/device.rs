@@ -111,7 +111,7 @@ impl Device {
 
     /// Opens the adapter of a device anew, once that one is lost; its passes are timed as before.
     pub fn open_again(lost: &Self) -> Result<Arc<Self>, DeviceError> {
-        let choice = AdapterChoice::Named(lost.info.name.clone());
+        let choice = AdapterChoice::Exactly(Box::new(lost.info.clone()));
         let device = Self::open_tuned(&choice, lost.tuning)?;
         if lost.meter.clock().is_some() {
             device.time_passes();

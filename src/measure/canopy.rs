@@ -209,11 +209,20 @@ pub(super) fn results(
         },
     );
     if matches!(air.flow, Flow::WindTunnel { .. }) {
-        let corrected = blockage_results(results, canopy, air, drag, wind);
+        let unknown = match (wind, &scene.descent) {
+            (false, _) => Some("there is no wind to refer to"),
+            (true, Some(_)) => Some(
+                "the speed of a fall changes; divide drag_coefficient_terminal by 1 + 1.85 times itself times blockage_ratio",
+            ),
+            (true, None) => None,
+        };
+        let corrected = blockage_results(results, canopy, air, drag, unknown);
         if let (Some(carried), Some(body), true) = (&scene.carried, &scene.body, wind) {
             let mass_kg = carried.mass_kg + body.structure.masses_kg.iter().sum::<f64>();
             let area = [canopy.nominal_area_m2, carried.drag_area_m2];
-            let rate = descent_rate(corrected, mass_kg, area, air.units.density_kg_m3);
+            let own = scene.gravity_m_s2.map(|g| g.length());
+            let gravity = own.filter(|g| *g > 0.0).unwrap_or(STANDARD_GRAVITY_M_S2);
+            let rate = descent_rate(corrected, mass_kg * gravity, area, air.units.density_kg_m3);
             results.insert(&DESCENT_RATE, quantity(rate));
         }
     }
@@ -287,15 +296,15 @@ const FOLDED: f64 = 0.5;
 /// Standard acceleration of gravity [m/s²].
 const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 
-/// Speed at which the drag of a canopy, by its coefficient on the first area, and of a payload, by its own drag area, bears a mass \[m/s\].
+/// Speed at which the drag of a canopy, by its coefficient on the first area, and of a payload, by its own drag area, bears a weight \[m/s\].
 fn descent_rate(
     drag: Mean,
-    mass_kg: f64,
+    weight_n: f64,
     [nominal_m2, payload_m2]: [f64; 2],
     density: f64,
 ) -> Mean {
     let area_m2 = drag.value * nominal_m2 + payload_m2;
-    let value = (2.0 * mass_kg * STANDARD_GRAVITY_M_S2 / (density * area_m2)).sqrt();
+    let value = (2.0 * weight_n / (density * area_m2)).sqrt();
     Mean {
         value,
         confidence: drag
@@ -312,7 +321,7 @@ fn blockage_results(
     canopy: &Canopy,
     air: &Air,
     drag: Mean,
-    wind: bool,
+    unknown: Option<&str>,
 ) -> Mean {
     let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
     let blockage = canopy.nominal_area_m2 / section;
@@ -321,23 +330,19 @@ fn blockage_results(
         value: drag.value / ratio,
         confidence: drag.confidence.map(|c| c / (ratio * ratio)),
     };
-    let missing = || Quantity::missing("there is no wind to refer to");
     results.insert(
         &CORRECTED_DRAG.of(""),
-        if wind {
-            quantity(corrected)
-                .with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section")
-        } else {
-            missing()
-        },
+        unknown.map_or_else(
+            || {
+                quantity(corrected)
+                    .with_note("Macha & Buffington 1990, factor 1.85 on C_D S_0 / section")
+            },
+            Quantity::missing,
+        ),
     );
     results.insert(
         &PRESSURE_RATIO.of(""),
-        if wind {
-            Quantity::told(&PRESSURE_RATIO, ratio)
-        } else {
-            missing()
-        },
+        unknown.map_or_else(|| Quantity::told(&PRESSURE_RATIO, ratio), Quantity::missing),
     );
     results.insert(
         &BLOCKAGE_RATIO,

@@ -82,7 +82,7 @@ results! {
     BLOCKAGE_RATIO: "blockage_ratio", "1", "nominal or reference area over the section of the tunnel";
     CORRECTED_DRAG: "{body}drag_coefficient_blockage_corrected", "1", "drag coefficient without the walls of the tunnel";
     PRESSURE_RATIO: "{body}dynamic_pressure_ratio_of_blockage", "1", "ratio of dynamic pressures that walls make; what the correction divides the drag by";
-    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the line, riser or tape nearest to breaking";
+    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the suspension line of a canopy, or the line, riser or tape of a wing, nearest to breaking";
     FILL_TIME: "fill_time_s", "s", "time until a canopy or wing is full";
     STROUHAL_NUMBER: "{body}strouhal_number", "1", "frequency times length over speed; of the lift, or of a plate's tip";
 }

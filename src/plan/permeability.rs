@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::fabric::permeability::{HALF_INCH_OF_WATER_PA, Permeability};
 use crate::immersed::kernel::SUM_OF_SQUARES;
 
-/// Writes what every permeable surface lets pass, beside what the residual slip of one pass lets pass.
+/// Writes what every permeable surface lets pass, beside what the residual slip of one pass of the kernel lets pass; at cut links there is none.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
     let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) else {
         return Ok(());
@@ -37,6 +38,9 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             permeability.through_velocity_m_s(HALF_INCH_OF_WATER_PA),
             permeability.through_velocity_m_s(dynamic)
         )?;
+    }
+    if coupling.scheme == Scheme::Links {
+        return Ok(());
     }
     let a = coupling.over_relaxation;
     let slip =

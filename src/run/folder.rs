@@ -145,7 +145,7 @@ fn refuse_other_physics(
             Ok(())
         } else {
             refuse(format!(
-                "{at} holds no run to go on with: start without --resume"
+                "{at} holds no run to go on with: look at the folder's name, or begin anew (`ripstop run` without --resume)"
             ))
         };
     };

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::Run;
 use super::error::RunError;
 use super::fault::caught;
 use crate::checkpoint;
@@ -84,9 +83,9 @@ impl OnPurpose {
         Some(Self { step, what })
     }
 
-    /// True if a run that begins as `run` does is to have the fault.
-    pub(super) fn is_due_in(&self, run: &Run) -> bool {
-        self.what != Failing::Device || run.resumed_at_step.is_none()
+    /// True if a run is to have the fault, which may be `resumed`.
+    pub(super) fn is_due(self, resumed: bool) -> bool {
+        self.what != Failing::Device || !resumed
     }
 }
 

@@ -1,8 +1,6 @@
 //! Devices that are lost in the midst of a run: unplugged, reset by their driver, or silent. The device is opened anew, and the run goes on from its
 //! last checkpoint.
 
-use std::time::SystemTime;
-
 use super::error::RunError;
 use super::order::{Observer, Order};
 use crate::checkpoint;
@@ -11,30 +9,31 @@ use crate::gpu::{Device, DeviceError};
 /// What the losses of a run have left.
 #[derive(Debug, Default)]
 pub(super) struct Losses {
-    /// When the checkpoint was written that the run went on from after the last one.
-    gone_on_from: Option<SystemTime>,
+    /// Step at which the last one was.
+    last: Option<u64>,
     /// What is to be said of them at the end.
     pub(super) notes: Vec<String>,
 }
 
 impl Losses {
-    /// Makes `order` go on after a loss, by its fallback where the device does not open any more.
+    /// Makes `order` go on after a loss at `step`, by its fallback where the device does not open any more.
     ///
     /// # Errors
     ///
-    /// `error` itself where it is another than a loss, and where no checkpoint was written since the loss before: a device that is lost again and again
-    /// gets no further.
+    /// `error` itself where it is another than a loss, without a checkpoint, and where the run has come no further than at the loss before: a device that
+    /// is lost again and again at one place is given up.
     pub(super) fn survive(
         &mut self,
         order: &mut Order,
+        step: u64,
         error: RunError,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
-        let newest = checkpoint::written_at(order.folder);
+        let further = self.last.is_none_or(|last| step > last);
         let (RunError::Device(DeviceError::Lost(why)), Some(device), true) = (
             &error,
             &order.device,
-            newest.is_some() && newest != self.gone_on_from,
+            further && checkpoint::exists(order.folder),
         ) else {
             return Err(error);
         };
@@ -58,7 +57,7 @@ impl Losses {
         observer.note(&note);
         self.notes.push(note);
         *order = going_on;
-        self.gone_on_from = newest;
+        self.last = Some(step);
         Ok(())
     }
 }

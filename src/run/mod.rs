@@ -127,12 +127,14 @@ fn run_locked(
     observer: &mut Log<'_>,
 ) -> Result<Report, RunError> {
     let on_purpose = OnPurpose::asked_for()?;
-    let began = Instant::now();
     let mut losses = Losses::default();
     loop {
+        let began = Instant::now();
         let mut run = begin(&order, requests, observer)?;
         run.notes.extend(losses.notes.iter().cloned());
-        if let Some(on_purpose) = on_purpose.filter(|asked| asked.is_due_in(&run)) {
+        if let Some(on_purpose) =
+            on_purpose.filter(|asked| asked.is_due(run.resumed_at_step.is_some()))
+        {
             observer.note(&on_purpose.to_string());
             run.on_purpose = Some(on_purpose);
         }
@@ -148,8 +150,9 @@ fn run_locked(
                 }
                 run.leave_phase();
                 run.end_failed(&other.to_string(), began);
+                let step = run.simulation.step_count();
                 drop(run);
-                losses.survive(&mut order, other, observer)?;
+                losses.survive(&mut order, step, other, observer)?;
                 continue;
             }
         };

@@ -2,10 +2,11 @@
 
 use super::rule::Rule;
 use crate::case::Scene;
+use crate::frame::CableKind;
 use crate::frame::StructureFrame;
 use crate::measure::Record;
 use crate::measure::canopy_shape::PRINCIPAL_STRAIN_1_MAX;
-use crate::measure::shared::VON_MISES_MAX;
+use crate::measure::shared::{LINE_TENSION_MAX, VON_MISES_MAX};
 use crate::output::{Bound, ReadOut, Supports, ValidityRow, When};
 
 /// A structure at the end of its run, and what was recorded.
@@ -23,7 +24,7 @@ impl Ended<'_> {
     }
 }
 
-const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
+const fn rules<'a>() -> [Rule<Ended<'a>>; 4] {
     [
         Rule {
             name: "largest strain of the fabric",
@@ -56,18 +57,41 @@ const fn of_the_fabric<'a>() -> [Rule<Ended<'a>>; 3] {
         Rule {
             name: "line tension over breaking load",
             unit: "1",
-            meaning: "largest tension of a line in the last state over its breaking load",
+            meaning: "largest tension of a suspension line of a canopy of all samples, or of a wing's line in the last state, over its breaking load",
             bound: Bound::AtMost,
             limit: 1.0,
             supports: Supports::Everything,
             remedy: "take stronger lines: this one would break",
             value: |ended| {
+                if let Some(breaking_n) = ended.scene.line_breaking_load_n {
+                    let last = ended.structure.tensions_n(&[CableKind::SuspensionLine]);
+                    let largest_n = ended.largest(&LINE_TENSION_MAX, last);
+                    return largest_n.is_finite().then(|| largest_n / breaking_n);
+                }
                 let loads = &ended.scene.wing()?.breaking_loads_n;
                 let tensions = ended.structure.cable_tensions_n.iter();
                 let shares = tensions
                     .zip(loads)
                     .filter_map(|(t, load)| Some(t / (*load)?));
                 shares.reduce(f64::max)
+            },
+        },
+        Rule {
+            name: "largest strain of a suspension line",
+            unit: "1",
+            meaning: "strain of a suspension line at its largest tension of all samples",
+            bound: Bound::AtMost,
+            limit: 0.3,
+            supports: Supports::Everything,
+            remedy: "check lines.youngs_modulus_pa and lines.area_m2: such lines would tear",
+            value: |ended| {
+                let structure = &ended.scene.body.as_ref()?.structure;
+                let mut lines = structure.cables.iter();
+                let line = lines.find(|cable| cable.kind == CableKind::SuspensionLine)?;
+                let last = ended.structure.tensions_n(&[CableKind::SuspensionLine]);
+                let largest_n = ended.largest(&LINE_TENSION_MAX, last);
+                let law = &structure.cable_laws[line.law as usize];
+                largest_n.is_finite().then(|| law.strain_at(largest_n))
             },
         },
     ]
@@ -88,7 +112,7 @@ pub fn at_the_end(
         structure,
         record,
     };
-    let rules = of_the_fabric();
+    let rules = rules();
     let rules = rules.iter();
     rules
         .filter_map(|rule| rule.row(&ended, ("", ""), When::AtTheEnd))

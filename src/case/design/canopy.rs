@@ -64,9 +64,9 @@ const GUIDE: f64 = 20.0;
 /// Drag coefficient of a round line across the wind.
 const LINE_DRAG: f64 = 1.1;
 
-/// All keys that follow from a design.
-pub(super) fn derive(design: &CanopyDesign) -> Result<Keys, Problem> {
-    let scales = &Scales::new(design)?;
+/// All keys that follow from a design, and from what the case says beside it.
+pub(super) fn derive(design: &CanopyDesign, case: &Table) -> Result<Keys, Problem> {
+    let scales = &Scales::new(design, case)?;
     let quality = design.quality.unwrap_or(Quality::Normal);
     let (cells, rings, confidence) = fineness(quality);
     let start = design.start.unwrap_or({

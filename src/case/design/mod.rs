@@ -86,7 +86,7 @@ pub(super) fn expand(
     let own = |name: &str| written.get(name).and_then(Value::as_table);
     let (keys, structure, of) = if let Some(canopy) = &design.canopy {
         let structure = shape::table(canopy.kind);
-        (canopy::derive(canopy)?, Some(structure), "canopy")
+        (canopy::derive(canopy, case)?, Some(structure), "canopy")
     } else if let Some(wing) = &design.wing {
         (wing::derive(wing)?, Some("wing"), "wing")
     } else if let (Some(mesh), Some(table)) = (&design.mesh, own("mesh")) {

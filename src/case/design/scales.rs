@@ -2,9 +2,14 @@
 
 use std::f64::consts::PI;
 
-use super::super::density::{standard_density_kg_m3, standard_kinematic_viscosity_m2_s};
+use toml::{Table, Value};
+
+use super::super::density::{
+    ALTITUDES_M, standard_density_kg_m3, standard_kinematic_viscosity_m2_s,
+};
 use super::super::file::CanopyDesign;
 use super::super::problem::Problem;
+use super::super::text::lookup;
 use super::super::values::{absent, within};
 use super::handbook::Published;
 use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg, speed_m_s};
@@ -35,8 +40,27 @@ pub(super) struct Scales {
     pub(super) kinematic_viscosity_m2_s: f64,
 }
 
+fn number(value: &Value) -> Option<f64> {
+    let whole = || value.as_integer().map(|number| number as f64);
+    value.as_float().or_else(whole).filter(|n| n.is_finite())
+}
+
+/// A positive number that a case says itself; what others are refused for is told where the key is read.
+fn written(case: &Table, path: &str) -> Option<f64> {
+    lookup(case, path).and_then(number).filter(|n| *n > 0.0)
+}
+
+/// Strength of the gravity that a case says itself [m/s²].
+fn written_gravity_m_s2(case: &Table) -> Option<f64> {
+    let parts = lookup(case, "gravity.acceleration_m_s2")?.as_array()?;
+    let parts: Option<Vec<f64>> = parts.iter().map(number).collect();
+    let strength = parts?.iter().map(|part| part * part).sum::<f64>().sqrt();
+    (strength > 0.0 && strength.is_finite()).then_some(strength)
+}
+
 impl Scales {
-    pub(super) fn new(design: &CanopyDesign) -> Result<Self, Problem> {
+    /// The scales of a design; what the case says itself of density, viscosity, gravity, speed and payload stands.
+    pub(super) fn new(design: &CanopyDesign, case: &Table) -> Result<Self, Problem> {
         let diameter_m = length_m(TABLE, "diameter", design.diameter_m, design.diameter_ft)?;
         let diameter_m = diameter_m.ok_or_else(|| {
             absent(
@@ -45,22 +69,45 @@ impl Scales {
             )
         })?;
         let diameter_m = within("canopy.diameter_m", diameter_m, 0.01, 200.0)?;
-        let written = [
+        let speeds = [
             design.speed_m_s,
             design.speed_km_h,
             design.speed_ft_s,
             design.speed_kt,
         ];
-        let speed_m_s = speed_m_s(TABLE, written)?;
+        let speed_m_s = speed_m_s(TABLE, speeds)?;
         let payload_kg = mass_kg(TABLE, "payload", design.payload_kg, design.payload_lb)?;
         let altitude_m = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
-        let density_kg_m3 = standard_density_kg_m3(altitude_m);
+        let in_the_fall = lookup(case, "air.descent.altitude_m").and_then(number);
+        let within_atmosphere =
+            |altitude: &f64| (ALTITUDES_M[0]..=ALTITUDES_M[1]).contains(altitude);
+        let altitude_m = in_the_fall.filter(within_atmosphere).unwrap_or(altitude_m);
+        let falls = payload_kg.is_some() && speed_m_s.is_some();
+        let speed_m_s = written(
+            case,
+            if falls {
+                "air.descent.release_speed_m_s"
+            } else {
+                "air.wind_tunnel.speed_m_s"
+            },
+        )
+        .or(speed_m_s);
+        let payload_kg = payload_kg.map(|kg| written(case, "payload.mass_kg").unwrap_or(kg));
+        let payload_area_m2 = written(case, "payload.drag_area_m2")
+            .or(design.payload_drag_area_m2.filter(|area| *area > 0.0))
+            .unwrap_or(0.0);
+        let density_kg_m3 = written(case, "air.density_kg_m3")
+            .unwrap_or_else(|| standard_density_kg_m3(altitude_m));
+        let gravity_m_s2 = written_gravity_m_s2(case).unwrap_or(GRAVITY_M_S2);
         let area_m2 = 0.25 * PI * diameter_m * diameter_m;
         let drag_coefficient = Published::of(design.kind).mean_drag_coefficient();
         let balance_m_s = payload_kg.map(|mass| {
-            (2.0 * mass * GRAVITY_M_S2 / (density_kg_m3 * drag_coefficient * area_m2)).sqrt()
+            let drag_area_m2 = drag_coefficient * area_m2 + payload_area_m2;
+            (2.0 * mass * gravity_m_s2 / (density_kg_m3 * drag_area_m2)).sqrt()
         });
-        let Some(final_speed_m_s) = balance_m_s.or(speed_m_s) else {
+        // In a tunnel the canopy stands in the wind that the case gives, if it does.
+        let in_a_tunnel = speed_m_s.filter(|_| !falls);
+        let Some(final_speed_m_s) = in_a_tunnel.or(balance_m_s) else {
             return Err(absent(
                 "canopy.speed_m_s",
                 "a canopy stands in a wind, or falls with a payload (canopy.payload_kg)",
@@ -72,10 +119,11 @@ impl Scales {
             speed_m_s: speed_m_s.unwrap_or(final_speed_m_s),
             final_speed_m_s,
             payload_kg,
-            falls: payload_kg.is_some() && speed_m_s.is_some(),
+            falls,
             altitude_m,
             density_kg_m3,
-            kinematic_viscosity_m2_s: standard_kinematic_viscosity_m2_s(altitude_m),
+            kinematic_viscosity_m2_s: written(case, "air.kinematic_viscosity_m2_s")
+                .unwrap_or_else(|| standard_kinematic_viscosity_m2_s(altitude_m)),
         })
     }
 
@@ -121,7 +169,7 @@ mod tests {
                 "type = \"flat_circular\"\ndiameter_m = 10.0\npayload_kg = {payload_kg}\nspeed_m_s = {speed_m_s:?}"
             ))
             .unwrap();
-            let scales = Scales::new(&design).unwrap();
+            let scales = Scales::new(&design, &Table::new()).unwrap();
             let drag_coefficient = 0.75;
             let (filling_s, steps) = (FILLING * scales.diameter_m / speed_m_s, 100_000);
             let full = 0.5 * scales.density_kg_m3 * drag_coefficient * scales.area_m2;

@@ -69,7 +69,7 @@ pub struct ErgunLaw {
 pub struct PermeabilityTest {
     /// Pressure differences, one or two [Pa].
     pub pressures_pa: Vec<f64>,
-    /// Air that passes at each, per area [m/s].
+    /// Air that passes at each, per area [m/s]; at most what a hole without fabric lets pass.
     pub air_speeds_m_s: Vec<f64>,
 }
 
