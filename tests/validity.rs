@@ -302,8 +302,8 @@ fn beyond() {
         (
             canopy,
             &[
-                "lines.area_m2=1e-9",
-                "time.end_s=0.006",
+                "lines.area_m2=1e-10",
+                "time.end_s=0.03",
                 "output.sample_interval_s=0.001",
             ][..],
             "largest strain of a suspension line",
