@@ -41,17 +41,7 @@ pub fn trials() -> Vec<Trial> {
 }
 
 fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setup {
-    Setup {
-        cells,
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator,
-        eddy_viscosity: None,
-    }
+    Setup::periodic(cells, relaxation_time, operator)
 }
 
 /// Taylor–Green vortices of amplitude `speed` at time zero.

@@ -8,7 +8,7 @@ use ripstop::case::{self, Case, Choices};
 use ripstop::checkpoint;
 use ripstop::geometry::surfaces;
 use ripstop::lattice::Operator;
-use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::grid::Setup;
 use ripstop::measure::{Record, flow_past_bodies, results};
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
@@ -214,17 +214,7 @@ impl Body for Passes {
     /// same drag.
     fn run(self, engine: Engine) {
         let wind = [0.05, 0.01, -0.02];
-        let setup = Setup {
-            cells: [16, 24, 24],
-            ends: StreamwiseEnds::Periodic,
-            sides: Sides::Periodic,
-            relaxation_time: 0.6,
-            inlet_profile: None,
-            sponge_cells: None,
-            idle: None,
-            operator: Operator::RecursiveRegularised,
-            eddy_viscosity: None,
-        };
+        let setup = Setup::periodic([16, 24, 24], 0.6, Operator::RecursiveRegularised);
         let air = engine.air(setup, &|_| (0.0, wind));
         // Wide enough that the rim's stronger exchange does not reach the middle in three passes.
         let positions: Vec<[f64; 3]> = (0..400)

@@ -2,7 +2,7 @@
 
 use libtest_mimic::Trial;
 use ripstop::lattice::Operator;
-use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::grid::Setup;
 use ripstop::simulation::{AirEngine, MarkerEngine};
 
 use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, states};
@@ -23,17 +23,11 @@ pub fn trials() -> Vec<Trial> {
 }
 
 fn still_box(relaxation_time: f64) -> Setup {
-    Setup {
-        cells: [16, 24, 24],
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
+    Setup::periodic(
+        [16, 24, 24],
         relaxation_time,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator: Operator::RecursiveRegularised,
-        eddy_viscosity: None,
-    }
+        Operator::RecursiveRegularised,
+    )
 }
 
 /// A sheet x = `x` of markers one cell apart, `half` cells to each side of the middle.

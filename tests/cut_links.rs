@@ -7,7 +7,7 @@ use libtest_mimic::Trial;
 use ripstop::case::coupling::Friction;
 use ripstop::case::{self, Case, Choices};
 use ripstop::lattice::Operator;
-use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use ripstop::lattice::grid::Setup;
 use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
 use ripstop::simulation::{AirEngine, Coupled, CutSurface, Simulation};
@@ -38,17 +38,7 @@ pub fn trials() -> Vec<Trial> {
 }
 
 pub fn periodic(cells: [usize; 3], relaxation_time: f64) -> Setup {
-    Setup {
-        cells,
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator: Operator::RecursiveRegularised,
-        eddy_viscosity: None,
-    }
+    Setup::periodic(cells, relaxation_time, Operator::RecursiveRegularised)
 }
 
 /// One step of the air and the surface in it, which moves with `velocities`; the force on the air.

@@ -228,6 +228,7 @@ fn balanced() {
         ),
         ("canopy.payload_drag_area_m2=60.0", payload),
         ("payload.drag_area_m2=60", payload),
+        ("payload.drag_area_m2=absent", 1.0),
         ("payload.mass_kg=400.0", 2.0),
         // No gravity is the usual one.
         ("gravity.acceleration_m_s2=[0.0, 0.0, 0.0]", 1.0),

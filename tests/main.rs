@@ -71,6 +71,7 @@ mod reserve;
 mod resolved;
 mod resumed;
 mod resumption;
+mod room_on_disk;
 mod sail_support;
 mod sheets;
 mod solver_account;
@@ -164,6 +165,7 @@ fn main() -> std::process::ExitCode {
         import_lines::trials(),
         fuzz::trials(),
         resumption::trials(),
+        room_on_disk::trials(),
         resolved::trials(),
         reserve::trials(),
         extension::trials(),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::cpu;
 use crate::cpu::fluid::BodyForce;
 use crate::gpu::{self, Device, DeviceError};
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 use crate::lattice::{Operator, Storage};
 
 /// Cells along an edge of the box: 67 MB of populations in f32.
@@ -22,17 +22,7 @@ const TIME: Duration = Duration::from_millis(200);
 
 /// The air of canopies, without a model of its eddies.
 fn setup() -> Setup {
-    Setup {
-        cells: [SIDE; 3],
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time: 0.6,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator: Operator::StabilisedRegularised,
-        eddy_viscosity: None,
-    }
+    Setup::periodic([SIDE; 3], 0.6, Operator::StabilisedRegularised)
 }
 
 /// Updates per second of `steps`, which makes so many and waits for them; the first ones are not timed.

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::measurement::{Flow, Setting};
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 
 const REYNOLDS: f64 = 100.0;
 
@@ -22,17 +22,7 @@ pub(super) fn flow(setting: &Setting) -> Flow {
         [speed * x.sin() * y.cos(), -speed * x.cos() * y.sin(), 0.0]
     };
     Flow {
-        setup: Setup {
-            cells: [n, n, 4],
-            ends: StreamwiseEnds::Periodic,
-            sides: Sides::Periodic,
-            relaxation_time: 0.5 + 3.0 * viscosity,
-            inlet_profile: None,
-            sponge_cells: None,
-            idle: None,
-            operator: setting.operator,
-            eddy_viscosity: None,
-        },
+        setup: Setup::periodic([n, n, 4], 0.5 + 3.0 * viscosity, setting.operator),
         initial: Box::new(move |cell| {
             let (x, y) = (k * (cell[0] as f64 + 0.5), k * (cell[1] as f64 + 0.5));
             // p = (ρ U²/4)(cos 2kx + cos 2ky); δρ = 3 p.

@@ -94,7 +94,12 @@ pub(super) fn apply_override(
 #[must_use]
 pub fn number_in(text: &str, path: &str) -> Option<f64> {
     let table: toml::Table = toml::from_str(text).ok()?;
-    match lookup(&table, path)? {
+    number(lookup(&table, path)?)
+}
+
+/// A value as a number; `None` where it is none.
+pub(super) fn number(value: &toml::Value) -> Option<f64> {
+    match value {
         toml::Value::Float(value) => Some(*value),
         toml::Value::Integer(value) => Some(*value as f64),
         _ => None,

@@ -34,7 +34,9 @@ fn pace_line(updates_per_s: f64) -> String {
 }
 
 pub(super) fn devices(arguments: &DevicesArguments) -> Result<u8, Failure> {
-    threads::start(arguments.threads.into())?;
+    if arguments.measure {
+        threads::start(arguments.threads.into())?;
+    }
     let found = adapters();
     let automatic = chosen(&found, &AdapterChoice::Hardware);
     let mut text = String::new();
@@ -54,7 +56,7 @@ pub(super) fn devices(arguments: &DevicesArguments) -> Result<u8, Failure> {
         let verdict = match info.shortcoming() {
             Some(why) => format!("not usable: it {why}"),
             None if automatic == Some(info) && info.kind == AdapterKind::Integrated => {
-                "taken by --engine auto where it is the faster of it and the CPU, which a run measures when it begins".to_owned()
+                "taken by --engine auto where it updates air a tenth faster than the CPU, which is measured when a run begins".to_owned()
             }
             None if automatic == Some(info) => "taken by --engine auto".to_owned(),
             None => "usable by --adapter or --engine gpu".to_owned(),
@@ -85,7 +87,7 @@ pub(super) fn devices(arguments: &DevicesArguments) -> Result<u8, Failure> {
             "--engine auto computes the air on {}: the first usable of discrete, integrated, virtual GPUs{}\n",
             info.name,
             if info.kind == AdapterKind::Integrated {
-                ", if it is faster than the CPU"
+                ", if it updates air a tenth faster than the CPU"
             } else {
                 ""
             }

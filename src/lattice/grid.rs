@@ -203,6 +203,22 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// A box that repeats along all axes, without a model of its eddies.
+    #[must_use]
+    pub const fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Self {
+        Self {
+            cells,
+            ends: StreamwiseEnds::Periodic,
+            sides: Sides::Periodic,
+            relaxation_time,
+            inlet_profile: None,
+            sponge_cells: None,
+            idle: None,
+            operator,
+            eddy_viscosity: None,
+        }
+    }
+
     /// Axes along which the domain repeats.
     #[must_use]
     pub const fn repeats(&self) -> [bool; 3] {

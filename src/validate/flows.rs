@@ -2,7 +2,7 @@
 
 use crate::gpu::DeviceError;
 use crate::lattice::Operator;
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 use crate::simulation::AirEngine;
 
 /// Slope of the straight line through points by least squares.
@@ -17,17 +17,7 @@ pub(super) fn slope(points: &[[f64; 2]]) -> f64 {
 
 /// Air in a periodic box.
 pub(super) fn periodic(cells: [usize; 3], relaxation_time: f64, operator: Operator) -> Setup {
-    Setup {
-        cells,
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator,
-        eddy_viscosity: None,
-    }
+    Setup::periodic(cells, relaxation_time, operator)
 }
 
 /// ν = (τ − ½)/3.

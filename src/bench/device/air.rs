@@ -10,7 +10,7 @@ use crate::bench::Stop;
 use crate::gpu::Tuning;
 use crate::gpu::fluid::Fluid;
 use crate::gpu::{AdapterChoice, Device, DeviceError, Padding};
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 use crate::lattice::start::Start;
 use crate::lattice::{Operator, Storage};
 
@@ -252,17 +252,7 @@ fn vortices(
     storage: Storage,
     [warm_up_s, aim_s]: [f64; 2],
 ) -> Result<Timed, DeviceError> {
-    let setup = Setup {
-        cells: [side; 3],
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time: RELAXATION_TIME,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator,
-        eddy_viscosity: None,
-    };
+    let setup = Setup::periodic([side; 3], RELAXATION_TIME, operator);
     let k = std::f64::consts::TAU / side as f64;
     let speed = 0.02;
     let initial = move |[x, y, _]: [usize; 3]| {

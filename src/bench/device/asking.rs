@@ -10,7 +10,7 @@ use crate::bench::Stop;
 use crate::gpu::Device;
 use crate::gpu::bandwidth::copy_bandwidth;
 use crate::immersed::touched::TouchedCells;
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 use crate::lattice::{Operator, Storage};
 use crate::plan::AirPlacement;
 use crate::simulation::{AirEngine, MarkerEngine};
@@ -105,17 +105,7 @@ fn best_of_ten(
     cells: [usize; 3],
     positions: &[[f64; 3]],
 ) -> Result<[f64; 2], Stop> {
-    let setup = Setup {
-        cells,
-        ends: StreamwiseEnds::Periodic,
-        sides: Sides::Periodic,
-        relaxation_time: 0.6,
-        inlet_profile: None,
-        sponge_cells: None,
-        idle: None,
-        operator: Operator::RecursiveRegularised,
-        eddy_viscosity: None,
-    };
+    let setup = Setup::periodic(cells, 0.6, Operator::RecursiveRegularised);
     let air = AirEngine::build(setup, None, AirPlacement::Gpu(Storage::F32), Some(device))?;
     let mut markers = MarkerEngine::new(&air, vec![1.0; positions.len()], 1.6)
         .map_err(|error| Stop::Refused(error.to_string()))?;

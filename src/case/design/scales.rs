@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use toml::{Table, Value};
+use toml::Table;
 
 use super::super::density::{
     ALTITUDES_M, standard_density_kg_m3, standard_kinematic_viscosity_m2_s,
 };
 use super::super::file::CanopyDesign;
 use super::super::problem::Problem;
-use super::super::text::lookup;
+use super::super::text::{lookup, number};
 use super::super::values::{absent, within};
 use super::handbook::Published;
 use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg, speed_m_s};
@@ -40,14 +40,10 @@ pub(super) struct Scales {
     pub(super) kinematic_viscosity_m2_s: f64,
 }
 
-fn number(value: &Value) -> Option<f64> {
-    let whole = || value.as_integer().map(|number| number as f64);
-    value.as_float().or_else(whole).filter(|n| n.is_finite())
-}
-
 /// A positive number that a case says itself; what others are refused for is told where the key is read.
 fn written(case: &Table, path: &str) -> Option<f64> {
-    lookup(case, path).and_then(number).filter(|n| *n > 0.0)
+    let number = lookup(case, path).and_then(number);
+    number.filter(|n| *n > 0.0 && n.is_finite())
 }
 
 /// Strength of the gravity that a case says itself [m/s²].
@@ -93,9 +89,12 @@ impl Scales {
         )
         .or(speed_m_s);
         let payload_kg = payload_kg.map(|kg| written(case, "payload.mass_kg").unwrap_or(kg));
-        let payload_area_m2 = written(case, "payload.drag_area_m2")
-            .or(design.payload_drag_area_m2.filter(|area| *area > 0.0))
-            .unwrap_or(0.0);
+        // "absent" is none at all.
+        let payload_area_m2 = match lookup(case, "payload.drag_area_m2") {
+            Some(_) => written(case, "payload.drag_area_m2"),
+            None => design.payload_drag_area_m2.filter(|area| *area > 0.0),
+        };
+        let payload_area_m2 = payload_area_m2.unwrap_or(0.0);
         let density_kg_m3 = written(case, "air.density_kg_m3")
             .unwrap_or_else(|| standard_density_kg_m3(altitude_m));
         let gravity_m_s2 = written_gravity_m_s2(case).unwrap_or(GRAVITY_M_S2);

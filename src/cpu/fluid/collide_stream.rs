@@ -379,8 +379,8 @@ fn collide_part<S: Simd, T: Real, C: Collision>(
 }
 
 /// Collides neighbouring cells, from a whole vector on. `tau` is read only where `OWN_TIMES`, `force` only where `FORCED`; both begin at the first cell
-/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end: every copy of it costs as much of
-/// the compiler's time as a file.
+/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end, as it is compiled for each operator, precision and set of
+/// instructions.
 #[inline(always)]
 fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(
     simd: S,

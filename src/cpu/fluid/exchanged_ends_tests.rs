@@ -3,21 +3,11 @@ use crate::checkpoint::sections;
 use crate::cpu::fluid::transfer::{Tie, take_down_ends};
 use crate::cpu::fluid::{BodyForce, Fluid, ForcedCells};
 use crate::lattice::Operator;
-use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
+use crate::lattice::grid::Setup;
 
 /// Air that repeats on all sides, with a velocity that differs from cell to cell.
 fn air<T: Real>(cells: [usize; 3], relaxation_time: f64) -> Fluid<T> {
-    let setup = Setup {
-        cells,
-        ends: StreamwiseEnds::Periodic,
-        inlet_profile: None,
-        sides: Sides::Periodic,
-        relaxation_time,
-        sponge_cells: None,
-        idle: None,
-        operator: Operator::StabilisedRegularised,
-        eddy_viscosity: None,
-    };
+    let setup = Setup::periodic(cells, relaxation_time, Operator::StabilisedRegularised);
     let uneven = |cell: [usize; 3]| {
         let [x, y, z] = cell.map(|c| c as f64);
         let wave = |phase: f64| 0.03 * (0.9 * x + 1.3 * y + 0.7 * z + phase).sin();
