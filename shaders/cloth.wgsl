@@ -1,8 +1,8 @@
 // What every stage of the cloth shares: parameters, points, and how elements read them.
 //
 // A point holds, for each coordinate, a whole number of 2⁻¹⁶ m and a remainder: 5e-13 m anywhere within ±32 km. Differences of
-// the whole numbers are exact, so edges and displacements keep the precision of the remainders. Point `PREDICTION` of a step is
-// kept apart; displacements count from it.
+// the whole numbers are exact, so edges and displacements keep the precision of the remainders. The predicted point of
+// a step is kept apart (`predicted_whole`, `predicted_remainder`); displacements count from it.
 
 // Mirrors gpu::cloth::parameters::ClothStage.
 struct ClothStage {

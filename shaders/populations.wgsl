@@ -1,4 +1,4 @@
-// Populations, streamed in place by esoteric pull (src/cpu/fluid/mod.rs): one buffer per direction. Of every pair the `near`
+// Populations, streamed in place by esoteric pull (src/lattice/grid.rs): one buffer per direction. Of every pair the `near`
 // slot lies at the cell itself, the `far` slot at its neighbour along the first direction; which buffer is which changes with
 // the parity of the step, by exchanging bind groups. Elements count the ghost layer: x + y STRIDE_Y + z STRIDE_Z.
 

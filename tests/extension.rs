@@ -62,6 +62,13 @@ fn a_finished_run_goes_on() {
     };
     let case = case::load(&root().join(CANOPY), &choices).unwrap();
     let told = Disk::new(&case.scene, &Plan::new(&case.scene, Precision::F32).sizes);
+    let with_interval = |interval_s: f64| {
+        let mut scene = case.scene.clone();
+        scene.output.sample_interval_s = interval_s;
+        scene.output.animation_interval_s = Some(interval_s);
+        Disk::new(&scene, &Plan::new(&scene, Precision::F32).sizes).most
+    };
+    assert_eq!(with_interval(1e-300), u64::MAX, "more than can be counted");
     let found = contents(&out)["final.checkpoint"].len() as f64;
     let ratio = told.checkpoint as f64 / found;
     assert!(

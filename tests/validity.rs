@@ -2,7 +2,7 @@
 
 use libtest_mimic::Trial;
 use ripstop::case::{self, Case, Choices};
-use ripstop::output::{ExpectedError, Supports, ValidityRow};
+use ripstop::output::{ExpectedError, Quantity, ReadOut, Results, Supports, ValidityRow, mark};
 use ripstop::plan::{Plan, Precision};
 use ripstop::validity;
 
@@ -20,6 +20,8 @@ pub fn trials() -> Vec<Trial> {
         ("validity::strict_sphere", strict_sphere),
         ("validity::runs_beyond_their_limits", beyond),
         ("validity::results_and_their_support", support),
+        ("validity::vents_and_gaps", vents_and_gaps),
+        ("validity::names_of_bodies", names_of_bodies),
         ("validity::strict_about_what_has_not_settled", strict_wake),
     ]
     .into_iter()
@@ -352,21 +354,61 @@ fn beyond() {
         assert!(marked.count() > results.len() / 2, "{results:?}");
     }
     // A run that is over in one step.
-    let case = {
-        let overrides = ["air.wind_tunnel.speed_m_s=1e-6", "time.end_s=0.03"];
-        let choices = Choices {
-            variant: Some("quick".to_owned()),
-            overrides: overrides.map(str::to_owned).to_vec(),
-        };
-        case::load(&root().join(CANOPY), &choices).unwrap()
-    };
-    let plan = Plan::new(&case.scene, Precision::F32);
-    let rows = validity::beforehand(&case.scene, &plan);
+    let rows = beforehand(
+        CANOPY,
+        &["air.wind_tunnel.speed_m_s=1e-6", "time.end_s=0.03"],
+    );
     let steps = rows
         .iter()
         .find(|row| row.name == "steps of the run")
         .unwrap();
     assert_eq!((steps.value, steps.valid), (Some(1.0), Some(false)));
+}
+
+/// What is said of a quick variant before its first step.
+fn beforehand(file: &str, overrides: &[&str]) -> Vec<ValidityRow> {
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: overrides.iter().map(|&change| change.to_owned()).collect(),
+    };
+    let case = case::load(&root().join(file), &choices).unwrap();
+    let plan = Plan::new(&case.scene, Precision::F32);
+    validity::beforehand(&case.scene, &plan)
+}
+
+/// A vent and a gap are judged each by its own rule, whichever is narrower.
+fn vents_and_gaps() {
+    let rows = beforehand("cases/disk-gap-band.toml", &[]);
+    for kind in ["hole", "gap or slot"] {
+        let of_kind = rows.iter().filter(|row| {
+            row.name
+                .starts_with(&format!("cells across the narrowest {kind}"))
+        });
+        assert_eq!(of_kind.count(), 1, "{kind}");
+    }
+}
+
+/// The name of a body tells nothing of what its results need.
+fn names_of_bodies() {
+    let mut rows = beforehand("cases/sphere.toml", &[]);
+    let mut row = rows.swap_remove(0);
+    row.prefix = "lift_max_".to_owned();
+    row.valid = Some(false);
+    let marked = |supports, name: &'static str| {
+        let row = ValidityRow {
+            supports,
+            ..row.clone()
+        };
+        let mut results = Results::default();
+        results.insert(&ReadOut::new(name, "1", ""), Quantity::new(1.0));
+        mark(&mut results, &[row]);
+        results.get(name).unwrap().unresolved.is_some()
+    };
+    for supports in [Supports::Lift, Supports::Opening] {
+        assert!(!marked(supports, "lift_max_drag_coefficient"));
+    }
+    assert!(marked(Supports::Lift, "lift_max_lift_coefficient"));
+    assert!(marked(Supports::Means, "lift_max_drag_coefficient"));
 }
 
 /// Which results a row supports.
@@ -382,7 +424,9 @@ fn support() {
         (Supports::Opening, "fill_time_s", true),
         (Supports::Opening, "projected_diameter_ratio", false),
         (Supports::Lift, "lift_coefficient", true),
+        (Supports::Lift, "moment_y_n_m", true),
         (Supports::Lift, "drag_coefficient", false),
+        (Supports::Lift, "drag_momentum_box_n", false),
     ] {
         assert_eq!(supports.covers(name), covered, "{supports:?} {name}");
     }

@@ -87,8 +87,6 @@ pub struct ViscousFlow {
     pub flow: Flow,
     /// Effective angle of each strip's section [rad].
     pub effective_rad: Vec<f64>,
-    /// By how much each strip's stream is turned, negative where lift is lost [rad].
-    pub turned_rad: Vec<f64>,
     /// Drag of the sections [N]; of a symmetric wing both halves.
     pub profile_drag_n: f64,
     /// Largest difference of a strip's lift coefficient from its polar's, artificial viscosity included; beyond [`AGREEMENT`] nothing was found.
@@ -329,9 +327,6 @@ impl<'a> Decambering<'a> {
             .sum();
         ViscousFlow {
             flow,
-            turned_rad: (0..effective_rad.len())
-                .map(|j| self.turned(j, effective_rad[j]).0)
-                .collect(),
             is_covered: effective_rad
                 .iter()
                 .zip(&self.sections)

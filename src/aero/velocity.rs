@@ -1,9 +1,9 @@
 //! Velocity along a surface from the potential of its panels.
 //!
-//! The tangential velocity is the onset flow's, the surface gradient of φ added. The gradient comes from the neighbours' centres: the
-//! chord-wise derivative by five of them over the length of the strip's polygon, the span-wise one over the distance by a parabola through three, one-sided at
-//! trailing edges and tips, and from them the vector in the panel's plane that has both (Katz & Plotkin 2001, section 12.3, with differences over
-//! lengths in place of panel numbers). Panels of caps take the chord-wise derivative alone: around the
+//! The tangential velocity is the onset flow's, the surface gradient of φ added. The gradient comes from the neighbours' centres.
+//! Five of them give the chord-wise derivative, over the length of the strip's polygon. A parabola through three gives the span-wise one, over their distance;
+//! at trailing edges and tips both are one-sided. The gradient is the vector in the panel's plane that has both derivatives (Katz & Plotkin 2001, section 12.3, with
+//! differences over lengths in place of panel numbers). Panels of caps take the chord-wise derivative alone: around the
 //! edges of a tip potential flow would be infinitely fast, where air separates.
 
 use glam::DVec3;

@@ -1,8 +1,16 @@
 //! A wing of XFLR5 (`.xwimp`) as a wing by itself: `[aero.wing]`.
 //!
-//! The first line is the name; every other one a section from the middle to the tip: place along the developed span [m], chord [m], how far the nose lies behind that of the
-//! middle [m], dihedral of the part outside of it [°], twist about the quarter chord [°], panels along chord and span with two codes of their spacing, and the
-//! names of the profiles on the right and on the left, with `/_/` for blanks. The format has no document; this is what XFLR5 6.62 reads and writes.
+//! The first line is the name; every other one is a section, from the middle to the tip. Its numbers are, in order:
+//!
+//! 1. place along the developed span [m];
+//! 2. chord [m];
+//! 3. how far the nose lies behind that of the middle [m];
+//! 4. dihedral of the part outside of it [°];
+//! 5. twist about the quarter chord [°];
+//! 6. panels along chord and span, with two codes of their spacing;
+//! 7. names of the profiles on the right and on the left, with `/_/` for blanks.
+//!
+//! The format has no document; this is what XFLR5 6.62 reads and writes.
 
 use std::fmt::Write;
 

@@ -24,9 +24,9 @@ use crate::plan::{AirPlacement, Precision, Storage};
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
-    /// Only problems with this text in their name. Some run only when named: `stability` maps where operators break down (`stability-at-bodies` its second part alone), `bluff-bodies` follows
-    /// bodies over cells, Reynolds numbers and speeds on the lattice, `aerodynamics` measures
-    /// panels, `fabric` solves Hencky's disc and an airbag, `levels` measures boxes of finer cells, `device` measures a device, `coupling-schemes` and `coupling-passes` compare schemes of coupling, `light-canopies` takes ever lighter sheets.
+    /// Only problems with this text in their name. Some run only when named. `stability` maps where operators break down (`stability-at-bodies` is its second part alone). `bluff-bodies` follows
+    /// bodies over cells, Reynolds numbers and speeds on the lattice. `aerodynamics` measures panels, `levels` boxes of finer cells, `device` a device. `fabric` solves Hencky's disc and an
+    /// airbag. `coupling-schemes` and `coupling-passes` compare schemes of coupling, and `light-canopies` takes ever lighter sheets.
     filter: Option<String>,
     /// More and larger sizes.
     #[arg(long)]

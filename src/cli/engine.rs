@@ -16,7 +16,7 @@ use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{
     AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage, capabilities,
-    steps_are_left_to_host, steps_take_multigrid,
+    place_markers, steps_are_left_to_host, steps_take_multigrid,
 };
 
 /// Opens a device, and says which better ones did not open.
@@ -325,7 +325,8 @@ fn fabric_fits(scene: &Scene, device: &Device) -> Result<(), DeviceError> {
     // Equilibria, and long steps, take multigrid as their initial Hessian.
     let multigrid = steps_take_multigrid(scene) || scene.equilibrium.is_some();
     let cut = (scene.coupling).is_some_and(|coupling| coupling.scheme == Scheme::Links);
-    let bytes = largest_buffer_bytes(&body.structure, multigrid, cut);
+    let marker_count = if cut { 0 } else { place_markers(scene).len() };
+    let bytes = largest_buffer_bytes(&body.structure, marker_count, multigrid, cut);
     fits(what, bytes, remedy, device)
 }
 

@@ -91,8 +91,8 @@ impl Layer {
         self.heights[0] > 0.0
     }
 
-    /// Speed at the edge of the layer: further off where the layer is thicker than the nearer distance, for the air is slower there otherwise. It does not follow from the layer's thickness, which it
-    /// decides: by the profile of a thick layer it would, and the thickness of one face and the next would swing between nothing and the thickest.
+    /// Speed at the edge of the layer: the larger of those at the nearer and the further distance, since a thick layer slows the air at the nearer one. The layer's own profile is not
+    /// used for it: the speed decides the thickness, and thicknesses of neighbouring faces would swing between nothing and the largest.
     fn edge_speed(&self) -> f64 {
         self.velocity.length().max(self.further_speed)
     }

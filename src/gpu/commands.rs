@@ -3,6 +3,7 @@
 //! A submission costs the host and the device some microseconds, so that stages leave what nobody waits for to the next one. The order stays that in which
 //! they recorded and wrote.
 
+use std::borrow::Cow;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
 use bytemuck::Pod;
@@ -137,17 +138,18 @@ impl Device {
         }
     }
 
-    /// Writes `data` to a buffer, `offset` in elements, after what waits and before what is submitted later.
+    /// Writes `data` to a buffer, `offset` in elements, after what waits and before what is submitted later. Buffers are whole words of four bytes, and
+    /// `offset` begins one; what `data` leaves of its last word becomes zero.
     pub(super) fn write<T: Pod>(&self, buffer: &wgpu::Buffer, offset: usize, data: &[T]) {
-        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let mut bytes: Cow<[u8]> = bytemuck::cast_slice(data).into();
+        let whole_words = (bytes.len()).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT as usize);
+        if whole_words > bytes.len() {
+            bytes.to_mut().resize(whole_words, 0);
+        }
+        let bytes = bytes.as_ref();
         let start = (offset * size_of::<T>()) as u64;
-        let alignment = wgpu::COPY_BUFFER_ALIGNMENT;
-        let aligned =
-            start.is_multiple_of(alignment) && (bytes.len() as u64).is_multiple_of(alignment);
         let mut waiting = self.waiting();
-        if let (Some(recorded), true) =
-            (waiting.last_mut(), aligned && bytes.len() <= RECORDED_WRITE)
-        {
+        if let (Some(recorded), true) = (waiting.last_mut(), bytes.len() <= RECORDED_WRITE) {
             if bytes.is_empty() {
                 return;
             }

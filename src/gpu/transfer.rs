@@ -10,7 +10,7 @@ use super::device::{Device, TIMEOUT, TRANSFER_BYTES};
 use super::error::DeviceError;
 
 impl Device {
-    /// Elements `first..first + count` of a buffer, after everything recorded so far.
+    /// Elements `first..first + count` of a buffer, after everything recorded so far. Buffers are whole words of four bytes, and `first` begins one.
     pub(super) fn read<T: Pod>(
         &self,
         buffer: &wgpu::Buffer,
@@ -21,9 +21,11 @@ impl Device {
         let per_chunk = (TRANSFER_BYTES as usize / size_of::<T>()).max(1);
         for (index, chunk) in result.chunks_mut(per_chunk).enumerate() {
             let start = ((first + index * per_chunk) * size_of::<T>()) as u64;
-            let staging = Staging::new(self, size_of_val(chunk) as u64)?;
+            let whole_words =
+                (size_of_val(chunk) as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+            let staging = Staging::new(self, whole_words)?;
             let mut commands = self.record("read back");
-            staging.copy(&mut commands, buffer, start, 0, size_of_val(chunk) as u64);
+            staging.copy(&mut commands, buffer, start, 0, whole_words);
             self.submit(commands);
             staging.read(self, |bytes| {
                 let target: &mut [u8] = bytemuck::cast_slice_mut(chunk);

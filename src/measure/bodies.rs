@@ -365,7 +365,8 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
         Quantity::new(area / section).with_note(note),
     );
     let impulses = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX];
-    let samples = [window.start, window.end - 1];
+    // A row's drag is that of the interval before it, so the impulses count from the row before the window.
+    let samples = [window.start.saturating_sub(1), window.end - 1];
     let [markers, momentum_box] = mean_forces_n(record, impulses, samples);
     for (drag, force) in [(&DRAG_MARKERS, markers), (&DRAG_MOMENTUM_BOX, momentum_box)] {
         results.tell(drag, force);

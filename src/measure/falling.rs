@@ -11,7 +11,7 @@ use super::record::Record;
 use super::reduce::{column_max, quantity, released};
 use super::shared::{PROJECTED_DIAMETER_RATIO, TIME};
 use super::statistics::{Mean, first_peak, mean_of, slope};
-use super::steady::{SETTLING, SHORTEST_WINDOW};
+use super::steady::{BATCH, SETTLING, SHORTEST_WINDOW};
 use crate::case::Scene;
 use crate::case::scene::{BodyKind, Carrier, Descent};
 use crate::output::{Quantity, Results};
@@ -19,9 +19,6 @@ use crate::simulation::{Fall, Simulation};
 
 /// Speed over that of release below which coefficients mean nothing.
 const SLOWEST: f64 = 0.01;
-
-/// Length of a batch of means [lengths], as [`crate::measure::steady`] has it.
-const BATCH: f64 = 1.2;
 
 /// Relative change of the speed between the halves of the window up to which a fall counts as settled, whatever its interval.
 const STEADY: f64 = 0.01;

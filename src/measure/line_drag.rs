@@ -3,6 +3,8 @@
 use super::read_out::Reduction::Mean;
 use super::read_out::{When, columns};
 use super::record::Record;
+use super::reduce::second_half;
+use super::shared::TIME;
 use super::statistics::average;
 use crate::case::Scene;
 use crate::output::{Quantity, Results};
@@ -25,10 +27,10 @@ columns! {
 pub(super) fn results(results: &mut Results, record: &Record, scene: &Scene) {
     for column in COLUMNS.reduced(scene, Mean) {
         let values = record.column(column);
-        let half = &values[values.len() / 2..];
-        if half.is_empty() {
+        let Some(first) = second_half(&record.column(&TIME)) else {
             return;
-        }
+        };
+        let half = &values[first..];
         let note = "along the wind, second half of the run; not given to the air";
         results.insert(column, Quantity::new(average(half)).with_note(note));
     }

@@ -15,7 +15,7 @@ use super::shared::{
     IMPULSE_MOMENTUM_BOX, STROUHAL_NUMBER, TIME,
 };
 use super::spectrum::frequency;
-use super::statistics::{average, range};
+use super::statistics::{average, largest, range};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Flow};
 use crate::geometry::plate::Plate;
@@ -101,17 +101,13 @@ pub(super) fn results(results: &mut Results, record: &Record, plate: &Plate, air
     {
         results.tell(drag, force);
     }
-    let spread = routes
-        .iter()
-        .fold(0.0, |worst: f64, force| {
-            if force.is_nan() {
-                f64::NAN
-            } else {
-                worst.max((force - routes[0]).abs())
-            }
-        })
-        .max((routes[1] - routes[2]).abs());
-    let imbalance = spread / routes[0].abs();
+    let [markers, momentum_box, supports] = routes;
+    let differences = [
+        markers - momentum_box,
+        markers - supports,
+        momentum_box - supports,
+    ];
+    let imbalance = largest(differences.map(f64::abs)) / markers.abs();
     results.insert(
         &FORCE_IMBALANCE,
         if imbalance.is_finite() {

@@ -3,6 +3,8 @@
 use super::read_out::Reduction::Mean;
 use super::read_out::{When, columns};
 use super::record::Record;
+use super::reduce::second_half;
+use super::shared::TIME;
 use super::statistics::average;
 use crate::case::Scene;
 use crate::output::{AccountRow, Quantity, Results};
@@ -37,7 +39,7 @@ pub(super) fn results(results: &mut Results, record: &Record, scene: &Scene) {
         let first = if scene.equilibrium.is_some() {
             column.len().saturating_sub(1)
         } else {
-            column.len() / 2
+            second_half(&record.column(&TIME)).unwrap_or(column.len())
         };
         let shares: Vec<f64> = column.into_iter().skip(first).collect();
         let known: Vec<f64> = shares.into_iter().filter(|share| !share.is_nan()).collect();

@@ -395,7 +395,7 @@ results! {
     RESULTS: "Support of a wing's sail";
     REGION_AREA_MAX: "slack_region_area_max_m2", "m2", "area of the largest region without tension";
     REGIONS: "slack_regions", "1", "number of regions; without tension and taking at least 15 % of their panel or rib";
-    STANDING_OUT_MAX: "rib_standing_out_max", "1", "farthest that a rib stands out between the attachments of its row; over their distance";
+    STANDING_OUT_MAX: "rib_standing_out_max", "1", "farthest that a rib stands out between the attachments of its row; over its chord";
     STRESS_OVER_MEAN: "{part}_stress_max_over_mean", "1", "largest stress of the part over its mean";
 }
 

@@ -65,7 +65,7 @@ const OF_OPENINGS: [&str; 7] = [
 ];
 
 /// Parts of names of results that belong to lift.
-const OF_LIFT: [&str; 4] = ["lift", "glide", "moment", "incidence"];
+const OF_LIFT: [&str; 4] = ["lift", "glide", "moment_", "incidence"];
 
 impl Supports {
     /// Whether the result of that name needs the row.
@@ -192,8 +192,9 @@ pub fn mark(results: &mut Results, rows: &[ValidityRow]) {
     let lacking = rows.iter().filter(|row| row.valid == Some(false));
     for row in lacking {
         for (name, quantity) in results.iter_mut() {
-            let concerns = name.starts_with(&row.prefix) && row.supports.covers(name);
-            if concerns && quantity.value.is_some() {
+            // The name of a body tells nothing of its results.
+            let own = name.strip_prefix(&row.prefix);
+            if own.is_some_and(|own| row.supports.covers(own)) && quantity.value.is_some() {
                 quantity.mark_unresolved(&row.finding());
             }
         }

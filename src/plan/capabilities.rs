@@ -1,4 +1,5 @@
-//! What a scene needs of the engines, against what they can: judged before the first step, and nowhere else.
+//! What a scene needs of the engines, against what they can: judged before the first step.
+//! Whoever uses the engines without a plan is refused there (`gpu::cloth`).
 //!
 //! CPU threads compute every scene. A device computes the air of every scene within its limits of memory; of fabric it lacks what stands here.
 

@@ -51,12 +51,15 @@ impl Disk {
                 counts.fold(1, u64::saturating_mul)
             };
             let cells = (air.levels().into_iter().map(ghosts)).fold(0, u64::saturating_add);
-            let eddy = u64::from(air.eddy_viscosity.is_some());
+            let held = (air.eddy_viscosity).and_then(|model| model.gradient_model());
+            let eddy = u64::from(held.is_some());
             let bytes = sizes.population_bytes / sizes.padded_cells.max(1);
             cells.saturating_mul((DIRECTION_COUNT as u64 + eddy) * bytes)
         });
         let end_s = scene.time.map_or(0.0, |time| time.end_s);
-        let count = |interval_s: Option<f64>| interval_s.map_or(0, |i| (end_s / i) as u64) + 1;
+        let count = |interval_s: Option<f64>| {
+            (interval_s.map_or(0, |i| (end_s / i) as u64)).saturating_add(1)
+        };
         let output = &scene.output;
         let rows = count(Some(output.sample_interval_s)).saturating_mul(ROW_BYTES);
         let checkpoint = air
@@ -83,7 +86,7 @@ impl Disk {
         let pictures = drawn.saturating_mul(each * PICTURE_BYTES);
         // Frames and the file that they become, side by side.
         let animation = output.animation_interval_s.map_or(0, |interval_s| {
-            2 * count(Some(interval_s)) * ANIMATION_FRAME_BYTES
+            count(Some(interval_s)).saturating_mul(2 * ANIMATION_FRAME_BYTES)
         });
         let results = [structure, bodies, flow, pictures, animation, rows]
             .into_iter()

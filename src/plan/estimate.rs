@@ -1,4 +1,4 @@
-//! Sizes, bytes and a rough duration.
+//! Sizes and bytes.
 
 use glam::DVec3;
 

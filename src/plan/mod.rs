@@ -119,7 +119,7 @@ pub fn steps_per(scene: &Scene, interval_s: f64) -> u64 {
     let step_s = scene.time.map_or(f64::INFINITY, |t| t.step_s);
     let outer = scene.air.as_ref().map_or(1, Air::steps_per_outer);
     let count = (interval_s / (outer as f64 * step_s)).round() as u64;
-    count.max(1) * outer
+    count.max(1).saturating_mul(outer)
 }
 
 /// Markers of the fabric; empty unless it is coupled with air.

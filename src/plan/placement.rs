@@ -11,7 +11,7 @@ pub enum AirPlacement {
     Gpu(Storage),
 }
 
-/// Where the fabric is solved. The minimiser itself always runs on the host; this says where its vectors are.
+/// Where the fabric is solved. This says where the minimiser has its vectors. On a device with block-Jacobi it decides there, too; with multigrid the host decides from trial to trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClothPlacement {
     /// Host memory, in double precision.

@@ -195,7 +195,8 @@ impl Sliding {
         }
     }
 
-    /// Begins a step: cells of which is asked what left them, of how many from the first on in this step, and where that goes. A device changes what it was told, `on_device`.
+    /// Begins a step. Returns the cells that are asked what left them, how many of them (from the first on) are asked in this step, and room for the answers. With `on_device` a
+    /// device answers, which keeps its own list of cells.
     pub(super) fn read(&mut self, on_device: bool) -> (&[[i32; 3]], usize, &mut Vec<Leaving>) {
         let mut asked = if on_device {
             Asked::Near

@@ -1,14 +1,14 @@
 //! Newton's method with a direct factorisation, on an objective that is stiffened step by step: for structures that hardly stretch and easily turn.
 //!
-//! Where stretching is a hundred thousand times as stiff as the tension that holds an element straight, a straight step turns an element by no more than
-//! the root of a strain before its second-order stretch outweighs all that the step gains. Softened elements turn further: the objective is first minimised
+//! Stretching may be a hundred thousand times as stiff as the tension that holds an element straight. A straight step then turns an element by no more than
+//! the root of a strain before its second-order stretch outweighs all that the step gains. Softened elements turn further. So the objective is first minimised
 //! with a thousandth of the tensile stiffness, then with more and more of it, each time from the last minimum and to a loose tolerance. What resists
-//! compression of membranes is not softened, so that wrinkles and folds are those of the true structure. A continuation in a parameter of the objective
+//! compression of membranes is not softened, so that wrinkles and folds are those of the true structure. This is a continuation in a parameter of the objective
 //! (Nocedal & Wright 2006, section 11.3).
 //!
-//! Within a level, steps solve (H + λ M) d = −g with a positive semidefinite H, its masses M and a Levenberg–Marquardt shift λ, and are bent by the
-//! second-order correction c of (H + λ M) c = −Q(d), Q the force of the stretch that turning by d costs ("geodesic acceleration", Transtrum & Sethna 2012,
-//! arXiv:1201.5885), along x + l d + l² c. Lengths l are found by Armijo's condition with cubic interpolation.
+//! Within a level, a step solves (H + λ M) d = −g with a positive semidefinite H, its masses M and a Levenberg–Marquardt shift λ. It is bent by the
+//! second-order correction c of (H + λ M) c = −Q(d), where Q is the force of the stretch that turning by d costs ("geodesic acceleration", Transtrum &
+//! Sethna 2012, arXiv:1201.5885). Trials lie along x + l d + l² c; Armijo's condition and cubic interpolation give the length l.
 //!
 //! Norms are those of H itself: √(gᵀ H⁻¹ g), exact up to λ, which is at its smallest where a level ends.
 

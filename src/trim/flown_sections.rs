@@ -1,7 +1,7 @@
 //! Polars of the flown sections: by the viscous method, for every profile with its trailing edge turned down by several angles.
 //!
-//! A brake turns the rear quarter of a section down. How far it is turned follows from the flown outline: with the chord from the nose to the trailing edge, a turn δ about the hinge raises
-//! the mean line there by h (1 − h − w/2) tan δ against the designed one, h the hinge's place and w the length over which the outline bends. Polars and potential flow are then
+//! A brake turns the rear quarter of a section down. How far it is turned follows from the flown outline. Let the chord run from the nose to the trailing edge, h be the hinge's place on it and w the length over which the
+//! outline bends. A turn δ about the hinge then raises the mean line there by h (1 − h − w/2) tan δ against the designed one. Polars and potential flow are
 //! taken between those of the two nearest angles. Angles of attack are those of the turned chord.
 //!
 //! To the drag of the boundary layers come that of an intake, 0.07 of its height per chord (Babinsky 1999, as P. Heatwole's thesis, 2022, quotes it), and

@@ -58,8 +58,10 @@ pub struct Subject<'a> {
     pub passed: [[bool; 2]; 3],
     /// Smallest thickness, if it has an inside [m].
     pub thickness_m: Option<f64>,
-    /// Narrowest opening that air is meant to pass [m], and whether it is a hole rather than a slot.
-    pub opening_m: Option<(f64, bool)>,
+    /// Narrowest hole that air is meant to pass [m].
+    pub hole_m: Option<f64>,
+    /// Narrowest gap or slot that air is meant to pass [m].
+    pub slot_m: Option<f64>,
     /// Diameter of a canopy's mouth at release [m].
     pub mouth_m: Option<f64>,
     /// Held in the stream.
@@ -105,11 +107,14 @@ pub fn subjects(scene: &Scene) -> Vec<Subject<'_>> {
 fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
     let body = scene.body.as_ref()?;
     let positions = &body.structure.positions_m;
-    let openings = body.structure.openings.iter();
-    let opening_m = openings
-        .filter(|opening| opening.width_m > 0.0 && opening.kind != OpeningKind::RibHole)
-        .map(|opening| (opening.width_m, opening.kind == OpeningKind::Vent))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let narrowest_m = |is_hole: bool| {
+        let openings = body.structure.openings.iter();
+        openings
+            .filter(|opening| opening.width_m > 0.0 && opening.kind != OpeningKind::RibHole)
+            .filter(|opening| (opening.kind == OpeningKind::Vent) == is_hole)
+            .map(|opening| opening.width_m)
+            .min_by(f64::total_cmp)
+    };
     let rest = Subject {
         scene,
         air,
@@ -122,7 +127,8 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
         corners_m: corners(positions),
         passed: [[false; 2]; 3],
         thickness_m: None,
-        opening_m,
+        hole_m: narrowest_m(true),
+        slot_m: narrowest_m(false),
         mouth_m: None,
         held: scene.descent.is_none(),
         settling_s: None,
@@ -221,7 +227,8 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
             .volume_m3
             .map(|_| size.min_element())
             .filter(|size| size.is_finite()),
-        opening_m: None,
+        hole_m: None,
+        slot_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
         settling_s: settling.map(|settling| {
@@ -248,16 +255,14 @@ impl Subject<'_> {
         coupling.is_some_and(|coupling| coupling.scheme == Scheme::Links)
     }
 
-    /// Cells across the narrowest opening, if that is a hole.
+    /// Cells across the narrowest hole.
     pub fn hole_cells(&self) -> Option<f64> {
-        let (width_m, _) = self.opening_m.filter(|(_, is_hole)| *is_hole)?;
-        Some(width_m / self.cell_m())
+        self.hole_m.map(|width_m| width_m / self.cell_m())
     }
 
-    /// The same, if it is a gap or a slot.
+    /// Cells across the narrowest gap or slot.
     pub fn slot_cells(&self) -> Option<f64> {
-        let (width_m, _) = self.opening_m.filter(|(_, is_hole)| !is_hole)?;
-        Some(width_m / self.cell_m())
+        self.slot_m.map(|width_m| width_m / self.cell_m())
     }
 
     /// Size of the box of air along an axis [m].

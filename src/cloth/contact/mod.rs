@@ -1,8 +1,8 @@
 //! Contact of fabric with itself, as geometry: distances, barriers, pairs. [`crate::cpu::cloth`] makes forces of it.
 //!
 //! Incremental potential contact (Li et al. 2020; of shells: Li, Kaufman & Jiang 2021): fabric that comes closer than a thickness has an
-//! energy that grows without bounds as the distance goes to zero, so it takes part in the minimisation of the implicit step, its forces
-//! are equal and opposite, and fabric that has not crossed itself never does. Between trials of the line search no pair may go farther
+//! energy that grows without bounds as the distance goes to zero. That energy takes part in the minimisation of the implicit step, so its forces
+//! are equal and opposite. Fabric that has not crossed itself never does. Between trials of the line search no pair may go farther
 //! than it safely can ([`advance`]).
 //!
 //! * [`distance`]: nearest points of a node and a triangle, and of two edges;

@@ -212,6 +212,12 @@ impl Contacts {
                     self.stiffness_n_m[node as usize] += marker.stiffness_kg_s / dt * weight;
                 }
             }
+            for reaction in input.cut_triangles {
+                let nodes = structure.triangles[reaction.triangle as usize].nodes;
+                for (corner, node) in nodes.into_iter().enumerate() {
+                    self.stiffness_n_m[node as usize] += reaction.stiffness_at(corner) / dt;
+                }
+            }
         }
         self.time += began.elapsed();
     }

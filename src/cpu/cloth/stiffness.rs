@@ -203,6 +203,18 @@ pub(super) fn assemble<T: Entry>(
     }
     let cut = cut_reactions::by_triangle(structure, input);
     let per_dt = input.time_step_s.map_or(0.0, f64::recip);
+    let mut drags_kg_s = vec![0.0; structure.node_count()];
+    for drag in input.drags {
+        drags_kg_s[drag.node as usize] += drag.coefficient_kg_s;
+    }
+    // (node, dashpot, which of its ends), ascending.
+    let mut dashpots: Vec<(usize, usize, usize)> = Vec::new();
+    for (number, dashpot) in extra.dashpots.iter().enumerate() {
+        for (corner, node) in dashpot.nodes.into_iter().enumerate() {
+            dashpots.push((node as usize, number, corner));
+        }
+    }
+    dashpots.sort_unstable();
     matrix.fill_rows(
         || (),
         |(), row, columns, blocks| {
@@ -276,11 +288,11 @@ pub(super) fn assemble<T: Entry>(
                     -cables[c],
                 );
             }
-            for dashpot in extra.dashpots {
-                if let Some(corner) = dashpot.nodes.iter().position(|n| *n as usize == row) {
-                    add(blocks, own, dashpot.block());
-                    add(blocks, place(dashpot.nodes[1 - corner]), -dashpot.block());
-                }
+            let first = dashpots.partition_point(|&(node, ..)| node < row);
+            for &(_, number, corner) in dashpots[first..].iter().take_while(|(n, ..)| *n == row) {
+                let dashpot = &extra.dashpots[number];
+                add(blocks, own, dashpot.block());
+                add(blocks, place(dashpot.nodes[1 - corner]), -dashpot.block());
             }
             if let Some(contact) = extra.contact {
                 for &(column, block) in contact.row(row) {
@@ -292,11 +304,8 @@ pub(super) fn assemble<T: Entry>(
                 add(blocks, own, DMat3::from_diagonal(stiffness));
             }
             if let Some(dt) = input.time_step_s {
-                for drag in input.drags.iter().filter(|drag| drag.node as usize == row) {
-                    let k = drag.coefficient_kg_s / dt;
-                    add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
-                }
-                let k = structure.masses_kg[row] / dt * (1.0 / dt + input.damping_1_s);
+                let held_back = structure.masses_kg[row] * (1.0 / dt + input.damping_1_s);
+                let k = (held_back + drags_kg_s[row]) / dt;
                 add(blocks, own, DMat3::from_diagonal(DVec3::splat(k)));
             }
         },

@@ -70,6 +70,15 @@ impl TriangleReaction {
         self.stiffness_kg_s[pair(a, b)]
     }
 
+    /// What resists a corner as the whole triangle moves, the mean over directions [kg/s].
+    #[must_use]
+    pub fn stiffness_at(&self, corner: usize) -> f64 {
+        let trace = |block: DMat3| block.x_axis.x + block.y_axis.y + block.z_axis.z;
+        (0..3)
+            .map(|other| trace(self.between(corner, other)) / 3.0)
+            .sum()
+    }
+
     /// Power [W] and forces [N] at corners that move with these velocities [m/s].
     #[must_use]
     pub fn at(&self, velocities: [DVec3; 3]) -> (f64, [DVec3; 3]) {
@@ -84,5 +93,23 @@ impl TriangleReaction {
             forces[a] = force - self.pull_n[a];
         }
         (value, forces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cuts along x, y and z at one place resist a motion of the whole triangle alike in all directions, shared among the corners by their weights.
+    #[test]
+    fn stiffness_is_shared_by_the_weights() {
+        let mut reaction = TriangleReaction::none(0);
+        let weights = [0.5, 0.3, 0.2];
+        for direction in [DVec3::X, DVec3::Y, DVec3::Z] {
+            reaction.add(weights, direction, [4.0, 1.0]);
+        }
+        for (corner, weight) in weights.into_iter().enumerate() {
+            assert!((reaction.stiffness_at(corner) - 4.0 * weight).abs() < 1e-12);
+        }
     }
 }

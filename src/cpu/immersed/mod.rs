@@ -1,4 +1,4 @@
-//! The immersed boundary on the CPU: stages `interpolate`, `spread` and `repeat_forcing` (DESIGN of the coupling in the crate's documentation).
+//! The immersed boundary on the CPU: stages `interpolate`, `spread` and `repeat_forcing` (the crate's page tells of the coupling).
 //!
 //! All in lattice units. A marker k of area A_k [cells²] with locally normalised over-relaxation a_k gives the air the force
 //! g_k = 2 a_k A_k (v_k − u*_k) [per step], where

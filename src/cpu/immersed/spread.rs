@@ -1,7 +1,7 @@
 //! Stage `spread`: F(x) = Σ_k φ_k(x) g_k, g_k = 2 a_k A_k (v_k − u*_k), each cell adding up its markers.
 
 use super::Immersed;
-use crate::immersed::strength::length;
+use crate::immersed::strength::{area_mean_square, length};
 
 impl Immersed {
     /// Gives the air g_k for markers moving with `velocities` [cells per step]: exactly the opposite of the reaction that the fabric
@@ -65,12 +65,6 @@ impl Immersed {
     #[must_use]
     pub fn slip(&self, velocities: &[[f64; 3]]) -> f64 {
         let slips = self.marker_slips(velocities);
-        let square: f64 = slips
-            .iter()
-            .zip(&self.areas)
-            .map(|(slip, [area])| area * slip * slip)
-            .sum();
-        let area: f64 = self.areas.iter().map(|[area]| area).sum();
-        (square / area).sqrt()
+        area_mean_square(&slips, self.areas.as_flattened())
     }
 }

@@ -115,16 +115,29 @@ struct WholeHessian {
     gradient: Gathering,
 }
 
-/// Bytes of the largest buffer for a structure: the minimiser's vectors, the matrix of a solve that asks for multigrid, or the reactions of triangles that are `cut`.
+/// Bytes of the largest buffer for a structure with so many markers: the minimiser's vectors, what elements and markers add at their nodes, the matrix of a solve
+/// that asks for multigrid, or the reactions of triangles that are `cut`.
 #[must_use]
-pub fn largest_buffer_bytes(structure: &Structure, multigrid: bool, cut: bool) -> u64 {
+pub fn largest_buffer_bytes(
+    structure: &Structure,
+    marker_count: usize,
+    multigrid: bool,
+    cut: bool,
+) -> u64 {
     let nodes = structure.node_count() as u64;
     let reactions = if cut {
         4 * (CUT_WORDS * structure.triangles.len()) as u64
     } else {
         0
     };
-    let vectors = reactions.max(12 * nodes * workspace::vector_slots(HISTORY) as u64);
+    // Six numbers for every corner of an element.
+    let corners = 3 * (structure.triangles.len() + marker_count)
+        + 2 * (structure.springs.len() + structure.cables.len())
+        + 4 * structure.bendings.len()
+        + 3 * structure.curvatures.len();
+    let vectors = (12 * nodes * workspace::vector_slots(HISTORY) as u64)
+        .max(reactions)
+        .max(24 * corners as u64);
     if !multigrid {
         return vectors;
     }

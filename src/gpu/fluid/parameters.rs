@@ -24,7 +24,7 @@ parameters! {
     }
     /// Where to evaluate, and what lies beyond the faces.
     EddyParameters {
-        /// Factors of the velocity before a face, lower and upper along x, y, z; the fourth is 1 where the face is periodic.
+        /// Factors of the velocity before a face, lower and upper along x, y, z; the fourth is 1 where the face is periodic and 2 where it is that of a box of finer cells.
         factors: [[f32; 4]; 6],
         /// What is added [cells per step].
         offsets: [[f32; 4]; 6],

@@ -3,6 +3,7 @@
 //! Lengths are those that a body's coefficients refer to, L; times count in L/U. What the numbers come from is in
 //! `docs/results/2026-11-23-bodies-settling-and-walls.md`.
 
+use crate::measure::reduce;
 use crate::measure::statistics::{Mean, average, mean_of, range};
 
 /// Averaging begins so long after the wind, or the body's own speed, has risen, where the wake is steady [L/U].
@@ -212,8 +213,7 @@ impl BodyWindow {
 /// The samples of the second half of a record after t = 0; `None` if there are fewer than two.
 #[must_use]
 pub fn second_half(times: &[f64]) -> Option<std::ops::Range<usize>> {
-    let first = times.iter().position(|&t| t > 0.0)?;
-    let first = first.midpoint(times.len());
+    let first = reduce::second_half(times)?;
     (first + 1 < times.len()).then_some(first..times.len())
 }
 

@@ -26,7 +26,7 @@ pub const SHORTEST_WINDOW: f64 = 6.0;
 
 /// Length of a batch [D₀/U]: two thirds of the breathing period of about 1.8. With whole periods breathing cancels in every batch, and the interval of a
 /// window of 8 to 16 covers the mean in half to four fifths of trials only.
-const BATCH: f64 = 1.2;
+pub(in crate::measure) const BATCH: f64 = 1.2;
 
 /// The part of the record over which means are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
