@@ -48,6 +48,7 @@ mod fuzz;
 mod import;
 mod import_lines;
 mod interrupts;
+mod judged_bodies;
 mod keeping;
 mod lep_sim;
 mod levels;
@@ -155,6 +156,7 @@ fn main() -> std::process::ExitCode {
         bad_cases::trials(),
         command_line::trials(),
         interrupts::trials(),
+        judged_bodies::trials(),
         keeping::trials(),
         checkpoint::trials(),
         folders::trials(),

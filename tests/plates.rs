@@ -8,10 +8,12 @@ use ripstop::case::{self, Choices};
 use ripstop::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
 use ripstop::geometry::plate::{self, Plate, Support};
-use ripstop::plan::Plan;
+use ripstop::plan::{Plan, Precision};
 use ripstop::run;
 use ripstop::statics::Statics;
+use ripstop::validity;
 
+use crate::command_line::root;
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::tolerances;
 
@@ -20,6 +22,7 @@ pub fn trials() -> Vec<Trial> {
         plain("plates::a_clamp_holds_place_and_tangent", clamp),
         plain("plates::a_strip_bends_like_a_beam", strip),
         plain("plates::a_pinned_edge_turns_freely", pinned),
+        plain("plates::set_ups_are_judged", judged),
         on_every_engine("plates::three_routes_to_one_force", Routes),
     ]
     .into_iter()
@@ -64,8 +67,9 @@ fn sag(width_m: f64, divisions: [usize; 2], fabric: &Fabric, support: Support, g
         along: DVec3::X,
         across: DVec3::Y,
         support,
+        flexural_rigidity_nm: fabric.rigidity_nm()[0][0],
     };
-    let structure = plate::build(&plate, fabric, fabric.rigidity_nm()).unwrap();
+    let structure = plate::build(&plate, fabric).unwrap();
     let mut cloth = Cloth::new(structure);
     let input = StepInput {
         gravity_m_s2: g,
@@ -110,6 +114,67 @@ fn pinned() {
         way.distance(expected) < tolerances::PINNED + 2.0 * stretch,
         "{way} {expected}"
     );
+}
+
+/// Length of the run, distance to the side walls and blockage of plates are judged, each by what it stands for.
+fn judged() {
+    let (flag, plate) = ("cases/flag.toml", "cases/flexible-plate.toml");
+    let along = "length of the run, along the stream";
+    let across = "length of the run, across the stream";
+    let (walls, blockage) = ("distance to the side walls", "blockage of the body");
+    for (file, change, name, value, valid) in [
+        (flag, None, along, 40.0, true),
+        (flag, Some("time.end_s=0.5"), along, 0.5, false),
+        (plate, None, across, 60.0, true),
+        // A third of L/U.
+        (plate, Some("time.end_s=0.1"), across, 1.6, false),
+        (flag, None, walls, 1.5, true),
+        (
+            flag,
+            Some("structure.plate.held_edge_m=[2.0, 0.2, 2.0]"),
+            walls,
+            0.2,
+            false,
+        ),
+        // A row of its clamp stands below its foot.
+        (
+            plate,
+            Some("structure.plate.held_edge_m=[0.05, 0.08, 0.02]"),
+            walls,
+            0.4 - 1.0 / 30.0,
+            false,
+        ),
+        // It stands on the floor.
+        (
+            plate,
+            Some("structure.plate.held_edge_m=[0.05, 0.08, 0.004]"),
+            walls,
+            1.5,
+            true,
+        ),
+        (flag, None, blockage, 1.0 / 32.0, true),
+        (
+            flag,
+            Some("structure.plate.size_m=[1.0, 1.8]"),
+            blockage,
+            1.8 / 32.0,
+            false,
+        ),
+    ] {
+        let choices = Choices {
+            variant: None,
+            overrides: change.into_iter().map(str::to_owned).collect(),
+        };
+        let case = case::load(&root().join(file), &choices).unwrap();
+        let plan = Plan::new(&case.scene, Precision::F32);
+        let rows = validity::beforehand(&case.scene, &plan);
+        let row = rows.iter().find(|row| row.name == name).unwrap();
+        let found = row.value.unwrap();
+        assert!((found / value - 1.0).abs() < 1e-6, "{name}: {found}");
+        assert_eq!(row.valid, Some(valid), "{file} {change:?}: {name}");
+        let other = if name == along { across } else { along };
+        assert!(name == walls || name == blockage || rows.iter().all(|row| row.name != other));
+    }
 }
 
 /// A plate in the wind, coarse and short.
@@ -174,6 +239,15 @@ impl Body for Routes {
             (supports / markers - 1.0).abs() < tolerances::REACTION,
             "{markers} {supports}"
         );
+        // One force, one number: also where the coefficient comes from.
+        let force = value("force_x_n");
+        assert!((force / markers - 1.0).abs() < 1e-9, "{force} {markers}");
+        let of_coefficient = value("drag_coefficient") * 0.5 * 1000.0 * 0.16 * 0.16 * 1e-3;
+        assert!((of_coefficient / force - 1.0).abs() < 1e-9);
+        // 2 b/U, of which 50 are needed.
+        let drag = results.get("drag_coefficient").unwrap();
+        let why = drag.unresolved.as_deref().unwrap();
+        assert!(why.contains("averaging begins 30 b/U"), "{why}");
         // Bent downstream, not torn off.
         let tip = value("tip_displacement_x_m");
         assert!((0.005..0.05).contains(&tip), "{tip}");

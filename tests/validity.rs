@@ -31,18 +31,18 @@ pub fn trials() -> Vec<Trial> {
 
 /// A sphere or a disk in a tunnel with a square section; lengths in diameters.
 #[derive(Clone, Copy)]
-struct Body {
-    shape: &'static str,
-    reynolds: f64,
-    cells: f64,
-    inlet: f64,
+pub struct Body {
+    pub shape: &'static str,
+    pub reynolds: f64,
+    pub cells: f64,
+    pub inlet: f64,
     /// From the middle to the sponge.
-    sponge: f64,
-    width: f64,
+    pub sponge: f64,
+    pub width: f64,
 }
 
 impl Body {
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let Self {
             shape,
             reynolds,
@@ -75,7 +75,7 @@ impl Body {
     }
 }
 
-const SPHERE: Body = Body {
+pub const SPHERE: Body = Body {
     shape: "sphere",
     reynolds: 100.0,
     cells: 16.0,

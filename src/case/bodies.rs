@@ -22,7 +22,7 @@ use crate::fabric::permeability::Permeability;
 use crate::geometry::mesh::surface;
 use crate::geometry::surfaces;
 use crate::immersed::markers::{RIM_INSET_CELLS, SURFACE_INSET_CELLS};
-use crate::rigid::{self, BoxFace, PrescribedMotion, Surface};
+use crate::rigid::{self, BoxFace, Motion, PrescribedMotion, Surface};
 
 /// Edges of the triangles that shapes are divided into [cells]: one marker each, some 0.7 cells apart.
 const EDGE_CELLS: f64 = 1.2;
@@ -54,7 +54,7 @@ pub struct RigidBody {
     pub volume_m3: Option<(f64, DVec3)>,
     /// Area that coefficients refer to [m²].
     pub reference_area_m2: f64,
-    /// Area by which it blocks the section: that to which coefficients refer, or the frontal area in the box of one that passes through faces [m²].
+    /// Area by which it blocks the section: the frontal area before it moves, in the box [m²].
     pub blocking_area_m2: f64,
     /// Length that the Reynolds number and coefficients of moments refer to [m].
     pub reference_length_m: f64,
@@ -62,6 +62,36 @@ pub struct RigidBody {
     pub moment_point_m: DVec3,
     /// Permeability of the surface; `None`: no air passes.
     pub permeability: Option<Permeability>,
+}
+
+impl RigidBody {
+    /// Speed that its coefficients refer to: of the wind, of its own constant motion, or the case's reference [m/s].
+    #[must_use]
+    pub fn reference_speed_m_s(&self, air: &Air) -> f64 {
+        match (&self.motion.motion, &air.flow) {
+            (_, Flow::WindTunnel { speed_m_s, .. }) if *speed_m_s > 0.0 => *speed_m_s,
+            (Motion::ConstantVelocity { velocity_m_s, .. }, _) if *velocity_m_s != DVec3::ZERO => {
+                velocity_m_s.length()
+            }
+            _ => air.reference_speed_m_s,
+        }
+    }
+
+    /// Speed of its fastest point on its way, looked for at 400 times up to the end [m/s].
+    #[must_use]
+    pub fn fastest_m_s(&self, end_s: f64) -> f64 {
+        if !self.motion.moves() {
+            return 0.0;
+        }
+        let mut fastest: f64 = 0.0;
+        for look in 0..=LOOKS {
+            let placement = self.motion.at(end_s * f64::from(look) / f64::from(LOOKS));
+            for &point in &self.surface.positions_m {
+                fastest = fastest.max(placement.velocity_m_s(point).length());
+            }
+        }
+        fastest
+    }
 }
 
 /// Shape of a rigid body.
@@ -227,10 +257,11 @@ fn check_body(
         normal: rotation * DVec3::X,
         shape,
         volume_m3: closed.then_some(inside.volume_m3),
-        blocking_area_m2: if inside.faces.is_empty() {
-            reference_area_m2
-        } else {
-            inside.surface.frontal_area_m2()
+        blocking_area_m2: match shape {
+            Shape::Sphere { diameter_m } if inside.faces.is_empty() => {
+                0.25 * PI * diameter_m * diameter_m
+            }
+            _ => inside.surface.frontal_area_m2(),
         },
         surface: inside.surface,
         marker_surface: inside.marker_surface,

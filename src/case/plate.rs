@@ -60,6 +60,14 @@ pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Prob
             "give the direction of the held edge, at a right angle to the length",
         ));
     }
+    let solid_nm = fabric.rigidity_nm()[0][0];
+    let flexural_rigidity_nm = match written.flexural_rigidity_nm {
+        Some(given) => positive(&key("flexural_rigidity_nm"), given)?,
+        None => {
+            usual::noted(key("flexural_rigidity_nm"), solid_nm);
+            solid_nm
+        }
+    };
     let shape = Plate {
         size_m: written.size_m,
         divisions: written.divisions,
@@ -67,19 +75,9 @@ pub(super) fn check(written: &file::Plate, fabric: &Fabric) -> Result<Body, Prob
         along,
         across: (across - along * along.dot(across)).normalize(),
         support: written.support,
+        flexural_rigidity_nm,
     };
-    let solid = fabric.rigidity_nm();
-    let rigidity = match written.flexural_rigidity_nm {
-        Some(given) => {
-            let factor = positive(&key("flexural_rigidity_nm"), given)? / solid[0][0];
-            solid.map(|row| row.map(|d| d * factor))
-        }
-        None => {
-            usual::noted(key("flexural_rigidity_nm"), solid[0][0]);
-            solid
-        }
-    };
-    let structure = plate::build(&shape, fabric, rigidity).ok_or_else(|| {
+    let structure = plate::build(&shape, fabric).ok_or_else(|| {
         Problem::new(
             key("divisions"),
             format!("[{KEY}] has triangles without area"),

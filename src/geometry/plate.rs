@@ -35,6 +35,8 @@ pub struct Plate {
     pub across: DVec3,
     /// How the edge is held.
     pub support: Support,
+    /// Flexural rigidity D along the length [N m].
+    pub flexural_rigidity_nm: f64,
 }
 
 impl Plate {
@@ -135,10 +137,13 @@ impl Plate {
     }
 }
 
-/// Builds the plate, flat and free of stress, with flexural rigidity [N m] in rows and columns along, across, engineering shear; `None` if a
+/// Builds the plate, flat and free of stress. Its flexural rigidities stand to each other as those of a solid sheet of the fabric; `None` if a
 /// triangle would have no area.
 #[must_use]
-pub fn build(plate: &Plate, fabric: &Fabric, rigidity_nm: [[f64; 3]; 3]) -> Option<Structure> {
+pub fn build(plate: &Plate, fabric: &Fabric) -> Option<Structure> {
+    let solid_nm = fabric.rigidity_nm();
+    let factor = plate.flexural_rigidity_nm / solid_nm[0][0];
+    let rigidity_nm = solid_nm.map(|row| row.map(|d| d * factor));
     let shape = plate.sheet();
     let mut structure =
         sheet::build_cut(&shape, fabric, FabricModel::Membrane, Diagonals::Parallel)?;
@@ -186,6 +191,7 @@ mod tests {
     #[test]
     fn markers_lie_on_a_grid_of_their_own() {
         for support in [Support::Clamped, Support::Pinned] {
+            let fabric = fabric();
             let plate = Plate {
                 size_m: [2.0, 0.7],
                 divisions: [7, 4],
@@ -193,9 +199,9 @@ mod tests {
                 along: DVec3::Z,
                 across: DVec3::Y,
                 support,
+                flexural_rigidity_nm: fabric.rigidity_nm()[0][0],
             };
-            let fabric = fabric();
-            let structure = build(&plate, &fabric, fabric.rigidity_nm()).unwrap();
+            let structure = build(&plate, &fabric).unwrap();
             let mass: f64 = structure.masses_kg.iter().sum();
             assert!((mass - 1.4).abs() < 1e-12, "{mass}");
             assert_eq!(

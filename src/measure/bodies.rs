@@ -11,9 +11,7 @@
 use glam::DVec3;
 
 use super::blockage;
-use super::flow_past_bodies::{
-    drag_direction, prefix, reference_drag, reference_speed_m_s, settling,
-};
+use super::flow_past_bodies::{drag_direction, prefix, reference_drag, settling};
 use super::impulses::{Forces, Impulses};
 use super::read_out::Reduction::Mean as MeanOf;
 use super::read_out::{ReadOut, columns, results};
@@ -25,7 +23,7 @@ use super::shared::{
     WIND_SPEED,
 };
 use super::spectrum::frequency;
-use super::statistics::{Mean, average, batch_mean, largest};
+use super::statistics::{Mean, average, batch_mean, largest, range};
 use super::steady::bodies::{BodyWindow, second_half};
 use super::steady::{self, Watched};
 use crate::case::Scene;
@@ -103,7 +101,7 @@ impl Bodies {
             wind_m_s: simulation.wind_speed_m_s(),
             along: drag_direction(air, body),
             forces,
-            slip_ratio: coupled.slip_m_s()?.unwrap_or(f64::NAN) / reference_speed_m_s(air, body),
+            slip_ratio: coupled.slip_m_s()?.unwrap_or(f64::NAN) / body.reference_speed_m_s(air),
         }))
     }
 }
@@ -121,7 +119,7 @@ pub(super) fn values(simulation: &Simulation, impulses: &Impulses) -> Vec<f64> {
         return Vec::new();
     };
     let moment = |(number, body): (usize, &RigidBody)| {
-        let speed = reference_speed_m_s(air, body);
+        let speed = body.reference_speed_m_s(air);
         let [force_n, moment_n_m] = impulses.of_body(number);
         Moment {
             along: drag_direction(air, body),
@@ -141,6 +139,9 @@ const BATCH: f64 = 8.0;
 
 /// Change of the drag between two halves of such a window beyond which the flow counts as still developing.
 const SETTLED: f64 = 0.01;
+
+/// The same beyond which its mean is marked as unresolved.
+const UNSETTLED: f64 = 0.05;
 
 /// Amplitude of the lift coefficient below which there is no oscillation to speak of.
 const NO_LIFT: f64 = 2e-3;
@@ -209,7 +210,7 @@ impl Averaging {
             }
             Err(why) => {
                 let samples = second_half(&times)?;
-                let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
+                let unit_s = body.reference_length_m / body.reference_speed_m_s(air);
                 let interval_s = interval(&times, &samples);
                 let batch = ((BATCH * unit_s / interval_s).round() as usize).max(1);
                 Some(Self::Half {
@@ -245,7 +246,12 @@ impl Averaging {
             Self::Canopy(window) => {
                 (!window.settled).then(|| "not settled: the wake of the canopy".to_owned())
             }
-            Self::Half { .. } => None,
+            Self::Half { samples, .. } => {
+                let change = change_between_halves(&drag[samples.clone()]);
+                (change.abs() > UNSETTLED).then(|| {
+                    format!("not settled: the mean drag changes by {:.1} % from one half of its window to the other", 100.0 * change)
+                })
+            }
         }
     }
 
@@ -260,10 +266,7 @@ impl Averaging {
                 format!("mean over the last {length:.1} L/U, as that of the canopy")
             }
             Self::Half { samples, why, .. } => {
-                let drag = &drag[samples.clone()];
-                let half = drag.len() / 2;
-                let [early, late] = [&drag[..half], &drag[half..]].map(|d| batch_mean(d, 1).value);
-                let change = (late - early) / batch_mean(drag, 1).value;
+                let change = change_between_halves(&drag[samples.clone()]);
                 let mut note = format!(
                     "mean over the last {length:.1} L/U, the second half of the run: {why}"
                 );
@@ -274,6 +277,13 @@ impl Averaging {
             }
         }
     }
+}
+
+/// Change of the mean of a series from its first half to its second, over the mean.
+fn change_between_halves(series: &[f64]) -> f64 {
+    let (early, late) = series.split_at(series.len() / 2);
+    let [early, late, mean] = [early, late, series].map(average);
+    (late - early) / mean
 }
 
 /// Time between samples [s].
@@ -300,7 +310,7 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
     };
     let times = record.column(&TIME);
     let samples = averaging.samples();
-    let unit_s = body.reference_length_m / reference_speed_m_s(air, body);
+    let unit_s = body.reference_length_m / body.reference_speed_m_s(air);
     let length = (times[samples.end - 1] - times[samples.start]) / unit_s;
     let drags = record.column(&own(&BODY_DRAG));
     let [lift, side] =
@@ -318,58 +328,76 @@ fn of_body(results: &mut Results, record: &Record, (scene, air, body): (&Scene, 
     }
     let drag = averaging.mean(record, &own(&BODY_DRAG));
     let mut quantity = marked(self::quantity(drag));
-    if let Some((reference, source)) = reference_drag(air, body) {
+    if let Some((reference, source)) = reference_drag(scene, air, body) {
         quantity = quantity.with_reference(reference, source);
     }
     let note = averaging.note(&drags, length);
     results.insert(&own(&BODY_DRAG), quantity.with_note(&note));
     blockage::results(results, (scene, air, body), drag, unsettled.as_deref());
-    let lift = &lift[samples.clone()];
+    // A cylinder along z has its lift across the stream as a side force.
+    let across = [&lift, &side].map(|force| &force[samples.clone()]);
+    let [of_lift, of_side] = across.map(range);
+    let (force, name) = if of_side > of_lift {
+        (across[1], "side force")
+    } else {
+        (across[0], "lift")
+    };
     results.insert(
         &own(&STROUHAL_NUMBER),
-        match frequency(lift, interval(&times, &samples), NO_LIFT) {
+        match frequency(force, interval(&times, &samples), NO_LIFT) {
             Ok(mean) => {
                 let strouhal = Mean {
                     value: mean.value * unit_s,
                     confidence: mean.confidence.map(|c| c * unit_s),
                 };
-                marked(self::quantity(strouhal)).with_note("of the lift, f L/U")
+                marked(self::quantity(strouhal)).with_note(&format!("of the {name}, f L/U"))
             }
-            Err(why) => Quantity::missing(&format!("of the lift: {why}")),
+            Err(why) => Quantity::missing(&format!("of the {name}: {why}")),
         },
     );
     results.insert(&own(&REFERENCE_AREA), Quantity::new(body.reference_area_m2));
 }
 
-/// Results of a scene of bodies alone.
-pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
-    body_results(results, record, scene, air);
-    // Of several bodies the window that begins last.
-    let Some(window) = scene
+/// Samples that the results of a scene of bodies alone are taken over: of several bodies the window that begins last.
+fn common_samples(record: &Record, scene: &Scene, air: &Air) -> Option<std::ops::Range<usize>> {
+    scene
         .rigid_bodies
         .iter()
         .filter_map(|body| Some(Averaging::new(record, scene, air, body)?.samples()))
         .max_by_key(|samples| samples.start)
-    else {
+}
+
+/// The same; `None` of other scenes.
+pub(super) fn averaged(scene: &Scene, record: &Record) -> Option<std::ops::Range<usize>> {
+    let air = scene.air.as_ref().filter(|_| scene.body.is_none())?;
+    common_samples(record, scene, air)
+}
+
+/// Why forces have no second route.
+const NO_MOMENTUM_BOX: &str =
+    "the body passes through a face or left the momentum box, or there is no drag";
+
+/// Results of a scene of bodies alone.
+pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
+    body_results(results, record, scene, air);
+    let Some(window) = common_samples(record, scene, air) else {
         return;
     };
     let section = blockage::section_m2(air);
     let area: f64 = scene.rigid_bodies.iter().map(|b| b.blocking_area_m2).sum();
-    let note = if scene.passes_through_a_face() {
-        "area over section: the reference area of bodies, the frontal area inside of those that pass through a face"
-    } else {
-        "reference area over section"
-    };
     results.insert(
         &BLOCKAGE_RATIO,
-        Quantity::new(area / section).with_note(note),
+        Quantity::new(area / section).with_note("frontal area in the box over section"),
     );
     let impulses = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX];
     // A row's drag is that of the interval before it, so the impulses count from the row before the window.
     let samples = [window.start.saturating_sub(1), window.end - 1];
     let [markers, momentum_box] = mean_forces_n(record, impulses, samples);
-    for (drag, force) in [(&DRAG_MARKERS, markers), (&DRAG_MOMENTUM_BOX, momentum_box)] {
-        results.tell(drag, force);
+    results.tell(&DRAG_MARKERS, markers);
+    if momentum_box.is_finite() {
+        results.tell(&DRAG_MOMENTUM_BOX, momentum_box);
+    } else {
+        results.insert(&DRAG_MOMENTUM_BOX, Quantity::missing(NO_MOMENTUM_BOX));
     }
     let imbalance = (markers - momentum_box).abs() / markers.abs();
     results.insert(
@@ -377,7 +405,7 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
         if imbalance.is_finite() {
             Quantity::new(imbalance).with_note("difference of the two routes over the drag")
         } else {
-            Quantity::missing("markers left the momentum box, or there is no drag")
+            Quantity::missing(NO_MOMENTUM_BOX)
         },
     );
     if record.latest(&SLIP_RATIO).is_some() {

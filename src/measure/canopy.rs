@@ -1,5 +1,7 @@
 //! A canopy in air: its forces by three routes, their means, and the correction for walls.
 
+use std::ops::Range;
+
 use super::blockage::THREE_DIMENSIONS;
 use super::canopy_shape::{self, CanopyShape, Shape};
 use super::impulses::Forces;
@@ -156,17 +158,15 @@ pub fn averaging(scene: &Scene) -> Option<String> {
     })
 }
 
-/// From when to when the means of a canopy in wind are taken, since release [s].
-#[must_use]
-pub fn averaging_window_s(scene: &Scene, record: &Record) -> Option<[f64; 2]> {
+/// Samples over which the means of a canopy in wind are taken; `None` of other scenes.
+pub(super) fn averaged(scene: &Scene, record: &Record) -> Option<Range<usize>> {
     let (canopy, air) = (scene.canopy()?, scene.air.as_ref()?);
     if scene.descent.is_some() {
         return None;
     }
     let unit_s = canopy.nominal_diameter_m / air.wind_or_reference_m_s();
     let window = steady::window(record, unit_s)?;
-    let times = record.column(&TIME);
-    Some([*times.get(window.first)?, *times.get(window.end - 1)?])
+    Some(window.first..window.end)
 }
 
 /// Means over the settled window, extremes and times since release.

@@ -132,20 +132,26 @@ impl InWind {
     }
 }
 
-/// Means over the second half of the run.
+/// Means over the second half of the run; of a plate over its own window, with intervals.
 pub(super) fn in_wind(results: &mut Results, record: &Record, scene: &Scene) {
     let times = record.column(&TIME);
     let Some(first) = second_half(&times) else {
         results.insert(&FORCE_X, Quantity::missing("the run ended before release"));
         return;
     };
-    let half = format!(
+    let plate = scene.plate().zip(scene.air.as_ref());
+    let window = plate.and_then(|(plate, air)| plate::Window::new(record, plate, air));
+    let first = window.as_ref().map_or(first, plate::Window::first);
+    let part = format!(
         "mean from {:.4} s on",
         times.get(first).copied().unwrap_or(f64::NAN)
     );
     for column in IN_WIND.reduced(scene, Mean) {
-        let mean = average(&record.column(column)[first..]);
-        results.insert(column, Quantity::new(mean).with_note(&half));
+        let mean = match &window {
+            Some(window) => window.mean(record, column),
+            None => Quantity::new(average(&record.column(column)[first..])),
+        };
+        results.insert(column, mean.with_note(&part));
     }
     let defects = record.column(&MASS_DEFECT).into_iter().skip(1);
     results.insert(&MASS_DRIFT, Quantity::new(largest(defects.map(f64::abs))));

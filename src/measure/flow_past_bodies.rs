@@ -29,21 +29,10 @@ pub(super) fn drag_direction(air: &Air, body: &RigidBody) -> DVec3 {
     }
 }
 
-/// Speed that the coefficients of a body refer to [m/s].
-pub(super) fn reference_speed_m_s(air: &Air, body: &RigidBody) -> f64 {
-    match (&body.motion.motion, &air.flow) {
-        (_, Flow::WindTunnel { speed_m_s, .. }) if *speed_m_s > 0.0 => *speed_m_s,
-        (Motion::ConstantVelocity { velocity_m_s, .. }, _) if *velocity_m_s != DVec3::ZERO => {
-            velocity_m_s.length()
-        }
-        _ => air.reference_speed_m_s,
-    }
-}
-
 /// Reynolds number of a body, with its reference length.
 #[must_use]
 pub fn reynolds_number(air: &Air, body: &RigidBody) -> f64 {
-    reference_speed_m_s(air, body) * body.reference_length_m / air.kinematic_viscosity_m2_s
+    body.reference_speed_m_s(air) * body.reference_length_m / air.kinematic_viscosity_m2_s
 }
 
 /// What the settling of the flow past a body depends on, or why that never becomes steady.
@@ -63,7 +52,7 @@ pub fn settling(scene: &Scene, air: &Air, body: &RigidBody) -> Result<Settling, 
         _ => (0.0, None),
     };
     Ok(Settling {
-        unit_s: body.reference_length_m / reference_speed_m_s(air, body),
+        unit_s: body.reference_length_m / body.reference_speed_m_s(air),
         risen_s,
         turn_s,
         unsteady: reynolds_number(air, body) > steady_reynolds_number(body.shape),
@@ -80,8 +69,12 @@ fn steady_reynolds_number(shape: Shape) -> f64 {
     }
 }
 
-/// Published drag coefficient of a body at rest in an unbounded stream, where its Reynolds number is covered.
-pub(super) fn reference_drag(air: &Air, body: &RigidBody) -> Option<(f64, &'static str)> {
+/// Published drag coefficient of a body at rest in an unbounded even stream, on the reference area of the case, where its Reynolds number is covered.
+pub(super) fn reference_drag(
+    scene: &Scene,
+    air: &Air,
+    body: &RigidBody,
+) -> Option<(f64, &'static str)> {
     let steady = match &body.motion.motion {
         Motion::Held => true,
         Motion::ConstantVelocity { .. } => {
@@ -89,12 +82,21 @@ pub(super) fn reference_drag(air: &Air, body: &RigidBody) -> Option<(f64, &'stat
         }
         _ => false,
     };
-    let speed = reference_speed_m_s(air, body);
-    // What is published is of whole bodies.
-    if !steady || !body.faces.is_empty() {
+    let speed = body.reference_speed_m_s(air);
+    // What is published is of whole bodies, alone in an even stream.
+    let uneven = matches!(
+        &air.flow,
+        Flow::WindTunnel {
+            inlet_profile: Some(_),
+            ..
+        }
+    );
+    let alone = scene.body.is_none() && scene.rigid_bodies.len() == 1;
+    if !steady || !alone || !body.faces.is_empty() || uneven {
         return None;
     }
-    match body.shape {
+    let area_m2 = body.shape.area_m2()?;
+    let (drag, source) = match body.shape {
         Shape::Sphere { diameter_m } => {
             sphere_drag(speed * diameter_m / air.kinematic_viscosity_m2_s)
                 .map(|drag| (drag, "Schiller & Naumann 1933: 24/Re (1 + 0.15 Re^0.687)"))
@@ -110,7 +112,8 @@ pub(super) fn reference_drag(air: &Air, body: &RigidBody) -> Option<(f64, &'stat
             })
         }
         _ => None,
-    }
+    }?;
+    Some((drag * area_m2 / body.reference_area_m2, source))
 }
 
 /// Drag coefficient of a sphere, 0.5 < Re < 800 (Schiller & Naumann 1933, within 5 %).

@@ -48,7 +48,7 @@ mod wing_walls;
 pub(crate) mod wing_wind;
 
 pub use bodies::watched;
-pub use canopy::{averaging, averaging_window_s};
+pub use canopy::averaging;
 pub use catalogue::{CHARTS, declared_result, declared_results, read_out_tables};
 pub use comparison::{comparison, history_columns, result_names};
 pub use falling::unsettled_fall;
@@ -62,7 +62,7 @@ pub use load_test::{
 pub use opening::skirt_spectrum;
 pub use read_out::{Group, ReadOut};
 pub use record::{Record, SAMPLES_FILE};
-pub use results::results;
+pub use results::{averaging_window_s, results};
 pub use sail_support::{
     SlackRegion, StandingRib, concentrations, slack_regions, standing_ribs,
     warnings as sail_warnings,

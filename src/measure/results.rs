@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::record::Record;
-use super::shared::FORCE_IMBALANCE;
+use super::shared::{FORCE_IMBALANCE, TIME};
 use super::{
     air, bodies, canopy, contact, energy, fabric, falling, flown_ballooning, imported_wing,
     line_drag, load_test, payload_bodies, permeable, plate, residual, sail_support, supports, wing,
@@ -24,6 +24,20 @@ pub fn results(simulation: &Simulation, statics: &Statics, record: &Record) -> R
     let frame = simulation.structure_frame();
     let structure = frame.structure.as_ref();
     of_scene(simulation.scene(), structure, record, statics)
+}
+
+/// From when to when means are taken, since release [s]; `None` of scenes without means. Of several bodies the window that begins last.
+#[must_use]
+pub fn averaging_window_s(scene: &Scene, record: &Record) -> Option<[f64; 2]> {
+    let times = record.column(&TIME);
+    let samples = canopy::averaged(scene, record)
+        .or_else(|| bodies::averaged(scene, record))
+        .or_else(|| wing_wind::averaged(scene, record))
+        .or_else(|| plate::averaged(scene, record))?;
+    Some([
+        *times.get(samples.start)?,
+        *times.get(samples.end.checked_sub(1)?)?,
+    ])
 }
 
 /// All results from the scene, its structure at the end of the run, and what was recorded.

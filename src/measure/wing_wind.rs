@@ -3,6 +3,8 @@
 //! Coefficients refer to ½ ρ U² and the flat area. Pressure coefficients are (p − p∞)/(½ ρ U²), p∞ the mean over a section behind the inlet, p in the
 //! middle of a cell between its ribs and between its panels. Times are counted in chords: c/U, c the largest chord.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::air_around_wing::{Around, InWind, air_around};
@@ -230,6 +232,12 @@ fn window(record: &Record, known: &InWind) -> Option<Window> {
             format!("mean of the last {length:.1} c/U, not settled: indicative only")
         },
     })
+}
+
+/// Samples over which the means of a wing in wind are taken; `None` of other scenes.
+pub(super) fn averaged(scene: &Scene, record: &Record) -> Option<Range<usize>> {
+    let window = window(record, &InWind::of(scene)?)?;
+    Some(window.first..record.column(&TIME).len())
 }
 
 /// Means over the settled window, filling, and the state at the end.

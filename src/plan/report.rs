@@ -10,8 +10,9 @@ use super::{
 };
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
-use crate::case::scene::{BodyKind, Carrier, Flow, RigidBody};
+use crate::case::scene::{Air, BodyKind, Carrier, Flow};
 use crate::cloth::{Structure, TimeIntegration};
+use crate::geometry::plate::Plate;
 use crate::immersed::markers;
 
 fn megabytes(bytes: u64) -> String {
@@ -34,6 +35,45 @@ fn write_loads(out: &mut String, structure: &Structure) -> fmt::Result {
         writeln!(out, "  moving at the start {moving} nodes")?;
     }
     Ok(())
+}
+
+/// A number of any size with three digits.
+fn three_digits(number: f64) -> String {
+    let rounded = format!("{number:.2e}");
+    match rounded.parse::<f64>() {
+        Ok(plain) if (1e-3..1e6).contains(&plain) => plain.to_string(),
+        _ => rounded,
+    }
+}
+
+/// Numbers without dimension of a plate with the mass per area `areal_kg_m2`.
+fn write_plate(out: &mut String, plate: &Plate, air: &Air, areal_kg_m2: f64) -> fmt::Result {
+    let length_m = plate.size_m[0];
+    let speed_m_s = air.wind_or_reference_m_s();
+    let density_kg_m3 = air.units.density_kg_m3;
+    let section_m2 = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
+    let stiffness_nm = density_kg_m3 * speed_m_s.powi(2) * length_m.powi(3);
+    writeln!(
+        out,
+        "  Reynolds number     U L/nu = {}",
+        three_digits(speed_m_s * length_m / air.kinematic_viscosity_m2_s)
+    )?;
+    writeln!(
+        out,
+        "  blockage            {} % (all of the plate, which it may turn across the stream, over the section)",
+        three_digits(100.0 * plate.area_m2() / section_m2)
+    )?;
+    writeln!(
+        out,
+        "  mass ratio          m* = rho_s h/(rho L) = {}",
+        three_digits(areal_kg_m2 / (density_kg_m3 * length_m))
+    )?;
+    writeln!(
+        out,
+        "  bending stiffness   D/(rho U^2 L^3) = {} (D = {} N m)",
+        three_digits(plate.flexural_rigidity_nm / stiffness_nm),
+        three_digits(plate.flexural_rigidity_nm)
+    )
 }
 
 impl Plan {
@@ -318,13 +358,14 @@ impl Plan {
                 Carrier::RigidBody { .. } => 0.0,
             });
         let mass = structure.masses_kg.iter().sum::<f64>() - payload;
-        let ratio = mass / structure.rest_area_m2() / (air.units.density_kg_m3 * cell);
+        let areal_kg_m2 = mass / structure.rest_area_m2();
+        let ratio = three_digits(areal_kg_m2 / (air.units.density_kg_m3 * cell));
         writeln!(out, "\ncoupling")?;
         self.write_scheme(out, coupling)?;
         cadence::write(out, scene)?;
         writeln!(
             out,
-            "  mass ratio          m_s/(rho cell) = {ratio:.3} (mass of fabric, lines and belts per area of fabric over air in one cell)"
+            "  mass ratio          m_s/(rho cell) = {ratio} (mass of fabric, lines and belts per area of fabric over air in one cell)"
         )?;
         if let BodyKind::Plate(plate) = &body.kind {
             let [length, width] = plate.size_m.map(|size| size / cell);
@@ -340,6 +381,7 @@ impl Plan {
                 )?,
                 Scheme::Links => writeln!(out)?,
             }
+            write_plate(out, plate, air, areal_kg_m2)?;
         } else if coupling.scheme == Scheme::Kernel {
             writeln!(
                 out,
@@ -443,18 +485,18 @@ impl Plan {
             )?;
             writeln!(
                 out,
-                "    blockage          S/section = {:.2} % (S = {:.4e} m2)",
+                "    blockage          frontal area over section = {:.2} % (coefficients refer to S = {:.4e} m2)",
                 100.0 * body.blocking_area_m2 / section,
                 body.reference_area_m2
             )?;
             writeln!(
                 out,
                 "    Reynolds number   {:.3e}",
-                air.wind_or_reference_m_s() * body.reference_length_m
+                body.reference_speed_m_s(air) * body.reference_length_m
                     / air.kinematic_viscosity_m2_s
             )?;
             if body.motion.moves() {
-                let fastest = fastest_m_s(body, scene.time.map_or(0.0, |t| t.end_s));
+                let fastest = body.fastest_m_s(scene.time.map_or(0.0, |t| t.end_s));
                 writeln!(
                     out,
                     "    moves             at most {fastest:.3} m/s, {:.3} cells per step",
@@ -475,19 +517,4 @@ impl Plan {
         }
         Ok(())
     }
-}
-
-/// Instants at which a prescribed motion is looked at.
-const LOOKS: u32 = 400;
-
-/// Fastest point of a body on its way [m/s].
-fn fastest_m_s(body: &RigidBody, end_s: f64) -> f64 {
-    let mut fastest: f64 = 0.0;
-    for look in 0..=LOOKS {
-        let placement = body.motion.at(end_s * f64::from(look) / f64::from(LOOKS));
-        for &point in &body.surface.positions_m {
-            fastest = fastest.max(placement.velocity_m_s(point).length());
-        }
-    }
-    fastest
 }

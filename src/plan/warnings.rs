@@ -26,6 +26,7 @@ impl Plan {
         warnings.extend(blockage(scene));
         warnings.extend(nominal_area(scene));
         warnings.extend(self.device_tolerance(scene));
+        warnings.extend(late_pictures(scene));
         warnings.extend(
             self.evaluations
                 .and_then(|known| known.warning(self.evaluation_limit)),
@@ -53,6 +54,22 @@ impl Plan {
                 )
             })
     }
+}
+
+/// Pictures that are asked for after the end.
+fn late_pictures(scene: &Scene) -> Option<String> {
+    let end_s = scene.time?.end_s;
+    let times = scene.output.picture_times_s.iter();
+    let late: Vec<String> = times
+        .filter(|&&time_s| time_s > end_s)
+        .map(|time_s| format!("{time_s} s"))
+        .collect();
+    (!late.is_empty()).then(|| {
+        format!(
+            "no picture is made at {}: the run ends at {end_s} s (output.picture_times_s, time.end_s)",
+            late.join(", ")
+        )
+    })
 }
 
 /// A nominal area that hardly is that of the fabric: coefficients would be wrong by the square of D_0.

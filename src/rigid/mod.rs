@@ -3,6 +3,9 @@
 mod box_faces;
 mod inset;
 pub mod motion;
+mod overlap;
+mod rays;
+mod thickness;
 
 use std::collections::HashMap;
 

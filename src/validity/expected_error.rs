@@ -134,13 +134,16 @@ fn parts_of_drag(of: &Subject) -> Vec<(String, f64)> {
     parts
 }
 
+/// Least Reynolds number of the ladders.
+const LEAST_REYNOLDS: f64 = 30.0;
+
 /// What is to be expected of the means of a case, beforehand; empty where nothing is known.
 #[must_use]
 pub fn expected_errors(scene: &Scene) -> Vec<ExpectedError> {
     let subjects = subjects(scene);
     let of_subject = |of: &Subject| {
-        // All was measured on bodies that keep off the faces.
-        if of.passes_through_a_face() {
+        // All was measured on bodies that keep off the faces, at Reynolds numbers from 30 on.
+        if of.passes_through_a_face() || of.reynolds() < LEAST_REYNOLDS {
             return None;
         }
         let (quantity, parts) = match of.kind {

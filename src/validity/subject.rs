@@ -6,8 +6,10 @@ use crate::case::Scene;
 use crate::case::coupling::{Friction, Scheme};
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
+use crate::geometry::plate::Plate;
 use crate::geometry::wing::section::Side;
 use crate::measure::flow_past_bodies;
+use crate::measure::plate::{lesser_side_m, lies_along};
 
 /// Projected diameter of an inflated canopy over its nominal one.
 pub const INFLATED: f64 = 0.7;
@@ -17,6 +19,9 @@ const TURBULENT_REYNOLDS: f64 = 5e5;
 
 /// Places along a chord at which its thickness is looked for.
 const LOOKS: u32 = 50;
+
+/// Distance from the surface of another body up to which a node lies on it [cells].
+const ON_A_SURFACE: f64 = 0.1;
 
 /// Kinds of what stands in the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +45,8 @@ pub struct Subject<'a> {
     pub scene: &'a Scene,
     /// The air.
     pub air: &'a Air,
+    /// The rigid body, if it is one.
+    pub body: Option<&'a RigidBody>,
     /// Its name; empty for the fabric.
     pub name: String,
     /// Beginning of the names of its results.
@@ -56,7 +63,7 @@ pub struct Subject<'a> {
     pub corners_m: [DVec3; 2],
     /// Lower and upper faces of the box along x, y and z that it passes through by intent.
     pub passed: [[bool; 2]; 3],
-    /// Smallest thickness, if it has an inside [m].
+    /// Thickness, if it has an inside: of a body the median over its surface, of a wing of fabric the largest at its root [m].
     pub thickness_m: Option<f64>,
     /// Narrowest hole that air is meant to pass [m].
     pub hole_m: Option<f64>,
@@ -66,6 +73,8 @@ pub struct Subject<'a> {
     pub mouth_m: Option<f64>,
     /// Held in the stream.
     pub held: bool,
+    /// Speed of a rigid body that moves: that to which its coefficients refer, or its fastest point's [m/s].
+    pub own_speed_m_s: Option<f64>,
     /// How long a rigid body takes to settle and to be averaged, from t = 0 [s].
     pub settling_s: Option<f64>,
 }
@@ -104,6 +113,34 @@ pub fn subjects(scene: &Scene) -> Vec<Subject<'_>> {
     found
 }
 
+/// Part of a unit vector along an axis from which on a plate stands across the faces there.
+const STANDS: f64 = 0.5;
+
+/// How near its held edge is to a face that a plate stands on [cells]: the kernel's width.
+const FOOT_CELLS: f64 = 4.0;
+
+/// Faces of the box along y and z that a sheet reaches with an edge, or that a plate stands on.
+fn faces_met(air: &Air, plate: Option<&Plate>, [low, high]: [DVec3; 2]) -> [[bool; 2]; 3] {
+    let cell_m = air.units.cell_size_m;
+    let mut met = [[false; 2]; 3];
+    for axis in [1_usize, 2] {
+        let box_m = air.cells[axis] as f64 * cell_m;
+        // What lies along a face has no edge there.
+        let has_edges = plate.is_none_or(|plate| plate.normal()[axis].abs() < STANDS);
+        let feet_m = plate.map_or([f64::INFINITY; 2], |plate| {
+            let foot_m = plate.held_edge_m[axis];
+            let up = plate.along[axis];
+            [(up > STANDS, foot_m), (up < -STANDS, box_m - foot_m)]
+                .map(|(stands, gap_m)| if stands { gap_m } else { f64::INFINITY })
+        });
+        let gaps_m = [low[axis], box_m - high[axis]];
+        met[axis] = [0, 1].map(|side| {
+            (has_edges && gaps_m[side] <= cell_m) || feet_m[side] <= FOOT_CELLS * cell_m
+        });
+    }
+    met
+}
+
 fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
     let body = scene.body.as_ref()?;
     let positions = &body.structure.positions_m;
@@ -118,6 +155,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
     let rest = Subject {
         scene,
         air,
+        body: None,
         name: String::new(),
         prefix: String::new(),
         kind: Kind::Sheet,
@@ -131,6 +169,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
         slot_m: narrowest_m(false),
         mouth_m: None,
         held: scene.descent.is_none(),
+        own_speed_m_s: None,
         settling_s: None,
     };
     Some(match &body.kind {
@@ -181,6 +220,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
                     .into_iter()
                     .fold(0.0, f64::max),
                 area_m2: across[0].cross(across[1]).x.abs(),
+                passed: faces_met(air, Some(plate), rest.corners_m),
                 ..rest
             }
         }
@@ -191,6 +231,7 @@ fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
                 length_m,
                 across_m: size.y.max(size.z),
                 area_m2: size.y * size.z,
+                passed: faces_met(air, None, rest.corners_m),
                 ..rest
             }
         }
@@ -215,6 +256,7 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
     Subject {
         scene,
         air,
+        body: Some(body),
         name: String::new(),
         prefix,
         kind,
@@ -225,12 +267,19 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         passed,
         thickness_m: body
             .volume_m3
-            .map(|_| size.min_element())
-            .filter(|size| size.is_finite()),
+            .map(|_| {
+                let across_m = body.surface.thickness_m().unwrap_or(f64::INFINITY);
+                across_m.min(size.min_element())
+            })
+            .filter(|thickness_m| thickness_m.is_finite()),
         hole_m: None,
         slot_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
+        own_speed_m_s: body.motion.moves().then(|| {
+            let end_s = scene.time.map_or(0.0, |time| time.end_s);
+            body.reference_speed_m_s(air).max(body.fastest_m_s(end_s))
+        }),
         settling_s: settling.map(|settling| {
             let [begin, least] = settling.times();
             settling.risen_s.max(0.0) + (begin + least) * settling.unit_s
@@ -270,9 +319,13 @@ impl Subject<'_> {
         self.air.cells[axis] as f64 * self.cell_m()
     }
 
-    /// Area over the section of the box.
+    /// Area over the section of the box; of a flat sheet all of its area, which it may turn across the stream.
     pub fn blockage(&self) -> f64 {
-        self.area_m2 / (self.box_m(1) * self.box_m(2))
+        let sheet = self.scene.body.as_ref();
+        let sheet = sheet.filter(|_| self.kind == Kind::Sheet);
+        let flat = sheet.filter(|sheet| !matches!(sheet.kind, BodyKind::Mesh));
+        let area_m2 = flat.map_or(self.area_m2, |body| body.structure.rest_area_m2());
+        area_m2 / (self.box_m(1) * self.box_m(2))
     }
 
     /// Middle along the wind [m].
@@ -305,7 +358,8 @@ impl Subject<'_> {
         (self.box_m(0) - sponge_m - self.middle_m()) / self.across_m
     }
 
-    /// From the nearest side wall that it does not pass through to the body [diameters across the stream]; `None` if there is no such wall.
+    /// From the nearest side wall that it does not pass through, or stand on, to the body [diameters across the stream]; `None` if there is no such wall.
+    /// Of a sheet it is in its larger extent.
     pub fn wall(&self) -> Option<f64> {
         let [low, high] = self.corners_m;
         let gaps = [1, 2].into_iter().flat_map(|axis| {
@@ -313,7 +367,24 @@ impl Subject<'_> {
             gaps.into_iter().zip(self.passed[axis])
         });
         let kept = gaps.filter(|(_, passed)| !passed).map(|(gap, _)| gap);
-        kept.min_by(f64::total_cmp).map(|gap| gap / self.across_m)
+        let unit_m = match self.kind {
+            // It swings.
+            Kind::Sheet => self.length_m.max(self.across_m),
+            _ => self.across_m,
+        };
+        kept.min_by(f64::total_cmp).map(|gap| gap / unit_m)
+    }
+
+    /// Time from t = 0 to the end: of a sheet, or a plate that lies `along` the stream, in L/U; of a plate across it in b/U, with its lesser side b.
+    /// `None` of what is not asked for.
+    pub fn length_of_run(&self, along: bool) -> Option<f64> {
+        let wind = matches!(self.air.flow, Flow::WindTunnel { speed_m_s, .. } if speed_m_s > 0.0);
+        let across = self.scene.plate().filter(|plate| !lies_along(plate));
+        if self.kind != Kind::Sheet || !wind || !self.held || along == across.is_some() {
+            return None;
+        }
+        let unit_m = across.map_or(self.length_m, lesser_side_m);
+        Some(self.scene.time.as_ref()?.end_s * self.speed_m_s() / unit_m)
     }
 
     /// True if it passes through a face of the box.
@@ -321,9 +392,37 @@ impl Subject<'_> {
         self.passed.iter().flatten().any(|passed| *passed)
     }
 
-    /// Speed of the wind, or of the fall at release [m/s].
-    pub const fn speed_m_s(&self) -> f64 {
-        self.air.wind_or_reference_m_s()
+    /// Largest share of a rigid body's nodes that lie inside another one, or on it, at the start. `None` where the box around it meets no other's.
+    pub fn overlap(&self) -> Option<f64> {
+        let body = self.body?;
+        let bodies = &self.scene.rigid_bodies;
+        if bodies.len() < 2 {
+            return None;
+        }
+        let at_the_start = |body: &RigidBody| {
+            let placement = body.motion.at(0.0);
+            let mut surface = body.surface.clone();
+            for place_m in &mut surface.positions_m {
+                *place_m = placement.position_m(*place_m);
+            }
+            surface
+        };
+        let own = at_the_start(body);
+        let near_m = ON_A_SURFACE * self.cell_m();
+        let shares = bodies
+            .iter()
+            .filter(|other| other.name != body.name)
+            .filter_map(|other| {
+                let has_inside = other.volume_m3.is_some();
+                own.share_within(&at_the_start(other), has_inside, &other.faces, near_m)
+            });
+        shares.reduce(f64::max)
+    }
+
+    /// Speed of the wind, of the fall at release, or of a body that moves [m/s].
+    pub fn speed_m_s(&self) -> f64 {
+        self.own_speed_m_s
+            .unwrap_or_else(|| self.air.wind_or_reference_m_s())
     }
 
     /// Reynolds number of the length.

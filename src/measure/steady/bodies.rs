@@ -1,4 +1,4 @@
-//! From when on the forces on a rigid body count, and how well their means are known.
+//! From when on the forces on a rigid body count, and how well their means are known; the same of plates of fabric.
 //!
 //! Lengths are those that a body's coefficients refer to, L; times count in L/U. What the numbers come from is in
 //! `docs/results/2026-11-23-bodies-settling-and-walls.md`.
@@ -73,13 +73,15 @@ pub struct BodyWindow {
     pub first: usize,
     /// One past the last sample.
     pub end: usize,
-    /// Length [L/U].
+    /// Length, in units as `L/U`.
     pub length: f64,
+    /// Name of the unit of its times.
+    unit: &'static str,
     /// True if it begins only after the flow has settled.
     pub settled: bool,
     /// Samples per batch.
     batch: usize,
-    /// From the end of the rise to the begin of a settled window, and its least length [L/U].
+    /// From the end of the rise to the begin of a settled window, and its least length, in that unit.
     times: [f64; 2],
     /// The drag hardly changes in it: its range is the interval where the window is too short for batches.
     quiet: bool,
@@ -89,10 +91,33 @@ impl BodyWindow {
     /// Chooses the window from the times of the samples and their drag; `None` before two samples exist after t = 0.
     #[must_use]
     pub fn new(times: &[f64], drag: &[f64], settling: &Settling) -> Option<Self> {
-        let unit_s = settling.unit_s;
+        let turn_s = settling.turn_s.unwrap_or(0.0);
+        let unit = (settling.unit_s, "L/U");
+        let mut window = Self::chosen(times, unit, settling.risen_s, settling.times(), turn_s)?;
+        let drag = window.of(drag);
+        window.quiet = !settling.unsteady && range(drag) <= QUIET * average(drag).abs();
+        Some(window)
+    }
+
+    /// The same of what sways in a wind that has risen at t = 0. `unit` is that of its times [s] and its name, `settled` the begin of a settled window
+    /// and its least length in it.
+    pub(in crate::measure) fn of_swaying(
+        times: &[f64],
+        unit: (f64, &'static str),
+        settled: [f64; 2],
+    ) -> Option<Self> {
+        Self::chosen(times, unit, 0.0, settled, 0.0)
+    }
+
+    fn chosen(
+        times: &[f64],
+        (unit_s, unit): (f64, &'static str),
+        risen_s: f64,
+        [begin, least]: [f64; 2],
+        turn_s: f64,
+    ) -> Option<Self> {
         let end = times.len();
-        let [begin, least] = settling.times();
-        let from_s = settling.risen_s.max(0.0) + begin * unit_s;
+        let from_s = risen_s.max(0.0) + begin * unit_s;
         let first = times.partition_point(|&time| time < from_s);
         let settled = first + 1 < end && times[end - 1] - times[first] >= (least - 1e-6) * unit_s;
         let first = if settled {
@@ -102,19 +127,17 @@ impl BodyWindow {
         };
         let span = times[end - 1] - times[first];
         let rate = (end - 1 - first) as f64 / span;
-        let batch_s = (BATCH * unit_s).max(settling.turn_s.unwrap_or(0.0));
-        let mut window = Self {
+        let batch_s = (BATCH * unit_s).max(turn_s);
+        Some(Self {
             first,
             end,
             length: span / unit_s,
+            unit,
             settled,
             times: [begin, least],
             batch: (batch_s * rate).round().max(1.0) as usize,
             quiet: false,
-        };
-        let drag = window.of(drag);
-        window.quiet = !settling.unsteady && range(drag) <= QUIET * average(drag).abs();
-        Some(window)
+        })
     }
 
     fn of<'a>(&self, column: &'a [f64]) -> &'a [f64] {
@@ -174,15 +197,15 @@ impl BodyWindow {
     /// where nothing is known against them.
     #[must_use]
     pub fn unsettled(&self, drag: &[f64], across: [&[f64]; 2]) -> Option<String> {
-        let [begin, least] = self.times;
+        let (unit, [begin, least]) = (self.unit, self.times);
         if !self.settled {
             return Some(format!(
-                "not settled: the second half of a run too short; averaging begins {begin} L/U after the speeds have risen and needs {least}"
+                "not settled: the second half of a run too short; averaging begins {begin} {unit} after the speeds have risen and needs {least}"
             ));
         }
         if !self.quiet && !self.has_batches() {
             return Some(format!(
-                "not settled: {:.1} L/U of averaging, an unsteady force needs {UNSTEADY_WINDOW}",
+                "not settled: {:.1} {unit} of averaging, an unsteady force needs {UNSTEADY_WINDOW}",
                 self.length
             ));
         }

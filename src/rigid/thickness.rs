@@ -1,0 +1,149 @@
+//! How thick a body is: rays from its surface through its inside to the far side. The box around a body that lies askew says nothing of it.
+
+use glam::DVec3;
+
+use super::Surface;
+use super::rays::{Bundles, spread};
+
+/// Triangles that rays begin at, at most.
+const LOOKS: usize = 256;
+
+/// Share of the surface's size below which a ray has met where it began.
+const NOWHERE: f64 = 1e-9;
+
+/// Share of the area that must have a far side.
+const SHARE: f64 = 0.5;
+
+impl Surface {
+    /// Median over the area of the way along the normals through what a closed surface encloses [m]. It is nearly the diameter of a sphere, the
+    /// thickness of a slab, and three quarters of the largest thickness of a profile.
+    ///
+    /// Normals may point outwards or inwards: inside is the side on which more area has a far side. Triangles without one do not count. `None` where
+    /// they are more than half of the area, as of open surfaces, and of some that are cut at a face of the box.
+    #[must_use]
+    pub fn thickness_m(&self) -> Option<f64> {
+        let (low, high) = self.bounds_m();
+        let least_m = NOWHERE * (high - low).length();
+        let bundles = Bundles::of(self);
+        // Way and area of every triangle with a far side, against the normals and along them.
+        let mut ways: [Vec<(f64, f64)>; 2] = [Vec::new(), Vec::new()];
+        let mut whole_m2: f64 = 0.0;
+        for triangle in spread(self.triangles.len(), LOOKS) {
+            let [a, b, c] = self.corners(self.triangles[triangle]);
+            let area = 0.5 * (b - a).cross(c - a);
+            let normal = area.normalize_or_zero();
+            if normal == DVec3::ZERO {
+                continue;
+            }
+            whole_m2 += area.length();
+            for (way, direction) in ways.iter_mut().zip([-normal, normal]) {
+                let nearest = bundles
+                    .meetings((a + b + c) / 3.0, direction)
+                    .filter(|met| met.triangle != triangle && met.distance_m > least_m)
+                    .map(|met| met.distance_m)
+                    .min_by(f64::total_cmp);
+                way.extend(nearest.map(|distance_m| (distance_m, area.length())));
+            }
+        }
+        let met_m2 = |way: &[(f64, f64)]| way.iter().map(|(_, area)| area).sum::<f64>();
+        let [against, along] = ways;
+        let mut inside = if met_m2(&against) >= met_m2(&along) {
+            against
+        } else {
+            along
+        };
+        let inside_m2 = met_m2(&inside);
+        if inside_m2 < SHARE * whole_m2 {
+            return None;
+        }
+        inside.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut passed_m2: f64 = 0.0;
+        let middle = inside.iter().find(|(_, area)| {
+            passed_m2 += area;
+            passed_m2 >= 0.5 * inside_m2
+        });
+        middle.map(|(distance_m, _)| *distance_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+
+    use super::*;
+    use crate::geometry::surfaces;
+
+    /// A box with sides of `size`, normals outwards.
+    fn slab(size: DVec3) -> Surface {
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        Surface {
+            positions_m: (0..8)
+                .map(|i| {
+                    size * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))
+                })
+                .collect(),
+            triangles: quads
+                .iter()
+                .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn a_sphere_is_as_thick_as_its_diameter() {
+        for edge_m in [0.3, 0.1] {
+            let sphere = surfaces::sphere(1.0, edge_m);
+            let thickness_m = sphere.thickness_m().unwrap();
+            assert!((thickness_m / 2.0 - 1.0).abs() < 0.02, "{thickness_m}");
+        }
+    }
+
+    /// Whichever way a slab is turned, and its normals point.
+    #[test]
+    fn a_slab_is_as_thick_as_its_short_side() {
+        let mut slab = slab(DVec3::new(1.0, 0.05, 1.4));
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.8);
+        for is_turned in [false, true] {
+            if is_turned {
+                for place_m in &mut slab.positions_m {
+                    *place_m = turn * *place_m;
+                }
+                let (low, high) = slab.bounds_m();
+                assert!((high - low).min_element() > 0.3);
+            }
+            for _ in 0..2 {
+                let thickness_m = slab.thickness_m().unwrap();
+                assert!((thickness_m - 0.05).abs() < 1e-9, "{thickness_m}");
+                for triangle in &mut slab.triangles {
+                    triangle.swap(1, 2);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_cylinder_is_as_thick_as_its_diameter_and_a_flat_one_as_its_length() {
+        for (length_m, expected_m) in [(6.0, 2.0), (0.2, 0.2)] {
+            let cylinder = surfaces::cylinder(1.0, length_m, true, 0.15);
+            let thickness_m = cylinder.thickness_m().unwrap();
+            assert!(
+                (thickness_m / expected_m - 1.0).abs() < 0.02,
+                "{thickness_m}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_sheet_has_no_thickness() {
+        assert_eq!(surfaces::plate([1.0, 1.0], 0.1).thickness_m(), None);
+        assert_eq!(surfaces::disk(1.0, 0.1).thickness_m(), None);
+        assert_eq!(Surface::default().thickness_m(), None);
+    }
+}

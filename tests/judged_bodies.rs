@@ -1,0 +1,282 @@
+//! What is judged of rigid bodies before a run, and what stands beside their results.
+
+use std::path::Path;
+
+use libtest_mimic::Trial;
+use ripstop::case::{self, Case, Choices};
+use ripstop::measure::{Record, averaging_window_s, results};
+use ripstop::output::{Quantity, ValidityRow};
+use ripstop::plan::{Plan, Precision};
+use ripstop::run::without_files;
+use ripstop::statics::Statics;
+use ripstop::validity;
+
+use crate::command_line::ripstop;
+use crate::engines::plain;
+use crate::validity::{Body, SPHERE};
+
+pub fn trials() -> Vec<Trial> {
+    [
+        ("judged_bodies::thin_closed_wing", thin_closed_wing as fn()),
+        ("judged_bodies::bodies_in_one_place", bodies_in_one_place),
+        ("judged_bodies::slow_air_in_long_steps", slow_air),
+        ("judged_bodies::faster_than_the_reference", fast_body),
+        (
+            "judged_bodies::in_the_sponge_and_through_the_outlet",
+            in_the_sponge,
+        ),
+        (
+            "judged_bodies::blockage_is_by_the_frontal_area",
+            frontal_area,
+        ),
+        ("judged_bodies::pictures_after_the_end", late_pictures),
+        (
+            "judged_bodies::published_drags_and_windows",
+            published_drags,
+        ),
+        ("judged_bodies::half_a_period_is_not_settled", half_a_period),
+    ]
+    .into_iter()
+    .flat_map(|(name, test)| plain(name, test))
+    .collect()
+}
+
+/// The sphere of [`SPHERE`] on 8 cells in a smaller box, with changes.
+fn sphere(overrides: &[&str]) -> Case {
+    let body = Body {
+        cells: 8.0,
+        inlet: 2.0,
+        sponge: 3.0,
+        width: 4.0,
+        ..SPHERE
+    };
+    let choices = Choices {
+        variant: None,
+        overrides: overrides.iter().map(|&change| change.to_owned()).collect(),
+    };
+    case::parse("case", &body.text(), Path::new("."), &choices).unwrap()
+}
+
+fn row(case: &Case, name: &str) -> Option<ValidityRow> {
+    let plan = Plan::new(&case.scene, Precision::F32);
+    let mut rows = validity::beforehand(&case.scene, &plan).into_iter();
+    rows.find(|row| row.name == name)
+}
+
+/// Creeping flow in steps that are too long for its viscosity, and a forecast that nothing was measured for.
+fn slow_air() {
+    let name = "viscous part of the relaxation time";
+    let slow = "air.kinematic_viscosity_m2_s=1.0";
+    let long = sphere(&[slow]);
+    let found = row(&long, name).unwrap();
+    assert!((found.value.unwrap() - 2.4).abs() < 1e-9 && found.valid == Some(false));
+    assert!(validity::expected_errors(&long.scene).is_empty());
+    let short = sphere(&[slow, "resolution.lattice_speed=0.01"]);
+    assert_eq!(row(&short, name).unwrap().valid, Some(true));
+    assert_eq!(row(&sphere(&[]), name).unwrap().valid, Some(true));
+    assert_eq!(validity::expected_errors(&sphere(&[]).scene).len(), 1);
+}
+
+/// A body that moves faster than the speed that the lattice was chosen by.
+fn fast_body() {
+    let still = [
+        "air.wind_tunnel.speed_m_s=0.0",
+        "resolution.reference_speed_m_s=1.0",
+        "resolution.lattice_speed=0.08",
+    ];
+    let moving = |speed_m_s: f64| {
+        let motion = format!(
+            "bodies.sphere.motion.constant_velocity.velocity_m_s=[0.0, 0.0, {speed_m_s:?}]"
+        );
+        let rise = "bodies.sphere.motion.constant_velocity.start_time_s=0.1";
+        let changes = [&still[..], &[&motion, rise, "time.end_s=0.2"]].concat();
+        sphere(&changes)
+    };
+    for (speed_m_s, valid) in [(1.0, true), (2.9, false)] {
+        let case = moving(speed_m_s);
+        let mach = row(&case, "Mach number on the lattice").unwrap();
+        let expected = 0.08 * speed_m_s * 3f64.sqrt();
+        assert!(
+            (mach.value.unwrap() / expected - 1.0).abs() < 1e-9,
+            "{mach:?}"
+        );
+        assert_eq!(mach.valid, Some(valid));
+        let steps = row(&case, "steps per length over speed").unwrap();
+        let expected = 1.0 / speed_m_s / case.scene.air.as_ref().unwrap().units.time_step_s;
+        assert!(
+            (steps.value.unwrap() / expected - 1.0).abs() < 1e-9,
+            "{steps:?}"
+        );
+    }
+}
+
+/// A body may pass through the outlet by intent; the sponge before it is still in its wake.
+fn in_the_sponge() {
+    let at_the_end = "bodies.sphere.position_m=[6.0, 2.0, 2.0]";
+    let name = "distance to the sponge or outlet";
+    let found = row(&sphere(&[at_the_end]), name).unwrap();
+    assert_eq!(found.valid, Some(false));
+    let without = sphere(&[at_the_end, "air.wind_tunnel.sponge_length_m=absent"]);
+    assert!(row(&without, name).is_none());
+}
+
+/// Whatever area coefficients refer to.
+fn frontal_area() {
+    let area_m2 = 0.25 * std::f64::consts::PI;
+    for changes in [&[][..], &["bodies.sphere.reference.area_m2=0.01"]] {
+        let blockage = row(&sphere(changes), "blockage of the body").unwrap();
+        assert!((blockage.value.unwrap() * 16.0 / area_m2 - 1.0).abs() < 1e-9);
+    }
+}
+
+fn late_pictures() {
+    let case = sphere(&["output.picture_times_s=[1.0, 30.0, 31.5]"]);
+    let warnings = Plan::new(&case.scene, Precision::F32).warnings(&case.scene);
+    let told = |word: &str| warnings.iter().any(|warning| warning.contains(word));
+    assert!(
+        told("no picture is made at 31.5 s: the run ends at 30 s"),
+        "{warnings:?}"
+    );
+}
+
+/// The drag coefficients of a run, and the window of its means.
+fn run(case: &Case) -> (Vec<Quantity>, Option<[f64; 2]>) {
+    let plan = Plan::new(&case.scene, Precision::F32);
+    let (simulation, record): (_, Record) = without_files(case, plan, None).unwrap();
+    let results = results(&simulation, &Statics::default(), &record);
+    let drags = results
+        .iter()
+        .filter(|(name, _)| name.ends_with("drag_coefficient"))
+        .map(|(_, quantity)| quantity.clone())
+        .collect();
+    (drags, averaging_window_s(&case.scene, &record))
+}
+
+/// What is published stands beside a body alone in an even stream, on the area that the case refers to.
+fn published_drags() {
+    let short = ["time.end_s=6.0", "output.sample_interval_s=0.1"];
+    let reference = |changes: &[&str]| {
+        let (drags, window) = run(&sphere(&[&short[..], changes].concat()));
+        let [first, last] = window.expect("means have a window");
+        assert!(
+            first > 0.0 && first < last && last <= 6.0 + 1e-9,
+            "{first} {last}"
+        );
+        drags.iter().map(|drag| drag.reference).collect::<Vec<_>>()
+    };
+    let plain = reference(&[])[0].unwrap();
+    let half = format!(
+        "bodies.sphere.reference.area_m2={}",
+        0.125 * std::f64::consts::PI
+    );
+    let on_half = reference(&[&half])[0].unwrap();
+    assert!((on_half / plain - 2.0).abs() < 1e-9, "{plain} {on_half}");
+    let other = "bodies.other={ position_m = [4.0, 2.0, 2.0], sphere = { diameter_m = 1.0 } }";
+    let cells = [
+        "resolution.cells_per_diameter=absent",
+        "resolution.cell_size_m=0.125",
+    ];
+    assert_eq!(reference(&[cells[0], cells[1], other]), [None, None]);
+}
+
+/// A sphere that swings through half a period: its mean drag is that of no state.
+fn half_a_period() {
+    let (drags, _) = run(&sphere(&[
+        "bodies.sphere.motion.oscillation.frequency_hz=0.1",
+        "bodies.sphere.motion.oscillation.displacement_m=[0.8, 0.0, 0.0]",
+        "time.end_s=5.0",
+        "output.sample_interval_s=0.1",
+    ]));
+    let why = drags[0].unresolved.as_deref();
+    assert!(
+        why.is_some_and(|why| why.contains("not settled")),
+        "{:?}",
+        drags[0]
+    );
+}
+
+/// A wing that is pitched and arched stands in a box far thicker than its sections.
+fn thin_closed_wing() {
+    let text = r#"
+version = 1
+title = "A thin wing"
+[air]
+density_kg_m3 = 1.0
+kinematic_viscosity_m2_s = 1e-3
+[air.wind_tunnel]
+speed_m_s = 1.0
+size_m = [6.0, 6.0, 4.0]
+start_time_s = 1.0
+[resolution]
+cell_size_m = 0.08
+lattice_speed = 0.08
+operator = "stabilised_regularised"
+[coupling]
+scheme = "links"
+[bodies.wing]
+position_m = [2.0, 3.0, 2.0]
+rotation = { axis = [0.0, 1.0, 0.0], angle_deg = 4.0 }
+friction = "model"
+[bodies.wing.wing]
+naca = "0006"
+stations = [{ position_m = [0.0, 0.0, 0.0], chord_m = 1.0 }, { position_m = [0.0, 1.5, 0.3], chord_m = 1.0 }]
+[time]
+end_s = 10.0
+[output]
+sample_interval_s = 0.1
+"#;
+    let case = case::parse("case", text, Path::new("."), &Choices::default()).unwrap();
+    let plan = Plan::new(&case.scene, Precision::F32);
+    let rows = validity::beforehand(&case.scene, &plan);
+    let row = rows
+        .iter()
+        .find(|row| row.name == "cells across the thickness")
+        .unwrap();
+    // The largest thickness is 0.75 cells, half of the sections are thinner than 0.57.
+    let cells = row.value.unwrap();
+    assert!((0.48..0.66).contains(&cells), "{cells}");
+    assert_eq!(row.valid, Some(false));
+}
+
+/// Bodies that stand in one another share the force arbitrarily.
+fn bodies_in_one_place() {
+    let sphere = Body {
+        cells: 12.0,
+        ..SPHERE
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (name, place_m, share) in [
+        ("same", [5.0, 5.0, 5.0], Some(0.99..1.01)),
+        ("half", [5.0, 5.5, 5.0], Some(0.18..0.32)),
+        ("apart", [5.0, 7.0, 5.0], None),
+    ] {
+        let text = sphere.text().replace(
+            "cells_per_diameter = 12.0",
+            &format!("cell_size_m = {:?}", 1.0 / 12.0),
+        ) + &format!(
+            "[bodies.other]\nposition_m = {place_m:?}\n[bodies.other.sphere]\ndiameter_m = 1.0\n"
+        );
+        let path = folder.path().join(format!("{name}.toml"));
+        std::fs::write(&path, text).unwrap();
+        let case = case::load(&path, &Choices::default()).unwrap();
+        let plan = Plan::new(&case.scene, Precision::F32);
+        let rows = validity::beforehand(&case.scene, &plan);
+        for body in ["sphere", "other"] {
+            let wanted = format!("{body}: overlap with another body");
+            let row = rows.iter().find(|row| row.name == wanted);
+            let value = row.map(|row| row.value.unwrap());
+            match &share {
+                Some(share) => assert!(share.contains(&value.unwrap()), "{name}: {value:?}"),
+                None => assert_eq!(value, None, "{name}"),
+            }
+            let prefix = format!("{body}_");
+            assert!(row.is_none_or(|row| row.valid == Some(false) && row.prefix == prefix));
+        }
+        if share.is_some() {
+            let strict = ripstop(&["check", path.to_str().unwrap(), "--strict"]);
+            assert_eq!(strict.code, 1, "{name}");
+            let finding = "other: overlap with another body";
+            assert!(strict.errors.contains(finding), "{}", strict.errors);
+        }
+    }
+}
