@@ -128,7 +128,7 @@ size_m = [0.1, 0.1]
 [coupling]
 over_relaxation = 1.6
 [time]
-end_s = 24.0
+end_s = 18.5
 [output]
 sample_interval_s = 0.5
 "#;
@@ -165,7 +165,7 @@ impl Body for Galilei {
             assert!((by_box / force - 1.0).abs() < 0.01, "{force} {by_box}");
             force
         };
-        let (held, moved) = (mean(&held, 8.0, 18.0), mean(&moved, 12.0, 22.0));
+        let (held, moved) = (mean(&held, 8.0, 14.0), mean(&moved, 12.0, 18.0));
         assert!(held > 0.0);
         assert!(
             (moved / held - 1.0).abs() < tolerances::GALILEI,

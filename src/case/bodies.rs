@@ -258,8 +258,12 @@ fn check_body(
         shape,
         volume_m3: closed.then_some(inside.volume_m3),
         blocking_area_m2: match shape {
+            // Their triangles have a little less.
             Shape::Sphere { diameter_m } if inside.faces.is_empty() => {
                 0.25 * PI * diameter_m * diameter_m
+            }
+            Shape::Disk { diameter_m } if inside.faces.is_empty() => {
+                0.25 * PI * diameter_m * diameter_m * (rotation * DVec3::X).x.abs()
             }
             _ => inside.surface.frontal_area_m2(),
         },

@@ -3,14 +3,14 @@
 /// Similarity (Jaro–Winkler, 0 to 1) from which a name counts as meant.
 const NEAR: f64 = 0.78;
 
-/// The known name nearest to one that is not known; `None` where none is near.
+/// The known name nearest to one that is not known, of several as near the first; `None` where none is near.
 #[must_use]
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |one: &str| strsim::jaro_winkler(&name.to_lowercase(), &one.to_lowercase());
     known
         .map(|one| (likeness(one), one))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, one)| one)
 }
 
@@ -31,6 +31,8 @@ mod tests {
             assert_eq!(nearest(slip, known()), Some("speed_m_s"), "{slip}");
         }
         assert_eq!(nearest("colour", known()), None);
+        let units = ["payload_kg", "payload_lb"];
+        assert_eq!(nearest("payload", units.into_iter()), Some("payload_kg"));
         assert_eq!(did_you_mean("sizes_m", known()), "did you mean `size_m`? ");
     }
 }

@@ -191,6 +191,8 @@ enum Averaging {
         samples: std::ops::Range<usize>,
         batch: usize,
         why: &'static str,
+        /// In a box that falls.
+        falls: bool,
     },
 }
 
@@ -217,6 +219,7 @@ impl Averaging {
                     samples,
                     batch,
                     why,
+                    falls: scene.descent.is_some(),
                 })
             }
         }
@@ -242,10 +245,12 @@ impl Averaging {
 
     fn unsettled(&self, drag: &[f64], across: [&[f64]; 2]) -> Option<String> {
         match self {
-            Self::Settled(window) => window.unsettled(drag, across),
+            Self::Settled(window) => window.unsettled(drag, Some(across)),
             Self::Canopy(window) => {
                 (!window.settled).then(|| "not settled: the wake of the canopy".to_owned())
             }
+            // Of a fall the means at the terminal speed are judged by themselves.
+            Self::Half { falls: true, .. } => None,
             Self::Half { samples, .. } => {
                 let change = change_between_halves(&drag[samples.clone()]);
                 (change.abs() > UNSETTLED).then(|| {
@@ -279,11 +284,11 @@ impl Averaging {
     }
 }
 
-/// Change of the mean of a series from its first half to its second, over the mean.
+/// Change of the mean of a series from its first half to its second, over the root of its mean square: of what swings about nothing that is not much.
 fn change_between_halves(series: &[f64]) -> f64 {
     let (early, late) = series.split_at(series.len() / 2);
-    let [early, late, mean] = [early, late, series].map(average);
-    (late - early) / mean
+    let square = series.iter().map(|value| value * value).sum::<f64>() / series.len() as f64;
+    (average(late) - average(early)) / square.sqrt()
 }
 
 /// Time between samples [s].

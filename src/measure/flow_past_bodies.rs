@@ -83,7 +83,10 @@ pub(super) fn reference_drag(
         _ => false,
     };
     let speed = body.reference_speed_m_s(air);
-    // What is published is of whole bodies, alone in an even stream.
+    // What is published is of whole bodies that no air passes, held alone in an even stream.
+    if scene.descent.is_some() || body.permeability.is_some() {
+        return None;
+    }
     let uneven = matches!(
         &air.flow,
         Flow::WindTunnel {

@@ -80,6 +80,9 @@ pub const ALONG: [f64; 2] = [16.0, UNSTEADY_WINDOW];
 /// (docs/validation.md).
 pub const ACROSS: [f64; 2] = [UNSTEADY_SETTLING, UNSTEADY_WINDOW];
 
+/// Reynolds number up to which no wake sheds vortices: that of a cylinder (Williamson 1996, Annu. Rev. Fluid Mech. 28).
+const STEADY_REYNOLDS: f64 = 47.0;
+
 /// Share of its area that a plate shows the wind, below which it lies along the stream.
 const LIES_ALONG: f64 = 0.5;
 
@@ -119,8 +122,10 @@ impl Window {
         let unit = (unit_m / air.wind_or_reference_m_s(), unit);
         let samples = BodyWindow::of_swaying(&record.column(&TIME), unit, settled)?;
         let [drag, side, lift] = [&FORCE_X, &FORCE_Y, &FORCE_Z].map(|force| record.column(force));
+        let reynolds = air.wind_or_reference_m_s() * unit_m / air.kinematic_viscosity_m2_s;
+        let across = (reynolds > STEADY_REYNOLDS).then_some([&side[..], &lift]);
         let unsettled = if has_wind(air) {
-            samples.unsettled(&drag, [&side, &lift])
+            samples.unsettled(&drag, across)
         } else {
             None
         };

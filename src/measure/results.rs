@@ -26,7 +26,7 @@ pub fn results(simulation: &Simulation, statics: &Statics, record: &Record) -> R
     of_scene(simulation.scene(), structure, record, statics)
 }
 
-/// From when to when means are taken, since release [s]; `None` of scenes without means. Of several bodies the window that begins last.
+/// From when to when means are taken, since release [s]; `None` of other scenes than canopies, wings, plates and bodies held in a tunnel. Of several bodies the window that begins last.
 #[must_use]
 pub fn averaging_window_s(scene: &Scene, record: &Record) -> Option<[f64; 2]> {
     let times = record.column(&TIME);

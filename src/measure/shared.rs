@@ -79,10 +79,10 @@ results! {
     FORCE_IMBALANCE: "force_imbalance", "1", "largest difference of the force routes over the drag";
     SLIP_MEAN: "slip_mean", "1", "mean slip of the air past the surface over the reference speed";
     MASS_DRIFT: "mass_drift", "1", "largest defect of the mass balance of the momentum box, over its mass";
-    BLOCKAGE_RATIO: "blockage_ratio", "1", "nominal or reference area over the section of the tunnel";
+    BLOCKAGE_RATIO: "blockage_ratio", "1", "nominal area of a canopy, frontal area of bodies, over the section of the tunnel";
     CORRECTED_DRAG: "{body}drag_coefficient_blockage_corrected", "1", "drag coefficient without the walls of the tunnel";
     PRESSURE_RATIO: "{body}dynamic_pressure_ratio_of_blockage", "1", "ratio of dynamic pressures that walls make; what the correction divides the drag by";
     LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the suspension line of a canopy, or the line, riser or tape of a wing, nearest to breaking";
     FILL_TIME: "fill_time_s", "s", "time until a canopy or wing is full";
-    STROUHAL_NUMBER: "{body}strouhal_number", "1", "frequency times length over speed; of the lift, or of a plate's tip";
+    STROUHAL_NUMBER: "{body}strouhal_number", "1", "frequency times length over speed; of the lift or the side force, whichever swings more, or of a plate's tip";
 }

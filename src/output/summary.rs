@@ -92,7 +92,7 @@ pub struct Summary {
     /// The errors that were to be expected of lattice and box.
     #[serde(default)]
     pub expected_errors: Vec<ExpectedError>,
-    /// From when to when means are taken, in seconds since release; `None` where there are none. Of several bodies the window that begins last.
+    /// From when to when means are taken, in seconds since release; `None` of other scenes than canopies, wings, plates and bodies held in a tunnel. Of several bodies the window that begins last.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub averaging_window_s: Option<[f64; 2]>,
     /// What came out, in the order it was put in.

@@ -56,18 +56,18 @@ impl Plan {
     }
 }
 
-/// Pictures that are asked for after the end.
+/// Pictures that are all asked for after the end. (Of some, as in a shortened variant, nothing is said.)
 fn late_pictures(scene: &Scene) -> Option<String> {
     let end_s = scene.time?.end_s;
-    let times = scene.output.picture_times_s.iter();
-    let late: Vec<String> = times
-        .filter(|&&time_s| time_s > end_s)
-        .map(|time_s| format!("{time_s} s"))
-        .collect();
-    (!late.is_empty()).then(|| {
+    let first_s = scene
+        .output
+        .picture_times_s
+        .iter()
+        .copied()
+        .reduce(f64::min)?;
+    (first_s > end_s).then(|| {
         format!(
-            "no picture is made at {}: the run ends at {end_s} s (output.picture_times_s, time.end_s)",
-            late.join(", ")
+            "no picture but the last is made: the first is asked for at {first_s} s, and the run ends at {end_s} s (output.picture_times_s, time.end_s)"
         )
     })
 }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::rays::{Bundles, spread};
+use super::rays::{Bundles, points};
 use super::{BoxFace, Surface};
 
-/// Nodes that are looked at, at most.
+/// Points of a surface that are looked at.
 const LOOKS: usize = 512;
 
 /// Where rays run: along no axis, no diagonal and no plane that meshes are likely to have.
@@ -15,8 +15,8 @@ const DIRECTION: DVec3 = DVec3::new(0.6131, 0.5477, 0.5692);
 const ACROSS: f64 = 1e-3;
 
 impl Surface {
-    /// Share of its nodes that lie inside `other`, where that `has_inside`, or within `near_m` of its surface. `None` where the boxes around both
-    /// stand apart. Of nodes in the other's box 512 at most are looked at. `faces` are those of the box of air at which the other is cut.
+    /// Share of its area that lies inside `other`, where that `has_inside`, or within `near_m` of its surface. `None` where the boxes around both
+    /// stand apart. It is read off at 512 points. `faces` are those of the box of air at which the other is cut.
     #[must_use]
     pub fn share_within(
         &self,
@@ -32,24 +32,16 @@ impl Surface {
         if low.cmpgt(high).any() {
             return None;
         }
-        let mut nodes = self.positions_m.clone();
-        nodes.retain(|place| place.cmpge(low).all() && place.cmple(high).all());
         let bundles = Bundles::of(other);
         let direction = away_from(faces);
-        let (mut looked, mut within) = (0_u32, 0_u32);
-        for number in spread(nodes.len(), LOOKS) {
-            let node = nodes[number];
-            looked += 1;
-            let is_inside = || has_inside && bundles.encloses(node, direction);
-            if bundles.is_near(node, near_m) || is_inside() {
-                within += 1;
-            }
-        }
-        if within == 0 {
-            return Some(0.0);
-        }
-        let in_the_box = nodes.len() as f64 / self.positions_m.len() as f64;
-        Some(in_the_box * f64::from(within) / f64::from(looked))
+        let is_within = |place: DVec3| {
+            let is_in_both_boxes = place.cmpge(low).all() && place.cmple(high).all();
+            let is_inside = || has_inside && bundles.encloses(place, direction);
+            is_in_both_boxes && (bundles.is_near(place, near_m) || is_inside())
+        };
+        let points = points(self, LOOKS);
+        let within = points.iter().filter(|(_, place)| is_within(*place)).count();
+        Some(within as f64 / points.len().max(1) as f64)
     }
 }
 

@@ -16,8 +16,8 @@ const SPARE: f64 = 1e-6;
 /// How far beyond its edges a triangle is met, over their length: no ray slips through between neighbours.
 const BEYOND_EDGES: f64 = 1e-9;
 
-/// Golden section of one.
-const GOLDEN: f64 = 0.618_034;
+/// Steps of a sequence that fills a square evenly (Roberts 2018, R2).
+const EVEN: [f64; 2] = [0.754_877_67, 0.569_840_29];
 
 /// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy)]
@@ -153,13 +153,31 @@ fn distance_m(point_m: DVec3, corners: [DVec3; 3]) -> f64 {
     to_sides.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// At most `most` of the numbers below `count`, spread evenly; not at equal steps, which rows of a regular mesh may follow.
-pub(super) fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let taken = count.min(most);
-    (0..taken).map(move |number| {
-        let place = number as f64 + (number as f64 * GOLDEN).fract();
-        ((place * count as f64 / taken as f64) as usize).min(count - 1)
-    })
+/// Points of a surface, spread evenly over its area, and the numbers of their triangles; none on a surface without area.
+pub(super) fn points(surface: &Surface, count: usize) -> Vec<(usize, DVec3)> {
+    let mut area_m2 = 0.0;
+    let ends_m2: Vec<f64> = (surface.area_vectors_m2())
+        .map(|area| {
+            area_m2 += area.length();
+            area_m2
+        })
+        .collect();
+    if area_m2.is_nan() || area_m2 <= 0.0 {
+        return Vec::new();
+    }
+    let place = |number: usize| {
+        let at_m2 = area_m2 * (number as f64 + 0.5) / count as f64;
+        let triangle = ends_m2
+            .partition_point(|end| *end < at_m2)
+            .min(surface.triangles.len() - 1);
+        let [a, b, c] = surface.corners(surface.triangles[triangle]);
+        let [mut s, mut t] = EVEN.map(|step| (number as f64 * step).fract());
+        if s + t > 1.0 {
+            (s, t) = (1.0 - s, 1.0 - t);
+        }
+        (triangle, a + (b - a) * s + (c - a) * t)
+    };
+    (0..count).map(place).collect()
 }
 
 #[cfg(test)]
@@ -194,14 +212,26 @@ mod tests {
         assert!(meeting(from, DVec3::X, corners).is_none());
     }
 
+    /// Nine tenths of the area are two triangles, the rest are many small ones.
     #[test]
-    fn numbers_are_spread() {
-        assert_eq!(spread(5, 8).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
-        assert_eq!(spread(0, 8).count(), 0);
-        let numbers: Vec<usize> = spread(10_000, 100).collect();
-        assert_eq!(numbers.len(), 100);
-        for (stretch, number) in numbers.iter().enumerate() {
-            assert_eq!(number / 100, stretch);
-        }
+    fn points_are_spread_over_the_area() {
+        let mut surface = crate::geometry::surfaces::plate([0.1, 1.0], 0.02);
+        let many = surface.triangles.len();
+        let first = surface.positions_m.len() as u32;
+        surface.positions_m.extend([
+            DVec3::ZERO,
+            DVec3::new(0.9, 0.0, 0.0),
+            DVec3::new(0.9, 1.0, 0.0),
+            DVec3::new(0.0, 1.0, 0.0),
+        ]);
+        let corners = [[0, 1, 2], [0, 2, 3]];
+        (surface.triangles).extend(corners.map(|corners| corners.map(|node| first + node)));
+        let points = points(&surface, 1000);
+        let large = points.iter().filter(|(triangle, _)| *triangle >= many);
+        assert!((895..=905).contains(&large.clone().count()));
+        // A quarter of a rectangle's points lie in a quarter of it.
+        let corner = large.filter(|(_, place)| place.x < 0.45 && place.y < 0.5);
+        assert!((200..250).contains(&corner.count()));
+        assert!(super::points(&Surface::default(), 8).is_empty());
     }
 }

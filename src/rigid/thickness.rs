@@ -1,11 +1,9 @@
 //! How thick a body is: rays from its surface through its inside to the far side. The box around a body that lies askew says nothing of it.
 
-use glam::DVec3;
-
 use super::Surface;
-use super::rays::{Bundles, spread};
+use super::rays::{Bundles, points};
 
-/// Triangles that rays begin at, at most.
+/// Points that rays begin at.
 const LOOKS: usize = 256;
 
 /// Share of the surface's size below which a ray has met where it began.
@@ -18,57 +16,45 @@ impl Surface {
     /// Median over the area of the way along the normals through what a closed surface encloses [m]. It is nearly the diameter of a sphere, the
     /// thickness of a slab, and three quarters of the largest thickness of a profile.
     ///
-    /// Normals may point outwards or inwards: inside is the side on which more area has a far side. Triangles without one do not count. `None` where
-    /// they are more than half of the area, as of open surfaces, and of some that are cut at a face of the box.
+    /// Normals may point outwards or inwards: inside is the side on which more area has a far side. Area without one does not count. `None` where
+    /// that is more than half, as of open surfaces, and of some that are cut at a face of the box.
     #[must_use]
     pub fn thickness_m(&self) -> Option<f64> {
         let (low, high) = self.bounds_m();
         let least_m = NOWHERE * (high - low).length();
         let bundles = Bundles::of(self);
-        // Way and area of every triangle with a far side, against the normals and along them.
-        let mut ways: [Vec<(f64, f64)>; 2] = [Vec::new(), Vec::new()];
-        let mut whole_m2: f64 = 0.0;
-        for triangle in spread(self.triangles.len(), LOOKS) {
+        let points = points(self, LOOKS);
+        // Ways to a far side, against the normals and along them.
+        let mut ways_m: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        for &(triangle, place_m) in &points {
             let [a, b, c] = self.corners(self.triangles[triangle]);
-            let area = 0.5 * (b - a).cross(c - a);
-            let normal = area.normalize_or_zero();
-            if normal == DVec3::ZERO {
-                continue;
-            }
-            whole_m2 += area.length();
-            for (way, direction) in ways.iter_mut().zip([-normal, normal]) {
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for (ways_m, direction) in ways_m.iter_mut().zip([-normal, normal]) {
                 let nearest = bundles
-                    .meetings((a + b + c) / 3.0, direction)
+                    .meetings(place_m, direction)
                     .filter(|met| met.triangle != triangle && met.distance_m > least_m)
                     .map(|met| met.distance_m)
                     .min_by(f64::total_cmp);
-                way.extend(nearest.map(|distance_m| (distance_m, area.length())));
+                ways_m.extend(nearest);
             }
         }
-        let met_m2 = |way: &[(f64, f64)]| way.iter().map(|(_, area)| area).sum::<f64>();
-        let [against, along] = ways;
-        let mut inside = if met_m2(&against) >= met_m2(&along) {
+        let [against, along] = ways_m;
+        let mut inside_m = if against.len() >= along.len() {
             against
         } else {
             along
         };
-        let inside_m2 = met_m2(&inside);
-        if inside_m2 < SHARE * whole_m2 {
+        if (inside_m.len() as f64) < SHARE * points.len() as f64 {
             return None;
         }
-        inside.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let mut passed_m2: f64 = 0.0;
-        let middle = inside.iter().find(|(_, area)| {
-            passed_m2 += area;
-            passed_m2 >= 0.5 * inside_m2
-        });
-        middle.map(|(distance_m, _)| *distance_m)
+        inside_m.sort_by(f64::total_cmp);
+        inside_m.get(inside_m.len() / 2).copied()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DQuat;
+    use glam::{DQuat, DVec3};
 
     use super::*;
     use crate::geometry::surfaces;

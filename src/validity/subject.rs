@@ -1,5 +1,7 @@
 //! What stands in the air: canopy, wing, sheet, plate or rigid body, with the lengths that its results depend on.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec3;
 
 use crate::case::Scene;
@@ -319,13 +321,25 @@ impl Subject<'_> {
         self.air.cells[axis] as f64 * self.cell_m()
     }
 
-    /// Area over the section of the box; of a flat sheet all of its area, which it may turn across the stream.
+    /// Area over the section of the box.
     pub fn blockage(&self) -> f64 {
-        let sheet = self.scene.body.as_ref();
-        let sheet = sheet.filter(|_| self.kind == Kind::Sheet);
-        let flat = sheet.filter(|sheet| !matches!(sheet.kind, BodyKind::Mesh));
-        let area_m2 = flat.map_or(self.area_m2, |body| body.structure.rest_area_m2());
-        area_m2 / (self.box_m(1) * self.box_m(2))
+        self.area_m2 / self.section_m2()
+    }
+
+    /// The same of a rigid body by its frontal area, of a plate across the stream by all of its area.
+    pub fn blockage_of_a_body(&self) -> Option<f64> {
+        match self.kind {
+            Kind::Round | Kind::Rigid => Some(self.blockage()),
+            Kind::Sheet => {
+                let across = self.scene.plate().filter(|plate| !lies_along(plate))?;
+                Some(across.area_m2() / self.section_m2())
+            }
+            Kind::Canopy | Kind::Wing => None,
+        }
+    }
+
+    fn section_m2(&self) -> f64 {
+        self.box_m(1) * self.box_m(2)
     }
 
     /// Middle along the wind [m].
@@ -392,7 +406,7 @@ impl Subject<'_> {
         self.passed.iter().flatten().any(|passed| *passed)
     }
 
-    /// Largest share of a rigid body's nodes that lie inside another one, or on it, at the start. `None` where the box around it meets no other's.
+    /// Largest share of a rigid body's surface that lies inside another one, or on it, at the start. `None` where the box around it meets no other's.
     pub fn overlap(&self) -> Option<f64> {
         let body = self.body?;
         let bodies = &self.scene.rigid_bodies;
@@ -428,6 +442,12 @@ impl Subject<'_> {
     /// Reynolds number of the length.
     pub fn reynolds(&self) -> f64 {
         self.speed_m_s() * self.length_m / self.air.kinematic_viscosity_m2_s
+    }
+
+    /// Mean free path of the lattice's gas over the length: √(π/2) Ma/Re.
+    pub fn knudsen(&self) -> f64 {
+        let mach = self.speed_m_s() / self.air.units.speed_m_s() * 3f64.sqrt();
+        FRAC_PI_2.sqrt() * mach / self.reynolds()
     }
 
     /// Thickness of the boundary layer at the end of a flat plate as long as a canopy's D_0, laminar (Blasius) or turbulent (Prandtl), where the air sticks to fabric that cuts links [m].

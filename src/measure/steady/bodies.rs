@@ -193,10 +193,10 @@ impl BodyWindow {
         }
     }
 
-    /// Why means over the window cannot be trusted, from its length, the drag and the forces across the stream in the same unit; `None`
-    /// where nothing is known against them.
+    /// Why means over the window cannot be trusted, from its length, the drag and, where a wake may shed vortices, the forces across the stream in the same unit.
+    /// `None` where nothing is known against them.
     #[must_use]
-    pub fn unsettled(&self, drag: &[f64], across: [&[f64]; 2]) -> Option<String> {
+    pub fn unsettled(&self, drag: &[f64], across: Option<[&[f64]; 2]>) -> Option<String> {
         let (unit, [begin, least]) = (self.unit, self.times);
         if !self.settled {
             return Some(format!(
@@ -209,7 +209,7 @@ impl BodyWindow {
                 self.length
             ));
         }
-        if self.is_symmetric(drag, across) {
+        if across.is_some_and(|across| self.is_symmetric(drag, across)) {
             return Some(
                 "not settled: without any force across the stream the flow has kept the symmetry of the case, and a wake that sheds vortices has \
                  nothing to begin with; turn the body by 2 degrees, or shift it"
@@ -358,9 +358,9 @@ mod tests {
         assert!(!of_wake(49).settled && of_wake(51).settled);
         let window = of_wake(60);
         assert!((long_times[window.first] - UNSTEADY_SETTLING).abs() < 1e-9);
-        let why = window.unsettled(&steady, NOTHING).unwrap();
+        let why = window.unsettled(&steady, Some(NOTHING)).unwrap();
         assert!(why.contains("symmetry"), "{why}");
-        assert_eq!(window.unsettled(&steady, [&shed, &[]]), None);
+        assert_eq!(window.unsettled(&steady, Some([&shed, &[]])), None);
         let long = of(30, 0.0);
         assert!(long.settled && (times[long.first] - SETTLING).abs() < 1e-9);
         assert!((long.length - 20.0).abs() < 1e-9);
@@ -370,12 +370,12 @@ mod tests {
         assert!(!short.settled && (times[short.first] - 6.5).abs() < 0.2);
         assert!(
             short
-                .unsettled(&drag, NOTHING)
+                .unsettled(&drag, Some(NOTHING))
                 .unwrap()
                 .contains("too short")
         );
         assert!(of(14, 0.0).settled);
-        assert_eq!(long.unsettled(&drag, NOTHING), None);
+        assert_eq!(long.unsettled(&drag, Some(NOTHING)), None);
         assert_eq!(long.mean(&drag).confidence, Some(0.0));
     }
 
@@ -389,7 +389,7 @@ mod tests {
                 let mean = window.mean(&drag);
                 let Some(half) = mean.confidence else {
                     // A short record that changes by more than 2 %.
-                    assert!(length < 20.0 && window.unsettled(&drag, NOTHING).is_some());
+                    assert!(length < 20.0 && window.unsettled(&drag, Some(NOTHING)).is_some());
                     return f64::NAN;
                 };
                 let off = (mean.value - 1.1).abs();
@@ -403,7 +403,7 @@ mod tests {
         let (window, drag) = window(40.0, |t| 1.0 + 0.01 * t);
         let half = window.mean(&drag).confidence.unwrap();
         assert!(half > 0.3, "{half}");
-        let why = window.unsettled(&drag, NOTHING).unwrap();
+        let why = window.unsettled(&drag, Some(NOTHING)).unwrap();
         assert!(why.contains("no limit in sight"), "{why}");
         assert!(why.contains("+14."), "{why}");
     }
@@ -423,7 +423,7 @@ mod tests {
             let count = window.end - window.first;
             expected = 1.96 * 0.5 / 12f64.sqrt() / (count as f64).sqrt();
             let mean = window.mean(&drag);
-            marked += usize::from(window.unsettled(&drag, NOTHING).is_some());
+            marked += usize::from(window.unsettled(&drag, Some(NOTHING)).is_some());
             let confidence = mean.confidence.unwrap();
             width += confidence / f64::from(trials);
             covered += usize::from((mean.value - 1.0).abs() <= confidence);
@@ -446,7 +446,7 @@ mod tests {
         assert!(
             short
                 .0
-                .unsettled(&short.1, NOTHING)
+                .unsettled(&short.1, Some(NOTHING))
                 .unwrap()
                 .contains("needs 20")
         );
