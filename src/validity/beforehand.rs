@@ -394,7 +394,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
         Rule {
             name: "Knudsen number on the lattice",
             unit: "1",
-            meaning: "mean free path of the lattice's gas over the length, 1.25 Ma/Re: where it is large, air slips along walls; a sphere at Re 1 has 2 to 3 % less drag with 0.022, 13 to 16 % less with 0.087",
+            meaning: "mean free path of the lattice's gas over the length, 1.25 Ma/Re: where it is large, air slips along walls; a sphere at Re 1 has 2 to 3 % less drag with 0.022, 12 to 16 % less with 0.087",
             bound: Bound::AtMost,
             limit: 0.025,
             supports: Supports::Everything,
