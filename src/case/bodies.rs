@@ -50,6 +50,8 @@ pub struct RigidBody {
     pub faces: Vec<BoxFace>,
     /// How it moves.
     pub motion: PrescribedMotion,
+    /// Speed of its fastest point on its way, at 400 times up to the end [m/s].
+    pub fastest_m_s: f64,
     /// Volume and its centroid before the body moves, in the box, if the whole surface is closed [m³, m].
     pub volume_m3: Option<(f64, DVec3)>,
     /// Area that coefficients refer to [m²].
@@ -75,22 +77,6 @@ impl RigidBody {
             }
             _ => air.reference_speed_m_s,
         }
-    }
-
-    /// Speed of its fastest point on its way, looked for at 400 times up to the end [m/s].
-    #[must_use]
-    pub fn fastest_m_s(&self, end_s: f64) -> f64 {
-        if !self.motion.moves() {
-            return 0.0;
-        }
-        let mut fastest: f64 = 0.0;
-        for look in 0..=LOOKS {
-            let placement = self.motion.at(end_s * f64::from(look) / f64::from(LOOKS));
-            for &point in &self.surface.positions_m {
-                fastest = fastest.max(placement.velocity_m_s(point).length());
-            }
-        }
-        fastest
     }
 }
 
@@ -252,7 +238,7 @@ fn check_body(
     let inside = through_faces::inside(passing, surface, whole_markers, air)?;
     let own_area_m2 = shape.area_m2().map(|area| area * inside.frontal_share);
     let reference_area_m2 = reference(&written, "area_m2", |r| r.area_m2, own_area_m2)?;
-    let body = RigidBody {
+    let mut body = RigidBody {
         name: name.to_owned(),
         normal: rotation * DVec3::X,
         shape,
@@ -271,6 +257,7 @@ fn check_body(
         marker_surface: inside.marker_surface,
         faces: inside.faces,
         motion,
+        fastest_m_s: 0.0,
         reference_area_m2,
         reference_length_m: reference(&written, "length_m", |r| r.length_m, shape.length_m())?,
         moment_point_m: match table.reference.as_ref().and_then(|r| r.moment_point_m) {
@@ -283,7 +270,7 @@ fn check_body(
         },
         permeability,
     };
-    check_way(&written, &body, air, time)?;
+    body.fastest_m_s = check_way(&written, &body, air, time)?;
     Ok(body)
 }
 
@@ -447,8 +434,8 @@ pub(super) fn read_mesh(
     Ok((prepared.welded.surface, examined))
 }
 
-/// Refuses bodies that leave the air or outrun the coupling.
-fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Result<(), Problem> {
+/// Speed of a body's fastest point [m/s]; refuses bodies that leave the air or outrun the coupling.
+fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Result<f64, Problem> {
     let size = box_size_m(air);
     let margin = REACH_CELLS * air.units.cell_size_m;
     let mut walls = BoxFace::ALL.to_vec();
@@ -497,7 +484,7 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
             ),
         ));
     }
-    Ok(())
+    Ok(fastest)
 }
 
 impl Shape {

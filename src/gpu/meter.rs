@@ -1,6 +1,6 @@
 //! What the host asks of a device, counted; and, on request, what the device's passes take by the device's own clock.
 //!
-//! Counters are always on: they are a few additions per command. The clock writes two timestamps per pass and brings them back some
+//! Counters are always on: they are a few additions per command. The clock writes two timestamps per pass. It brings them back some
 //! five hundred passes at a time, so it is on only where a run is to be profiled ([`super::Device::time_passes`]).
 
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -496,7 +496,7 @@ impl Plan {
                     / air.kinematic_viscosity_m2_s
             )?;
             if body.motion.moves() {
-                let fastest = body.fastest_m_s(scene.time.map_or(0.0, |t| t.end_s));
+                let fastest = body.fastest_m_s;
                 writeln!(
                     out,
                     "    moves             at most {fastest:.3} m/s, {:.3} cells per step",

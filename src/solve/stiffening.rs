@@ -1,7 +1,7 @@
 //! Newton's method with a direct factorisation, on an objective that is stiffened step by step: for structures that hardly stretch and easily turn.
 //!
-//! Stretching may be a hundred thousand times as stiff as the tension that holds an element straight. A straight step then turns an element by no more than
-//! the root of a strain before its second-order stretch outweighs all that the step gains. Softened elements turn further. So the objective is first minimised
+//! Stretching may be a hundred thousand times as stiff as the tension that holds an element straight. Then a straight step turns an element by no more than
+//! the root of a strain: beyond, its second-order stretch outweighs what the step gains. Softened elements turn further. So the objective is first minimised
 //! with a thousandth of the tensile stiffness, then with more and more of it, each time from the last minimum and to a loose tolerance. What resists
 //! compression of membranes is not softened, so that wrinkles and folds are those of the true structure. This is a continuation in a parameter of the objective
 //! (Nocedal & Wright 2006, section 11.3).

@@ -310,7 +310,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
         Rule {
             name: "distance to the side walls",
             unit: "1",
-            meaning: "from the nearest side wall to the structure at the start, over the diameter across the stream, of plates and sheets over their larger extent; a side that a body passes through, or a plate stands on, does not count",
+            meaning: "from the nearest side wall at the start, over the diameter across the stream, or the larger extent of plates and sheets; sides that it passes through or stands on do not count",
             bound: Bound::AtLeast,
             limit: 0.5,
             supports: Supports::Everything,
@@ -364,7 +364,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
         Rule {
             name: "length of the run, along the stream",
             unit: "1",
-            meaning: "L/U from t = 0 to the end, of sheets and of plates that lie along the stream: a flag's first swings last to 16 (docs/results/2026-11-26-motion-of-fabric.md), five of its periods take 20",
+            meaning: "L/U from t = 0 to the end, of sheets, and plates along the stream: a flag's first swings last to 16, five of its periods take 20",
             bound: Bound::AtLeast,
             limit: ALONG[0] + ALONG[1],
             supports: Supports::Means,

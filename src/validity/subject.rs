@@ -278,10 +278,8 @@ fn rigid<'a>(scene: &'a Scene, air: &'a Air, body: &'a RigidBody, prefix: String
         slot_m: None,
         mouth_m: None,
         held: !body.motion.moves() && scene.descent.is_none(),
-        own_speed_m_s: body.motion.moves().then(|| {
-            let end_s = scene.time.map_or(0.0, |time| time.end_s);
-            body.reference_speed_m_s(air).max(body.fastest_m_s(end_s))
-        }),
+        own_speed_m_s: (body.motion.moves())
+            .then(|| body.reference_speed_m_s(air).max(body.fastest_m_s)),
         settling_s: settling.map(|settling| {
             let [begin, least] = settling.times();
             settling.risen_s.max(0.0) + (begin + least) * settling.unit_s
@@ -450,7 +448,8 @@ impl Subject<'_> {
         FRAC_PI_2.sqrt() * mach / self.reynolds()
     }
 
-    /// Thickness of the boundary layer at the end of a flat plate as long as a canopy's D_0, laminar (Blasius) or turbulent (Prandtl), where the air sticks to fabric that cuts links [m].
+    /// Thickness of the boundary layer at the end of a flat plate as long as a canopy's D_0 [m], laminar (Blasius) or turbulent (Prandtl). There is one where the air
+    /// sticks to fabric that cuts links.
     pub fn boundary_layer_m(&self) -> Option<f64> {
         let friction = self.scene.friction.as_ref()?;
         let sticks = friction.fabric.iter().all(|own| *own == Friction::NoSlip);

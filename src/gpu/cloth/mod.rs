@@ -115,8 +115,8 @@ struct WholeHessian {
     gradient: Gathering,
 }
 
-/// Bytes of the largest buffer for a structure with so many markers: the minimiser's vectors, what elements and markers add at their nodes, the matrix of a solve
-/// that asks for multigrid, or the reactions of triangles that are `cut`.
+/// Bytes of the largest buffer for a structure with so many markers. It is one of four: the minimiser's vectors, what elements and markers add at their nodes,
+/// the matrix of a solve that asks for multigrid, the reactions of triangles that are `cut`.
 #[must_use]
 pub fn largest_buffer_bytes(
     structure: &Structure,
