@@ -236,6 +236,10 @@ impl<'a> Decambering<'a> {
             }
             let residual = self.residual(stream, &effective, &viscosities);
             largest = largest_of(&residual);
+            if largest.is_nan() {
+                largest = f64::INFINITY;
+                break;
+            }
             if largest < AGREEMENT {
                 break;
             }
@@ -419,8 +423,20 @@ impl<'a> Decambering<'a> {
     }
 }
 
+/// Largest magnitude; not a number where one is not.
 fn largest_of(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |m: f64, n| m.max(n.abs()))
+    numbers.iter().fold(0.0, |largest: f64, number| {
+        if number.is_nan() {
+            f64::NAN
+        } else {
+            // Of NaN and a number `max` takes the number.
+            if largest.is_nan() {
+                largest
+            } else {
+                largest.max(number.abs())
+            }
+        }
+    })
 }
 
 impl ViscousFlow {

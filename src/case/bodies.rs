@@ -441,9 +441,14 @@ fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Res
     let mut walls = BoxFace::ALL.to_vec();
     walls.retain(|wall| !body.faces.contains(wall));
     let looks = if body.motion.moves() { LOOKS } else { 0 };
+    // A period of an oscillation shows all of it; over many of them looks might all meet the same phase.
+    let span_s = match &body.motion.motion {
+        Motion::Oscillation { frequency_hz, .. } => time.end_s.min(frequency_hz.recip()),
+        _ => time.end_s,
+    };
     let (mut fastest, mut when) = (0.0, 0.0);
     for look in 0..=looks {
-        let t = time.end_s * f64::from(look) / f64::from(looks.max(1));
+        let t = span_s * f64::from(look) / f64::from(looks.max(1));
         let placement = body.motion.at(t);
         for &point in &body.surface.positions_m {
             let place = placement.position_m(point);

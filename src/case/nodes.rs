@@ -158,7 +158,18 @@ impl Adder<'_> {
             )?,
         ];
         let places = nodes.iter().map(|&node| structure.positions_m[node]);
-        let middle_m = places.sum::<DVec3>() / nodes.len() as f64;
+        let middle_m = places.clone().sum::<DVec3>() / nodes.len() as f64;
+        let is_one_place = places.clone().zip(places.skip(1)).all(|(a, b)| a == b);
+        if turning_rad_s != DVec3::ZERO && is_one_place {
+            let key = self.key("angular_velocity_rad_s");
+            return Err(Problem::new(
+                key.as_str(),
+                format!(
+                    "{key} has no effect: nodes turn about their middle, and these are at one place"
+                ),
+                "choose several nodes, or give velocity_m_s",
+            ));
+        }
         structure
             .start_velocities_m_s
             .resize(structure.node_count(), DVec3::ZERO);

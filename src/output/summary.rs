@@ -202,6 +202,7 @@ impl Summary {
         keep_finite("milliseconds_per_step.fluid", &mut parts.fluid, notes);
         keep_finite("milliseconds_per_step.coupling", &mut parts.coupling, notes);
         keep_finite("milliseconds_per_step.cloth", &mut parts.cloth, notes);
+        keep_finite("milliseconds_per_step.contact", &mut parts.contact, notes);
         keep_finite("milliseconds_per_step.measure", &mut parts.measure, notes);
         keep_finite("simulated_s", &mut Some(summary.simulated_s), notes);
         keep_finite("wall_s", &mut Some(summary.wall_s), notes);

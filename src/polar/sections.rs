@@ -90,8 +90,11 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
     });
     Ok(SectionsOfWing {
         strips: strips.collect(),
-        below_range: families.iter().any(|f| f.is_computed)
-            && reynolds.iter().any(|r| *r < LEAST_REYNOLDS),
+        below_range: places.iter().any(|place| {
+            let numbers = [0, 1].map(|k| case.station_profiles[place.station + k]);
+            let is_computed = numbers.iter().any(|&number| families[number].is_computed);
+            is_computed && place.reynolds < LEAST_REYNOLDS
+        }),
         stalls: families.iter().all(|family| family.stalls),
         reynolds,
         wing,

@@ -206,7 +206,8 @@ fn point(
     })
 }
 
-/// By how much the moments of the sections, as their polars have them, differ from those of the pressures of potential flow [N m].
+/// What polars of the sections add to the moments of the pressures of potential flow [N m]: those of their drag along the stream, at the quarter of the chord, and the
+/// difference between their own moments about it and those of the pressures.
 fn moment_of_sections(
     case: &BareWing,
     sections: &SectionsOfWing,
@@ -216,6 +217,12 @@ fn moment_of_sections(
     let stream = viscous.flow.stream_m_s;
     let dynamic_pa = 0.5 * case.density_kg_m3 * stream.length_squared();
     let pressures = viscous.flow.pressure_coefficients(surface);
+    let along = stream.normalize_or_zero();
+    let of_drag = |j: usize| {
+        let area_m2 = surface.chord_m(j) * surface.span_m(j).length();
+        let drag_n = dynamic_pa * area_m2 * sections.strips[j].0.drag(viscous.effective_rad[j]);
+        (quarter_m(surface, j) - case.moment_point_m).cross(along * drag_n)
+    };
     let of_strip = |j: usize| {
         let moment = sections.strips[j].0.moment(viscous.effective_rad[j])?;
         let span = surface.span_m(j);
@@ -234,7 +241,9 @@ fn moment_of_sections(
         let section = dynamic_pa * surface.chord_m(j).powi(2) * span.length() * moment;
         Some((section - potential) * span.normalize_or_zero())
     };
-    let half: DVec3 = (0..surface.spanwise).filter_map(of_strip).sum();
+    let half: DVec3 = (0..surface.spanwise)
+        .map(|j| of_drag(j) + of_strip(j).unwrap_or_default())
+        .sum();
     if surface.is_symmetric {
         // The other half adds as much about the span, and takes away what is about the other axes.
         DVec3::Y * (2.0 * half.y)

@@ -233,7 +233,7 @@ impl Run<'_> {
         }
     }
 
-    /// Notes where a wing in equilibrium lacks support and where stress gathers; of one that is out of balance it would mean nothing.
+    /// Notes where a wing in equilibrium lacks support, where stress gathers, and where it flew beyond its polars; of one that is out of balance it would mean nothing.
     fn warn_of_the_sail(&mut self) {
         let scene = self.simulation.scene();
         let (Some(wing), Some(body), Some(_)) = (scene.wing(), &scene.body, scene.equilibrium)
@@ -245,6 +245,13 @@ impl Run<'_> {
             let warnings = warnings.into_iter();
             self.notes
                 .extend(warnings.map(|warning| format!("warning: {warning}")));
+        }
+        let flight = (self.statics.trim.as_ref()).and_then(|trim| trim.flight.as_ref());
+        if flight.is_some_and(|flight| !flight.is_covered) {
+            self.notes.push(
+                "warning: some sections fly at angles of attack, or with their trailing edge turned, beyond their polars: drag and lift there are guesses"
+                    .to_owned(),
+            );
         }
     }
 

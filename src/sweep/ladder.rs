@@ -289,7 +289,12 @@ fn judge(
     told: &super::order::Convergence,
 ) -> (Option<bool>, String) {
     let basis = &told.basis;
-    let share = 100.0 * error / value.abs();
+    // A result that is nothing on every lattice is known to all digits.
+    let share = if error == 0.0 {
+        0.0
+    } else {
+        100.0 * error / value.abs()
+    };
     let limit = 100.0 * RESOLVED_SHARE;
     if error > RESOLVED_SHARE * value.abs() {
         let why = if share.is_finite() {

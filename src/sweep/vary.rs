@@ -155,6 +155,17 @@ pub fn points(varies: &[Vary]) -> Result<Vec<Point>, String> {
     if keys.len() < count {
         return Err("a key varies twice: name each key once".to_owned());
     }
+    for vary in varies {
+        let mut values = vary.values.clone();
+        values.sort();
+        values.dedup();
+        if values.len() < vary.values.len() {
+            return Err(format!(
+                "`{}` has a value twice, which would be one run twice: name each value once (--ensemble N shifts starts)",
+                vary.keys.join(",")
+            ));
+        }
+    }
     let runs = varies
         .iter()
         .try_fold(1_usize, |product, vary| {

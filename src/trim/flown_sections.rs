@@ -191,6 +191,12 @@ fn place(turn_rad: f64) -> ([usize; 2], f64) {
     }
 }
 
+/// Whether the polars that are computed hold at a turn of the trailing edge; beyond, those of the last one stand in.
+pub(super) fn is_within_turns(turn_rad: f64) -> bool {
+    let [first, .., last] = TURNS_DEG;
+    (first..=last).contains(&turn_rad.to_degrees())
+}
+
 fn mixed(a: &Member, b: &Member, share: f64) -> Member {
     (a.0.between(&b.0, share), a.1.between(&b.1, share))
 }

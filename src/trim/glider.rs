@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
-use super::flown_sections::{Between, turn_rad};
+use super::flown_sections::{Between, is_within_turns, turn_rad};
 use super::mouth::pressure_inside;
 use super::outer::OuterPressure;
 use super::skin::Skin;
@@ -126,7 +126,7 @@ pub struct Flight {
     pub panels: usize,
     /// Largest difference of a strip's lift coefficient from its polar's.
     pub section_residual: f64,
-    /// Whether all sections are at angles that their polars cover.
+    /// Whether all sections are at angles, and have turns of their trailing edge, that their polars cover.
     pub is_covered: bool,
     /// What acts on the structure.
     pub loads: Loads,
@@ -263,7 +263,9 @@ impl<'a> Glider<'a> {
                         residual: sample.viscous.residual,
                     });
                 }
-                return Ok(self.flight(positions_m, &surface, (balance, weights), sample));
+                let mut flight = self.flight(positions_m, &surface, (balance, weights), sample);
+                flight.is_covered &= strips.iter().all(|(_, turn)| is_within_turns(*turn));
+                return Ok(flight);
             }
             start = balance.stream_rad;
         }
@@ -448,7 +450,7 @@ impl<'a> Glider<'a> {
         let Some(intakes) = self.wing.intakes else {
             return 1.0;
         };
-        let open = intakes.closed_tip_cells..self.wing.cells - intakes.closed_tip_cells;
+        let open = intakes.open_cells(self.wing.cells);
         let (mut sum, mut weight) = (0.0, 0.0);
         for cell in open {
             let pair = &self.wing.frames[cell..cell + 2];

@@ -105,7 +105,7 @@ pub enum TrimError {
     },
     /// Sections and wing do not agree on their lift.
     #[error(
-        "at {angle_deg:.1} degrees between stream and wing the sections have no lift that agrees with the wing's (C_l differs by {residual:.1e}): the wing is beyond its stall, or a polar of [equilibrium.trim.polars] jumps"
+        "at {angle_deg:.1} degrees between stream and wing the sections have no lift that agrees with the wing's (C_l differs by {residual:.1e}): the wing is beyond its stall or has collapsed, or a polar of [equilibrium.trim.polars] jumps"
     )]
     SectionsDisagree {
         /// Angle [°].

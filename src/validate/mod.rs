@@ -314,7 +314,8 @@ pub fn validate(
         }
     }
     let mut report = session.report;
-    report.interrupted = matches!(end, Err(Stop::Interrupted));
+    // Whatever ended it, problems are missing.
+    report.interrupted = end.is_err();
     (report, end)
 }
 

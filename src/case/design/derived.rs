@@ -17,11 +17,17 @@ pub struct Derived {
 }
 
 /// Keys of which a case has one or the other: what is written takes the place of what follows.
-const ALTERNATIVES: [&[&str]; 4] = [
+const ALTERNATIVES: [&[&str]; 7] = [
     &["resolution.cells_per_diameter", "resolution.cell_size_m"],
     &["lines.youngs_modulus_pa", "lines.force_strain"],
     &["belts.youngs_modulus_pa", "belts.force_strain"],
     &["air.density_kg_m3", "air.descent.altitude_m"],
+    &["air.refinement.around", "air.refinement.boxes"],
+    &["air.refinement.margin", "air.refinement.boxes"],
+    &[
+        "structure.disk_gap_band.nominal_area_m2",
+        "structure.disk_gap_band.nominal_diameter_m",
+    ],
 ];
 
 /// Keys as they are collected.

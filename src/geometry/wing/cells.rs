@@ -87,10 +87,7 @@ impl BuiltWing {
     pub fn middle_skin_m(&self, cell: usize, positions_m: &[DVec3]) -> Vec<DVec3> {
         let section = self.middle_section_m(cell, positions_m);
         let count = section.len();
-        let open = self.intakes.filter(|intakes| {
-            let closed = intakes.closed_tip_cells;
-            (closed..self.cells.saturating_sub(closed)).contains(&cell)
-        });
+        let open = (self.intakes).filter(|intakes| intakes.open_cells(self.cells).contains(&cell));
         let [first, steps] = match open {
             Some(intakes) => {
                 let [front, rear] =

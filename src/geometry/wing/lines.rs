@@ -74,11 +74,7 @@ impl Builder<'_> {
     ) -> Result<(), WingFault> {
         let node = |(from_middle, place): (usize, f64)| {
             let j = self.places.nearest(Side::Lower, place);
-            let k = if place >= 1.0 {
-                self.fineness.along_chord
-            } else {
-                self.on_outline(Side::Lower, j)
-            };
+            let k = self.on_outline(Side::Lower, j);
             self.outlines[self.counted(from_middle)[half]][k]
         };
         let attachments: Vec<u32> = row.attachments().map(node).collect();

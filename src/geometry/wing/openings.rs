@@ -17,8 +17,7 @@ impl Builder<'_> {
         let known: HashSet<[u32; 2]> = rims.iter().map(|edge| sorted(*edge)).collect();
         let mut openings = Vec::new();
         if let Some(intakes) = self.plan.intakes {
-            let closed = intakes.closed_tip_cells;
-            for cell in closed..self.plan.cells.saturating_sub(closed) {
+            for cell in intakes.open_cells(self.plan.cells) {
                 openings.extend(self.intake(cell, [intakes.from, intakes.to], &known));
             }
         }

@@ -61,8 +61,8 @@ impl Builder<'_> {
         let Some(intakes) = self.plan.intakes else {
             return false;
         };
-        let closed = intakes.closed_tip_cells;
-        if cell < closed || cell + closed >= self.plan.cells || k < self.fineness.along_chord {
+        let is_closed = !intakes.open_cells(self.plan.cells).contains(&cell);
+        if is_closed || k < self.fineness.along_chord {
             return false;
         }
         // On the lower side the next place is nearer to the nose.

@@ -176,9 +176,8 @@ pub fn patterns(wing: &BuiltWing, positions_m: &[DVec3]) -> Vec<Pattern> {
         Some(nodes.map(place).collect())
     };
     let intakes = |cell: usize| {
-        wing.intakes.filter(|intakes| {
-            (intakes.closed_tip_cells..wing.cells - intakes.closed_tip_cells).contains(&cell)
-        })
+        wing.intakes
+            .filter(|intakes| intakes.open_cells(wing.cells).contains(&cell))
     };
     // Places of the outline count from the nose over the upper side and back below; the lip between nose and intake has the last of them.
     let on_lower = |from: f64, to: f64| {

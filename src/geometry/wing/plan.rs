@@ -71,6 +71,14 @@ pub struct Intakes {
     pub closed_tip_cells: usize,
 }
 
+impl Intakes {
+    /// The cells with an opening of a wing with so many; none where the closed ones meet.
+    #[must_use]
+    pub fn open_cells(&self, cells: usize) -> std::ops::Range<usize> {
+        self.closed_tip_cells..cells.saturating_sub(self.closed_tip_cells)
+    }
+}
+
 /// A hole in a rib: an ellipse that is bent with the rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hole {

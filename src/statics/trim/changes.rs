@@ -4,9 +4,6 @@ use super::iteration::TrimIteration;
 use crate::solve::lbfgs::Stop;
 use crate::trim::Settings;
 
-/// Difference of a strip's lift from its polar's beyond which the sections count as not agreeing.
-const SECTION_AGREEMENT: f64 = 1e-3;
-
 /// What has not come to rest, in words.
 pub(super) fn moving(
     last: &TrimIteration,
@@ -71,14 +68,6 @@ pub(super) fn changes(
             text: format!(
                 "the risers lack {:.1e} of the weight ({:.0e} allowed)",
                 now.balance_error, tolerance.balance
-            ),
-        },
-        Change {
-            value: now.section_residual,
-            allowed: SECTION_AGREEMENT,
-            text: format!(
-                "sections lift {:.1e} more or less than their polars say: they stall, or the wing has collapsed",
-                now.section_residual
             ),
         },
     ];
