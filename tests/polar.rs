@@ -170,6 +170,32 @@ fn sideslip() {
         straight["lift_coefficient"][0],
     );
     assert!((a / b - 1.0).abs() < 0.05, "{a} {b}");
+    // About points one chord apart in height moments differ by the force along the chord, with the drag of the sections, two fifths of all.
+    let at = |height_m: f64| {
+        let point = format!("aero.wing.moment_point_m=[0.5, 0.0, {height_m:?}]");
+        let chord = "aero.wing.reference_chord_m=1.0";
+        polar(
+            &path,
+            &[
+                "--set",
+                "aero.wing.sideslip_deg=0",
+                "--set",
+                &point,
+                "--set",
+                chord,
+            ],
+        )
+    };
+    let (low, high) = (at(-1.0), at(0.0));
+    let [lift, drag] = ["lift_coefficient", "drag_coefficient"].map(|name| low[name][0]);
+    let (sine, cosine) = 4f64.to_radians().sin_cos();
+    let along = drag * cosine - lift * sine;
+    let moment = "pitching_moment_coefficient";
+    let difference = low[moment][0] - high[moment][0];
+    assert!(
+        (difference - along).abs() < 0.1 * drag,
+        "{difference} {along} {drag}"
+    );
 }
 
 /// A tapered wing as triangles, cut into sections, has the forces of the same wing by its stations, polars computed in both.

@@ -426,15 +426,11 @@ impl<'a> Decambering<'a> {
 /// Largest magnitude; not a number where one is not.
 fn largest_of(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |largest: f64, number| {
-        if number.is_nan() {
+        // Of NaN and a number `max` takes the number.
+        if largest.is_nan() || number.is_nan() {
             f64::NAN
         } else {
-            // Of NaN and a number `max` takes the number.
-            if largest.is_nan() {
-                largest
-            } else {
-                largest.max(number.abs())
-            }
+            largest.max(number.abs())
         }
     })
 }

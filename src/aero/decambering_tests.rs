@@ -184,3 +184,12 @@ fn sections_are_counted() {
         Err(AeroError::Polar(_))
     ));
 }
+
+/// What is not a number must not count as agreement.
+#[test]
+fn the_largest_of_nan_is_none() {
+    for numbers in [[f64::NAN, 1.0], [1.0, f64::NAN]] {
+        assert!(largest_of(&numbers).is_nan());
+    }
+    assert_eq!(largest_of(&[-3.0, 2.0]), 3.0);
+}

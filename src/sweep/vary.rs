@@ -326,6 +326,8 @@ mod tests {
             assert!(wrong.parse::<Vary>().is_err(), "{wrong}");
         }
         assert!(points(&[vary("a=1,2"), vary("a=3,4")]).is_err());
+        assert!(points(&[vary("a=1,2,1")]).is_err());
+        assert!(points(&[vary("a=1,1;b=1,2")]).is_ok());
         let many = vary(&format!("a={}", vec!["1"; 101].join(",")));
         let mut other = many.clone();
         other.keys = vec!["b".to_owned()];
