@@ -152,12 +152,12 @@ fn judged() {
             1.5,
             true,
         ),
-        (flag, None, blockage, 1.0 / 32.0, true),
+        (plate, None, blockage, 5e-4 / 0.0256, true),
         (
-            flag,
-            Some("structure.plate.size_m=[1.0, 1.8]"),
+            plate,
+            Some("structure.plate.size_m=[0.05, 0.06]"),
             blockage,
-            1.8 / 32.0,
+            3e-3 / 0.0256,
             false,
         ),
     ] {
@@ -172,6 +172,8 @@ fn judged() {
         let found = row.value.unwrap();
         assert!((found / value - 1.0).abs() < 1e-6, "{name}: {found}");
         assert_eq!(row.valid, Some(valid), "{file} {change:?}: {name}");
+        // A flag lies along the stream.
+        assert!(file != flag || rows.iter().all(|row| row.name != blockage));
         let other = if name == along { across } else { along };
         assert!(name == walls || name == blockage || rows.iter().all(|row| row.name != other));
     }
