@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
-use ripstop::case::{self, Case, Choices};
+use ripstop::case::{self, Case, CaseError, Choices};
 use ripstop::measure::{Record, averaging_window_s, results};
 use ripstop::output::{Quantity, ValidityRow};
 use ripstop::plan::{Plan, Precision};
@@ -20,6 +20,14 @@ pub fn trials() -> Vec<Trial> {
         ("judged_bodies::thin_closed_wing", thin_closed_wing as fn()),
         ("judged_bodies::bodies_in_one_place", bodies_in_one_place),
         ("judged_bodies::slow_air_in_long_steps", slow_air),
+        (
+            "judged_bodies::what_is_not_bluff_has_no_forecast",
+            not_bluff,
+        ),
+        (
+            "judged_bodies::an_oscillation_is_seen_whole",
+            whole_oscillation,
+        ),
         ("judged_bodies::faster_than_the_reference", fast_body),
         (
             "judged_bodies::in_the_sponge_and_through_the_outlet",
@@ -43,6 +51,10 @@ pub fn trials() -> Vec<Trial> {
 
 /// The sphere of [`SPHERE`] on 8 cells in a smaller box, with changes.
 fn sphere(overrides: &[&str]) -> Case {
+    try_sphere(overrides).unwrap()
+}
+
+fn try_sphere(overrides: &[&str]) -> Result<Case, Box<CaseError>> {
     let body = Body {
         cells: 8.0,
         inlet: 2.0,
@@ -54,7 +66,7 @@ fn sphere(overrides: &[&str]) -> Case {
         variant: None,
         overrides: overrides.iter().map(|&change| change.to_owned()).collect(),
     };
-    case::parse("case", &body.text(), Path::new("."), &choices).unwrap()
+    case::parse("case", &body.text(), Path::new("."), &choices)
 }
 
 fn row(case: &Case, name: &str) -> Option<ValidityRow> {
@@ -77,6 +89,54 @@ fn slow_air() {
     assert_eq!(row(&short, name).unwrap().valid, Some(true));
     assert_eq!(row(&sphere(&[]), name).unwrap().valid, Some(true));
     assert_eq!(validity::expected_errors(&sphere(&[]).scene).len(), 1);
+}
+
+/// The forecast of the drag is of spheres and disks across the stream.
+fn not_bluff() {
+    let disk = |angle_deg: f64| {
+        let body = Body {
+            shape: "disk",
+            inlet: 2.0,
+            sponge: 3.0,
+            width: 4.0,
+            cells: 8.0,
+            ..SPHERE
+        };
+        let turn =
+            format!("bodies.disk.rotation={{ axis = [0.0, 1.0, 0.0], angle_deg = {angle_deg:?} }}");
+        let choices = Choices {
+            variant: None,
+            overrides: vec![turn],
+        };
+        let case = case::parse("case", &body.text(), Path::new("."), &choices).unwrap();
+        validity::expected_errors(&case.scene).len()
+    };
+    assert_eq!([disk(0.0), disk(30.0), disk(80.0)], [1, 1, 0]);
+    let wing = case::parse("case", THIN_WING, Path::new("."), &Choices::default()).unwrap();
+    assert!(validity::expected_errors(&wing.scene).is_empty());
+}
+
+/// Twenty thousand periods in the run: looks at even parts of it would all meet the same phase.
+fn whole_oscillation() {
+    let swinging = |displacement_m: f64| {
+        let displacement = format!(
+            "bodies.sphere.motion.oscillation.displacement_m=[0.0, 0.0, {displacement_m:?}]"
+        );
+        let overrides = [
+            "bodies.sphere.motion.oscillation.frequency_hz=20.0",
+            "bodies.sphere.motion.oscillation.phase_deg=90.0",
+            "time.end_s=1000.0",
+            &displacement,
+        ];
+        try_sphere(&overrides)
+    };
+    let fastest = swinging(0.002).unwrap().scene.rigid_bodies[0].fastest_m_s;
+    let expected = 0.002 * std::f64::consts::TAU * 20.0;
+    assert!(
+        (fastest / expected - 1.0).abs() < 1e-3,
+        "{fastest} {expected}"
+    );
+    assert!(swinging(0.1).is_err(), "12.6 m/s, 1.2 cells per step");
 }
 
 /// A body that moves faster than the speed that the lattice was chosen by.
@@ -211,9 +271,7 @@ fn half_a_period() {
     );
 }
 
-/// A wing that is pitched and arched stands in a box far thicker than its sections.
-fn thin_closed_wing() {
-    let text = r#"
+const THIN_WING: &str = r#"
 version = 1
 title = "A thin wing"
 [air]
@@ -241,7 +299,10 @@ end_s = 10.0
 [output]
 sample_interval_s = 0.1
 "#;
-    let case = case::parse("case", text, Path::new("."), &Choices::default()).unwrap();
+
+/// A wing that is pitched and arched stands in a box far thicker than its sections.
+fn thin_closed_wing() {
+    let case = case::parse("case", THIN_WING, Path::new("."), &Choices::default()).unwrap();
     let plan = Plan::new(&case.scene, Precision::F32);
     let rows = validity::beforehand(&case.scene, &plan);
     let row = rows

@@ -76,6 +76,7 @@ mod room_on_disk;
 mod sail_support;
 mod sheets;
 mod solver_account;
+mod sound;
 mod standard_error;
 mod supply_chain;
 mod supports;
@@ -175,6 +176,7 @@ fn main() -> std::process::ExitCode {
         sweep::trials(),
         time_steps::trials(),
         solver_account::trials(),
+        sound::trials(),
         standard_error::trials(),
         validity::trials(),
         validate::trials(),

@@ -18,6 +18,7 @@ pub fn trials() -> Vec<Trial> {
         plain("nodes::a_load_stretches_a_spring", spring),
         plain("nodes::a_flung_weight_swings_as_a_pendulum", slung_weight),
         plain("nodes::a_baton_turns", baton),
+        plain("nodes::a_point_does_not_turn", point),
         plain("nodes::a_string_sounds_as_its_tension_says", string),
         plain("nodes::a_strip_between_two_sides_is_stretched", strip),
         plain("nodes::meshes_hang_beside_each_other", two_meshes),
@@ -202,6 +203,33 @@ step_s = 0.005
     // Turned by 3 rad.
     println!("turned by {angle} rad, middle {middle}");
     assert!((angle - 3.0).abs() < nodes::BATON[1], "{angle}");
+}
+
+/// Nodes turn about their middle, which a single one stands in.
+fn point() {
+    let source = r#"
+version = 1
+
+[structure.cable]
+ends_m = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+segments = 8
+material = { area_m2 = 1e-5, density_kg_m3 = 1000.0, youngs_modulus_pa = 1e8 }
+
+[nodes.one]
+nodes = [5]
+angular_velocity_rad_s = [0.0, 0.0, 2.0]
+
+[time]
+end_s = 1.5
+step_s = 0.005
+"#;
+    let parsed = |source: &str| case::parse("nodes", source, Path::new("."), &Choices::default());
+    let refused = format!("{:?}", parsed(source).unwrap_err());
+    assert!(
+        refused.contains("nodes.one.angular_velocity_rad_s"),
+        "{refused}"
+    );
+    parsed(&source.replace("nodes = [5]", "nodes = [5, 6]")).unwrap();
 }
 
 /// A string in tension, plucked: f = √(T/μ)/(2 l).

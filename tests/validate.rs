@@ -19,7 +19,7 @@ const FAST: [&str; 5] = [
     "shear-layer",
 ];
 
-/// Those that a software device computes in seconds. It meets walls in motion in `walls`, and shear layers and sound at inlet, outlet and sides in `air` (at the outlet along its normal alone).
+/// Those that a software device computes in seconds. It meets walls in motion in `walls`, shear layers in `air`, and sound at inlet, outlet and sides in `sound` (at the outlet along its normal alone).
 const FAST_ON_DEVICE: [&str; 2] = ["poiseuille", "levels"];
 
 /// Flow through what air passes, and a fall in a box that follows.

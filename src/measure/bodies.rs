@@ -140,7 +140,7 @@ const BATCH: f64 = 8.0;
 /// Change of the drag between two halves of such a window beyond which the flow counts as still developing.
 const SETTLED: f64 = 0.01;
 
-/// The same beyond which its mean is marked as unresolved.
+/// The same beyond which its mean is marked: no value that is off by more counts as resolved in a sweep either.
 const UNSETTLED: f64 = 0.05;
 
 /// Amplitude of the lift coefficient below which there is no oscillation to speak of.

@@ -159,36 +159,11 @@ impl Surface {
 mod tests {
     use super::*;
 
-    /// A box from `low` to `high`, normals outwards.
-    fn block(low: DVec3, high: DVec3) -> Surface {
-        let positions_m = (0..8)
-            .map(|i| {
-                let upper = [i & 1, i >> 1 & 1, i >> 2];
-                DVec3::from_array(std::array::from_fn(|a| [low[a], high[a]][upper[a]]))
-            })
-            .collect();
-        let quads = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        Surface {
-            positions_m,
-            triangles: quads
-                .iter()
-                .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-                .collect(),
-        }
-    }
-
     /// What is left of a block at one, two and three faces has the areas, the volume and the centroid of a smaller block without lids.
     #[test]
     fn what_lies_before_faces_is_a_smaller_block() {
         let size = DVec3::new(5.0, 4.0, 3.0);
-        let whole = block(DVec3::new(3.0, -1.0, 1.0), DVec3::new(6.0, 2.5, 4.0));
+        let whole = Surface::block(DVec3::new(3.0, -1.0, 1.0), DVec3::new(6.0, 2.5, 4.0));
         assert!(whole.is_closed());
         let [_, outlet, y_lower, _, _, z_upper] = BoxFace::ALL;
         for faces in [
@@ -220,11 +195,11 @@ mod tests {
             assert!((centroid - 0.5 * (low + high)).length() < 1e-12);
         }
         // Corners on the face are kept as they are, and what lies in it is left out.
-        let beside = block(DVec3::new(1.0, 0.0, 1.0), DVec3::new(2.0, 1.0, 2.0));
+        let beside = Surface::block(DVec3::new(1.0, 0.0, 1.0), DVec3::new(2.0, 1.0, 2.0));
         let open = beside.before(&[y_lower], size);
         assert_eq!(open.positions_m.len(), 8);
         assert_eq!(open.triangles.len(), 10);
-        let beyond = block(DVec3::new(1.0, -1.0, 1.0), DVec3::new(2.0, 0.0, 2.0));
+        let beyond = Surface::block(DVec3::new(1.0, -1.0, 1.0), DVec3::new(2.0, 0.0, 2.0));
         assert!(beyond.before(&[y_lower], size).triangles.is_empty());
     }
 }

@@ -162,32 +162,10 @@ fn draw_rim_in(part: &Surface, rim: &[[u32; 2]], distance_m: f64, result: &mut S
 mod tests {
     use super::*;
 
-    fn cube() -> Surface {
-        let positions_m = (0..8)
-            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
-            .collect();
-        let quads = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles = quads
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect();
-        Surface {
-            positions_m,
-            triangles,
-        }
-    }
-
     /// Faces of a cube move by the inset, edges and corners included, whichever way the normals point.
     #[test]
     fn a_cube_shrinks_on_all_sides() {
-        let mut cube = cube();
+        let mut cube = Surface::block(DVec3::ZERO, DVec3::ONE);
         assert!(cube.is_closed());
         for sign in [1.0, -1.0] {
             assert!((cube.volume_m3().0 - sign).abs() < 1e-12);

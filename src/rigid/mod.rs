@@ -113,3 +113,28 @@ impl Surface {
             })
     }
 }
+
+#[cfg(test)]
+impl Surface {
+    /// A box from `low` to `high` with normals outwards, for trials.
+    fn block(low: DVec3, high: DVec3) -> Self {
+        let corner = |i: usize| {
+            let upper = [i & 1, i >> 1 & 1, i >> 2];
+            DVec3::from_array(std::array::from_fn(|a| [low[a], high[a]][upper[a]]))
+        };
+        let sides = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        Self {
+            positions_m: (0..8).map(corner).collect(),
+            triangles: (sides.iter())
+                .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+                .collect(),
+        }
+    }
+}

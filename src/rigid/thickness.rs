@@ -59,29 +59,6 @@ mod tests {
     use super::*;
     use crate::geometry::surfaces;
 
-    /// A box with sides of `size`, normals outwards.
-    fn slab(size: DVec3) -> Surface {
-        let quads = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        Surface {
-            positions_m: (0..8)
-                .map(|i| {
-                    size * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))
-                })
-                .collect(),
-            triangles: quads
-                .iter()
-                .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-                .collect(),
-        }
-    }
-
     #[test]
     fn a_sphere_is_as_thick_as_its_diameter() {
         for edge_m in [0.3, 0.1] {
@@ -94,7 +71,7 @@ mod tests {
     /// Whichever way a slab is turned, and its normals point.
     #[test]
     fn a_slab_is_as_thick_as_its_short_side() {
-        let mut slab = slab(DVec3::new(1.0, 0.05, 1.4));
+        let mut slab = Surface::block(DVec3::ZERO, DVec3::new(1.0, 0.05, 1.4));
         let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.8);
         for is_turned in [false, true] {
             if is_turned {

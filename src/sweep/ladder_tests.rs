@@ -163,6 +163,18 @@ fn means_over_starts_are_better_known_than_one() {
     assert!((ratio - 2_f64.sqrt()).abs() < 1e-12, "{ratio}");
 }
 
+/// What is nothing on every lattice is no share of anything.
+#[test]
+fn nothing_is_known_well() {
+    for rung in ladders(&sweep("12,16,24", |_, _, _| Quantity::new(0.0)))
+        .iter()
+        .flat_map(|ladder| &ladder.rungs)
+    {
+        assert_eq!(rung.resolved, Some(true), "{}", rung.verdict);
+        assert!(!rung.verdict.contains("NaN"), "{}", rung.verdict);
+    }
+}
+
 #[test]
 fn sweeps_of_other_keys_have_no_ladder() {
     let mut sweep = sweep("12,16", |_, _, _| Quantity::new(1.0));

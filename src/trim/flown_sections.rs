@@ -308,6 +308,24 @@ mod tests {
         }
     }
 
+    #[test]
+    fn turns_beyond_the_polars_are_known() {
+        for (degrees, within) in [
+            (-8.5, false),
+            (-7.9, true),
+            (0.0, true),
+            (23.9, true),
+            (35.0, false),
+        ] {
+            assert_eq!(
+                is_within_turns(f64::to_radians(degrees)),
+                within,
+                "{degrees}"
+            );
+        }
+        assert!(!is_within_turns(f64::NAN));
+    }
+
     /// A turned trailing edge lifts at a smaller angle and has more drag; an intake adds its drag; given polars stand for all turns.
     #[test]
     fn brakes_lift_and_hold_back() {

@@ -188,12 +188,12 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
         Rule {
             name: "cells across the chord",
             unit: "1",
-            meaning: "cells over the largest chord, for drag and shape",
+            meaning: "cells over the largest chord, for drag and shape; the lift of a section at cut links scatters by 17 % with 24, by 3 and 6 % with 32 and 48",
             bound: Bound::AtLeast,
             limit: 32.0,
             supports: Supports::Means,
-            remedy: "raise resolution.cells_per_chord",
-            value: |of| (of.kind == Kind::Wing).then(|| of.cells()),
+            remedy: "take more cells over the chord",
+            value: |of| (of.kind == Kind::Wing || of.is_closed_wing()).then(|| of.cells()),
         },
         Rule {
             name: "trailing edge within the kernel",
@@ -225,23 +225,17 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
             limit: 4.0,
             supports: Supports::Everything,
             remedy: "raise the resolution, or model it as an open surface",
-            value: |of| {
-                let has_room = of.body.is_some() && of.cuts_links();
-                Some(of.thickness_m? / of.cell_m()).filter(|_| !has_room)
-            },
+            value: |of| of.thickness_cells(false),
         },
         Rule {
             name: "cells across the thickness, cut links",
             unit: "1",
-            meaning: "cells over the median thickness of a body; closed wings with 2.2 have their lift within 3 %",
+            meaning: "cells over the median thickness of a body; closed wings have their lift within 4 %, at 0 to 12 degrees with 2.3, at 8 with 3.1 and 4.6",
             bound: Bound::AtLeast,
             limit: 2.0,
             supports: Supports::Everything,
             remedy: "raise the resolution, or model it as an open surface",
-            value: |of| {
-                let has_room = of.body.is_some() && of.cuts_links();
-                Some(of.thickness_m? / of.cell_m()).filter(|_| has_room)
-            },
+            value: |of| of.thickness_cells(true),
         },
         Rule {
             name: "cells across the length",

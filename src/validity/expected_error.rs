@@ -147,7 +147,9 @@ pub fn expected_errors(scene: &Scene) -> Vec<ExpectedError> {
             return None;
         }
         let (quantity, parts) = match of.kind {
-            Kind::Canopy | Kind::Round | Kind::Rigid if of.held => ("mean drag", parts_of_drag(of)),
+            Kind::Canopy | Kind::Round | Kind::Rigid if of.held && of.is_bluff() => {
+                ("mean drag", parts_of_drag(of))
+            }
             Kind::Wing if of.cells() <= LIFT_CELLS && !of.cuts_links() => (
                 "lift over the angle",
                 vec![("trailing edge within the kernel".to_owned(), LIFT)],

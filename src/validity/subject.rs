@@ -22,8 +22,11 @@ const TURBULENT_REYNOLDS: f64 = 5e5;
 /// Places along a chord at which its thickness is looked for.
 const LOOKS: u32 = 50;
 
-/// Distance from the surface of another body up to which a node lies on it [cells].
+/// Distance from the surface of another body up to which a point lies on it [cells]: triangles of two shapes at one place differ by some hundredths.
 const ON_A_SURFACE: f64 = 0.1;
+
+/// Cosine between the stream and the normal of a plate or disk, above which its wake is that of one across the stream: 45°.
+const ACROSS_THE_STREAM: f64 = 0.7;
 
 /// Kinds of what stands in the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -302,6 +305,31 @@ impl Subject<'_> {
     pub fn cuts_links(&self) -> bool {
         let coupling = self.scene.coupling;
         coupling.is_some_and(|coupling| coupling.scheme == Scheme::Links)
+    }
+
+    /// Cells over the thickness: of a rigid body that cuts `links`, or of all others.
+    pub fn thickness_cells(&self, links: bool) -> Option<f64> {
+        let cuts = self.body.is_some() && self.cuts_links();
+        let thickness_m = self.thickness_m.filter(|_| cuts == links)?;
+        Some(thickness_m / self.cell_m())
+    }
+
+    /// True for a rigid wing.
+    pub fn is_closed_wing(&self) -> bool {
+        self.body
+            .is_some_and(|body| matches!(body.shape, Shape::Wing { .. }))
+    }
+
+    /// True for what the forecast of the drag was measured on: all but rigid wings, and plates and disks that lie along the stream.
+    pub fn is_bluff(&self) -> bool {
+        let Some(body) = self.body else {
+            return true;
+        };
+        match body.shape {
+            Shape::Wing { .. } => false,
+            Shape::Disk { .. } | Shape::Plate { .. } => body.normal.x.abs() > ACROSS_THE_STREAM,
+            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Mesh => true,
+        }
     }
 
     /// Cells across the narrowest hole.

@@ -216,4 +216,30 @@ mod tests {
         assert_eq!(case, table(expected));
         assert_eq!(table(&commented(&case, &taken)), case);
     }
+
+    /// Boxes of finer cells take the place of where and how far around they would be; a margin alone does not.
+    #[test]
+    fn alternatives_take_the_place_of_what_follows() {
+        let taken = |text: &str| {
+            let mut keys = Keys::default();
+            keys.set("air.refinement.around", "structure", "");
+            keys.set("air.refinement.margin", 0.5, "");
+            keys.set("structure.disk_gap_band.nominal_area_m2", 2.0, "");
+            let taken = keys.put_into(&mut table(text));
+            taken
+                .iter()
+                .map(|derived| derived.key.clone())
+                .collect::<Vec<_>>()
+        };
+        let area = "structure.disk_gap_band.nominal_area_m2";
+        let boxes = "[[air.refinement.boxes]]\nlower_m = [0, 0, 0]\nupper_m = [1, 1, 1]\n";
+        assert_eq!(taken(boxes), [area]);
+        let margin = "[air.refinement]\nmargin = 1.0\n";
+        assert_eq!(taken(margin), ["air.refinement.around", area]);
+        let diameter = "[structure.disk_gap_band]\nnominal_diameter_m = 1.6\n";
+        assert_eq!(
+            taken(diameter),
+            ["air.refinement.around", "air.refinement.margin"]
+        );
+    }
 }

@@ -101,6 +101,16 @@ pub(super) struct Triangles {
     pub cut: bool,
 }
 
+/// Slots that the elements of a structure with so many markers have at most: a triangle is fabric, a face, and cut.
+pub(super) fn most_slots(structure: &Structure, marker_count: usize) -> usize {
+    // A damped cable is a dashpot, too.
+    3 * (3 * structure.triangles.len() + marker_count)
+        + 2 * (structure.springs.len() + 2 * structure.cables.len())
+        + 3 * structure.bendings.len()
+        + 6 * structure.curvatures.len()
+        + structure.guides.len()
+}
+
 /// The kinds that a structure has, and which slots every node gathers.
 #[derive(Debug)]
 pub(super) struct Elements {
@@ -340,7 +350,10 @@ impl Elements {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::cloth::{Bending, Guide, Spring, Triangle};
 
     #[test]
     fn coordinates_keep_half_a_picometre() {
@@ -366,5 +379,52 @@ mod tests {
         let elements = Elements::of_kinds(vec![kind], 4);
         assert_eq!(elements.node_first, [0, 2, 4, 6, 6]);
         assert_eq!(elements.node_slots, [1, 3, 2, 4, 0, 5]);
+    }
+
+    /// The bound counts every kind of element.
+    #[test]
+    fn slots_are_bounded() {
+        let mut structure = Structure {
+            bendings: vec![Bending {
+                nodes: [0, 1, 2],
+                coefficients: [1.0, -2.0, 1.0],
+                stiffness_n_m: 1.0,
+            }],
+            curvatures: vec![Bending {
+                nodes: [0, 1, 2, 3, 4, 5],
+                coefficients: [0.0; 6],
+                stiffness_n_m: 1.0,
+            }],
+            springs: vec![Spring {
+                nodes: [0, 1],
+                rest_length_m: 1.0,
+                stiffness_n_m: 1.0,
+                compressive_stiffness_n_m: 1.0,
+            }],
+            guides: vec![Guide {
+                node: 0,
+                anchor_m: DVec3::ZERO,
+                stiffness_n_m: DVec3::ONE,
+            }],
+            triangles: vec![Triangle {
+                nodes: [0, 1, 2],
+                fabric: 0,
+                rest_area_m2: 0.5,
+                rest_squares_m2: [2.0, 1.0, 1.0],
+                strain_from_squares: [[0.0; 3]; 3],
+            }],
+            ..Structure::default()
+        };
+        for k in 0..6 {
+            structure.add_node(DVec3::X * f64::from(k));
+        }
+        let triangles = Triangles {
+            faces: true,
+            cut: true,
+        };
+        let markers = [(0, [1.0, 0.0, 0.0])];
+        let slots = Elements::new(&structure, &markers, triangles).slots;
+        // The triangle has no fabric here.
+        assert_eq!(slots + 3, most_slots(&structure, markers.len()));
     }
 }

@@ -131,10 +131,7 @@ pub fn largest_buffer_bytes(
         0
     };
     // Six numbers for every corner of an element.
-    let corners = 3 * (structure.triangles.len() + marker_count)
-        + 2 * (structure.springs.len() + structure.cables.len())
-        + 4 * structure.bendings.len()
-        + 3 * structure.curvatures.len();
+    let corners = elements::most_slots(structure, marker_count);
     let vectors = (12 * nodes * workspace::vector_slots(HISTORY) as u64)
         .max(reactions)
         .max(24 * corners as u64);
