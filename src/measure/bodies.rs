@@ -378,10 +378,6 @@ pub(super) fn averaged(scene: &Scene, record: &Record) -> Option<std::ops::Range
     common_samples(record, scene, air)
 }
 
-/// Why forces have no second route.
-const NO_MOMENTUM_BOX: &str =
-    "the body passes through a face or left the momentum box, or there is no drag";
-
 /// Results of a scene of bodies alone.
 pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scene, air: &Air) {
     body_results(results, record, scene, air);
@@ -398,11 +394,8 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
     // A row's drag is that of the interval before it, so the impulses count from the row before the window.
     let samples = [window.start.saturating_sub(1), window.end - 1];
     let [markers, momentum_box] = mean_forces_n(record, impulses, samples);
-    results.tell(&DRAG_MARKERS, markers);
-    if momentum_box.is_finite() {
-        results.tell(&DRAG_MOMENTUM_BOX, momentum_box);
-    } else {
-        results.insert(&DRAG_MOMENTUM_BOX, Quantity::missing(NO_MOMENTUM_BOX));
+    for (drag, force) in [(&DRAG_MARKERS, markers), (&DRAG_MOMENTUM_BOX, momentum_box)] {
+        results.tell(drag, force);
     }
     let imbalance = (markers - momentum_box).abs() / markers.abs();
     results.insert(
@@ -410,7 +403,7 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
         if imbalance.is_finite() {
             Quantity::new(imbalance).with_note("difference of the two routes over the drag")
         } else {
-            Quantity::missing(NO_MOMENTUM_BOX)
+            Quantity::missing("markers left the momentum box, or there is no drag")
         },
     );
     if record.latest(&SLIP_RATIO).is_some() {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::record::Record;
-use super::shared::{FORCE_IMBALANCE, TIME};
+use super::shared::{DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, TIME};
 use super::{
     air, bodies, canopy, contact, energy, fabric, falling, flown_ballooning, imported_wing,
     line_drag, load_test, payload_bodies, permeable, plate, residual, sail_support, supports, wing,
@@ -109,7 +109,11 @@ pub(super) fn of_scene(
         bodies::body_results(&mut results, record, scene, air);
     }
     if scene.passes_through_a_face() {
-        results.insert(&FORCE_IMBALANCE, Quantity::missing(NO_MOMENTUM_BOX));
+        for read_out in [&FORCE_IMBALANCE, &DRAG_MOMENTUM_BOX] {
+            if results.get(&read_out.name).is_some() {
+                results.insert(read_out, Quantity::missing(NO_MOMENTUM_BOX));
+            }
+        }
     }
     results
 }
