@@ -3,7 +3,7 @@
 //! `cargo bench --bench fluid [-- FILE]` prints tables and, with FILE, writes the same as JSON, with machine, commit and date from the
 //! environment (`RIPSTOP_MACHINE`, `RIPSTOP_COMMIT`, `RIPSTOP_DATE`). `fluid serve` answers `benches/peers/lbmpy_compare.py`.
 //!
-//! A step reads and writes 19 populations: 152 B per cell in single, 304 B in double precision. Rounds of all set-ups and of a plain pass
+//! A step reads and writes 19 populations: 152 B per cell in single, 304 B in double precision, 76 B with 16 bits (`f16`, computed in single precision). Rounds of all set-ups and of a plain pass
 //! over memory alternate and shares are taken within a round, since the bandwidth of shared machines changes within seconds; medians are
 //! shown. The pass works in place, as a step does: it reads a long array and writes it back through the caches, so no line is fetched only
 //! to be overwritten. A copy from array to array is shown beside it; the system's `memcpy` does that with stores that go round the caches.
@@ -18,12 +18,13 @@
 use std::io::BufRead;
 use std::time::Instant;
 
+use half::f16;
 use rayon::prelude::*;
-use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells};
+use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells, Stored};
+use ripstop::lattice::Operator;
 use ripstop::lattice::control_volume::ControlVolume;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
 use ripstop::lattice::grid::{Setup, Sides, StreamwiseEnds};
-use ripstop::lattice::{Operator, Real};
 use serde_json::{Value, json};
 
 const RELAXATION_TIME: f64 = 0.6;
@@ -77,17 +78,17 @@ impl Scene {
 }
 
 /// A scene with its air, and what acts on it.
-struct Bench<T: Real> {
+struct Bench<P: Stored> {
     scene: Scene,
     side: usize,
-    air: Fluid<T>,
+    air: Fluid<P>,
     rows: Vec<(u32, u32, u32)>,
     x: Vec<u32>,
     force: Vec<[f64; 3]>,
     steps: usize,
 }
 
-impl<T: Real> Bench<T> {
+impl<P: Stored> Bench<P> {
     fn new(scene: Scene, side: usize) -> Self {
         let canopy = scene == Scene::Canopy;
         let (operator, eddy) = match scene {
@@ -291,14 +292,14 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// All set-ups of one size and precision, in alternation.
-fn table<T: Real>(precision: &str, side: usize, rounds: usize, seconds: f64) -> Vec<Value> {
-    let mut benches = Scene::ALL.map(|(_, scene)| Bench::<T>::new(scene, side));
+fn table<P: Stored>(precision: &str, side: usize, rounds: usize, seconds: f64) -> Vec<Value> {
+    let mut benches = Scene::ALL.map(|(_, scene)| Bench::<P>::new(scene, side));
     let mut memory = Memory::new();
     let mut bandwidths = [const { Vec::new() }; 2];
     let mut speeds = [const { Vec::new() }; Scene::ALL.len()];
     let mut shares = [const { Vec::new() }; Scene::ALL.len()];
     let mut to_trt = [const { Vec::new() }; Scene::ALL.len()];
-    let bytes_per_cell = (38 * size_of::<T>()) as f64;
+    let bytes_per_cell = (38 * size_of::<P>()) as f64;
     for _ in 0..rounds {
         let bandwidth = memory.pass(seconds);
         bandwidths[0].push(1e-9 * bandwidth);
@@ -334,9 +335,9 @@ fn table<T: Real>(precision: &str, side: usize, rounds: usize, seconds: f64) -> 
 }
 
 /// What leaving out the force terms changes in the results: largest difference of velocity after `steps`, over the speed.
-fn change_by_skipping_force<T: Real>(side: usize, steps: usize) -> f64 {
+fn change_by_skipping_force<P: Stored>(side: usize, steps: usize) -> f64 {
     let [bare, forced] = [Scene::ALL[0].1, Scene::ALL[4].1].map(|scene| {
-        let mut bench = Bench::<T>::new(scene, side);
+        let mut bench = Bench::<P>::new(scene, side);
         bench.advance(steps);
         bench.air.macroscopic()
     });
@@ -349,6 +350,7 @@ fn change_by_skipping_force<T: Real>(side: usize, steps: usize) -> f64 {
 /// Answers lines `SETUP PRECISION SIDE SECONDS`, `memory - 0 SECONDS` and `decay PRECISION SIDE STEPS` with a line of JSON each.
 fn serve() {
     let mut single: Option<(String, Bench<f32>)> = None;
+    let mut sixteen_bits: Option<(String, Bench<f16>)> = None;
     let mut double: Option<(String, Bench<f64>)> = None;
     let mut memory = None;
     for line in std::io::stdin().lock().lines() {
@@ -365,6 +367,8 @@ fn serve() {
             json!({"gigabytes_per_s_in_place": 1e-9 * memory.pass(amount)})
         } else if precision == "f32" {
             answer::<f32>(&mut single, setup, side, amount)
+        } else if precision == "f16" {
+            answer::<f16>(&mut sixteen_bits, setup, side, amount)
         } else {
             answer::<f64>(&mut double, setup, side, amount)
         };
@@ -372,14 +376,14 @@ fn serve() {
     }
 }
 
-fn answer<T: Real>(
-    kept: &mut Option<(String, Bench<T>)>,
+fn answer<P: Stored>(
+    kept: &mut Option<(String, Bench<P>)>,
     setup: &str,
     side: usize,
     amount: f64,
 ) -> Value {
     if setup == "decay" {
-        let mut bench = Bench::<T>::new(Scene::TRT, side);
+        let mut bench = Bench::<P>::new(Scene::TRT, side);
         bench.advance(amount as usize - bench.steps);
         return json!({"decay_rate_error": bench.error()});
     }
@@ -412,6 +416,7 @@ fn main() {
     let mut rows = Vec::new();
     for side in [128, 192] {
         rows.extend(table::<f32>("f32", side, 7, 0.25));
+        rows.extend(table::<f16>("f16", side, 7, 0.25));
     }
     rows.extend(table::<f64>("f64", 128, 7, 0.25));
     let change = [

@@ -1,10 +1,10 @@
 //! The air alone: exact solutions, convergence, conservation, symmetry, stability.
 
 use libtest_mimic::Trial;
-use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells};
+use ripstop::cpu::fluid::{BodyForce, Fluid, ForcedCells, Stored};
+use ripstop::lattice::Operator;
 use ripstop::lattice::eddy_viscosity::EddyViscosity;
 use ripstop::lattice::grid::{Faces, InletProfile, Setup, Sides, StreamwiseEnds, Wall};
-use ripstop::lattice::{Operator, Real};
 use ripstop::simulation::AirEngine;
 
 use crate::engines::{
@@ -156,9 +156,9 @@ impl Body for Conservation {
 
 /// (On the device all forces come from markers: `coupling::a_held_sheet_takes_the_momentum_the_air_loses`.)
 /// A force on two cells, one in a middle row, must add exactly its momentum per step and nothing else.
-fn forced<T: Real>(engine: Engine) {
+fn forced<P: Stored>(engine: Engine) {
     for operator in Operator::ALL {
-        let mut fluid = Fluid::<T>::new(
+        let mut fluid = Fluid::<P>::new(
             periodic([11, 6, 9], 0.55, operator),
             Some(&|_: [usize; 3]| (0.0, [0.03, 0.0, 0.01])),
         );

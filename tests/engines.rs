@@ -14,7 +14,9 @@ pub enum Engine {
     CpuF64,
     CpuF32,
     Gpu,
-    /// The device with populations in 16 bits; not for every test.
+    /// The CPU with populations in 16 bits; not for every test.
+    CpuF16,
+    /// A device with the same.
     GpuF16,
 }
 
@@ -26,6 +28,7 @@ impl Engine {
             Self::CpuF64 => "cpu_f64",
             Self::CpuF32 => "cpu_f32",
             Self::Gpu => "gpu",
+            Self::CpuF16 => "cpu_f16",
             Self::GpuF16 => "gpu_f16",
         }
     }
@@ -35,6 +38,7 @@ impl Engine {
             Self::CpuF64 => AirPlacement::Cpu(Precision::F64),
             Self::CpuF32 => AirPlacement::Cpu(Precision::F32),
             Self::Gpu => AirPlacement::Gpu(Storage::F32),
+            Self::CpuF16 => AirPlacement::Cpu(Precision::F16Storage),
             Self::GpuF16 => AirPlacement::Gpu(Storage::F16),
         }
     }
@@ -78,6 +82,7 @@ pub fn states(air: &AirEngine) -> Vec<(f64, [f64; 3])> {
     match air {
         AirEngine::CpuF64(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
         AirEngine::CpuF32(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
+        AirEngine::CpuF16(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
         AirEngine::Gpu(fluid) => fluid
             .macroscopic()
             .unwrap()
@@ -144,7 +149,11 @@ pub fn on_every_engine(name: &str, body: impl Body) -> Vec<Trial> {
 
 /// Trials of `body` on every engine, 16-bit storage included.
 pub fn on_every_storage(name: &str, body: impl Body) -> Vec<Trial> {
-    on_engines(&[&Engine::ALL[..], &[Engine::GpuF16]].concat(), name, body)
+    on_engines(
+        &[&Engine::ALL[..], &[Engine::CpuF16, Engine::GpuF16]].concat(),
+        name,
+        body,
+    )
 }
 
 fn on_engines(engines: &[Engine], name: &str, body: impl Body) -> Vec<Trial> {

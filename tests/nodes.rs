@@ -212,7 +212,7 @@ version = 1
 
 [structure.cable]
 ends_m = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
-length_m = 2.0
+length_m = 2.5
 segments = 8
 material = { area_m2 = 1e-5, density_kg_m3 = 1000.0, youngs_modulus_pa = 1e8 }
 

@@ -25,7 +25,7 @@ pub const fn velocity_gradient(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-12,
         Engine::CpuF32 | Engine::Gpu => 1e-4,
-        Engine::GpuF16 => 2e-2,
+        Engine::CpuF16 | Engine::GpuF16 => 2e-2,
     }
 }
 
@@ -36,7 +36,7 @@ pub const fn conservation(engine: Engine) -> f64 {
         // 2⁻²⁴ ≈ 6e-8 per operation on populations shifted by their weights (values near 1e-2).
         Engine::CpuF32 | Engine::Gpu => 1e-7,
         // 2⁻¹² of the same values, at random: 1e-6 was measured.
-        Engine::GpuF16 => 5e-6,
+        Engine::CpuF16 | Engine::GpuF16 => 5e-6,
     }
 }
 
@@ -44,7 +44,7 @@ pub const fn conservation(engine: Engine) -> f64 {
 pub const fn same_flow(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-13,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 2e-6,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 2e-6,
     }
 }
 
@@ -53,7 +53,7 @@ pub const fn exact_wall(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-12,
         // Measured: 6e-7; the force of a step is a thousandth of the populations that it is added to.
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 2e-5,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 2e-5,
     }
 }
 
@@ -78,7 +78,7 @@ pub const OUTLET_REFLECTION: f64 = 0.05;
 pub const fn momentum_closure(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-9,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-3,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 1e-3,
     }
 }
 
@@ -86,7 +86,7 @@ pub const fn momentum_closure(engine: Engine) -> f64 {
 pub const fn mass_closure(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-12,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-6,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 1e-6,
     }
 }
 
@@ -135,7 +135,7 @@ pub const SPHERE_DRAG: [f64; 2] = [1.0, 1.2];
 pub const fn symmetry(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-9,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-3,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 1e-3,
     }
 }
 
@@ -364,7 +364,7 @@ pub mod through_faces {
         match engine {
             Engine::CpuF64 => 1e-11,
             Engine::CpuF32 => 1e-5,
-            Engine::Gpu | Engine::GpuF16 => 10.0 * DEVICE_WEIGHTS,
+            Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 10.0 * DEVICE_WEIGHTS,
         }
     }
 
@@ -373,7 +373,7 @@ pub mod through_faces {
     pub const fn half_model(engine: Engine) -> f64 {
         match engine {
             Engine::CpuF64 => 1e-9,
-            Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-3,
+            Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 1e-3,
         }
     }
 
@@ -488,7 +488,7 @@ pub const FRICTION_OF_A_PLATE: f64 = 0.2;
 pub const fn cut_momentum_box(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-11,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 5e-4,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 5e-4,
     }
 }
 
@@ -500,7 +500,7 @@ pub const CUT_LINES: f64 = 0.02;
 pub const fn cut_mass(engine: Engine) -> f64 {
     match engine {
         Engine::CpuF64 => 1e-14,
-        Engine::CpuF32 | Engine::Gpu | Engine::GpuF16 => 1e-8,
+        Engine::CpuF32 | Engine::Gpu | Engine::CpuF16 | Engine::GpuF16 => 1e-8,
     }
 }
 

@@ -141,10 +141,8 @@ pub(super) fn bench(arguments: &BenchArguments) -> Result<u8, Failure> {
     };
     // Bodies and schemes of coupling are computed in single precision, on CPU threads if they take part.
     let single = engines.iter().find(|engine| {
-        !matches!(
-            engine.placement,
-            AirPlacement::Cpu(Precision::F64) | AirPlacement::Gpu(Storage::F16)
-        )
+        !engine.placement.is_in_sixteen_bits()
+            && engine.placement != AirPlacement::Cpu(Precision::F64)
     });
     let mut text = String::new();
     if measures {
@@ -234,7 +232,8 @@ fn engines(arguments: &BenchArguments) -> Result<Vec<bench::Engine>, Failure> {
     };
     let mut engines = Vec::new();
     if arguments.engine != Engine::Gpu {
-        engines.extend([Precision::F64, Precision::F32].map(bench::Engine::cpu));
+        let precisions = [Precision::F64, Precision::F32, Precision::F16Storage];
+        engines.extend(precisions.map(bench::Engine::cpu));
     }
     let device = match choice.map(|choice| Device::open(&choice)) {
         None => return Ok(engines),

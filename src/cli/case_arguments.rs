@@ -102,7 +102,7 @@ impl CaseArguments {
         refuse_bare_wing(&case)?;
         threads::start(self.threads.into())?;
         // Before any device is asked for what none can hold.
-        Sizes::new(&case.scene, &self.engine.precision.on_cpu().into())
+        Sizes::new(&case.scene, &self.engine.precision.into())
             .fit_into(None)
             .map_err(|refusal| self.too_large(&case, refusal))?;
         let placed = self.engine.place(&case.scene)?;
@@ -142,9 +142,9 @@ impl CaseArguments {
         Failure::Case(case.error(Problem::new(
                 if air.is_some() { "resolution" } else { "structure" },
                 format!("in {}: the case is too large for this machine: {needs}, and {limit}", case.name),
-                match (air, self.engine.precision.on_cpu()) {
+                match (air, self.engine.precision) {
                     (None, _) => "use a coarser mesh of the structure",
-                    (Some(_), Precision::F32) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), or a smaller tunnel",
+                    (Some(_), Precision::F32 | Precision::F16Storage) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), or a smaller tunnel",
                     (Some(_), Precision::F64) => "choose larger cells (resolution.cells_per_diameter or cell_size_m), a smaller tunnel, or --precision f32",
                 },
             )))

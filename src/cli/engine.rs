@@ -15,8 +15,8 @@ use crate::gpu::adapters::{adapters, chosen, has_gpu};
 use crate::gpu::cloth::largest_buffer_bytes;
 use crate::gpu::{AdapterChoice, AdapterKind, Device, DeviceError};
 use crate::plan::{
-    AirPlacement, ClothPlacement, Placement, Precision, Sizes, Storage, capabilities,
-    place_markers, steps_are_left_to_host, steps_take_multigrid,
+    AirPlacement, ClothPlacement, Placement, Precision, Sizes, capabilities, place_markers,
+    steps_are_left_to_host, steps_take_multigrid,
 };
 
 /// Opens a device, and says which better ones did not open.
@@ -63,41 +63,9 @@ enum ClothChoice {
     Device,
 }
 
-/// Floating-point type of the air.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum PrecisionChoice {
-    /// Double precision, on the CPU only: the reference.
-    F64,
-    /// Single precision.
-    F32,
-    /// Single precision, but populations kept in 16 bits, on a device only: half the memory and traffic, larger error.
-    F16Storage,
-}
-
-impl PrecisionChoice {
-    /// On CPU threads.
-    pub const fn on_cpu(self) -> Precision {
-        match self {
-            Self::F64 => Precision::F64,
-            Self::F32 | Self::F16Storage => Precision::F32,
-        }
-    }
-
-    /// On a device.
-    const fn storage(self) -> Storage {
-        match self {
-            Self::F64 | Self::F32 => Storage::F32,
-            Self::F16Storage => Storage::F16,
-        }
-    }
-}
-
 const F64_ON_DEVICE: &str = "--precision f64 needs --engine cpu: devices compute in f32";
 
 const F16_AND_FRICTION: &str = "--precision f16-storage rounds away what friction = \"model\" takes from the air in a step: take f32, or another friction";
-
-const F16_ON_CPU: &str =
-    "--precision f16-storage needs a device (--engine gpu): the CPU gains nothing from 16 bits";
 
 /// Choice of engines.
 #[derive(Debug, Clone, Args)]
@@ -113,7 +81,7 @@ pub(super) struct EngineArguments {
     adapter: Option<String>,
     /// Floating-point type of the air.
     #[arg(long, value_enum, default_value = "f32")]
-    pub precision: PrecisionChoice,
+    pub precision: Precision,
 }
 
 impl From<DeviceError> for Failure {
@@ -142,14 +110,11 @@ impl EngineArguments {
             (engine, _) => engine,
         };
         let misuse = |what: &str| Err(Failure::Other(exit::BAD_CASE, what.to_owned()));
-        if engine == Engine::Gpu && self.precision == PrecisionChoice::F64 {
+        if engine == Engine::Gpu && self.precision == Precision::F64 {
             return misuse(F64_ON_DEVICE);
         }
-        if engine == Engine::Cpu && self.precision == PrecisionChoice::F16Storage {
-            return misuse(F16_ON_CPU);
-        }
         let modelled = (scene.friction.as_ref()).is_some_and(|f| f.has(Friction::Model));
-        if modelled && self.precision == PrecisionChoice::F16Storage {
+        if modelled && self.precision == Precision::F16Storage {
             return misuse(F16_AND_FRICTION);
         }
         if engine == Engine::Cpu && named.is_some() && self.cloth != ClothChoice::Device {
@@ -179,15 +144,13 @@ impl EngineArguments {
             Engine::Cpu => None,
             Engine::Gpu => Some(open(&on_request)?),
             Engine::Auto => match self.precision {
-                PrecisionChoice::F64 => None,
-                PrecisionChoice::F32 => automatic(scene),
-                // Only a device can.
-                PrecisionChoice::F16Storage => Some(open(&AdapterChoice::Hardware)?),
+                Precision::F64 => None,
+                precision => automatic(scene, precision),
             },
         };
         let air = match device {
             Some(_) => AirPlacement::Gpu(self.precision.storage()),
-            None => AirPlacement::Cpu(self.precision.on_cpu()),
+            None => AirPlacement::Cpu(self.precision),
         };
         let nodes = scene
             .body
@@ -239,12 +202,9 @@ impl EngineArguments {
         if let (true, Some(device)) = (cloth_on_device, &device) {
             fabric_fits(scene, device)?;
         }
-        let chosen_by_itself = engine == Engine::Auto
-            && self.cloth != ClothChoice::Device
-            && self.precision != PrecisionChoice::F16Storage;
+        let chosen_by_itself = engine == Engine::Auto && self.cloth != ClothChoice::Device;
         Ok(Placed {
-            fallback: (chosen_by_itself && device.is_some())
-                .then(|| self.precision.on_cpu().into()),
+            fallback: (chosen_by_itself && device.is_some()).then(|| self.precision.into()),
             placement,
             device,
         })
@@ -252,15 +212,16 @@ impl EngineArguments {
 }
 
 /// The best real GPU that can hold the air; `None`, with a word why, where the CPU is taken although there is a GPU.
-fn automatic(scene: &Scene) -> Option<Arc<Device>> {
+fn automatic(scene: &Scene, precision: Precision) -> Option<Arc<Device>> {
     if !has_gpu() {
         return None;
     }
     let placement = Placement {
-        air: AirPlacement::Gpu(Storage::F32),
-        ..Placement::from(Precision::F32)
+        air: AirPlacement::Gpu(precision.storage()),
+        ..Placement::from(precision)
     };
     let opened = open(&AdapterChoice::Hardware)
+        .and_then(|device| stores(precision, &device).map(|()| device))
         .and_then(|device| air_fits(scene, &placement, &device).map(|()| device))
         .map_err(|error| error.to_string())
         .and_then(|device| match device.info().kind {
@@ -299,8 +260,8 @@ fn slower_than_cpu(name: &str, (device, cpu): (Result<f64, DeviceError>, f64)) -
 }
 
 /// Whether the device can keep populations as asked for.
-fn stores(precision: PrecisionChoice, device: &Device) -> Result<(), DeviceError> {
-    if precision == PrecisionChoice::F16Storage {
+fn stores(precision: Precision, device: &Device) -> Result<(), DeviceError> {
+    if precision == Precision::F16Storage {
         device.require_f16()?;
     }
     Ok(())
@@ -360,13 +321,10 @@ fn fits(
 pub(super) fn air_alone(
     engine: Engine,
     adapter: Option<&str>,
-    precision: PrecisionChoice,
+    precision: Precision,
 ) -> Result<(AirPlacement, Option<Arc<Device>>), Failure> {
-    let on_cpu = (AirPlacement::Cpu(precision.on_cpu()), None);
+    let on_cpu = (AirPlacement::Cpu(precision), None);
     let choice = match (engine, adapter) {
-        (Engine::Cpu, None) if precision == PrecisionChoice::F16Storage => {
-            return Err(Failure::Other(exit::BAD_CASE, F16_ON_CPU.to_owned()));
-        }
         (Engine::Cpu, None) => return Ok(on_cpu),
         (Engine::Cpu, Some(_)) => {
             return Err(Failure::Other(
@@ -374,18 +332,20 @@ pub(super) fn air_alone(
                 "--adapter has no use with --engine cpu".to_owned(),
             ));
         }
-        (Engine::Auto, None) if precision == PrecisionChoice::F64 => return Ok(on_cpu),
-        (Engine::Auto, None) if precision == PrecisionChoice::F16Storage => AdapterChoice::Hardware,
+        (Engine::Auto, None) if precision == Precision::F64 => return Ok(on_cpu),
         (Engine::Auto, None) => {
-            return Ok(match open(&AdapterChoice::Hardware) {
-                Ok(device) => (AirPlacement::Gpu(precision.storage()), Some(device)),
-                Err(_) => on_cpu,
-            });
+            let opened = open(&AdapterChoice::Hardware);
+            return Ok(
+                match opened.and_then(|device| stores(precision, &device).map(|()| device)) {
+                    Ok(device) => (AirPlacement::Gpu(precision.storage()), Some(device)),
+                    Err(_) => on_cpu,
+                },
+            );
         }
         (Engine::Gpu | Engine::Auto, Some(name)) => AdapterChoice::Named(name.to_owned()),
         (Engine::Gpu, None) => AdapterChoice::Any,
     };
-    if precision == PrecisionChoice::F64 {
+    if precision == Precision::F64 {
         return Err(Failure::Other(exit::BAD_CASE, F64_ON_DEVICE.to_owned()));
     }
     let device = open(&choice)?;

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::engine::{self, Engine, PrecisionChoice};
+use super::engine::{self, Engine};
 use super::exit;
 use super::failure::Failure;
 use super::log::emit;
 use super::progress::Progress;
 use super::signals::requests;
 use super::threads;
+use crate::plan::Precision;
 use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 
 #[derive(Debug, Args)]
@@ -28,7 +29,7 @@ pub(super) struct ValidateArguments {
     adapter: Option<String>,
     /// Floating-point type of the air.
     #[arg(long, value_enum, default_value = "f32")]
-    precision: PrecisionChoice,
+    precision: Precision,
     /// Also write the rows as JSON.
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,

@@ -94,6 +94,9 @@ pub fn equilibrium(direction: usize, density_excess: f64, velocity: [f64; 3]) ->
         * (density_excess + density * (3.0 * along + 4.5 * along * along - 1.5 * square))
 }
 
+/// By how much populations in 16 bits are scaled.
+pub const F16_SCALE: f32 = 32768.0;
+
 /// How a device stores populations between steps; arithmetic is in single precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Storage {

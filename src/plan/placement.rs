@@ -2,6 +2,9 @@
 
 use crate::lattice::Storage;
 
+/// Name of populations in 16 bits.
+const F16_STORAGE: &str = "f16-storage";
+
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AirPlacement {
@@ -9,6 +12,17 @@ pub enum AirPlacement {
     Cpu(Precision),
     /// A device: arithmetic in single precision, populations stored as given.
     Gpu(Storage),
+}
+
+impl AirPlacement {
+    /// True if populations are kept in 16 bits.
+    #[must_use]
+    pub const fn is_in_sixteen_bits(self) -> bool {
+        matches!(
+            self,
+            Self::Cpu(Precision::F16Storage) | Self::Gpu(Storage::F16)
+        )
+    }
 }
 
 /// Where the fabric is solved. This says where the minimiser has its vectors. On a device with block-Jacobi it decides there, too; with multigrid the host decides from trial to trial.
@@ -61,7 +75,7 @@ impl Placement {
         match self.air {
             AirPlacement::Cpu(precision) => precision.name(),
             AirPlacement::Gpu(Storage::F32) => "f32",
-            AirPlacement::Gpu(Storage::F16) => "f16-storage",
+            AirPlacement::Gpu(Storage::F16) => F16_STORAGE,
         }
     }
 
@@ -94,6 +108,9 @@ pub enum Precision {
     F64,
     /// Single precision: fast, the default.
     F32,
+    /// Single precision, but populations kept in 16 bits: half the memory and traffic, larger error.
+    #[value(name = "f16-storage")]
+    F16Storage,
 }
 
 impl Precision {
@@ -103,15 +120,26 @@ impl Precision {
         match self {
             Self::F64 => "f64",
             Self::F32 => "f32",
+            Self::F16Storage => F16_STORAGE,
         }
     }
 
-    /// Bytes of one number.
+    /// Bytes of a population.
     #[must_use]
     pub const fn bytes(self) -> u64 {
         match self {
             Self::F64 => 8,
             Self::F32 => 4,
+            Self::F16Storage => 2,
+        }
+    }
+
+    /// How a device stores populations for it; devices compute in single precision.
+    #[must_use]
+    pub const fn storage(self) -> Storage {
+        match self {
+            Self::F64 | Self::F32 => Storage::F32,
+            Self::F16Storage => Storage::F16,
         }
     }
 }

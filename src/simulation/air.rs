@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use half::f16;
+
 use crate::case::scene::{Air, Flow};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::Fluid;
@@ -20,6 +22,8 @@ use crate::plan::{AirPlacement, Plan, Precision, Stage};
 pub enum AirEngine {
     /// CPU, single precision.
     CpuF32(Box<Fluid<f32>>),
+    /// CPU, arithmetic in single precision, populations in 16 bits.
+    CpuF16(Box<Fluid<f16>>),
     /// CPU, double precision.
     CpuF64(Box<Fluid<f64>>),
     /// Device, arithmetic in single precision.
@@ -30,6 +34,7 @@ macro_rules! each_engine {
     ($self:expr, $cpu:ident => $on_cpu:expr, $gpu:ident => $on_gpu:expr) => {
         match $self {
             AirEngine::CpuF32($cpu) => $on_cpu,
+            AirEngine::CpuF16($cpu) => $on_cpu,
             AirEngine::CpuF64($cpu) => $on_cpu,
             AirEngine::Gpu($gpu) => $on_gpu,
         }
@@ -72,6 +77,9 @@ impl AirEngine {
     ) -> Result<Self, DeviceError> {
         Ok(match placement {
             AirPlacement::Cpu(Precision::F32) => Self::CpuF32(Box::new(Fluid::new(setup, initial))),
+            AirPlacement::Cpu(Precision::F16Storage) => {
+                Self::CpuF16(Box::new(Fluid::new(setup, initial)))
+            }
             AirPlacement::Cpu(Precision::F64) => Self::CpuF64(Box::new(Fluid::new(setup, initial))),
             AirPlacement::Gpu(storage) => {
                 let device = needed(device)?;
@@ -258,7 +266,7 @@ impl Balance {
     /// Balance of a box in the air of `engine`.
     pub fn new(engine: &AirEngine, volume: ControlVolume) -> Result<Self, DeviceError> {
         let watch = match engine {
-            AirEngine::CpuF32(_) | AirEngine::CpuF64(_) => None,
+            AirEngine::CpuF32(_) | AirEngine::CpuF16(_) | AirEngine::CpuF64(_) => None,
             AirEngine::Gpu(fluid) => Some(fluid.watch_volume(&volume)?),
         };
         Ok(Self {
@@ -279,6 +287,7 @@ impl Balance {
         let volume = &self.volume;
         let out = match (engine, &mut self.watch) {
             (AirEngine::CpuF32(fluid), _) => fluid.outflow(volume),
+            (AirEngine::CpuF16(fluid), _) => fluid.outflow(volume),
             (AirEngine::CpuF64(fluid), _) => fluid.outflow(volume),
             (AirEngine::Gpu(fluid), Some(watch)) => return fluid.add_outflow(watch),
             (AirEngine::Gpu(_), None) => return Err(apart()),

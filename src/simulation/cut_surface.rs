@@ -254,6 +254,7 @@ impl CutSurface {
         let mut returns = std::mem::take(&mut self.returns);
         match air {
             AirEngine::CpuF32(fluid) => fluid.read_links(self.links.links(), &mut returns),
+            AirEngine::CpuF16(fluid) => fluid.read_links(self.links.links(), &mut returns),
             AirEngine::CpuF64(fluid) => fluid.read_links(self.links.links(), &mut returns),
             AirEngine::Gpu(fluid) => {
                 fluid.read_links(&self.links, self.changed().1, &mut returns)?;
@@ -293,6 +294,10 @@ impl CutSurface {
         let (cells, count, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
         let read = match air {
             AirEngine::CpuF32(fluid) => {
+                fluid.read_images(&cells[..count], leaving);
+                Ok(())
+            }
+            AirEngine::CpuF16(fluid) => {
                 fluid.read_images(&cells[..count], leaving);
                 Ok(())
             }
@@ -388,6 +393,7 @@ impl CutSurface {
         let (back, rest) = (&self.back, &self.rest);
         match air {
             AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed.1),
+            AirEngine::CpuF16(fluid) => fluid.bounce(links, back, rest, changed.1),
             AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed.1),
             AirEngine::Gpu(fluid) => fluid.bounce(&self.links, back, rest, changed)?,
         }

@@ -31,6 +31,7 @@ pub struct Levels {
 /// What ties a box to the lattice around it, on the engine of both.
 #[derive(Debug)]
 enum Tie {
+    /// Of populations in 16 bits, too: arithmetic is in single precision.
     CpuF32(transfer::Tie<f32>),
     CpuF64(transfer::Tie<f64>),
     Gpu(Box<on_device::Tie>),
@@ -40,6 +41,9 @@ impl Tie {
     fn new(nest: Nest, coarse: &AirEngine, fine: &AirEngine) -> Result<Self, DeviceError> {
         match (coarse, fine) {
             (AirEngine::CpuF32(coarse), AirEngine::CpuF32(_)) => {
+                Ok(Self::CpuF32(transfer::Tie::new(nest, coarse)))
+            }
+            (AirEngine::CpuF16(coarse), AirEngine::CpuF16(_)) => {
                 Ok(Self::CpuF32(transfer::Tie::new(nest, coarse)))
             }
             (AirEngine::CpuF64(coarse), AirEngine::CpuF64(_)) => {
@@ -68,6 +72,10 @@ impl Tie {
     ) -> Result<(), DeviceError> {
         match (self, coarse, fine) {
             (Self::CpuF32(tie), AirEngine::CpuF32(coarse), AirEngine::CpuF32(fine)) => {
+                tie.exchange(coarse, fine);
+                Ok(())
+            }
+            (Self::CpuF32(tie), AirEngine::CpuF16(coarse), AirEngine::CpuF16(fine)) => {
                 tie.exchange(coarse, fine);
                 Ok(())
             }

@@ -62,6 +62,11 @@ impl MarkerEngine {
                 over_relaxation,
                 domain(fluid.setup(), folds, kept),
             ))),
+            AirEngine::CpuF16(fluid) => Self::Cpu(Box::new(Immersed::new(
+                areas,
+                over_relaxation,
+                domain(fluid.setup(), folds, kept),
+            ))),
             AirEngine::CpuF64(fluid) => Self::Cpu(Box::new(Immersed::new(
                 areas,
                 over_relaxation,
@@ -121,6 +126,9 @@ impl MarkerEngine {
     ) -> Result<Result<(), OutOfDomain>, DeviceError> {
         match (self, air) {
             (Self::Cpu(markers), AirEngine::CpuF32(fluid)) => {
+                Ok(markers.interpolate(fluid, positions))
+            }
+            (Self::Cpu(markers), AirEngine::CpuF16(fluid)) => {
                 Ok(markers.interpolate(fluid, positions))
             }
             (Self::Cpu(markers), AirEngine::CpuF64(fluid)) => {

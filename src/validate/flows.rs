@@ -36,7 +36,7 @@ pub(super) fn states(air: &AirEngine) -> Result<Vec<(f64, [f64; 3])>, DeviceErro
     let cells = (0..nx * ny * nz).map(|i| [i % nx, i / nx % ny, i / nx / ny]);
     Ok(match air {
         AirEngine::CpuF64(fluid) => cells.map(|cell| fluid.bare_state(cell)).collect(),
-        AirEngine::CpuF32(_) | AirEngine::Gpu(_) => air
+        AirEngine::CpuF32(_) | AirEngine::CpuF16(_) | AirEngine::Gpu(_) => air
             .macroscopic()?
             .into_iter()
             .map(|(excess, u)| (f64::from(excess), u.map(f64::from)))

@@ -8,7 +8,7 @@ use super::flows::slope;
 use super::report::{Gate, Report, Row};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::grid::{Initial, Setup};
-use crate::plan::{AirPlacement, Storage};
+use crate::plan::AirPlacement;
 use crate::run::Observer;
 use crate::simulation::{AirEngine, MarkerEngine};
 
@@ -171,7 +171,7 @@ impl Session<'_> {
         let seconds = now.duration_since(self.began).as_secs_f64();
         self.began = now;
         let mut row = Row::new(self.problem, quantity.into(), value, cells, seconds);
-        row.is_judged = self.order.placement != AirPlacement::Gpu(Storage::F16);
+        row.is_judged = !self.order.placement.is_in_sixteen_bits();
         self.report.add(row)
     }
 

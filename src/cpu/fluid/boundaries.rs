@@ -26,6 +26,7 @@ use rayon::prelude::*;
 
 use super::Fluid;
 use super::sides::FAMILIES;
+use super::stored::Stored;
 use crate::lattice::faces::{
     INLET_IMPEDANCE, INLET_MEANS, InletAnswer, SIDE_FLOW, inlet_tangential, present_share,
 };
@@ -37,12 +38,12 @@ use crate::lattice::{
     DIRECTION_COUNT, DIRECTIONS, DOWNSTREAM, Operator, Real, SOUND_SPEED_SQUARED, WEIGHTS, opposite,
 };
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     pub(super) fn apply_boundaries(&mut self) {
         let runs = &self.sides.runs[usize::from(self.odd)];
         let mut arrays = self.populations.arrays_mut();
         let families = FAMILIES.map(|family| {
-            let mut members: [&mut [T]; DIRECTION_COUNT] =
+            let mut members: [&mut [P]; DIRECTION_COUNT] =
                 std::array::from_fn(|_| Default::default());
             for &array in family {
                 members[array] = std::mem::take(&mut arrays[array]);
@@ -66,7 +67,7 @@ impl<T: Real> Fluid<T> {
                     if run.added != 0.0 {
                         let added = T::of(run.added);
                         for population in &mut arrays[pair[0]][to..to + length] {
-                            *population += added;
+                            *population = P::packed(population.unpacked() + added);
                         }
                     }
                 }
@@ -87,7 +88,7 @@ impl<T: Real> RowEnds<'_, T> {
     }
 }
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Takes away what sound takes out through the sides, after the copies.
     pub(super) fn absorb_at_sides(&mut self) {
         let (cells, share) = (self.setup.cells, T::of(present_share(self.setup.cells)));
@@ -107,8 +108,8 @@ impl<T: Real> Fluid<T> {
 }
 
 /// The work on one side: rows of `nx` cells, `stride` elements apart, with the slots of the five populations that enter the first cell.
-fn absorb<T: Real>(
-    mut arrays: [&mut [T]; DIRECTION_COUNT],
+fn absorb<T: Real, P: Stored<Real = T>>(
+    mut arrays: [&mut [P]; DIRECTION_COUNT],
     slots: &[(usize, usize); 5],
     stride: usize,
     means: &mut [f32],
@@ -127,25 +128,32 @@ fn absorb<T: Real>(
         .zip(c.par_chunks_mut(stride))
         .zip(d.par_chunks_mut(stride))
         .with_min_len(ROWS_PER_TASK)
-        .for_each(|(((((means, axis), a), b), c), d)| {
-            let rows = [
-                &mut axis[..nx],
-                &mut a[..nx],
-                &mut b[..nx],
-                &mut c[..nx],
-                &mut d[..nx],
-            ];
-            for x in 0..nx {
-                let mean = T::of(f64::from(means[x]));
-                let met = (rows[0][x] + rows[1][x]) + (rows[2][x] + rows[3][x]) + rows[4][x];
-                let over_mean = met - mean;
-                means[x] = (mean + share * over_mean).to_f64() as f32;
-                let taken = flow * over_mean / (sixth + met);
-                for k in 0..5 {
-                    rows[k][x] = rows[k][x] - taken * (rows[k][x] + weights[k]);
-                }
-            }
-        });
+        .for_each_init(
+            || P::room_to_change(5),
+            |room, (((((means, axis), a), b), c), d)| {
+                let mut rows = [
+                    &mut axis[..nx],
+                    &mut a[..nx],
+                    &mut b[..nx],
+                    &mut c[..nx],
+                    &mut d[..nx],
+                ];
+                P::change(&mut rows, 0..nx, room, |rows, cells, first| {
+                    let means = &mut means[first..][..cells.len()];
+                    for (x, mean) in cells.zip(means) {
+                        let past = T::of(f64::from(*mean));
+                        let met =
+                            (rows[0][x] + rows[1][x]) + (rows[2][x] + rows[3][x]) + rows[4][x];
+                        let over_mean = met - past;
+                        *mean = (past + share * over_mean).to_f64() as f32;
+                        let taken = flow * over_mean / (sixth + met);
+                        for k in 0..5 {
+                            rows[k][x] = rows[k][x] - taken * (rows[k][x] + weights[k]);
+                        }
+                    }
+                });
+            },
+        );
 }
 
 /// Rows of a side that one task works on at least: shorter ones cost more to hand out than to do.
@@ -242,8 +250,8 @@ pub(super) enum RowEnds<'a, T> {
 /// direction read in this step, and the row's cells are the elements `start..start + nx`. Ghost cells stream like any cell: f_i goes
 /// to the slot shifted by c_i, here seen from cell −1, and f_{i+1} to the local one.
 #[inline(always)]
-pub(super) fn fill_row_ends<T: Real>(
-    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+pub(super) fn fill_row_ends<T: Real, P: Stored<Real = T>>(
+    arrays: &mut [&mut [P]; DIRECTION_COUNT],
     start: usize,
     nx: usize,
     ends: &RowEnds<'_, T>,
@@ -267,7 +275,7 @@ pub(super) fn fill_row_ends<T: Real>(
     let state = |x: usize| {
         let mut f = [T::default(); DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            f[direction] = arrays[opposite(direction)][start + x];
+            f[direction] = arrays[opposite(direction)][start + x].unpacked();
         }
         bare_moments(&f)
     };
@@ -275,23 +283,23 @@ pub(super) fn fill_row_ends<T: Real>(
     let (excess, momentum) = state(nx - 1);
     let inverse_density = T::of(1.0) / (T::of(1.0) + excess);
     let [u, v, w] = momentum.map(|j| j * inverse_density);
-    let late = -(T::of(OUTLET_DELAY) * (excess - arrays[0][start + nx]));
-    arrays[0][start + nx] = excess;
+    let late = -(T::of(OUTLET_DELAY) * (excess - arrays[0][start + nx].unpacked()));
+    arrays[0][start + nx] = P::packed(excess);
     let outlet_excess = T::of(1.0 - OUTLET_RELAXATION / nx as f64) * (excess + late);
     let outlet_velocity = [
         u + T::of(OUTLET_COSINE * SOUND_SPEED_SQUARED.sqrt()) * late,
         v,
         w,
     ];
-    let leaving = DOWNSTREAM.map(|direction| arrays[direction][start]);
+    let leaving = DOWNSTREAM.map(|direction| arrays[direction][start].unpacked());
     let (inlet_excess, inlet_velocity) = inlet.ghost(leaving, first_momentum, inlet_means);
     for direction in DOWNSTREAM {
         let [_, y, z] = DIRECTIONS[direction].map(|c| T::of(f64::from(c)));
         let sheared = T::of(WEIGHTS[direction]) * (y * inlet.shear[0] + z * inlet.shear[1]);
-        arrays[direction + 1][start - 1] =
-            shifted_equilibrium(direction, inlet_excess, &inlet_velocity) + sheared;
-        arrays[direction][start + nx] =
-            shifted_equilibrium(direction + 1, outlet_excess, &outlet_velocity);
+        let entering = shifted_equilibrium(direction, inlet_excess, &inlet_velocity) + sheared;
+        arrays[direction + 1][start - 1] = P::packed(entering);
+        let entering = shifted_equilibrium(direction + 1, outlet_excess, &outlet_velocity);
+        arrays[direction][start + nx] = P::packed(entering);
     }
 }
 

@@ -11,11 +11,11 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::Fluid;
 use super::boundaries::{Inlet, RowEnds, fill_row_ends};
 use super::exchanged_ends::EndsOfSlab;
 use super::prefetch::prefetch;
 use super::slabs::{self, Arrays};
+use super::{Fluid, Stored};
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::faces::INLET_MEANS;
 use crate::lattice::grid::{Grid, InletProfile, LINE_BYTES, StreamwiseEnds};
@@ -61,18 +61,18 @@ struct Common<'a, T> {
 }
 
 /// The sweep of a step, for whichever operator.
-struct Sweep<'a, 'f, T: Real> {
-    fluid: &'a mut Fluid<T>,
+struct Sweep<'a, 'f, P: Stored> {
+    fluid: &'a mut Fluid<P>,
     body_force: &'a BodyForce<'f>,
 }
 
-impl<T: Real> PerOperator for Sweep<'_, '_, T> {
+impl<P: Stored> PerOperator for Sweep<'_, '_, P> {
     fn run<C: Collision>(self) {
         self.fluid.sweep::<C>(self.body_force);
     }
 }
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Advances the air by one step under `body_force`, then fills in what enters through the faces, so that all moments are whole. Begins
     /// with the stage `eddy_viscosity` where it is due and the caller has left it out.
     pub fn collide_stream(&mut self, body_force: &BodyForce) {
@@ -107,7 +107,7 @@ impl<T: Real> Fluid<T> {
         let instructions = self.instructions;
         let smagorinsky = self.smagorinsky_constant().unwrap_or(0.0);
         let relaxation_time = T::of(self.setup.relaxation_time);
-        let block = LINE_BYTES / size_of::<T>();
+        let block = LINE_BYTES / size_of::<P>();
         let common = Common {
             relaxation_time,
             relaxation_times: &self.relaxation_times,
@@ -137,7 +137,7 @@ impl<T: Real> Fluid<T> {
         let (inlet_means, _) = self.face_means.inlet.as_chunks_mut();
         let mut inlet_means = inlet_means.chunks_mut(rows);
         let mut ends = (self.exchanged_ends.as_mut()).map(|ends| ends.of_slabs(grid, planes, odd));
-        let slabs: Vec<Slab<T>> =
+        let slabs: Vec<Slab<P>> =
             slabs::split(self.populations.arrays_mut(), &grid, odd, counts.clone())
                 .into_iter()
                 .zip(counts)
@@ -151,7 +151,7 @@ impl<T: Real> Fluid<T> {
                 })
                 .collect();
         slabs.into_par_iter().for_each(|slab| {
-            instructions.dispatch(SweepSlab::<T, C> {
+            instructions.dispatch(SweepSlab::<P, C> {
                 grid: &grid,
                 slab,
                 body_force,
@@ -165,36 +165,36 @@ impl<T: Real> Fluid<T> {
 }
 
 /// A run of planes with, per direction, the part of its array that these planes touch.
-struct Slab<'a, T> {
+struct Slab<'a, P: Stored> {
     first_plane: usize,
     planes: usize,
-    arrays: Arrays<'a, T>,
+    arrays: Arrays<'a, P>,
     /// Running means at the inlet, row by row; empty without one.
     inlet_means: &'a mut [[f32; INLET_MEANS]],
     /// What it does for an exchange at the ends of rows.
-    ends: Option<EndsOfSlab<'a, T>>,
+    ends: Option<EndsOfSlab<'a, P>>,
 }
 
 /// The work on one slab, compiled once per instruction set.
-struct SweepSlab<'a, T, C> {
+struct SweepSlab<'a, P: Stored, C> {
     grid: &'a Grid,
-    slab: Slab<'a, T>,
+    slab: Slab<'a, P>,
     body_force: &'a BodyForce<'a>,
     /// Of the wind, and of the acceleration.
     profile: Option<&'a InletProfile>,
     /// What is left out, in whole blocks.
     idle: Option<IdleCells>,
-    common: &'a Common<'a, T>,
+    common: &'a Common<'a, P::Real>,
     operator: PhantomData<C>,
 }
 
-impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
+impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for SweepSlab<'_, P, C> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let grid = self.grid;
-        let block = LINE_BYTES / size_of::<T>();
+        let block = LINE_BYTES / size_of::<P>();
         let [nx, ny, _] = grid.cells;
         let first_row = (self.slab.first_plane * ny) as u32;
         let forced = self.body_force.cells;
@@ -205,6 +205,7 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
         let profile = self.profile.filter(|_| acceleration.is_some());
         let length = self.common.relaxation_times.len();
         let mut force = resting.map(|component| vec![component; length]);
+        let mut room = P::room_to_change(DIRECTION_COUNT);
         // Relaxation time of every cell of a row, where they all differ.
         let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| length)];
         for plane in 0..self.slab.planes {
@@ -258,9 +259,10 @@ impl<T: Real, C: Collision> WithSimd for SweepSlab<'_, T, C> {
                         ends.put_in_place_before(&mut self.slab.arrays, row, number);
                     }
                     for part in around(part, &idle) {
-                        collide_part::<S, T, C>(
+                        collide_part::<S, P, C>(
                             simd,
                             &mut self.slab.arrays,
+                            &mut room,
                             start..start + nx,
                             part,
                             &common,
@@ -322,17 +324,18 @@ fn around(part: Range<usize>, idle: &Range<usize>) -> [Range<usize>; 2] {
     clippy::too_many_arguments,
     reason = "a struct of them would be made for every row"
 )]
-fn collide_part<S: Simd, T: Real, C: Collision>(
+fn collide_part<S: Simd, P: Stored, C: Collision>(
     simd: S,
-    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+    arrays: &mut Arrays<'_, P>,
+    room: &mut [P::Real],
     row: Range<usize>,
     part: Range<usize>,
-    common: &Common<T>,
-    force: &[Vec<T>; 3],
+    common: &Common<P::Real>,
+    force: &[Vec<P::Real>; 3],
     touched: &[u32],
     accelerated: bool,
 ) {
-    let block = LINE_BYTES / size_of::<T>();
+    let block = LINE_BYTES / size_of::<P>();
     let mut touched = touched
         .iter()
         .map(|&x| x as usize / block * block)
@@ -365,87 +368,126 @@ fn collide_part<S: Simd, T: Real, C: Collision>(
         let cells = row.start + x..row.start + end;
         let tau = &common.relaxation_times[x..];
         let body = [&force[0][x..], &force[1][x..], &force[2][x..]];
-        match (forced, x >= common.own_from) {
-            (false, false) => {
-                collide_run::<S, T, C, false, false>(simd, arrays, cells, common, tau, body);
+        P::change(arrays, cells, room, |arrays, cells, first| {
+            let run = Run {
+                arrays,
+                cells,
+                relaxation_time: common.relaxation_time,
+                eddy_factor: common.eddy_factor,
+                relaxation_times: &tau[first..],
+                force: body.map(|force| &force[first..]),
+            };
+            match (forced, x >= common.own_from) {
+                (false, false) => run.collide::<S, C, false, false>(simd),
+                (false, true) => run.collide::<S, C, false, true>(simd),
+                (true, _) => run.collide::<S, C, true, true>(simd),
             }
-            (false, true) => {
-                collide_run::<S, T, C, false, true>(simd, arrays, cells, common, tau, body);
-            }
-            (true, _) => collide_run::<S, T, C, true, true>(simd, arrays, cells, common, tau, body),
-        }
+        });
         x = end;
     }
 }
 
-/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `OWN_TIMES`, `force` only where `FORCED`; both begin at the first cell
-/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end, as it is compiled for each operator, precision and set of
-/// instructions.
-#[inline(always)]
-fn collide_run<S: Simd, T: Real, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(
-    simd: S,
-    arrays: &mut [&mut [T]; DIRECTION_COUNT],
+/// Neighbouring cells, from a whole vector on.
+struct Run<'a, 'b, T> {
+    arrays: &'a mut Arrays<'b, T>,
     cells: Range<usize>,
-    common: &Common<T>,
-    tau: &[T],
-    force: [&[T]; 3],
-) {
-    let zero = Lanes::splat(simd, T::default());
-    let mut local = Local {
-        relaxation_time: Lanes::splat(simd, common.relaxation_time),
-        force: [zero; 3],
-        eddy_factor: Lanes::splat(simd, common.eddy_factor),
-    };
-    let lanes = T::lanes::<S>();
-    let (whole, count) = (cells.len() / lanes, cells.len().div_ceil(lanes));
-    let first = cells.start / lanes;
-    // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
-    let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
-        std::array::from_fn(|_| Default::default());
-    for (direction, array) in arrays.iter_mut().enumerate() {
-        vectors[direction] = &mut T::vectors_mut::<S>(array).0[..first + count];
+    relaxation_time: T,
+    eddy_factor: T,
+    /// From the first cell to the end of a block; read only where they are the cells' own.
+    relaxation_times: &'a [T],
+    /// The same, read only where cells are forced.
+    force: [&'a [T]; 3],
+}
+
+impl<T: Real> Run<'_, '_, T> {
+    #[inline(always)]
+    fn collide<S: Simd, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(self, simd: S) {
+        simd.vectorize(Collide::<T, C, FORCED, OWN_TIMES> {
+            run: self,
+            operator: PhantomData,
+        });
     }
-    let tau_vectors = &T::vectors::<S>(tau).0[..if OWN_TIMES { count } else { 0 }];
-    let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
-    for a in 0..3 {
-        force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { count } else { 0 }];
-    }
-    // What is written of it are the cells of the run alone; behind them lie ghost cells.
-    let mut last = [zero; DIRECTION_COUNT];
-    for i in 0..count {
-        // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
-        // (a fifth slower).
-        let place = std::hint::black_box(first + i);
-        let mut f = [zero; DIRECTION_COUNT];
-        for direction in 0..DIRECTION_COUNT {
-            let vector = &vectors[direction][place];
-            prefetch(vector);
-            f[direction] = Lanes::new(simd, *vector);
+}
+
+/// Collides a run. The operator stands here once, for whole vectors and for what is left at the end: it is compiled for each operator, precision and set
+/// of instructions, and populations in 16 bits share what is compiled for single precision.
+struct Collide<'a, 'b, T, C, const FORCED: bool, const OWN_TIMES: bool> {
+    run: Run<'a, 'b, T>,
+    operator: PhantomData<C>,
+}
+
+impl<T: Real, C: Collision, const FORCED: bool, const OWN_TIMES: bool> WithSimd
+    for Collide<'_, '_, T, C, FORCED, OWN_TIMES>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Run {
+            arrays,
+            cells,
+            relaxation_time,
+            eddy_factor,
+            relaxation_times,
+            force,
+        } = self.run;
+        let zero = Lanes::splat(simd, T::default());
+        let mut local = Local {
+            relaxation_time: Lanes::splat(simd, relaxation_time),
+            force: [zero; 3],
+            eddy_factor: Lanes::splat(simd, eddy_factor),
+        };
+        let lanes = T::lanes::<S>();
+        let (whole, count) = (cells.len() / lanes, cells.len().div_ceil(lanes));
+        let first = cells.start / lanes;
+        // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
+        let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
+            std::array::from_fn(|_| Default::default());
+        for (direction, array) in arrays.iter_mut().enumerate() {
+            vectors[direction] = &mut T::vectors_mut::<S>(array).0[..first + count];
         }
-        if OWN_TIMES {
-            local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
+        let tau_vectors = &T::vectors::<S>(relaxation_times).0[..if OWN_TIMES { count } else { 0 }];
+        let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
+        for a in 0..3 {
+            force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { count } else { 0 }];
         }
-        if FORCED {
-            for a in 0..3 {
-                local.force[a] = Lanes::new(simd, force_vectors[a][i]);
+        // What is written of it are the cells of the run alone; behind them lie ghost cells.
+        let mut last = [zero; DIRECTION_COUNT];
+        for i in 0..count {
+            // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
+            // (a fifth slower).
+            let place = std::hint::black_box(first + i);
+            let mut f = [zero; DIRECTION_COUNT];
+            for direction in 0..DIRECTION_COUNT {
+                let vector = &vectors[direction][place];
+                prefetch(vector);
+                f[direction] = Lanes::new(simd, *vector);
+            }
+            if OWN_TIMES {
+                local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
+            }
+            if FORCED {
+                for a in 0..3 {
+                    local.force[a] = Lanes::new(simd, force_vectors[a][i]);
+                }
+            }
+            let out = C::collide::<_, FORCED>(&f, &local);
+            if i == whole {
+                last = out;
+                break;
+            }
+            for direction in 0..DIRECTION_COUNT {
+                vectors[opposite(direction)][place] = out[direction].vector;
             }
         }
-        let out = C::collide::<_, FORCED>(&f, &local);
-        if i == whole {
-            last = out;
-            break;
+        if whole == count {
+            return;
         }
+        let part = cells.start + whole * lanes..cells.end;
         for direction in 0..DIRECTION_COUNT {
-            vectors[opposite(direction)][place] = out[direction].vector;
+            let into = &mut arrays[opposite(direction)][part.clone()];
+            T::store_part(simd, into, last[direction].vector);
         }
-    }
-    if whole == count {
-        return;
-    }
-    let part = cells.start + whole * lanes..cells.end;
-    for direction in 0..DIRECTION_COUNT {
-        let into = &mut arrays[opposite(direction)][part.clone()];
-        T::store_part(simd, into, last[direction].vector);
     }
 }
 

@@ -1,4 +1,4 @@
-use super::super::Fluid;
+use super::super::{Fluid, Stored};
 use super::{BodyForce, ForcedCells};
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{Setup, Sides, StreamwiseEnds};
@@ -51,12 +51,12 @@ fn setup(operator: Operator, eddy: Option<EddyViscosity>, tunnel: bool) -> Setup
 }
 
 /// Populations of all cells after some steps with force on a few.
-fn populations<T: Real>(
+fn populations<P: Stored>(
     setup: &Setup,
     instructions: pulp::Arch,
     acceleration: Option<[f64; 3]>,
-) -> Vec<Vec<T>> {
-    let mut air = Fluid::<T>::new(
+) -> Vec<Vec<P>> {
+    let mut air = Fluid::<P>::new(
         setup.clone(),
         Some(&|[x, y, z]: [usize; 3]| {
             let wave = |a: usize, b: usize| 0.03 * ((3 * a + 5 * b + 1) as f64).sin();
@@ -90,34 +90,38 @@ fn populations<T: Real>(
 
 /// All vectors give the same bits; scalars, which round products by themselves, differ by rounding: `tolerance`, in populations of up to
 /// 0.03, after 21 steps.
-fn same_under_all_instruction_sets<T: Real>(tolerance: f64) {
+fn same_under_all_instruction_sets<P: Stored>(tolerance: f64) {
     for operator in Operator::ALL {
         for eddy in eddy_viscosities() {
             for tunnel in [false, true] {
                 for acceleration in [None, Some([1e-4, 0.0, -2e-4])] {
                     let setup = setup(operator, eddy, tunnel);
-                    let scalar = populations::<T>(&setup, pulp::Arch::Scalar, acceleration);
-                    assert!(scalar.iter().flatten().any(|f| f.to_f64() != 0.0));
-                    let mut first: Option<Vec<Vec<T>>> = None;
+                    let scalar = populations::<P>(&setup, pulp::Arch::Scalar, acceleration);
+                    assert!(
+                        scalar
+                            .iter()
+                            .flatten()
+                            .any(|f| f.unpacked().to_f64() != 0.0)
+                    );
+                    let mut first: Option<Vec<Vec<P>>> = None;
                     for set in fused_sets() {
                         let what = format!("{set:?} {operator:?} {eddy:?} {tunnel}");
-                        let vector = populations::<T>(&setup, set, acceleration);
+                        let vector = populations::<P>(&setup, set, acceleration);
                         let pairs = scalar.iter().flatten().zip(vector.iter().flatten());
-                        let difference = pairs.map(|(a, b)| (a.to_f64() - b.to_f64()).abs()).fold(
-                            0.0,
-                            |largest: f64, d| {
+                        let difference = pairs
+                            .map(|(a, b)| (a.unpacked().to_f64() - b.unpacked().to_f64()).abs())
+                            .fold(0.0, |largest: f64, d| {
                                 if d > largest || d.is_nan() {
                                     d
                                 } else {
                                     largest
                                 }
-                            },
-                        );
+                            });
                         assert!(difference < tolerance, "{what}: {difference:e}");
                         if let Some(first) = &first {
                             for (array, (one, other)) in first.iter().zip(&vector).enumerate() {
-                                let same = bytemuck::cast_slice::<T, u8>(one)
-                                    == bytemuck::cast_slice::<T, u8>(other);
+                                let same = bytemuck::cast_slice::<P, u8>(one)
+                                    == bytemuck::cast_slice::<P, u8>(other);
                                 assert!(same, "{what}: array {array}");
                             }
                         }
@@ -133,16 +137,18 @@ fn same_under_all_instruction_sets<T: Real>(tolerance: f64) {
 fn same_populations_under_all_instruction_sets() {
     same_under_all_instruction_sets::<f32>(1e-7);
     same_under_all_instruction_sets::<f64>(2e-16);
+    // Two neighbours among the numbers of 16 bits, now and then.
+    same_under_all_instruction_sets::<half::f16>(6e-5);
 }
 
 /// Leaving out the force terms where no force acts is exact.
 #[test]
 fn a_force_of_zero_changes_nothing() {
-    fn check<T: Real>() {
+    fn check<P: Stored>() {
         for operator in Operator::ALL {
             let setup = setup(operator, Some(EddyViscosity::wale(0.5)), true);
-            let without = populations::<T>(&setup, pulp::Arch::new(), None);
-            let with = populations::<T>(&setup, pulp::Arch::new(), Some([0.0; 3]));
+            let without = populations::<P>(&setup, pulp::Arch::new(), None);
+            let with = populations::<P>(&setup, pulp::Arch::new(), Some([0.0; 3]));
             for (a, b) in without.iter().flatten().zip(with.iter().flatten()) {
                 assert!(a == b, "{operator:?}: {a:?} {b:?}");
             }
@@ -150,4 +156,5 @@ fn a_force_of_zero_changes_nothing() {
     }
     check::<f32>();
     check::<f64>();
+    check::<half::f16>();
 }

@@ -5,11 +5,11 @@
 
 use rayon::prelude::*;
 
-use super::Fluid;
+use super::{Fluid, Stored};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::{DIRECTIONS, Real};
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Mass and momentum that left the box minus what entered it in the step just done.
     #[must_use]
     pub fn outflow(&self, volume: &ControlVolume) -> MassMomentum {
@@ -18,7 +18,7 @@ impl<T: Real> Fluid<T> {
             .map(|crossing| {
                 let sum = |array: usize, elements: &[u32]| {
                     let data = &self.populations[array];
-                    let read = |element: &u32| data[*element as usize].to_f64();
+                    let read = |element: &u32| data[*element as usize].unpacked().to_f64();
                     // Side by side, so that no sum waits for the one before.
                     let mut sums = [0.0; 8];
                     let parts = elements.chunks_exact(sums.len());

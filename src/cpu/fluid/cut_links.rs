@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::Fluid;
+use super::{Fluid, Stored};
 use crate::cut_links::places::{Place, Places};
 use crate::cut_links::{ChangedByPair, CutLink, Leaving, Return, SIDES};
 use crate::lattice::{DIRECTION_COUNT, Real};
@@ -13,12 +13,12 @@ use crate::lattice::{DIRECTION_COUNT, Real};
 /// Links that one task reads.
 const LINKS_AT_ONCE: usize = 512;
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
     pub fn read_links(&self, links: &[CutLink], returns: &mut Vec<[Return; 2]>) {
         let places = Places::new(self.grid, &self.setup, self.odd);
         let arrays = self.arrays();
-        let read = |(array, element): Place| arrays[array][element].to_f64();
+        let read = |(array, element): Place| arrays[array][element].unpacked().to_f64();
         returns.resize(links.len(), [Return::default(); 2]);
         returns
             .par_iter_mut()
@@ -33,7 +33,7 @@ impl<T: Real> Fluid<T> {
             });
     }
 
-    fn arrays(&self) -> [&[T]; DIRECTION_COUNT] {
+    fn arrays(&self) -> [&[P]; DIRECTION_COUNT] {
         std::array::from_fn(|array| &self.populations[array])
     }
 
@@ -54,7 +54,7 @@ impl<T: Real> Fluid<T> {
                     arrived.map_or_else(
                         || {
                             let (array, element) = place(direction);
-                            arrays[array][element].to_f64()
+                            arrays[array][element].unpacked().to_f64()
                         },
                         T::to_f64,
                     )
@@ -77,17 +77,17 @@ impl<T: Real> Fluid<T> {
         }
         let [at_rest, moving @ ..] = self.populations.arrays_mut();
         // The links of a pair of directions write to its two arrays alone.
-        let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [T]], &Vec<u32>))| {
+        let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [P]], &Vec<u32>))| {
             for change in changed.get(1 + pair).into_iter().flatten() {
                 let (array, element) = places.leaving(change.cell)(usize::from(change.direction));
                 let population = &mut arrays[array - 1 - 2 * pair][element];
-                *population = T::of(population.to_f64() + change.change);
+                *population = P::packed(T::of(population.unpacked().to_f64() + change.change));
             }
             for number in of_pair {
                 let number = *number as usize;
                 for side in SIDES {
                     let (array, element) = places.back(&links[number], side);
-                    arrays[array - 1 - 2 * pair][element] = T::of(back[number][side]);
+                    arrays[array - 1 - 2 * pair][element] = P::packed(T::of(back[number][side]));
                 }
             }
         };
@@ -96,12 +96,12 @@ impl<T: Real> Fluid<T> {
             || {
                 for change in &changed[0] {
                     let at_rest = &mut at_rest[self.grid.index(change.cell.map(i64::from))];
-                    *at_rest = T::of(at_rest.to_f64() + change.change);
+                    *at_rest = P::packed(T::of(at_rest.unpacked().to_f64() + change.change));
                 }
                 for (link, rest) in links.iter().zip(rest) {
                     for side in SIDES {
                         let at_rest = &mut at_rest[places.rest(link, side)];
-                        *at_rest = T::of(at_rest.to_f64() + rest[side]);
+                        *at_rest = P::packed(T::of(at_rest.unpacked().to_f64() + rest[side]));
                     }
                 }
             },

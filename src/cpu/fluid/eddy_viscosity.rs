@@ -9,7 +9,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::Fluid;
+use super::{Fluid, Stored};
 use crate::lattice::eddy_viscosity::{GradientModel, vreman, wale};
 use crate::lattice::grid::{Beyond, beyond};
 use crate::lattice::operators::{Populations, bare_moments, scale};
@@ -18,7 +18,7 @@ use crate::lattice::{DIRECTION_COUNT, Lanes, Number, Real};
 /// Most planes that a thread takes at once; every slab reads two planes more.
 const SLAB_PLANES: usize = 32;
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Stage `eddy_viscosity` before the step to come; does nothing where no model needs it, where it is not due, or done.
     pub fn eddy_viscosity(&mut self) {
         let Some(held) = &self.held_eddy_viscosity else {
@@ -47,6 +47,7 @@ impl<T: Real> Fluid<T> {
                     factor,
                     first_plane: slab * planes,
                     relaxation_times,
+                    room: P::room(DIRECTION_COUNT * nx),
                 });
             });
         held.evaluated = Some(self.steps);
@@ -67,15 +68,24 @@ impl<T: Real> Fluid<T> {
 
     /// Velocity of the cells of a row, component by component.
     #[inline(always)]
-    fn row_velocity<S: Simd>(&self, simd: S, y: usize, z: usize, out: [&mut [T]; 3]) {
+    fn row_velocity<S: Simd>(
+        &self,
+        simd: S,
+        y: usize,
+        z: usize,
+        out: [&mut [T]; 3],
+        room: &mut [T],
+    ) {
         let index = self.grid.index([0, y as i64, z as i64]);
         let nx = self.setup.cells[0];
         let mut vectors: [&[T::Vector<S>]; DIRECTION_COUNT] = [&[]; DIRECTION_COUNT];
         let mut parts: [&[T]; DIRECTION_COUNT] = [&[]; DIRECTION_COUNT];
+        let mut rooms = room.chunks_exact_mut(nx);
         for direction in 0..DIRECTION_COUNT {
             let (array, first) = self.grid.slot(index, direction, self.odd);
-            (vectors[direction], parts[direction]) =
-                T::vectors::<S>(&self.populations[array][first..first + nx]);
+            let kept = &self.populations[array][first..first + nx];
+            let values = P::values(kept, rooms.next().unwrap_or_default());
+            (vectors[direction], parts[direction]) = T::vectors::<S>(values);
         }
         let zero = Lanes::<S, T>::splat(simd, T::default());
         let [x, y, z] = out;
@@ -195,21 +205,23 @@ impl<T: Real> Plane<T> {
 }
 
 /// The work on a run of planes, compiled once per instruction set.
-struct EvaluateSlab<'a, T: Real> {
-    fluid: &'a Fluid<T>,
+struct EvaluateSlab<'a, P: Stored> {
+    fluid: &'a Fluid<P>,
     faces: &'a [[Beyond; 2]; 3],
     model: GradientModel,
     factor: f64,
     first_plane: usize,
     /// Of the cells of these planes.
-    relaxation_times: &'a mut [T],
+    relaxation_times: &'a mut [P::Real],
+    /// Of a row's populations.
+    room: Vec<P::Real>,
 }
 
-impl<T: Real> WithSimd for EvaluateSlab<'_, T> {
+impl<T: Real, P: Stored<Real = T>> WithSimd for EvaluateSlab<'_, P> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let [nx, ny, _] = self.fluid.setup.cells;
         let mut planes: [Plane<T>; 3] = std::array::from_fn(|_| Plane::new([nx, ny]));
         let first = self.first_plane as i64;
@@ -227,14 +239,14 @@ impl<T: Real> WithSimd for EvaluateSlab<'_, T> {
     }
 }
 
-impl<T: Real> EvaluateSlab<'_, T> {
+impl<T: Real, P: Stored<Real = T>> EvaluateSlab<'_, P> {
     /// Velocities of the cells of plane z.
     #[inline(always)]
-    fn read_plane<S: Simd>(&self, simd: S, z: usize, plane: &mut Plane<T>) {
+    fn read_plane<S: Simd>(&mut self, simd: S, z: usize, plane: &mut Plane<T>) {
         for y in 0..self.fluid.setup.cells[1] {
             let row = plane.row(y);
             let out = plane.components.each_mut().map(|c| &mut c[row.clone()]);
-            self.fluid.row_velocity(simd, y, z, out);
+            self.fluid.row_velocity(simd, y, z, out, &mut self.room);
             let Some(ends) = &self.fluid.exchanged_ends else {
                 continue;
             };
@@ -253,7 +265,7 @@ impl<T: Real> EvaluateSlab<'_, T> {
 
     /// Velocities of plane z, which may lie one beyond the faces.
     #[inline(always)]
-    fn fill_plane<S: Simd>(&self, simd: S, z: i64, plane: &mut Plane<T>) {
+    fn fill_plane<S: Simd>(&mut self, simd: S, z: i64, plane: &mut Plane<T>) {
         let nz = self.fluid.setup.cells[2];
         let last = nz as i64 - 1;
         let at_face = z.clamp(0, last);

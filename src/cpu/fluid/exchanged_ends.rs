@@ -11,17 +11,18 @@
 use std::ops::Range;
 use std::slice::ChunksMut;
 
+use super::Stored;
 use super::slabs::{self, Arrays};
 use crate::lattice::grid::{Grid, LINE_BYTES};
 use crate::lattice::nest::{BAND, Nest, SHELL};
 use crate::lattice::operators::Populations;
-use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real, opposite};
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, opposite};
 
 /// Cells at each end of a row that arrive, or leave.
 const WIDTH: usize = 2;
 
 /// Populations at both ends of a row: by directions, lower end and upper end, cells.
-pub(super) type EndsOfRow<T> = [[[T; WIDTH]; 2]; DIRECTION_COUNT];
+pub(super) type EndsOfRow<P> = [[[P; WIDTH]; 2]; DIRECTION_COUNT];
 
 /// Rows along x whose y and z lie in ranges.
 #[derive(Debug, Clone)]
@@ -48,15 +49,15 @@ impl Rows {
 
 /// Populations of the cells at both ends of rows, by rows (y fastest).
 #[derive(Debug, Clone)]
-pub(super) struct ExchangedEnds<T> {
+pub(super) struct ExchangedEnds<P> {
     cells: [usize; 3],
     /// Of the shell, as they are about to be collided.
-    arriving: Vec<EndsOfRow<T>>,
+    arriving: Vec<EndsOfRow<P>>,
     arriving_rows: Rows,
     /// They are not in place yet.
     waiting: bool,
     /// What the cells next to the band have sent in its directions: populations of the band are found in the rows that they come from.
-    leaving: Vec<EndsOfRow<T>>,
+    leaving: Vec<EndsOfRow<P>>,
     leaving_rows: Rows,
     /// They belong to the lattice as it stands.
     taken_down: bool,
@@ -79,14 +80,14 @@ impl End {
     }
 }
 
-impl<T: Real> ExchangedEnds<T> {
+impl<P: Stored> ExchangedEnds<P> {
     /// Of a box; `None` where rows go round, and have no ends.
     pub fn new(nest: &Nest) -> Option<Self> {
         if nest.spans[0] {
             return None;
         }
         let cells = nest.fine_cells();
-        let rows = vec![EndsOfRow::<T>::default(); cells[1] * cells[2]];
+        let rows = vec![EndsOfRow::<P>::default(); cells[1] * cells[2]];
         Some(Self {
             cells,
             arriving: rows.clone(),
@@ -99,7 +100,7 @@ impl<T: Real> ExchangedEnds<T> {
     }
 
     /// Takes down what left for the band as the lattice stands, with the populations of its cells, unless a sweep has.
-    pub fn take_down_from(&mut self, populations: impl Fn([usize; 3]) -> Populations<T>) {
+    pub fn take_down_from(&mut self, populations: impl Fn([usize; 3]) -> Populations<P::Real>) {
         if self.taken_down {
             return;
         }
@@ -113,7 +114,7 @@ impl<T: Real> ExchangedEnds<T> {
                 for end in [End::Lower, End::Upper] {
                     let first = self.place(end, 1);
                     self.leaving[row][direction][end as usize] =
-                        [0, 1].map(|i| populations([first + i, y_to, z_to])[direction]);
+                        [0, 1].map(|i| P::packed(populations([first + i, y_to, z_to])[direction]));
                 }
             }
         }
@@ -138,23 +139,23 @@ impl<T: Real> ExchangedEnds<T> {
     /// They are put in place by the next sweep.
     #[inline(always)]
     pub fn arrive(
-        plane: &mut [EndsOfRow<T>],
+        plane: &mut [EndsOfRow<P>],
         end: End,
         y: usize,
         length: usize,
-        populations: [&[T]; 2],
+        populations: [&[P::Real]; 2],
         stride: usize,
     ) {
         for direction in 0..DIRECTION_COUNT {
             let [left, right] = populations.map(|side| &side[direction * stride..][..length]);
             for ((left, right), row) in left.iter().zip(right).zip(&mut plane[y..]) {
-                row[direction][end as usize] = [*left, *right];
+                row[direction][end as usize] = [*left, *right].map(P::packed);
             }
         }
     }
 
     /// What arrives, by planes.
-    pub fn planes_that_arrive(&mut self) -> ChunksMut<'_, EndsOfRow<T>> {
+    pub fn planes_that_arrive(&mut self) -> ChunksMut<'_, EndsOfRow<P>> {
         self.waiting = true;
         self.arriving.chunks_mut(self.cells[1])
     }
@@ -166,7 +167,7 @@ impl<T: Real> ExchangedEnds<T> {
         end: End,
         [y, z]: [i64; 2],
         length: usize,
-        into: &mut [Vec<T>; 2],
+        into: &mut [Vec<P::Real>; 2],
         stride: usize,
     ) {
         let [ny, nz] = [1, 2].map(|a| self.cells[a] as i64);
@@ -178,7 +179,7 @@ impl<T: Real> ExchangedEnds<T> {
             let mut row = (y - i64::from(c[1])).rem_euclid(ny) as usize;
             let plane = &self.leaving[self.row(0, z)..];
             for (left, right) in left.iter_mut().zip(right) {
-                [*left, *right] = plane[row][direction][end as usize];
+                [*left, *right] = plane[row][direction][end as usize].map(P::unpacked);
                 row = if row + 1 == self.cells[1] { 0 } else { row + 1 };
             }
         }
@@ -186,7 +187,7 @@ impl<T: Real> ExchangedEnds<T> {
 
     /// Populations that a cell has as soon as what arrives is in place; `None` where nothing waits.
     #[inline(always)]
-    pub fn waiting_at(&self, [x, y, z]: [usize; 3]) -> Option<Populations<T>> {
+    pub fn waiting_at(&self, [x, y, z]: [usize; 3]) -> Option<Populations<P::Real>> {
         if !self.waiting || !self.arriving_rows.hold(y, z) {
             return None;
         }
@@ -194,7 +195,7 @@ impl<T: Real> ExchangedEnds<T> {
             let place = x.checked_sub(self.place(end, 0))?;
             (place < WIDTH).then(|| {
                 let row = &self.arriving[self.row(y, z)];
-                row.map(|ends| ends[end as usize][place])
+                row.map(|ends| ends[end as usize][place].unpacked())
             })
         })
     }
@@ -208,7 +209,7 @@ impl<T: Real> ExchangedEnds<T> {
 
     /// What has arrived beside a cell in a direction, where it waits.
     #[inline(always)]
-    pub fn waiting_beside(&self, cell: [i32; 3], direction: usize) -> Option<T> {
+    pub fn waiting_beside(&self, cell: [i32; 3], direction: usize) -> Option<P::Real> {
         let c = DIRECTIONS[direction];
         let x = usize::try_from(cell[0] + c[0]).ok()?;
         let [y, z] = [1, 2].map(|a| (cell[a] + c[a]).rem_euclid(self.cells[a] as i32) as usize);
@@ -234,7 +235,7 @@ impl<T: Real> ExchangedEnds<T> {
         grid: Grid,
         planes: usize,
         odd: bool,
-    ) -> impl Iterator<Item = EndsOfSlab<'_, T>> {
+    ) -> impl Iterator<Item = EndsOfSlab<'_, P>> {
         let arriving = (self.waiting).then_some((&self.arriving[..], &self.arriving_rows));
         let [_, ny, nz] = self.cells;
         let leaving_rows = &self.leaving_rows;
@@ -262,23 +263,23 @@ impl<T: Real> ExchangedEnds<T> {
 }
 
 /// What a run of planes of a sweep does at the ends of its rows.
-pub(super) struct EndsOfSlab<'a, T> {
+pub(super) struct EndsOfSlab<'a, P> {
     grid: Grid,
     first_plane: usize,
     planes: usize,
     /// What is to be put in place, of all rows, and where.
-    arriving: Option<(&'a [EndsOfRow<T>], &'a Rows)>,
+    arriving: Option<(&'a [EndsOfRow<P>], &'a Rows)>,
     /// Where what leaves is taken down, of the run's rows.
-    leaving: Option<(&'a mut [EndsOfRow<T>], &'a Rows)>,
+    leaving: Option<(&'a mut [EndsOfRow<P>], &'a Rows)>,
 }
 
-impl<T: Real> EndsOfSlab<'_, T> {
+impl<P: Stored> EndsOfSlab<'_, P> {
     /// y and z of a row of the run, and where it begins in the run's arrays.
     #[inline(always)]
     const fn row(&self, row: usize) -> ([usize; 2], usize) {
         let ny = self.grid.cells[1];
         let (y, plane) = (row % ny, row / ny);
-        let start = slabs::lead::<T>() + y * self.grid.stride_y + plane * self.grid.stride_z;
+        let start = slabs::lead::<P>() + y * self.grid.stride_y + plane * self.grid.stride_z;
         ([y, self.first_plane + plane], start)
     }
 
@@ -289,14 +290,14 @@ impl<T: Real> EndsOfSlab<'_, T> {
     #[inline(always)]
     pub const fn parts_of_row(&self) -> [Range<usize>; 2] {
         let nx = self.grid.cells[0];
-        let block = LINE_BYTES / size_of::<T>();
+        let block = LINE_BYTES / size_of::<P>();
         let parted = ((nx - WIDTH) / block * block).saturating_sub(block);
         [0..parted, parted..nx]
     }
 
     /// Before the first part of a row is collided, or the second.
     #[inline(always)]
-    pub fn put_in_place_before(&self, arrays: &mut Arrays<'_, T>, row: usize, part: usize) {
+    pub fn put_in_place_before(&self, arrays: &mut Arrays<'_, P>, row: usize, part: usize) {
         let Some((arriving, rows)) = self.arriving else {
             return;
         };
@@ -315,8 +316,8 @@ impl<T: Real> EndsOfSlab<'_, T> {
     #[inline(always)]
     fn put_in_place(
         &self,
-        arrays: &mut Arrays<'_, T>,
-        arriving: &[EndsOfRow<T>],
+        arrays: &mut Arrays<'_, P>,
+        arriving: &[EndsOfRow<P>],
         rows: &Rows,
         row: usize,
         end: End,
@@ -339,7 +340,7 @@ impl<T: Real> EndsOfSlab<'_, T> {
 
     /// After a row of the run was collided.
     #[inline(always)]
-    pub fn take_down(&mut self, arrays: &Arrays<'_, T>, row: usize) {
+    pub fn take_down(&mut self, arrays: &Arrays<'_, P>, row: usize) {
         let ([y, z], start) = self.row(row);
         let Some((leaving, rows)) = &mut self.leaving else {
             return;

@@ -6,7 +6,7 @@ use crate::lattice::Operator;
 use crate::lattice::grid::Setup;
 
 /// Air that repeats on all sides, with a velocity that differs from cell to cell.
-fn air<T: Real>(cells: [usize; 3], relaxation_time: f64) -> Fluid<T> {
+fn air<P: Stored>(cells: [usize; 3], relaxation_time: f64) -> Fluid<P> {
     let setup = Setup::periodic(cells, relaxation_time, Operator::StabilisedRegularised);
     let uneven = |cell: [usize; 3]| {
         let [x, y, z] = cell.map(|c| c as f64);
@@ -17,7 +17,7 @@ fn air<T: Real>(cells: [usize; 3], relaxation_time: f64) -> Fluid<T> {
 }
 
 /// A box that stands at the time of the lattice around it, after a whole step of both.
-fn exchanged<T: Real>(nest: Nest) -> Fluid<T> {
+fn exchanged<P: Stored>(nest: Nest) -> Fluid<P> {
     let outer = [0, 1, 2].map(|a| nest.cells[a] + if nest.spans[a] { 0 } else { 8 });
     let (mut coarse, mut fine) = (air(outer, 0.51), air(nest.fine_cells(), 0.52));
     let mut tie = Tie::new(nest, &coarse);
@@ -46,12 +46,12 @@ fn nests() -> [Nest; 5] {
     })
 }
 
-fn saved<T: Real>(fluid: &Fluid<T>) -> Vec<u8> {
+fn saved<P: Stored>(fluid: &Fluid<P>) -> Vec<u8> {
     sections(|out| fluid.save(out)).unwrap()
 }
 
 /// The same with what waits in its place.
-fn placed<T: Real>(waiting: &Fluid<T>, nest: &Nest) -> Fluid<T> {
+fn placed<P: Stored>(waiting: &Fluid<P>, nest: &Nest) -> Fluid<P> {
     let mut placed = waiting.clone();
     let ends = placed.exchanged_ends.take().unwrap();
     let cells: Vec<[usize; 3]> = ends.waiting_cells().collect();
@@ -69,27 +69,27 @@ fn placed<T: Real>(waiting: &Fluid<T>, nest: &Nest) -> Fluid<T> {
         );
         for (direction, population) in populations.into_iter().enumerate() {
             let (array, element) = placed.grid.slot(index, direction, placed.odd);
-            placed.populations[array][element] = population;
+            placed.populations[array][element] = P::packed(population);
         }
     }
     placed
 }
 
-fn counts_as_in_its_place<T: Real>() {
+fn counts_as_in_its_place<P: Stored>() {
     for nest in nests() {
-        let mut waiting = exchanged::<T>(nest);
+        let mut waiting = exchanged::<P>(nest);
         let mut placed = placed(&waiting, &nest);
         let [nx, ny, nz] = nest.fine_cells();
         assert_eq!(waiting.macroscopic(), placed.macroscopic());
         assert_eq!(waiting.stresses(), placed.stresses());
         assert_eq!(waiting.mass_and_energy(), placed.mass_and_energy());
-        let farthest = |fluid: &Fluid<T>| format!("{:?}", fluid.extremes([0; 3], [nx, ny, nz]));
+        let farthest = |fluid: &Fluid<P>| format!("{:?}", fluid.extremes([0; 3], [nx, ny, nz]));
         assert_eq!(farthest(&waiting), farthest(&placed));
         // Cells off the faces that images may be taken from.
         let cells: Vec<[i32; 3]> = (1..nx - 1)
             .flat_map(|x| (1..ny - 1).map(move |y| [x, y, nz / 2].map(|c| c as i32)))
             .collect();
-        let left = |fluid: &Fluid<T>| {
+        let left = |fluid: &Fluid<P>| {
             let mut leaving = Vec::new();
             fluid.read_images(&cells, &mut leaving);
             leaving
@@ -120,6 +120,7 @@ fn counts_as_in_its_place<T: Real>() {
 fn what_waits_counts_as_in_its_place() {
     counts_as_in_its_place::<f64>();
     counts_as_in_its_place::<f32>();
+    counts_as_in_its_place::<half::f16>();
 }
 
 /// What a sweep takes down is what the band has after it.

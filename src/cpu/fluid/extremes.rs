@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Fluid;
+use super::{Fluid, Stored};
 use crate::lattice::grid::{CellState, Extremes};
 use crate::lattice::operators::bare_moments;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS, Real};
@@ -35,7 +35,7 @@ impl Found {
     }
 }
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// What stands out among the cells from `first` to before `end`; `None` in an empty box. The same bits for any number of threads.
     #[must_use]
     pub fn extremes(&self, first: [usize; 3], end: [usize; 3]) -> Option<Extremes> {
@@ -45,10 +45,13 @@ impl<T: Real> Fluid<T> {
         let found = (0..rows * planes)
             .into_par_iter()
             .map_init(
-                || [(); 4].map(|()| vec![T::default(); length]),
-                |moments, row| {
+                || {
+                    let moments = [(); 4].map(|()| vec![T::default(); length]);
+                    (moments, P::room(length))
+                },
+                |(moments, room), row| {
                     let start = [first[0], first[1] + row % rows, first[2] + row / rows];
-                    self.extremes_of_row(start, moments)
+                    self.extremes_of_row(start, moments, room)
                 },
             )
             .reduce(Found::default, Found::with);
@@ -67,7 +70,12 @@ impl<T: Real> Fluid<T> {
     }
 
     /// The same of the cells from `start` on along x, as many as `moments` (density excess and momentum) have room for.
-    fn extremes_of_row(&self, start: [usize; 3], moments: &mut [Vec<T>; 4]) -> Found {
+    fn extremes_of_row(
+        &self,
+        start: [usize; 3],
+        moments: &mut [Vec<T>; 4],
+        room: &mut [T],
+    ) -> Found {
         let index = self.grid.index(start.map(|c| c as i64));
         let length = moments[0].len();
         for moment in moments.iter_mut() {
@@ -77,6 +85,7 @@ impl<T: Real> Fluid<T> {
         for direction in 0..DIRECTION_COUNT {
             let (array, element) = self.grid.slot(index, direction, self.odd);
             let populations = &self.populations[array][element..element + length];
+            let populations = P::values(populations, room);
             let [density, momentum @ ..] = &mut *moments;
             for (sum, f) in density.iter_mut().zip(populations) {
                 *sum += *f;

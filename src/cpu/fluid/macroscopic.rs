@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::Fluid;
+use super::{Fluid, Stored};
 use crate::lattice::Real;
 use crate::lattice::operators::bare_moments;
 use crate::lattice::start::{Stress, add_to_stress, less_equilibrium};
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Density excess δρ and *bare* velocity u* = Σ f c / ρ (no F/2) of one cell, as the next collision will find it.
     #[must_use]
     pub fn bare_state(&self, cell: [usize; 3]) -> (f64, [f64; 3]) {

@@ -15,8 +15,10 @@ mod held_eddy_viscosity;
 mod macroscopic;
 mod prefetch;
 mod sides;
+mod sixteen_bits;
 mod slabs;
 mod storage;
+mod stored;
 pub mod transfer;
 
 use crate::checkpoint::{CheckpointError, Reader, Writer};
@@ -30,24 +32,25 @@ use exchanged_ends::ExchangedEnds;
 use held_eddy_viscosity::HeldEddyViscosity;
 use sides::Sides;
 use storage::Storage;
+pub use stored::Stored;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug, Clone)]
-pub struct Fluid<T: Real> {
+pub struct Fluid<P: Stored> {
     setup: Setup,
     grid: Grid,
     /// One array per direction, shifted populations, ghost layer included. Those of a box's ends of rows may wait in `exchanged_ends`.
-    populations: Storage<T>,
+    populations: Storage<P>,
     sides: Sides,
     /// Sides that let sound out; empty where none does.
     absorbing_sides: Vec<AbsorbingSide>,
     face_means: FaceMeans,
     /// Relaxation time per x, with that of the sponge, to the end of a row's last block.
-    relaxation_times: Vec<T>,
+    relaxation_times: Vec<P::Real>,
     /// `None` where no model needs the velocity gradient.
-    held_eddy_viscosity: Option<HeldEddyViscosity<T>>,
+    held_eddy_viscosity: Option<HeldEddyViscosity<P::Real>>,
     /// `None` but in boxes of finer cells.
-    exchanged_ends: Option<ExchangedEnds<T>>,
+    exchanged_ends: Option<ExchangedEnds<P>>,
     inlet_velocity: [f64; 3],
     /// Uniform acceleration of the last step.
     last_acceleration: [f64; 3],
@@ -57,12 +60,12 @@ pub struct Fluid<T: Real> {
     instructions: pulp::Arch,
 }
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Air that begins with the given density excess and velocity, `initial(cell) = (δρ, u)` in lattice units
     /// ([`crate::lattice::start`]); at rest where it is `None`.
     #[must_use]
     pub fn new(setup: Setup, initial: Option<&Initial>) -> Self {
-        let block = LINE_BYTES / size_of::<T>();
+        let block = LINE_BYTES / size_of::<P>();
         let grid = Grid::aligned(setup.cells, block);
         let mut relaxation_times = setup
             .relaxation_profile()
@@ -72,7 +75,7 @@ impl<T: Real> Fluid<T> {
         let mut fluid = Self {
             grid,
             // Populations of air at rest are zero, as they are made.
-            populations: Storage::<T>::new(grid.total),
+            populations: Storage::<P>::new(grid.total),
             // The ends of rows are filled in while a row is at hand, in periodic scenes too.
             sides: Sides::new(&Boundaries::new(
                 &grid,
@@ -116,11 +119,12 @@ impl<T: Real> Fluid<T> {
                     let index = self.grid.index(cell.map(|c| c as i64));
                     for (direction, population) in start.populations(cell).into_iter().enumerate() {
                         let (array, element) = self.grid.slot(index, direction, false);
-                        self.populations[array][element] = T::of(population);
+                        self.populations[array][element] = P::packed(T::of(population));
                     }
                     if x + 1 == nx {
                         // An outlet's ghost remembers the density excess of the last cell.
-                        self.populations[0][index + 1] = T::of(start.density_excess(cell));
+                        self.populations[0][index + 1] =
+                            P::packed(T::of(start.density_excess(cell)));
                     }
                 }
             }
@@ -153,24 +157,25 @@ impl<T: Real> Fluid<T> {
     /// Streamed populations of one cell, about to be collided.
     #[inline(always)]
     fn gather(&self, cell: [usize; 3]) -> operators::Populations<T> {
-        let waiting = |ends: &ExchangedEnds<T>| ends.waiting_at(cell);
+        let waiting = |ends: &ExchangedEnds<P>| ends.waiting_at(cell);
         if let Some(populations) = self.exchanged_ends.as_ref().and_then(waiting) {
             return populations;
         }
         let index = self.grid.index(cell.map(|c| c as i64));
         let mut f = [T::default(); DIRECTION_COUNT];
-        f[0] = self.populations[0][index];
+        f[0] = self.populations[0][index].unpacked();
         let odd = usize::from(self.odd);
         for (pair, shift) in self.grid.pair_shifts().into_iter().enumerate() {
             let first = 2 * pair + 1;
-            f[first] = self.populations[first + 1 - odd][index];
-            f[first + 1] = self.populations[first + odd][index.wrapping_add_signed(shift)];
+            f[first] = self.populations[first + 1 - odd][index].unpacked();
+            f[first + 1] =
+                self.populations[first + odd][index.wrapping_add_signed(shift)].unpacked();
         }
         f
     }
 }
 
-impl<T: Real> Fluid<T> {
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
     /// Writes populations, parity and step count; arrays without the padding of rows, as every engine does.
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
         out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
@@ -188,7 +193,7 @@ impl<T: Real> Fluid<T> {
                 for (direction, population) in self.gather(cell).into_iter().enumerate() {
                     let (its_array, element) = packed_grid.slot(index, direction, self.odd);
                     if its_array == array {
-                        packed[element] = population;
+                        packed[element] = P::packed(population);
                     }
                 }
             }
@@ -215,7 +220,7 @@ impl<T: Real> Fluid<T> {
         }
         let packed_grid = Grid::new(self.setup.cells);
         for array in 0..DIRECTION_COUNT {
-            let packed: Vec<T> =
+            let packed: Vec<P> =
                 from.take_exactly(&format!("populations_{array:02}"), packed_grid.total)?;
             for (row, packed_row) in self.grid.rows().zip(packed_grid.rows()) {
                 self.populations[array][row].copy_from_slice(&packed[packed_row]);

@@ -8,29 +8,30 @@ use std::ops::{Index, IndexMut, Range};
 
 use memmap2::MmapMut;
 
+use super::stored::Stored;
+use crate::lattice::DIRECTION_COUNT;
 use crate::lattice::grid::LINE_BYTES;
-use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Lines by which the arrays' places in a page differ: nineteen of them spread over the 64 lines.
 const STAGGER: usize = 3;
 
 /// One array per direction, each beginning on a cache line.
 #[derive(Debug)]
-pub struct Storage<T> {
+pub struct Storage<P> {
     map: MmapMut,
     /// Elements from array to array.
     stride: usize,
     /// Elements of an array.
     length: usize,
-    element: std::marker::PhantomData<T>,
+    element: std::marker::PhantomData<P>,
 }
 
-impl<T: Real> Storage<T> {
+impl<P: Stored> Storage<P> {
     /// Arrays of `length` zeros; memory is touched when it is first written. Out of memory, the program stops as any allocation does.
     #[must_use]
     pub fn new(length: usize) -> Self {
         const PAGE_LINES: usize = 64;
-        let lines = (length * size_of::<T>()).div_ceil(LINE_BYTES);
+        let lines = (length * size_of::<P>()).div_ceil(LINE_BYTES);
         let lines = lines + (PAGE_LINES + STAGGER - lines % PAGE_LINES) % PAGE_LINES;
         let bytes = DIRECTION_COUNT * lines * LINE_BYTES;
         let Ok(map) = MmapMut::map_anon(bytes) else {
@@ -43,7 +44,7 @@ impl<T: Real> Storage<T> {
         let _ = map.advise(memmap2::Advice::HugePage);
         Self {
             map,
-            stride: lines * LINE_BYTES / size_of::<T>(),
+            stride: lines * LINE_BYTES / size_of::<P>(),
             length,
             element: std::marker::PhantomData,
         }
@@ -55,9 +56,9 @@ impl<T: Real> Storage<T> {
     }
 
     /// All arrays.
-    pub fn arrays_mut(&mut self) -> [&mut [T]; DIRECTION_COUNT] {
+    pub fn arrays_mut(&mut self) -> [&mut [P]; DIRECTION_COUNT] {
         let length = self.length;
-        let mut arrays = bytemuck::cast_slice_mut::<u8, T>(&mut self.map).chunks_mut(self.stride);
+        let mut arrays = bytemuck::cast_slice_mut::<u8, P>(&mut self.map).chunks_mut(self.stride);
         std::array::from_fn(|_| match arrays.next() {
             Some(array) => &mut array[..length],
             None => Default::default(),
@@ -65,7 +66,7 @@ impl<T: Real> Storage<T> {
     }
 }
 
-impl<T: Real> Clone for Storage<T> {
+impl<P: Stored> Clone for Storage<P> {
     fn clone(&self) -> Self {
         let mut copy = Self::new(self.length);
         copy.map.copy_from_slice(&self.map);
@@ -73,18 +74,18 @@ impl<T: Real> Clone for Storage<T> {
     }
 }
 
-impl<T: Real> Index<usize> for Storage<T> {
-    type Output = [T];
+impl<P: Stored> Index<usize> for Storage<P> {
+    type Output = [P];
 
     #[inline(always)]
-    fn index(&self, array: usize) -> &[T] {
+    fn index(&self, array: usize) -> &[P] {
         &bytemuck::cast_slice(&self.map)[self.range(array)]
     }
 }
 
-impl<T: Real> IndexMut<usize> for Storage<T> {
+impl<P: Stored> IndexMut<usize> for Storage<P> {
     #[inline(always)]
-    fn index_mut(&mut self, array: usize) -> &mut [T] {
+    fn index_mut(&mut self, array: usize) -> &mut [P] {
         let range = self.range(array);
         &mut bytemuck::cast_slice_mut(&mut self.map)[range]
     }

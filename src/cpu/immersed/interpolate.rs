@@ -4,20 +4,19 @@
 use rayon::prelude::*;
 
 use super::Immersed;
-use crate::cpu::fluid::Fluid;
+use crate::cpu::fluid::{Fluid, Stored};
 use crate::immersed::kernel::SUM_OF_SQUARES;
 use crate::immersed::strength::LARGEST_OVER_RELAXATION_RATIO;
 use crate::immersed::touched::OutOfDomain;
-use crate::lattice::Real;
 
 /// Cells or markers per parallel task.
 const CHUNK: usize = 512;
 
 impl Immersed {
     /// Moves the markers to `positions` [cells, cell centres at whole numbers] and reads the air there.
-    pub fn interpolate<T: Real>(
+    pub fn interpolate<P: Stored>(
         &mut self,
-        fluid: &Fluid<T>,
+        fluid: &Fluid<P>,
         positions: &[[f64; 3]],
     ) -> Result<(), OutOfDomain> {
         self.touched.rebuild(positions, self.domain)?;

@@ -34,7 +34,7 @@ use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::lattice::grid::{Grid, Initial, InletProfile, PADDED_ELEMENTS, ProfileRow, Setup};
 use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
-use crate::lattice::{DIRECTION_COUNT, Storage};
+use crate::lattice::{DIRECTION_COUNT, F16_SCALE, Storage};
 use absorbing_faces::AbsorbingFaces;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
@@ -43,9 +43,6 @@ use link_lists::LinkLists;
 use names::{by_number, by_parity, constants};
 use parameters::{BoundaryCopy, StepParameters};
 use read_back::ReadBack;
-
-/// Scale of populations in 16 bits (`storage_f16.wgsl`).
-const F16_SCALE: f32 = 32768.0;
 
 /// The air: populations, boundaries and the parity of the next step.
 #[derive(Debug)]

@@ -6,9 +6,9 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::lines::{Collided, ask_for_row, padded, populations_of, write_line};
-use crate::cpu::fluid::Fluid;
 use crate::cpu::fluid::exchanged_ends::{End, EndsOfRow, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
+use crate::cpu::fluid::{Fluid, Stored};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{STATE_NUMBERS, children};
@@ -26,11 +26,11 @@ fn children_of_lines<T: Real>([below, middle, above]: [&[T]; 3], [lower, upper]:
 }
 
 /// Fine cells of the shell get the averages of the parabolas through the states of the source.
-pub(super) fn fill<T: Real, C: Collision>(
+pub(super) fn fill<T: Real, P: Stored<Real = T>, C: Collision>(
     nest: &Nest,
     shell: &Planes,
     states: &[T],
-    fine: &mut Fluid<T>,
+    fine: &mut Fluid<P>,
 ) {
     let planes = std::iter::repeat_n(2, shell.lines.len());
     let collided = Collided::new(fine, fine.held_eddy_viscosity.as_ref());
@@ -47,7 +47,7 @@ pub(super) fn fill<T: Real, C: Collision>(
         .zip(&shell.lines)
         .enumerate()
         .for_each(|(z, ((arrays, ends), lines))| {
-            instructions.dispatch(FillPlane::<T, C> {
+            instructions.dispatch(FillPlane::<P, C> {
                 // Planes below, of, and above these cells.
                 states: [0, 1, 2].map(|k| &states[(z + k) * plane..][..plane]),
                 row: [nx, nx * ny],
@@ -62,21 +62,21 @@ pub(super) fn fill<T: Real, C: Collision>(
         });
 }
 
-struct FillPlane<'a, T: Real, C> {
-    states: [&'a [T]; 3],
+struct FillPlane<'a, P: Stored, C> {
+    states: [&'a [P::Real]; 3],
     /// States from row to row, and from number to number.
     row: [usize; 2],
     /// z of the lower plane of fine cells.
     plane: i64,
-    collided: Collided<'a, T>,
+    collided: Collided<'a, P::Real>,
     grid: Grid,
-    arrays: Arrays<'a, T>,
-    ends: [&'a mut [EndsOfRow<T>]; 2],
+    arrays: Arrays<'a, P>,
+    ends: [&'a mut [EndsOfRow<P>]; 2],
     lines: &'a [Line],
     operator: PhantomData<C>,
 }
 
-impl<T: Real, C: Collision> WithSimd for FillPlane<'_, T, C> {
+impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for FillPlane<'_, P, C> {
     type Output = ();
 
     #[inline(always)]

@@ -2,10 +2,10 @@
 
 use pulp::Simd;
 
-use crate::cpu::fluid::Fluid;
 use crate::cpu::fluid::held_eddy_viscosity::HeldEddyViscosity;
 use crate::cpu::fluid::prefetch::prefetch_behind;
 use crate::cpu::fluid::slabs::{self, Arrays};
+use crate::cpu::fluid::{Fluid, Stored};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::{Grid, LINE_BYTES};
 use crate::lattice::level_state::STATE_NUMBERS;
@@ -14,14 +14,14 @@ use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real};
 
 /// Reads populations of lines of cells.
-pub(super) struct Reader<'a, T> {
+pub(super) struct Reader<'a, P> {
     grid: Grid,
-    arrays: [(&'a [T], isize); DIRECTION_COUNT],
+    arrays: [(&'a [P], isize); DIRECTION_COUNT],
 }
 
-impl<'a, T: Real> Reader<'a, T> {
+impl<'a, P: Stored> Reader<'a, P> {
     /// Of a lattice as it stands.
-    pub fn new(fluid: &'a Fluid<T>) -> Self {
+    pub fn new(fluid: &'a Fluid<P>) -> Self {
         let grid = fluid.grid;
         let arrays = std::array::from_fn(|direction| {
             let index = grid.index([0; 3]);
@@ -36,11 +36,12 @@ impl<'a, T: Real> Reader<'a, T> {
 
     /// Populations of `length` cells from `first` on along x, direction after direction, each `stride` long.
     #[inline(always)]
-    pub fn row(&self, first: [i64; 3], length: usize, into: &mut [T], stride: usize) {
+    pub fn row(&self, first: [i64; 3], length: usize, into: &mut [P::Real], stride: usize) {
         let start = self.grid.index(first);
         for (direction, (array, shift)) in self.arrays.iter().enumerate() {
             let start = start.wrapping_add_signed(*shift);
-            into[direction * stride..][..length].copy_from_slice(&array[start..start + length]);
+            let into = &mut into[direction * stride..][..length];
+            P::unpack(&array[start..start + length], into);
         }
     }
 }
@@ -51,13 +52,13 @@ const ROWS_AHEAD: usize = 12;
 /// Populations of `length` cells of a plane from `first` (x, y) on along x, direction after direction, each `stride` long. Along an axis that
 /// repeats cells come from the other end.
 #[inline(always)]
-pub(super) fn read_row<T: Real>(
-    plane: &Arrays<'_, T>,
+pub(super) fn read_row<P: Stored>(
+    plane: &Arrays<'_, P>,
     grid: &Grid,
     first: [i64; 2],
     length: usize,
     wraps: [bool; 3],
-    into: &mut [T],
+    into: &mut [P::Real],
     stride: usize,
 ) {
     let [mut x, y] = [0, 1].map(|a| wrapped(first[a], grid.cells[a], wraps[a]));
@@ -68,10 +69,10 @@ pub(super) fn read_row<T: Real>(
         } else {
             length - done
         };
-        let start = slabs::lead::<T>() + x + y * grid.stride_y;
+        let start = slabs::lead::<P>() + x + y * grid.stride_y;
         for (direction, array) in plane.iter().enumerate() {
             let into = &mut into[direction * stride + done..][..run];
-            into.copy_from_slice(&array[start..start + run]);
+            P::unpack(&array[start..start + run], into);
         }
         done += run;
         x = 0;
@@ -80,24 +81,24 @@ pub(super) fn read_row<T: Real>(
 
 /// The same of columns of `length` cells along y, as many as there are buffers, side by side along x: each cache line is touched once for all.
 #[inline(always)]
-pub(super) fn read_columns<T: Real>(
-    plane: &Arrays<'_, T>,
+pub(super) fn read_columns<P: Stored>(
+    plane: &Arrays<'_, P>,
     grid: &Grid,
     [x, y]: [i64; 2],
     length: usize,
     wraps: bool,
-    into: &mut [Vec<T>],
+    into: &mut [Vec<P::Real>],
     stride: usize,
 ) {
-    let first = slabs::lead::<T>() + x as usize;
+    let first = slabs::lead::<P>() + x as usize;
     let count = into.len();
     for (direction, array) in plane.iter().enumerate() {
         let mut row = wrapped(y, grid.cells[1], wraps);
         for i in 0..length {
             let cells = &array[first + row * grid.stride_y..][..count];
-            prefetch_behind(&cells[0], ROWS_AHEAD * grid.stride_y * size_of::<T>());
+            prefetch_behind(&cells[0], ROWS_AHEAD * grid.stride_y * size_of::<P>());
             for (column, value) in into.iter_mut().zip(cells) {
-                column[direction * stride + i] = *value;
+                column[direction * stride + i] = value.unpacked();
             }
             row = if row + 1 == grid.cells[1] { 0 } else { row + 1 };
         }
@@ -127,7 +128,10 @@ pub(super) struct Collided<'a, T> {
 
 impl<'a, T: Real> Collided<'a, T> {
     /// Of a lattice as it stands, with what its `eddy_viscosity` keeps.
-    pub fn new(fluid: &Fluid<T>, held: Option<&'a HeldEddyViscosity<T>>) -> Self {
+    pub fn new(
+        fluid: &Fluid<impl Stored<Real = T>>,
+        held: Option<&'a HeldEddyViscosity<T>>,
+    ) -> Self {
         let smagorinsky = fluid.smagorinsky_constant().unwrap_or(0.0);
         Self {
             relaxation_time: T::of(fluid.setup.relaxation_time),
@@ -238,24 +242,24 @@ pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
 
 /// Writes populations of `length` cells of a slab from `first` on (x, y, plane of the slab), along x or y.
 #[inline(always)]
-pub(super) fn write_line<T: Real>(
-    arrays: &mut Arrays<'_, T>,
+pub(super) fn write_line<P: Stored>(
+    arrays: &mut Arrays<'_, P>,
     grid: &Grid,
     [x, y, plane]: [usize; 3],
     axis: usize,
     length: usize,
-    populations: &[T],
+    populations: &[P::Real],
     stride: usize,
 ) {
-    let start = slabs::lead::<T>() + x + y * grid.stride_y + plane * grid.stride_z;
+    let start = slabs::lead::<P>() + x + y * grid.stride_y + plane * grid.stride_z;
     for (direction, array) in arrays.iter_mut().enumerate() {
         let from = &populations[direction * stride..][..length];
         if axis == 0 {
-            array[start..start + length].copy_from_slice(from);
+            P::pack(from, &mut array[start..start + length]);
         } else {
             let column = array[start..].iter_mut().step_by(grid.stride_y);
             for (into, value) in column.zip(from) {
-                *into = *value;
+                *into = P::packed(*value);
             }
         }
     }
@@ -263,14 +267,14 @@ pub(super) fn write_line<T: Real>(
 
 /// Asks for the cache lines of `length` cells of a slab from `first` on along x.
 #[inline(always)]
-pub(super) fn ask_for_row<T: Real>(
-    array: &[T],
+pub(super) fn ask_for_row<P: Stored>(
+    array: &[P],
     grid: &Grid,
     [x, y, plane]: [usize; 3],
     length: usize,
 ) {
-    let start = slabs::lead::<T>() + x + y * grid.stride_y + plane * grid.stride_z;
-    for line in array[start..start + length].chunks(LINE_BYTES / size_of::<T>()) {
+    let start = slabs::lead::<P>() + x + y * grid.stride_y + plane * grid.stride_z;
+    for line in array[start..start + length].chunks(LINE_BYTES / size_of::<P>()) {
         prefetch_behind(&line[0], 0);
     }
 }

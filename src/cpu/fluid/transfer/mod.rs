@@ -8,8 +8,8 @@ mod fill;
 mod lines;
 mod restrict;
 
-use super::Fluid;
 use super::exchanged_ends::ExchangedEnds;
+use super::{Fluid, Stored};
 use crate::lattice::Real;
 use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::level_state::STATE_NUMBERS;
@@ -29,7 +29,7 @@ pub struct Tie<T> {
 impl<T: Real> Tie<T> {
     /// Of a box in a lattice.
     #[must_use]
-    pub fn new(nest: Nest, coarse: &Fluid<T>) -> Self {
+    pub fn new(nest: Nest, coarse: &Fluid<impl Stored<Real = T>>) -> Self {
         let [x, y, z] = nest.cells.map(|n| n + 2);
         Self {
             source: nest.cells_of(&SOURCE),
@@ -47,7 +47,7 @@ impl<T: Real> Tie<T> {
     }
 
     /// Restricts, then fills: both lattices stand at one time.
-    pub fn exchange(&mut self, coarse: &mut Fluid<T>, fine: &mut Fluid<T>) {
+    pub fn exchange<P: Stored<Real = T>>(&mut self, coarse: &mut Fluid<P>, fine: &mut Fluid<P>) {
         let operator = coarse.setup.operator;
         let eddy = coarse.smagorinsky_constant().is_some();
         operator.with(
@@ -61,25 +61,25 @@ impl<T: Real> Tie<T> {
     }
 }
 
-struct Exchange<'a, T: Real> {
-    tie: &'a mut Tie<T>,
-    coarse: &'a mut Fluid<T>,
-    fine: &'a mut Fluid<T>,
+struct Exchange<'a, P: Stored> {
+    tie: &'a mut Tie<P::Real>,
+    coarse: &'a mut Fluid<P>,
+    fine: &'a mut Fluid<P>,
 }
 
-impl<T: Real> PerOperator for Exchange<'_, T> {
+impl<P: Stored> PerOperator for Exchange<'_, P> {
     fn run<C: Collision>(self) {
         let Self { tie, coarse, fine } = self;
         take_down_ends(&tie.nest, fine);
         let planes = [&tie.band, &tie.source];
         let states = &mut tie.states;
-        restrict::restrict_and_read::<T, C>(&tie.nest, planes, coarse, fine, states);
-        fill::fill::<T, C>(&tie.nest, &tie.shell, &tie.states, fine);
+        restrict::restrict_and_read::<_, P, C>(&tie.nest, planes, coarse, fine, states);
+        fill::fill::<_, P, C>(&tie.nest, &tie.shell, &tie.states, fine);
     }
 }
 
 /// What left for the band at the ends of rows, as the box stands.
-pub(super) fn take_down_ends<T: Real>(nest: &Nest, fine: &mut Fluid<T>) {
+pub(super) fn take_down_ends<P: Stored>(nest: &Nest, fine: &mut Fluid<P>) {
     let ends = (fine.exchanged_ends.take()).or_else(|| ExchangedEnds::new(nest));
     fine.exchanged_ends = ends.map(|mut ends| {
         ends.take_down_from(|cell| fine.gather(cell));

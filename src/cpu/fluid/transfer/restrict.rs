@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::lines::{
     Collided, Reader, padded, populations_of, read_columns, read_row, states_of, write_line,
 };
-use crate::cpu::fluid::Fluid;
 use crate::cpu::fluid::exchanged_ends::{End, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
+use crate::cpu::fluid::{Fluid, Stored};
 use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{FIRST_STRAIN, STATE_NUMBERS};
@@ -19,11 +19,11 @@ use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Coarse states of the band become the means of those of the eight fine cells; then the states of the source are read, in fine units. Planes do not
 /// wait for each other: a cell's populations are its own.
-pub(super) fn restrict_and_read<T: Real, C: Collision>(
+pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>, C: Collision>(
     nest: &Nest,
     [band, source]: [&Planes; 2],
-    coarse: &mut Fluid<T>,
-    fine: &Fluid<T>,
+    coarse: &mut Fluid<P>,
+    fine: &Fluid<P>,
     states: &mut [T],
 ) {
     let nest = *nest;
@@ -54,7 +54,7 @@ pub(super) fn restrict_and_read<T: Real, C: Collision>(
                 .ok()
                 .and_then(|z| band.lines.get(z))
             {
-                instructions.dispatch(RestrictPlane::<T, C> {
+                instructions.dispatch(RestrictPlane::<P, C> {
                     reader: &reader,
                     ends,
                     collided_fine,
@@ -66,7 +66,7 @@ pub(super) fn restrict_and_read<T: Real, C: Collision>(
                     operator: PhantomData,
                 });
             }
-            instructions.dispatch(ReadPlane::<T, C> {
+            instructions.dispatch(ReadPlane::<P, C> {
                 collided,
                 nest,
                 grid,
@@ -83,7 +83,7 @@ pub(super) fn restrict_and_read<T: Real, C: Collision>(
     }
 }
 
-impl<T: Real, C: Collision> RestrictPlane<'_, '_, T, C> {
+impl<P: Stored, C: Collision> RestrictPlane<'_, '_, P, C> {
     /// True of a column of the band that the ends of rows hold.
     #[inline(always)]
     const fn is_next_to_shell(&self, line: &Line) -> bool {
@@ -92,20 +92,20 @@ impl<T: Real, C: Collision> RestrictPlane<'_, '_, T, C> {
     }
 }
 
-struct RestrictPlane<'a, 'b, T: Real, C> {
-    reader: &'a Reader<'a, T>,
+struct RestrictPlane<'a, 'b, P: Stored, C> {
+    reader: &'a Reader<'a, P>,
     /// Lines along y are found there.
-    ends: Option<&'a ExchangedEnds<T>>,
-    collided_fine: Collided<'a, T>,
-    collided: Collided<'a, T>,
+    ends: Option<&'a ExchangedEnds<P>>,
+    collided_fine: Collided<'a, P::Real>,
+    collided: Collided<'a, P::Real>,
     nest: Nest,
     grid: Grid,
-    arrays: &'a mut Arrays<'b, T>,
+    arrays: &'a mut Arrays<'b, P>,
     lines: &'a [Line],
     operator: PhantomData<C>,
 }
 
-impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
+impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for RestrictPlane<'_, '_, P, C> {
     type Output = ();
 
     #[inline(always)]
@@ -191,17 +191,17 @@ impl<T: Real, C: Collision> WithSimd for RestrictPlane<'_, '_, T, C> {
 /// Columns of the source that lie side by side at a face.
 const COLUMNS: usize = (*SOURCE.end() - *SOURCE.start() + 1) as usize;
 
-struct ReadPlane<'a, 'b, T: Real, C> {
-    collided: Collided<'a, T>,
+struct ReadPlane<'a, 'b, P: Stored, C> {
+    collided: Collided<'a, P::Real>,
     nest: Nest,
     grid: Grid,
-    arrays: &'a Arrays<'b, T>,
-    states: &'a mut [T],
+    arrays: &'a Arrays<'b, P>,
+    states: &'a mut [P::Real],
     lines: &'a [Line],
     operator: PhantomData<C>,
 }
 
-impl<T: Real, C: Collision> WithSimd for ReadPlane<'_, '_, T, C> {
+impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for ReadPlane<'_, '_, P, C> {
     type Output = ();
 
     #[inline(always)]

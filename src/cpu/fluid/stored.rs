@@ -1,0 +1,250 @@
+//! How a population lies in memory: as the number that it is, or in 16 bits.
+//!
+//! In 16 bits it is scaled by 2^15. So the numbers near zero that shifted populations are keep their 11 bits down to 1.9e-9, and the largest is 2 (Lehmann et al.
+//! 2022, doi:10.1103/PhysRevE.106.015308, format FP16S). Arithmetic stays in single precision: a sweep unpacks a few cache lines of each array, collides
+//! them there, and packs them. Devices keep the same bits (`storage_f16.wgsl`).
+
+use std::fmt::Debug;
+use std::ops::Range;
+
+use half::f16;
+
+use super::prefetch::prefetch;
+use super::sixteen_bits;
+use crate::lattice::grid::LINE_BYTES;
+use crate::lattice::{F16_SCALE, Real};
+
+/// A population in memory.
+pub trait Stored: Copy + Debug + Default + PartialEq + Send + Sync + bytemuck::Pod {
+    /// What it is computed in.
+    type Real: Real;
+
+    /// The nearest that can be kept.
+    fn packed(value: Self::Real) -> Self;
+
+    /// Its value.
+    fn unpacked(self) -> Self::Real;
+
+    /// Keeps all `values`, as many as there are places.
+    fn pack(values: &[Self::Real], into: &mut [Self]);
+
+    /// Takes all values, as many as there are places.
+    fn unpack(kept: &[Self], into: &mut [Self::Real]);
+
+    /// Room for the values of `length` populations; none where they need not be unpacked.
+    fn room(length: usize) -> Vec<Self::Real>;
+
+    /// Values of all, which lie in `room` where they must be unpacked.
+    fn values<'a>(kept: &'a [Self], room: &'a mut [Self::Real]) -> &'a [Self::Real];
+
+    /// Room for [`Self::change`] of so many arrays.
+    fn room_to_change(arrays: usize) -> Vec<Self::Real> {
+        Self::room(arrays * CELLS_AT_ONCE)
+    }
+
+    /// Lets `change` work on the values of `cells` of all arrays, in one or several runs: it gets the arrays, the cells in them, and the number of the run's first
+    /// cell among `cells`. Runs begin with a whole cache line where `cells` do.
+    fn change<const N: usize>(
+        arrays: &mut [&mut [Self]; N],
+        cells: Range<usize>,
+        room: &mut [Self::Real],
+        change: impl FnMut(&mut [&mut [Self::Real]; N], Range<usize>, usize),
+    );
+}
+
+/// Cells that are unpacked at once. Of all directions they take 10 kB, and are asked for when the ones before are unpacked.
+const CELLS_AT_ONCE: usize = 128;
+
+macro_rules! as_it_is {
+    ($type:ty) => {
+        impl Stored for $type {
+            type Real = Self;
+
+            #[inline(always)]
+            fn packed(value: Self) -> Self {
+                value
+            }
+
+            #[inline(always)]
+            fn unpacked(self) -> Self {
+                self
+            }
+
+            #[inline(always)]
+            fn pack(values: &[Self], into: &mut [Self]) {
+                into.copy_from_slice(values);
+            }
+
+            #[inline(always)]
+            fn unpack(kept: &[Self], into: &mut [Self]) {
+                into.copy_from_slice(kept);
+            }
+
+            fn room(_: usize) -> Vec<Self> {
+                Vec::new()
+            }
+
+            #[inline(always)]
+            fn values<'a>(kept: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
+                kept
+            }
+
+            #[inline(always)]
+            fn change<const N: usize>(
+                arrays: &mut [&mut [Self]; N],
+                cells: Range<usize>,
+                _: &mut [Self],
+                mut change: impl FnMut(&mut [&mut [Self]; N], Range<usize>, usize),
+            ) {
+                change(arrays, cells, 0);
+            }
+        }
+    };
+}
+
+as_it_is!(f32);
+as_it_is!(f64);
+
+impl Stored for f16 {
+    type Real = f32;
+
+    #[inline(always)]
+    fn packed(value: f32) -> Self {
+        Self::from_f32(value * F16_SCALE)
+    }
+
+    #[inline(always)]
+    fn unpacked(self) -> f32 {
+        self.to_f32() * (1.0 / F16_SCALE)
+    }
+
+    #[inline(always)]
+    fn pack(values: &[f32], into: &mut [Self]) {
+        sixteen_bits::pack(values, into);
+    }
+
+    #[inline(always)]
+    fn unpack(kept: &[Self], into: &mut [f32]) {
+        sixteen_bits::unpack(kept, into);
+    }
+
+    fn room(length: usize) -> Vec<f32> {
+        vec![0.0; length]
+    }
+
+    #[inline(always)]
+    fn values<'a>(kept: &'a [Self], room: &'a mut [f32]) -> &'a [f32] {
+        let room = &mut room[..kept.len()];
+        Self::unpack(kept, room);
+        room
+    }
+
+    #[inline(always)]
+    fn change<const N: usize>(
+        arrays: &mut [&mut [Self]; N],
+        cells: Range<usize>,
+        room: &mut [f32],
+        mut change: impl FnMut(&mut [&mut [f32]; N], Range<usize>, usize),
+    ) {
+        let mut rooms = room.chunks_exact_mut(CELLS_AT_ONCE);
+        let mut unpacked: [&mut [f32]; N] =
+            std::array::from_fn(|_| rooms.next().unwrap_or_default());
+        let mut first = cells.start;
+        while first < cells.end {
+            let count = CELLS_AT_ONCE.min(cells.end - first);
+            for (kept, values) in arrays.iter().zip(&mut unpacked) {
+                let kept = &kept[first..first + count];
+                for line in kept.chunks(LINE_BYTES / size_of::<Self>()) {
+                    prefetch(&line[0]);
+                }
+                Self::unpack(kept, &mut values[..count]);
+            }
+            change(&mut unpacked, 0..count, first - cells.start);
+            for (kept, values) in arrays.iter_mut().zip(&unpacked) {
+                Self::pack(&values[..count], &mut kept[first..first + count]);
+            }
+            first += count;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::DIRECTION_COUNT;
+
+    #[test]
+    fn sixteen_bits_keep_eleven_of_a_number() {
+        let mut room = f16::room(1);
+        for exponent in -28..1 {
+            for value in [1.0_f32, -1.3, 1.999].map(|v| v * 2.0_f32.powi(exponent)) {
+                let kept = f16::packed(value);
+                assert!(
+                    (kept.unpacked() - value).abs() <= value.abs() / 2048.0,
+                    "{value}"
+                );
+                assert_eq!(f16::values(&[kept], &mut room), [kept.unpacked()]);
+            }
+        }
+        assert_eq!(f16::packed(0.0).to_bits(), 0);
+        assert_eq!(f16::packed(2.1), f16::INFINITY);
+        assert!(f16::packed(f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn whole_slices_get_the_bits_of_single_numbers() {
+        // All of a length that is no multiple of a vector's, with subnormal ones and those beyond the largest.
+        let values: Vec<f32> = (0..1003)
+            .map(|i| (i as f32 - 500.0) * 2.3_f32.powi(i % 60 - 50))
+            .collect();
+        let mut kept = vec![f16::default(); values.len()];
+        f16::pack(&values, &mut kept);
+        let mut back = vec![0.0; values.len()];
+        f16::unpack(&kept, &mut back);
+        for ((value, kept), back) in values.iter().zip(&kept).zip(&back) {
+            assert_eq!(kept.to_bits(), f16::packed(*value).to_bits(), "{value}");
+            assert_eq!(back.to_bits(), kept.unpacked().to_bits(), "{value}");
+        }
+    }
+
+    #[test]
+    fn runs_of_cells_are_changed_where_they_lie() {
+        let length = 400;
+        let mut arrays: Vec<Vec<f16>> = (0..DIRECTION_COUNT)
+            .map(|d| {
+                (0..length)
+                    .map(|i| f16::packed((d * 7 + i) as f32 * 1e-4))
+                    .collect()
+            })
+            .collect();
+        let before = arrays.clone();
+        let mut of_array = arrays.iter_mut();
+        let mut slices: [&mut [f16]; DIRECTION_COUNT] =
+            std::array::from_fn(|_| of_array.next().map(|a| &mut a[..]).unwrap_or_default());
+        let mut seen = Vec::new();
+        f16::change(
+            &mut slices,
+            32..301,
+            &mut f16::room_to_change(DIRECTION_COUNT),
+            |arrays, cells, first| {
+                seen.push((first, cells.len()));
+                for array in arrays.iter_mut() {
+                    for value in &mut array[cells.clone()] {
+                        *value = -*value;
+                    }
+                }
+            },
+        );
+        assert_eq!(seen, [(0, 128), (128, 128), (256, 13)]);
+        for (array, before) in arrays.iter().zip(&before) {
+            for (i, (now, before)) in array.iter().zip(before).enumerate() {
+                let expected = if (32..301).contains(&i) {
+                    -*before
+                } else {
+                    *before
+                };
+                assert_eq!(*now, expected, "{i}");
+            }
+        }
+    }
+}
