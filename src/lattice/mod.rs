@@ -67,6 +67,7 @@ pub const DOWNSTREAM: [usize; 5] = [1, 7, 9, 13, 15];
 
 /// The direction opposite to `direction`.
 #[must_use]
+#[inline(always)]
 pub const fn opposite(direction: usize) -> usize {
     match direction {
         0 => 0,

@@ -151,7 +151,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
                 })
                 .collect();
         slabs.into_par_iter().for_each(|slab| {
-            instructions.dispatch(SweepSlab::<P, C> {
+            let work = SweepSlab::<P, C> {
                 grid: &grid,
                 slab,
                 body_force,
@@ -159,7 +159,8 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
                 idle: self.setup.idle,
                 common: &common,
                 operator: PhantomData,
-            });
+            };
+            P::dispatch(instructions, work);
         });
     }
 }
@@ -205,7 +206,6 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for SweepSlab<'_, P, C
         let profile = self.profile.filter(|_| acceleration.is_some());
         let length = self.common.relaxation_times.len();
         let mut force = resting.map(|component| vec![component; length]);
-        let mut room = P::room_to_change(DIRECTION_COUNT);
         // Relaxation time of every cell of a row, where they all differ.
         let mut relaxation_times = vec![T::default(); self.common.held.map_or(0, |_| length)];
         for plane in 0..self.slab.planes {
@@ -262,7 +262,6 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for SweepSlab<'_, P, C
                         collide_part::<S, P, C>(
                             simd,
                             &mut self.slab.arrays,
-                            &mut room,
                             start..start + nx,
                             part,
                             &common,
@@ -327,7 +326,6 @@ fn around(part: Range<usize>, idle: &Range<usize>) -> [Range<usize>; 2] {
 fn collide_part<S: Simd, P: Stored, C: Collision>(
     simd: S,
     arrays: &mut Arrays<'_, P>,
-    room: &mut [P::Real],
     row: Range<usize>,
     part: Range<usize>,
     common: &Common<P::Real>,
@@ -368,126 +366,94 @@ fn collide_part<S: Simd, P: Stored, C: Collision>(
         let cells = row.start + x..row.start + end;
         let tau = &common.relaxation_times[x..];
         let body = [&force[0][x..], &force[1][x..], &force[2][x..]];
-        P::change(arrays, cells, room, |arrays, cells, first| {
-            let run = Run {
-                arrays,
-                cells,
-                relaxation_time: common.relaxation_time,
-                eddy_factor: common.eddy_factor,
-                relaxation_times: &tau[first..],
-                force: body.map(|force| &force[first..]),
-            };
-            match (forced, x >= common.own_from) {
-                (false, false) => run.collide::<S, C, false, false>(simd),
-                (false, true) => run.collide::<S, C, false, true>(simd),
-                (true, _) => run.collide::<S, C, true, true>(simd),
+        match (forced, x >= common.own_from) {
+            (false, false) => {
+                collide_run::<S, P, C, false, false>(simd, arrays, cells, common, tau, body);
             }
-        });
+            (false, true) => {
+                collide_run::<S, P, C, false, true>(simd, arrays, cells, common, tau, body);
+            }
+            (true, _) => collide_run::<S, P, C, true, true>(simd, arrays, cells, common, tau, body),
+        }
         x = end;
     }
 }
 
-/// Neighbouring cells, from a whole vector on.
-struct Run<'a, 'b, T> {
-    arrays: &'a mut Arrays<'b, T>,
+/// Collides neighbouring cells, from a whole vector on. `tau` is read only where `OWN_TIMES`, `force` only where `FORCED`; both begin at the first cell
+/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end: it is compiled for each operator,
+/// kind of population and set of instructions.
+#[inline(always)]
+fn collide_run<S: Simd, P: Stored, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(
+    simd: S,
+    arrays: &mut Arrays<'_, P>,
     cells: Range<usize>,
-    relaxation_time: T,
-    eddy_factor: T,
-    /// From the first cell to the end of a block; read only where they are the cells' own.
-    relaxation_times: &'a [T],
-    /// The same, read only where cells are forced.
-    force: [&'a [T]; 3],
-}
-
-impl<T: Real> Run<'_, '_, T> {
-    #[inline(always)]
-    fn collide<S: Simd, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(self, simd: S) {
-        simd.vectorize(Collide::<T, C, FORCED, OWN_TIMES> {
-            run: self,
-            operator: PhantomData,
-        });
+    common: &Common<P::Real>,
+    tau: &[P::Real],
+    force: [&[P::Real]; 3],
+) {
+    let zero = Lanes::splat(simd, <P::Real>::default());
+    let mut local = Local {
+        relaxation_time: Lanes::splat(simd, common.relaxation_time),
+        force: [zero; 3],
+        eddy_factor: Lanes::splat(simd, common.eddy_factor),
+    };
+    let lanes = <P::Real>::lanes::<S>();
+    let (whole, count) = (cells.len() / lanes, cells.len().div_ceil(lanes));
+    let vectors_per_line = (LINE_BYTES / size_of::<P>() / lanes).max(1);
+    let first = cells.start;
+    // All are of one length, in a plain loop, and indexed alike: then the compiler checks once and needs one counter, not 19.
+    let end = first + count * lanes;
+    let mut kept: [&mut [P]; DIRECTION_COUNT] = std::array::from_fn(|_| Default::default());
+    for (direction, array) in arrays.iter_mut().enumerate() {
+        kept[direction] = &mut array[..end];
     }
-}
-
-/// Collides a run. The operator stands here once, for whole vectors and for what is left at the end: it is compiled for each operator, precision and set
-/// of instructions, and populations in 16 bits share what is compiled for single precision.
-struct Collide<'a, 'b, T, C, const FORCED: bool, const OWN_TIMES: bool> {
-    run: Run<'a, 'b, T>,
-    operator: PhantomData<C>,
-}
-
-impl<T: Real, C: Collision, const FORCED: bool, const OWN_TIMES: bool> WithSimd
-    for Collide<'_, '_, T, C, FORCED, OWN_TIMES>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Run {
-            arrays,
-            cells,
-            relaxation_time,
-            eddy_factor,
-            relaxation_times,
-            force,
-        } = self.run;
-        let zero = Lanes::splat(simd, T::default());
-        let mut local = Local {
-            relaxation_time: Lanes::splat(simd, relaxation_time),
-            force: [zero; 3],
-            eddy_factor: Lanes::splat(simd, eddy_factor),
-        };
-        let lanes = T::lanes::<S>();
-        let (whole, count) = (cells.len() / lanes, cells.len().div_ceil(lanes));
-        let first = cells.start / lanes;
-        // All are of one length, in a plain loop, and indexed alike: then the compiler leaves out the checks and needs one counter, not 19.
-        let mut vectors: [&mut [T::Vector<S>]; DIRECTION_COUNT] =
-            std::array::from_fn(|_| Default::default());
-        for (direction, array) in arrays.iter_mut().enumerate() {
-            vectors[direction] = &mut T::vectors_mut::<S>(array).0[..first + count];
-        }
-        let tau_vectors = &T::vectors::<S>(relaxation_times).0[..if OWN_TIMES { count } else { 0 }];
-        let mut force_vectors: [&[T::Vector<S>]; 3] = Default::default();
-        for a in 0..3 {
-            force_vectors[a] = &T::vectors::<S>(force[a]).0[..if FORCED { count } else { 0 }];
-        }
-        // What is written of it are the cells of the run alone; behind them lie ghost cells.
-        let mut last = [zero; DIRECTION_COUNT];
-        for i in 0..count {
-            // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
-            // (a fifth slower).
-            let place = std::hint::black_box(first + i);
-            let mut f = [zero; DIRECTION_COUNT];
+    let tau_vectors = &<P::Real>::vectors::<S>(tau).0[..if OWN_TIMES { count } else { 0 }];
+    let mut force_vectors: [&[<P::Real as Real>::Vector<S>]; 3] = Default::default();
+    for a in 0..3 {
+        force_vectors[a] = &<P::Real>::vectors::<S>(force[a]).0[..if FORCED { count } else { 0 }];
+    }
+    // What is written of it are the cells of the run alone; behind them lie ghost cells.
+    let mut last = [zero; DIRECTION_COUNT];
+    for i in 0..count {
+        // Opaque, so that the compiler keeps one counter: else it counts 19 addresses in memory, and their stores hold up those of the cells
+        // (a fifth slower).
+        let place = std::hint::black_box(first + i * lanes);
+        let vector = place..place + lanes;
+        if i % vectors_per_line == 0 {
             for direction in 0..DIRECTION_COUNT {
-                let vector = &vectors[direction][place];
-                prefetch(vector);
-                f[direction] = Lanes::new(simd, *vector);
-            }
-            if OWN_TIMES {
-                local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
-            }
-            if FORCED {
-                for a in 0..3 {
-                    local.force[a] = Lanes::new(simd, force_vectors[a][i]);
-                }
-            }
-            let out = C::collide::<_, FORCED>(&f, &local);
-            if i == whole {
-                last = out;
-                break;
-            }
-            for direction in 0..DIRECTION_COUNT {
-                vectors[opposite(direction)][place] = out[direction].vector;
+                prefetch(&kept[direction][place]);
             }
         }
-        if whole == count {
-            return;
-        }
-        let part = cells.start + whole * lanes..cells.end;
+        let mut f = [zero; DIRECTION_COUNT];
         for direction in 0..DIRECTION_COUNT {
-            let into = &mut arrays[opposite(direction)][part.clone()];
-            T::store_part(simd, into, last[direction].vector);
+            let kept = &kept[direction][vector.clone()];
+            f[direction] = Lanes::new(simd, P::load(simd, kept));
         }
+        if OWN_TIMES {
+            local.relaxation_time = Lanes::new(simd, tau_vectors[i]);
+        }
+        if FORCED {
+            for a in 0..3 {
+                local.force[a] = Lanes::new(simd, force_vectors[a][i]);
+            }
+        }
+        let out = C::collide::<_, FORCED>(&f, &local);
+        if i == whole {
+            last = out;
+            break;
+        }
+        for direction in 0..DIRECTION_COUNT {
+            let kept = &mut kept[opposite(direction)][vector.clone()];
+            P::store(simd, out[direction].vector, kept);
+        }
+    }
+    if whole == count {
+        return;
+    }
+    let part = cells.start + whole * lanes..cells.end;
+    for direction in 0..DIRECTION_COUNT {
+        let into = &mut arrays[opposite(direction)][part.clone()];
+        P::store_part(simd, last[direction].vector, into);
     }
 }
 

@@ -1,21 +1,43 @@
 //! How a population lies in memory: as the number that it is, or in 16 bits.
 //!
 //! In 16 bits it is scaled by 2^15. So the numbers near zero that shifted populations are keep their 11 bits down to 1.9e-9, and the largest is 2 (Lehmann et al.
-//! 2022, doi:10.1103/PhysRevE.106.015308, format FP16S). Arithmetic stays in single precision: a sweep unpacks a few cache lines of each array, collides
-//! them there, and packs them. Devices keep the same bits (`storage_f16.wgsl`).
+//! 2022, doi:10.1103/PhysRevE.106.015308, format FP16S). Arithmetic stays in single precision. Devices keep them in the same format (`storage_f16.wgsl`).
 
 use std::fmt::Debug;
 use std::ops::Range;
 
 use half::f16;
+use pulp::{Arch, Simd, WithSimd};
 
-use super::prefetch::prefetch;
 use super::sixteen_bits;
 use crate::lattice::grid::LINE_BYTES;
 use crate::lattice::{F16_SCALE, Real};
 
+/// Vectors of populations, for what [`Vectors::dispatch`] runs.
+pub(super) trait Vectors: Sized {
+    /// What they are computed in.
+    type Number: Real;
+
+    /// Runs `work` with vector instructions of this CPU.
+    fn dispatch<W: WithSimd>(instructions: Arch, work: W) -> W::Output {
+        instructions.dispatch(work)
+    }
+
+    /// Takes a whole vector.
+    fn load<S: Simd>(simd: S, kept: &[Self]) -> <Self::Number as Real>::Vector<S>;
+
+    /// Keeps a whole vector.
+    fn store<S: Simd>(simd: S, vector: <Self::Number as Real>::Vector<S>, into: &mut [Self]);
+
+    /// Keeps the first lanes, fewer than a vector has.
+    fn store_part<S: Simd>(simd: S, vector: <Self::Number as Real>::Vector<S>, into: &mut [Self]);
+}
+
 /// A population in memory.
-pub trait Stored: Copy + Debug + Default + PartialEq + Send + Sync + bytemuck::Pod {
+#[allow(private_bounds, reason = "vectors of 16 bits are for sweeps alone")]
+pub trait Stored:
+    Copy + Debug + Default + PartialEq + Send + Sync + bytemuck::Pod + Vectors<Number = Self::Real>
+{
     /// What it is computed in.
     type Real: Real;
 
@@ -42,8 +64,8 @@ pub trait Stored: Copy + Debug + Default + PartialEq + Send + Sync + bytemuck::P
         Self::room(arrays * CELLS_AT_ONCE)
     }
 
-    /// Lets `change` work on the values of `cells` of all arrays, in one or several runs: it gets the arrays, the cells in them, and the number of the run's first
-    /// cell among `cells`. Runs begin with a whole cache line where `cells` do.
+    /// Lets `change` work on the values of `cells` of all arrays, in one or several runs. It gets the arrays, the cells in them, and the number of the run's
+    /// first cell among `cells`.
     fn change<const N: usize>(
         arrays: &mut [&mut [Self]; N],
         cells: Range<usize>,
@@ -52,11 +74,30 @@ pub trait Stored: Copy + Debug + Default + PartialEq + Send + Sync + bytemuck::P
     );
 }
 
-/// Cells that are unpacked at once. Of all directions they take 10 kB, and are asked for when the ones before are unpacked.
+/// Cells that are unpacked at once.
 const CELLS_AT_ONCE: usize = 128;
 
 macro_rules! as_it_is {
     ($type:ty) => {
+        impl Vectors for $type {
+            type Number = Self;
+
+            #[inline(always)]
+            fn load<S: Simd>(_: S, kept: &[Self]) -> <Self as Real>::Vector<S> {
+                Self::vectors::<S>(kept).0[0]
+            }
+
+            #[inline(always)]
+            fn store<S: Simd>(_: S, vector: <Self as Real>::Vector<S>, into: &mut [Self]) {
+                Self::vectors_mut::<S>(into).0[0] = vector;
+            }
+
+            #[inline(always)]
+            fn store_part<S: Simd>(simd: S, vector: <Self as Real>::Vector<S>, into: &mut [Self]) {
+                <Self as Real>::store_part(simd, into, vector);
+            }
+        }
+
         impl Stored for $type {
             type Real = Self;
 
@@ -104,6 +145,32 @@ macro_rules! as_it_is {
 
 as_it_is!(f32);
 as_it_is!(f64);
+
+impl Vectors for f16 {
+    type Number = f32;
+
+    fn dispatch<W: WithSimd>(instructions: Arch, work: W) -> W::Output {
+        sixteen_bits::dispatch(instructions, work)
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(simd: S, kept: &[Self]) -> S::f32s {
+        sixteen_bits::load(simd, kept)
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(simd: S, vector: S::f32s, into: &mut [Self]) {
+        sixteen_bits::store(simd, vector, into);
+    }
+
+    #[inline(always)]
+    fn store_part<S: Simd>(simd: S, vector: S::f32s, into: &mut [Self]) {
+        let mut whole = [Self::default(); LINE_BYTES / size_of::<f32>()];
+        let whole = &mut whole[..S::F32_LANES];
+        sixteen_bits::store(simd, vector, whole);
+        into.copy_from_slice(&whole[..into.len()]);
+    }
+}
 
 impl Stored for f16 {
     type Real = f32;
@@ -153,11 +220,7 @@ impl Stored for f16 {
         while first < cells.end {
             let count = CELLS_AT_ONCE.min(cells.end - first);
             for (kept, values) in arrays.iter().zip(&mut unpacked) {
-                let kept = &kept[first..first + count];
-                for line in kept.chunks(LINE_BYTES / size_of::<Self>()) {
-                    prefetch(&line[0]);
-                }
-                Self::unpack(kept, &mut values[..count]);
+                Self::unpack(&kept[first..first + count], &mut values[..count]);
             }
             change(&mut unpacked, 0..count, first - cells.start);
             for (kept, values) in arrays.iter_mut().zip(&unpacked) {
