@@ -13,26 +13,43 @@ pub(super) fn arc_point(extra: f64, t: f64) -> [f64; 2] {
     if extra <= 0.0 {
         return [t, 0.0];
     }
-    let half = half_angle(1.0 + extra);
+    let half = half_angle(extra);
     // Radius per w: ½/sin θ; the arc runs from −θ to θ.
     let angle = half * (2.0 * t - 1.0);
     let radius = 0.5 / half.sin();
     [
         0.5 + radius * angle.sin(),
-        radius * (angle.cos() - half.cos()),
+        // That times cos of the angle less cos θ, which small angles would leave without digits.
+        2.0 * radius * (half * t).sin() * (half * (1.0 - t)).sin(),
     ]
 }
 
-/// θ of θ/sin θ = ratio, 0 to π/2 for ratios up to π/2.
-fn half_angle(ratio: f64) -> f64 {
+/// Terms of the series in `half_angle`: up to π/2 those left out are below round-off.
+const SERIES_TERMS: usize = 14;
+
+/// θ of θ/sin θ = 1 + extra, 0 to π/2 for extras up to π/2 − 1.
+fn half_angle(extra: f64) -> f64 {
     // θ/sin θ ≈ 1 + θ²/6 to begin with.
-    let mut angle = (6.0 * (ratio - 1.0)).sqrt().min(1.5);
+    let mut angle = (6.0 * extra).sqrt().min(1.5);
+    if angle <= 0.0 {
+        return 0.0;
+    }
     for _ in 0..50 {
-        let (sin, cos) = angle.sin_cos();
-        let slope = (sin - angle * cos) / (sin * sin);
-        let step = (angle / sin - ratio) / slope;
+        let square = angle * angle;
+        // (θ − sin θ)/θ³ and (sin θ − θ cos θ)/θ³ as series: differences of small angles have no digits.
+        let (mut less_sine, mut less_cosine) = (0.0, 0.0);
+        let mut term = 1.0 / 6.0;
+        for k in 0..SERIES_TERMS {
+            let even = 2.0 * k as f64 + 2.0;
+            less_sine += term;
+            less_cosine += even * term;
+            term *= -square / ((even + 2.0) * (even + 3.0));
+        }
+        let ratio = angle / angle.sin();
+        let slope = angle * ratio * ratio * less_cosine;
+        let step = (square * less_sine * ratio - extra) / slope;
         angle -= step;
-        if step.abs() < 1e-15 {
+        if step.abs() <= 1e-15 * angle {
             break;
         }
     }
@@ -213,5 +230,32 @@ mod tests {
             assert!((length - 1.0 - extra).abs() < 1e-6, "{extra} {length}");
             assert!(points[0][0].abs() < 1e-12 && points[4000][1].abs() < 1e-12);
         }
+    }
+
+    /// Flat arcs have the angle of the series θ² = 6 b (1 − 7 b/10 + 94 b²/175 − …) and stand out by tan(θ/2)/2, however little their ballooning b is.
+    #[test]
+    fn flat_arcs_follow_their_series() {
+        let ladder = (1..=12).map(|k| 10f64.powi(-k));
+        for extra in ladder.chain([1e-17, 1e-100]) {
+            let series = 1.0 - 0.7 * extra + 94.0 / 175.0 * extra * extra;
+            let expected = (6.0 * extra * series).sqrt();
+            let allowed = 0.3 * extra.powi(3) + 1e-14;
+            let angle = half_angle(extra);
+            assert!(
+                (angle / expected - 1.0).abs() < allowed,
+                "{extra:e}: {angle:e} {expected:e}"
+            );
+            let [along, out] = arc_point(extra, 0.5);
+            let height = 0.5 * (0.5 * expected).tan();
+            assert!((along - 0.5).abs() < 1e-15, "{extra:e}: {along}");
+            assert!(
+                (out / height - 1.0).abs() < 2.0 * allowed,
+                "{extra:e}: {out:e} {height:e}"
+            );
+            let [along, out] = arc_point(extra, 1.0);
+            assert!((along - 1.0).abs() < 1e-15 && out == 0.0, "{along} {out}");
+        }
+        assert_eq!(half_angle(0.0), 0.0);
+        assert_eq!(arc_point(0.0, 0.25), [0.25, 0.0]);
     }
 }
