@@ -77,22 +77,11 @@ impl Wing {
                 "a wing needs at least one strip".to_owned(),
             ));
         }
-        let mut lengths = vec![0.0];
-        for pair in self.stations.windows(2) {
-            let step = pair[1].position_m - pair[0].position_m;
-            let last = lengths[lengths.len() - 1];
-            lengths.push(last + DVec2::new(step.y, step.z).length());
-        }
-        let whole = lengths[lengths.len() - 1];
-        let stations = (0..=strips)
-            .map(|k| {
-                let u = k as f64 / strips as f64;
-                let cosine = if self.is_symmetric {
-                    (0.5 * std::f64::consts::PI * u).sin()
-                } else {
-                    0.5 * (1.0 - (std::f64::consts::PI * u).cos())
-                };
-                let at = whole * (clustering * cosine + (1.0 - clustering) * u);
+        let lengths = self.lengths_m();
+        let stations = self
+            .strip_ends_m(strips, clustering)
+            .into_iter()
+            .map(|at| {
                 let k = lengths
                     .partition_point(|&l| l <= at)
                     .saturating_sub(1)
@@ -105,6 +94,35 @@ impl Wing {
             stations,
             ..self.clone()
         })
+    }
+
+    /// Lengths along the span's polygon up to every station [m].
+    #[must_use]
+    pub fn lengths_m(&self) -> Vec<f64> {
+        let mut passed = 0.0;
+        let steps = self.stations.windows(2).map(|pair| {
+            let step = pair[1].position_m - pair[0].position_m;
+            passed += DVec2::new(step.y, step.z).length();
+            passed
+        });
+        std::iter::once(0.0).chain(steps).collect()
+    }
+
+    /// Lengths along the span's polygon at which the strips of [`Self::divided`] end [m], `[strips + 1]`. Between them is more than the distance of
+    /// their ends where the polygon has a corner within a strip.
+    #[must_use]
+    pub fn strip_ends_m(&self, strips: usize, clustering: f64) -> Vec<f64> {
+        let whole = self.lengths_m().last().copied().unwrap_or(0.0);
+        let share = |k: usize| {
+            let u = k as f64 / strips as f64;
+            let cosine = if self.is_symmetric {
+                (0.5 * std::f64::consts::PI * u).sin()
+            } else {
+                0.5 * (1.0 - (std::f64::consts::PI * u).cos())
+            };
+            clustering * cosine + (1.0 - clustering) * u
+        };
+        (0..=strips).map(|k| whole * share(k)).collect()
     }
 
     /// Area of the chords, the wing laid flat [m²]; of a symmetric one both halves.

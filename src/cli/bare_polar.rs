@@ -107,14 +107,7 @@ fn failed(error: &OutputError) -> Failure {
 
 /// What `ripstop check` prints of a wing by itself.
 pub(super) fn outlook(case: &Case, wing: &BareWing) -> String {
-    let side = 2 * wing.panels_per_side * wing.strips + wing.panels_per_side;
-    let doubled = wing.wing.is_symmetric && wing.sideslip_deg != 0.0;
-    let panels = if doubled { 2 * side } else { side };
-    let strips = if doubled {
-        2 * wing.strips
-    } else {
-        wing.strips
-    };
+    let [panels, strips] = polar::panels_and_strips(wing);
     let chords = wing.wing.stations.iter().map(|s| s.chord_m);
     let longest = chords.fold(0.0, f64::max);
     let mut rows = vec![

@@ -12,4 +12,4 @@ mod solve;
 
 pub use numbers::{Numbers, numbers};
 pub use sections::{LEAST_REYNOLDS, SectionsOfWing, sections};
-pub use solve::{Coefficients, Point, Polar, StripLoad, matrix_bytes, solve};
+pub use solve::{Coefficients, Point, Polar, StripLoad, matrix_bytes, panels_and_strips, solve};

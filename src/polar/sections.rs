@@ -1,6 +1,5 @@
 //! Polars of the strips of a wing.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::aero::AeroError;
@@ -29,6 +28,8 @@ pub struct SectionsOfWing {
     pub wing: Wing,
     /// Of every strip.
     pub strips: Vec<(Polar, SectionFlow)>,
+    /// Width of every strip along the span's polygon of the case [m]. Where an arch is cut into few strips, their panels are narrower.
+    pub widths_m: Vec<f64>,
     /// Reynolds number of every strip, on its chord.
     pub reynolds: Vec<f64>,
     /// Whether strips with computed polars lie below the least Reynolds number for which these are computed.
@@ -63,7 +64,8 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
         }
     }
     let wing = case.wing.divided(case.strips, case.tip_clustering)?;
-    let places = places(case, &wing);
+    let cuts_m = case.wing.strip_ends_m(case.strips, case.tip_clustering);
+    let places = places(case, &wing, &cuts_m);
     let flows: Vec<SectionFlow> = (case.profiles.par_iter())
         .map(|profile| SectionFlow::of(&profile.outline))
         .collect::<Result<_, _>>()?;
@@ -90,6 +92,7 @@ pub fn sections(case: &BareWing) -> Result<SectionsOfWing, AeroError> {
     });
     Ok(SectionsOfWing {
         strips: strips.collect(),
+        widths_m: cuts_m.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         below_range: places.iter().any(|place| {
             let numbers = [0, 1].map(|k| case.station_profiles[place.station + k]);
             let is_computed = numbers.iter().any(|&number| families[number].is_computed);
@@ -181,10 +184,11 @@ fn members(reynolds: &[f64]) -> Vec<f64> {
     vec![low, (low * high).sqrt(), high]
 }
 
-fn places(case: &BareWing, divided: &Wing) -> Vec<Place> {
-    let ends = lengths(&case.wing);
-    let at = lengths(divided);
-    at.windows(2)
+/// Where the strips of the divided wing lie that end at these lengths along the span's polygon of the case [m].
+fn places(case: &BareWing, divided: &Wing, cuts_m: &[f64]) -> Vec<Place> {
+    let ends = case.wing.lengths_m();
+    cuts_m
+        .windows(2)
         .zip(divided.stations.windows(2))
         .map(|(pair, stations)| {
             let middle = 0.5 * (pair[0] + pair[1]);
@@ -199,15 +203,4 @@ fn places(case: &BareWing, divided: &Wing) -> Vec<Place> {
             }
         })
         .collect()
-}
-
-/// Lengths along the span's polygon up to every station [m].
-fn lengths(wing: &Wing) -> Vec<f64> {
-    let mut passed = 0.0;
-    let steps = wing.stations.windows(2).map(|pair| {
-        let step = pair[1].position_m - pair[0].position_m;
-        passed += DVec2::new(step.y, step.z).length();
-        passed
-    });
-    std::iter::once(0.0).chain(steps).collect()
 }

@@ -6,7 +6,7 @@ use super::sections::{SectionsOfWing, sections};
 use crate::aero::AeroError;
 use crate::aero::decambering::{AGREEMENT, Branch, Decambering, Section, ViscousFlow};
 use crate::aero::potential_flow::{self, MEMORY_LIMIT, PotentialFlow};
-use crate::aero::surface::{PanelSurface, Wing};
+use crate::aero::surface::{PanelSurface, Station, Wing};
 use crate::case::bare_wing::BareWing;
 
 /// Lift coefficients of both branches farther apart than this belong to two solutions. Viscosity that was needed where a search began moves the one solution that there is by up to 0.003.
@@ -46,7 +46,7 @@ pub struct StripLoad {
     pub place_m: DVec3,
     /// Chord [m].
     pub chord_m: f64,
-    /// Length along the span [m].
+    /// Length along the span's polygon of the case [m].
     pub width_m: f64,
     /// Reynolds number on its chord.
     pub reynolds: f64,
@@ -96,6 +96,22 @@ pub struct Polar {
 #[must_use]
 pub const fn matrix_bytes(panels: usize, strips: usize) -> u64 {
     potential_flow::memory_bytes(panels, strips)
+}
+
+/// Panels, the caps' included, and strips of what is computed: of half of a symmetric wing in a stream along it, else of the whole.
+#[must_use]
+pub fn panels_and_strips(case: &BareWing) -> [usize; 2] {
+    let wing = &case.wing;
+    let in_sideslip = case.sideslip_deg != 0.0;
+    // A tip that ends in a point needs no cap.
+    let cap = |tip: Option<&Station>| usize::from(tip.is_some_and(|tip| tip.chord_m > 0.0));
+    let [first, last] = [wing.stations.first(), wing.stations.last()].map(cap);
+    let (strips, caps) = match (wing.is_symmetric, in_sideslip) {
+        (true, false) => (case.strips, last),
+        (true, true) => (2 * case.strips, 2 * last),
+        (false, _) => (case.strips, first + last),
+    };
+    [case.panels_per_side * (2 * strips + caps), strips]
 }
 
 /// Computes all angles.
@@ -219,8 +235,7 @@ fn moment_of_sections(
     let pressures = viscous.flow.pressure_coefficients(surface);
     let along = stream.normalize_or_zero();
     let of_drag = |j: usize| {
-        let area_m2 = surface.chord_m(j) * surface.span_m(j).length();
-        let drag_n = dynamic_pa * area_m2 * sections.strips[j].0.drag(viscous.effective_rad[j]);
+        let drag_n = dynamic_pa * drag_area_m2(sections, surface, viscous, j);
         (quarter_m(surface, j) - case.moment_point_m).cross(along * drag_n)
     };
     let of_strip = |j: usize| {
@@ -252,6 +267,17 @@ fn moment_of_sections(
     }
 }
 
+/// Drag of a strip's section over the dynamic pressure [m²].
+fn drag_area_m2(
+    sections: &SectionsOfWing,
+    surface: &PanelSurface,
+    viscous: &ViscousFlow,
+    strip: usize,
+) -> f64 {
+    let drag = sections.strips[strip].0.drag(viscous.effective_rad[strip]);
+    surface.chord_m(strip) * sections.widths_m[strip] * drag
+}
+
 /// The quarter of a strip's chord, in its middle [m].
 fn quarter_m(surface: &PanelSurface, strip: usize) -> DVec3 {
     let edge = |i: usize| {
@@ -271,16 +297,19 @@ fn coefficients(
     let stream = viscous.flow.stream_m_s;
     let dynamic_pa = 0.5 * case.density_kg_m3 * stream.length_squared();
     let area = dynamic_pa * case.reference_area_m2;
-    let [lift, induced, profile] = viscous.lift_and_drags_n(surface, case.density_kg_m3);
+    let far = viscous.flow.trefftz_forces(surface, case.density_kg_m3);
+    let of_strip = |j: usize| drag_area_m2(sections, surface, viscous, j);
+    let half_m2: f64 = (0..surface.spanwise).map(of_strip).sum();
+    let halves = if surface.is_symmetric { 2.0 } else { 1.0 };
     let near = viscous
         .flow
         .pressure_forces(surface, case.density_kg_m3, case.moment_point_m);
     let sections_n_m = moment_of_sections(case, sections, surface, viscous);
     let moment = (near.moment_n_m + sections_n_m) / (area * case.reference_chord_m);
     Coefficients {
-        lift: lift / area,
-        induced_drag: induced / area,
-        profile_drag: profile / area,
+        lift: far.lift_n / area,
+        induced_drag: far.induced_drag_n / area,
+        profile_drag: halves * half_m2 / case.reference_area_m2,
         side_force: near.force_n.y / area,
         rolling_moment: -moment.x,
         pitching_moment: moment.y,
@@ -301,7 +330,7 @@ fn loads(
             StripLoad {
                 place_m: quarter_m(surface, j),
                 chord_m: surface.chord_m(j),
-                width_m: surface.span_m(j).length(),
+                width_m: sections.widths_m[j],
                 reynolds: sections.reynolds[j],
                 lift: lifts[j],
                 drag: polar.drag(angle),
@@ -310,4 +339,140 @@ fn loads(
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::aero::polar::{Polar as PolarOfSection, PolarPoint};
+    use crate::case::bare_wing::{BareProfile, SectionPolar};
+    use crate::geometry::profile::Profile;
+
+    /// Drag coefficient of all sections.
+    const DRAG: f64 = 0.01;
+
+    /// A polar whose lift runs through three points at −0.2, 0 and 0.2 rad.
+    fn polar(lifts: [f64; 3]) -> SectionPolar {
+        let points = [-0.2, 0.0, 0.2].into_iter().zip(lifts);
+        let points = points.map(|(angle_rad, lift)| PolarPoint {
+            angle_rad,
+            lift,
+            drag: DRAG,
+            moment: None,
+        });
+        SectionPolar::Given(PolarOfSection::new(points.collect()).unwrap())
+    }
+
+    /// A wing of equal strips through points along its span, each with its chord [m]; the last station has the second profile.
+    fn wing(points: &[([f64; 2], f64)], is_symmetric: bool, polars: [SectionPolar; 2]) -> BareWing {
+        let outline = Arc::new(Profile::naca("0012").unwrap());
+        let stations = points.iter().map(|&([y, z], chord_m)| Station {
+            position_m: DVec3::new(0.0, y, z),
+            chord_m,
+            twist_rad: 0.0,
+            roll_rad: 0.0,
+            profile: Arc::clone(&outline),
+        });
+        let mut wing = Wing {
+            stations: stations.collect(),
+            chord_fraction: 0.25,
+            is_symmetric,
+        };
+        wing.roll_along_span();
+        let profiles = polars.map(|polar| BareProfile {
+            name: "given".to_owned(),
+            outline: Arc::clone(&outline),
+            polar,
+        });
+        let mut station_profiles = vec![0; points.len()];
+        station_profiles[points.len() - 1] = 1;
+        BareWing {
+            reference_area_m2: wing.flat_area_m2(),
+            wing,
+            station_profiles,
+            profiles: profiles.into(),
+            speed_m_s: 10.0,
+            density_kg_m3: 1.2,
+            viscosity_m2_s: 1.5e-5,
+            angles_deg: vec![4.0],
+            sideslip_deg: 0.0,
+            reference_chord_m: 1.0,
+            moment_point_m: DVec3::ZERO,
+            panels_per_side: 6,
+            strips: 3,
+            tip_clustering: 0.0,
+        }
+    }
+
+    /// A strip across a corner of the span is as wide as the wing is long there, and the strips beyond it lie where the wing has them.
+    #[test]
+    fn strips_are_measured_along_the_wing() {
+        // 3 m outwards, 3 m down; along the second half the lift coefficient rises from 0 to 1.
+        let points = [([0.0, 0.0], 1.0), ([3.0, 0.0], 1.0), ([3.0, -3.0], 1.0)];
+        let found = sections(&wing(&points, true, [polar([0.0; 3]), polar([1.0; 3])])).unwrap();
+        for width in &found.widths_m {
+            assert!((width - 2.0).abs() < 1e-12, "{:?}", found.widths_m);
+        }
+        // Middles are 1, 3 and 5 m along.
+        for ((polar, _), expected) in found.strips.iter().zip([0.0, 0.0, 2.0 / 3.0]) {
+            let lift = polar.lift(0.05).0;
+            assert!((lift - expected).abs() < 1e-9, "{lift} {expected}");
+        }
+    }
+
+    /// An arch in two strips is as long as its own polygon. Sections of one drag coefficient make it the wing's, on the area laid flat.
+    #[test]
+    fn an_arch_of_few_strips_has_its_drag() {
+        let arch: Vec<([f64; 2], f64)> = (0..=24)
+            .map(|k| {
+                let (sin, cos) = (f64::from(k) * 2.5).to_radians().sin_cos();
+                ([5.0 * sin, 5.0 * (cos - 1.0)], 1.0)
+            })
+            .collect();
+        let lifts = [-0.9, 0.1, 1.1];
+        let mut case = wing(&arch, true, [polar(lifts), polar(lifts)]);
+        case.strips = 2;
+        let found = solve(&case).unwrap();
+        let point = &found.points[0];
+        let length: f64 = point.strips.iter().map(|strip| strip.width_m).sum();
+        // 24 chords of 2.5°.
+        let expected = 24.0 * 10.0 * 1.25f64.to_radians().sin();
+        assert!((length / expected - 1.0).abs() < 1e-12, "{length}");
+        let drag = point.coefficients.unwrap().profile_drag;
+        assert!((drag / DRAG - 1.0).abs() < 2e-3, "{drag}");
+    }
+
+    /// Panels and strips that are told beforehand are those of the surface: a cap at every tip that does not end in a point.
+    #[test]
+    fn panels_are_counted_before_they_are_made() {
+        let whole = |left_m: f64, right_m: f64| {
+            vec![
+                ([-3.0, 0.0], left_m),
+                ([0.0, 0.0], 1.0),
+                ([3.0, 0.2], right_m),
+            ]
+        };
+        let half = |tip_m: f64| vec![([0.0, 0.0], 1.0), ([3.0, 0.2], tip_m)];
+        for (points, is_symmetric, sideslip_deg, caps) in [
+            (half(0.6), true, 0.0, 1),
+            (half(0.6), true, 5.0, 2),
+            (half(0.0), true, 0.0, 0),
+            (half(0.0), true, 5.0, 0),
+            (whole(0.6, 0.8), false, 0.0, 2),
+            (whole(0.6, 0.8), false, 5.0, 2),
+            (whole(0.6, 0.0), false, 0.0, 1),
+            (whole(0.0, 0.8), false, 0.0, 1),
+        ] {
+            let lifts = [-0.9, 0.1, 1.1];
+            let mut case = wing(&points, is_symmetric, [polar(lifts), polar(lifts)]);
+            case.sideslip_deg = sideslip_deg;
+            let told = panels_and_strips(&case);
+            let found = solve(&case).unwrap();
+            let strips = found.points[0].strips.len();
+            assert_eq!(told, [found.panels, strips], "{points:?}");
+            assert_eq!(found.panels, 6 * (2 * strips + caps), "{points:?}");
+        }
+    }
 }
