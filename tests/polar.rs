@@ -15,6 +15,8 @@ pub fn trials() -> Vec<Trial> {
         plain("polar::sideslip_rolls_a_wing", sideslip),
         plain("polar::a_mesh_is_cut_into_its_wing", mesh),
         plain("polar::thin_and_missing_things_are_told", refused),
+        plain("polar::caps_are_counted", caps),
+        plain("polar::given_polars_know_no_brakes", given_polars),
         plain("polar::a_glider_over_bar_and_brakes", glider),
         plain("polar::a_polar_is_kept", kept),
     ]
@@ -294,6 +296,60 @@ fn refused() {
         "{}",
         output.errors
     );
+}
+
+/// `check` counts as many panels as the polar has: a wing from tip to tip has two caps.
+fn caps() {
+    let whole = SWEPT
+        .replace("sideslip_deg = 5.0", "symmetric = false")
+        .replace(
+            "[0.0, 0.0, 0.0], chord_m = 2.0",
+            "[0.0, -4.0, 0.0], chord_m = 2.0",
+        );
+    for (text, panels) in [(SWEPT.to_owned(), 340), (whole, 180)] {
+        let (folder, path) = with(&text);
+        let checked = ripstop(&["check", &path]);
+        let told = format!("{panels} unknowns");
+        assert!(checked.printed.contains(&told), "{}", checked.printed);
+        let out = folder.path().join("out");
+        let computed = ripstop(&["polar", &path, "--out", out.to_str().unwrap()]);
+        let told = format!("{panels} panels");
+        assert!(computed.printed.contains(&told), "{}", computed.printed);
+    }
+}
+
+/// Polars that are given do not know a turned trailing edge: `check` says so, and brakes are not swept over.
+fn given_polars() {
+    const CASE: &str = "cases/wing-school.toml";
+    const POLARS: &str =
+        "equilibrium.trim.polars={middle=[[-10.0,-0.9,0.02],[0.0,0.25,0.008],[10.0,1.25,0.015]]}";
+    const SAID: &str = "of the section as drawn: brakes count as a larger angle of attack";
+    let check =
+        |more: &[&str]| ripstop(&[&["check", CASE, "--variant", "quick"][..], more].concat());
+    let plain = check(&[]);
+    assert_eq!(plain.code, 0, "{}", plain.errors);
+    assert!(!plain.printed.contains(SAID), "{}", plain.printed);
+    let given = check(&["--set", POLARS]);
+    assert_eq!(given.code, 0, "{}", given.errors);
+    assert!(given.printed.contains(SAID), "{}", given.printed);
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let brakes = ["--vary", "structure.wing.brake_pull_m=0,0.2"];
+    for (command, asked) in [("polar", ["--brake", "0,0.2"]), ("sweep", brakes)] {
+        let arguments = [
+            command,
+            CASE,
+            "--set",
+            POLARS,
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        let output = ripstop(&[&arguments[..], &asked[..]].concat());
+        assert_eq!(output.code, 2, "{command}: {}", output.errors);
+        let said = output.errors.contains("equilibrium.trim.polars");
+        assert!(said, "{command}: {}", output.errors);
+        assert!(!out.exists(), "{command} left a folder");
+    }
 }
 
 /// A folder with a polar is taken again only where that is asked for; `check --expand` prints the case itself.

@@ -318,6 +318,12 @@ pub mod trim {
     /// Their moment about the hang points, over weight times height: the search ends at 1e-7 rad.
     pub const MOMENT: f64 = 1e-6;
 
+    /// Change of the drag coefficient of a section without an intake where other sections lose theirs: the wing flies at another angle, by some tenths of a degree.
+    pub const CLOSED_TIP: f64 = 1e-3;
+
+    /// Drag coefficient that an intake adds to its section, at least: 0.07 of its height, 0.035 of the chord, less what the angle changes.
+    pub const INTAKE: f64 = 2e-3;
+
     /// Volume inside panels against that between the ribs: both are polyhedra through points of the profile, over different places.
     pub const VOLUME: f64 = 0.02;
 

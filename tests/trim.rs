@@ -5,8 +5,9 @@ use libtest_mimic::Trial;
 use ripstop::aero::surface::PanelSurface;
 use ripstop::case::{self, Choices};
 use ripstop::geometry::wing::carried_over::{Meshed, carried_over};
-use ripstop::trim::Glider;
 use ripstop::trim::balance::stream;
+use ripstop::trim::skin::Skin;
+use ripstop::trim::{Glider, SectionSettings, Settings};
 
 use crate::command_line::{ripstop, root};
 use crate::engines::plain;
@@ -16,6 +17,7 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("trim::all_loads_are_in_balance", balance),
         plain("trim::the_air_sees_the_wing", skin),
+        plain("trim::closed_tips_have_no_drag_of_intakes", closed_tips),
         plain("trim::the_speed_bar_makes_faster", speed_bar),
         plain("trim::displacements_come_over_from_coarser_meshes", coarser),
         plain("trim::what_moves_is_told", unsettled),
@@ -156,6 +158,58 @@ fn skin() {
     assert_eq!(surface.panels.len(), glider.skin.panel_count());
     let ratio = surface.volume_m3() / wing.built.measures.section_volume_m3;
     assert!((ratio - 1.0).abs() < tolerance::VOLUME, "{ratio}");
+}
+
+/// Intakes give drag to the strips whose cells have one: those of the three closed cells at each tip have as little as in a wing without. Strips of several
+/// cells are open by the share of their area.
+fn closed_tips() {
+    let case = school(&[]);
+    let (wing, body) = (
+        case.scene.wing().unwrap(),
+        case.scene.body.as_ref().unwrap(),
+    );
+    let fly = |settings: &Settings| {
+        let diameters = &wing.line_diameters_m;
+        let glider = Glider::new(&wing.built, &body.structure, diameters, settings, 9.81).unwrap();
+        let designed = &body.structure.positions_m;
+        glider
+            .glide(designed, &glider.panel_nodes_m(designed), None)
+            .unwrap()
+    };
+    let settings = wing.trim.as_ref().unwrap();
+    let mut without = settings.clone();
+    let sections = &settings.sections;
+    without.sections = SectionSettings::new(sections.polars.clone(), sections.reynolds);
+    without.sections.surface_drag = sections.surface_drag;
+    let (with, without) = (fly(settings), fly(&without));
+    let closed_from = 1.0 - 2.0 * 3.0 / wing.built.cells as f64;
+    let (mut open, mut closed) = (0, 0);
+    for (a, b) in with.strips.iter().zip(&without.strips) {
+        let more = a.drag - b.drag;
+        if a.place > closed_from {
+            closed += 1;
+            assert!(more.abs() < tolerance::CLOSED_TIP, "{}: {more}", a.place);
+        } else {
+            open += 1;
+            assert!(more > tolerance::INTAKE, "{}: {more}", a.place);
+        }
+    }
+    assert_eq!((open, closed), (13, 3));
+    // Four strips of four cells each: the outermost has one open cell.
+    let skin = Skin::new(&wing.built, 4, 4);
+    let shares = skin.open_shares(&wing.built);
+    assert!(shares[..3].iter().all(|share| *share == 1.0), "{shares:?}");
+    let outermost: Vec<usize> = (0..wing.built.cells)
+        .filter(|cell| skin.strip_of(*cell) == 3)
+        .collect();
+    let area = |cell: &usize| wing.built.flat_cell_area_m2(*cell);
+    let is_open = |cell: &&usize| (3..wing.built.cells - 3).contains(*cell);
+    let opened: f64 = outermost.iter().filter(is_open).map(area).sum();
+    let expected = opened / outermost.iter().map(area).sum::<f64>();
+    assert!(
+        (shares[3] - expected).abs() < 1e-12,
+        "{shares:?} {expected}"
+    );
 }
 
 fn run(out: &std::path::Path, more: &[&str]) -> (crate::command_line::Finished, serde_json::Value) {

@@ -69,7 +69,7 @@ pub(super) fn check(
     let place = |place: f64| within(&key("transition"), place, 0.0, 1.0);
     let transition = match written.transition {
         Some([above, below]) => [Some(place(above)?), Some(place(below)?)],
-        None => [None, intake.map(|[_, to]| to)],
+        None => [None; 2],
     };
     let reynolds = share("reynolds_number", written.reynolds_number, 1.5e6, 1e5, 1e8)?;
     let mut sections = SectionSettings::new(polars, reynolds);

@@ -12,7 +12,7 @@ use super::log::{emit, say};
 use super::progress::Progress;
 use super::run::seconds;
 use super::signals::requests;
-use crate::case::Case;
+use crate::case::{Case, Problem};
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
 use crate::report;
@@ -29,6 +29,9 @@ const USUAL_RESULTS: [&str; 4] = [
 
 /// Columns of histories that are drawn where nothing is chosen, if the case has them.
 const USUAL_HISTORIES: [&str; 2] = ["projected_diameter_ratio", "drag_coefficient"];
+
+/// Key of the pull on a wing's brakes.
+pub(super) const BRAKE_PULL: &str = "structure.wing.brake_pull_m";
 
 #[derive(Debug, Args)]
 pub(super) struct SweepArguments {
@@ -77,8 +80,9 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
     for point in &points {
         cases.push(arguments.case.load(&point.overrides())?);
     }
-    for case in &cases {
+    for (point, case) in points.iter().zip(&cases) {
         refuse_bare_wing(case)?;
+        refuse_brakes(point, case)?;
     }
     let Some(first) = cases.first() else {
         return Err(usage("there is no run".to_owned()));
@@ -138,6 +142,26 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
 
 fn output_failed(error: OutputError) -> Failure {
     Failure::Other(exit::OUTPUT_FAILED, error.to_string())
+}
+
+/// Refuses brakes of a sweep on sections whose polars are given: these do not know the turned trailing edge.
+fn refuse_brakes(point: &Point, case: &Case) -> Result<(), Failure> {
+    let is_pulled = point.values.iter().any(|(key, value)| {
+        key == BRAKE_PULL && value.parse::<f64>().is_ok_and(|pull_m| pull_m > 0.0)
+    });
+    let trim = case.scene.wing().and_then(|wing| wing.trim.as_ref());
+    let is_given = trim.is_some_and(|trim| trim.sections.polars.iter().any(Option::is_some));
+    if !(is_pulled && is_given) {
+        return Ok(());
+    }
+    Err(Failure::Case(case.error(Problem::new(
+        "equilibrium.trim.polars",
+        format!(
+            "in {}: a sweep of brakes needs polars of turned trailing edges; those of equilibrium.trim.polars are of sections as drawn",
+            case.name
+        ),
+        "leave the brakes out, or the polars (`--set equilibrium.trim.polars=absent`): they are computed then, at every turn of the trailing edge",
+    ))))
 }
 
 /// The results and histories to show: those asked for, which must exist, or the usual ones.

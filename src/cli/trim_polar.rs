@@ -5,7 +5,7 @@ use super::exit;
 use super::failure::Failure;
 use super::log::emit;
 use super::polar_arguments::PolarArguments;
-use super::sweep::{SweepArguments, sweep_of};
+use super::sweep::{BRAKE_PULL, SweepArguments, sweep_of};
 use crate::case::{Case, Problem};
 use crate::measure;
 use crate::sweep::{Chosen, Vary};
@@ -78,7 +78,7 @@ pub(super) fn polar(arguments: &PolarArguments, case: &Case) -> Result<u8, Failu
         varies.push(vary(&format!("structure.wing.speed_bar.used={list}"))?);
     }
     if let Some(list) = &arguments.brake {
-        varies.push(vary(&format!("structure.wing.brake_pull_m={list}"))?);
+        varies.push(vary(&format!("{BRAKE_PULL}={list}"))?);
     }
     if let Some(list) = &arguments.mass {
         varies.push(vary(&format!("equilibrium.trim.pilot_mass_kg={list}"))?);

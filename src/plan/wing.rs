@@ -219,10 +219,16 @@ fn write_trim(out: &mut String, wing: &Wing, settings: &Settings) -> std::fmt::R
             "  polar of profile {}   {}",
             number + 1,
             if polar.is_some() {
-                "from the case".to_owned()
+                "from the case, of the section as drawn: brakes count as a larger angle of attack, not as a turned trailing edge"
+                    .to_owned()
             } else {
+                let intakes = if sections.intake.is_some() {
+                    " and of the intakes of open cells"
+                } else {
+                    ""
+                };
                 format!(
-                    "computed at a Reynolds number of {:.1e}, drag of surface {} and intakes added",
+                    "computed at a Reynolds number of {:.1e}, drag of surface {}{intakes} added",
                     sections.reynolds, sections.surface_drag
                 )
             }

@@ -6,6 +6,7 @@
 //!
 //! To the drag of the boundary layers come that of an intake, 0.07 of its height per chord (Babinsky 1999, as P. Heatwole's thesis, 2022, quotes it), and
 //! that of seams, wrinkles and pores, 0.004 (Ware & Hassell 1969, from the same): measured shares, not of these sections. Behind an intake the layer is turbulent.
+//! Cells without an intake have neither its drag nor its transition. A strip over cells of both kinds lies between both polars, by their areas.
 
 use std::sync::{Arc, OnceLock};
 
@@ -42,14 +43,34 @@ pub struct SectionSettings {
     pub reynolds: f64,
     /// Exponent of the amplification at which a laminar layer turns turbulent.
     pub critical_amplification: f64,
-    /// x/c above and below at which layers are turbulent at the latest.
+    /// x/c above and below at which layers are turbulent at the latest; below, `None` stands for the rear edge of an intake where there is one.
     pub transition: [Option<f64>; 2],
     /// Drag coefficient of seams, wrinkles and pores.
     pub surface_drag: f64,
-    /// Front and rear edge of the intakes, per chord.
+    /// Front and rear edge of the intakes of open cells, per chord.
     pub intake: Option<[f64; 2]>,
-    /// What was computed, shared by all that were cloned: no setting.
-    computed: Arc<Vec<[Computed; TURNS_DEG.len()]>>,
+    /// What was computed, by profile, nose and turn, shared by all that were cloned: no setting.
+    computed: Arc<Vec<[[Computed; TURNS_DEG.len()]; 2]>>,
+}
+
+/// The nose of a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Nose {
+    /// Without an intake.
+    Closed,
+    /// With one.
+    Open,
+}
+
+/// What the section of a strip follows from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FlownStrip {
+    /// Profiles that it lies between.
+    pub between: Between,
+    /// By how much its trailing edge is turned down [rad].
+    pub turn_rad: f64,
+    /// Share of its area whose cells have an intake.
+    pub open_share: f64,
 }
 
 /// A section at one turn of its trailing edge.
@@ -92,51 +113,62 @@ impl SectionSettings {
         }
     }
 
-    /// Polars and potential flow of strips, each between two profiles and with its trailing edge turned down by an angle [rad].
+    /// Polars and potential flow of strips.
     pub(super) fn of_strips(
         &self,
         profiles: &[Profile],
-        strips: &[(Between, f64)],
+        strips: &[FlownStrip],
     ) -> Result<Vec<Member>, AeroError> {
-        let mut needed: Vec<(usize, usize)> = strips
-            .iter()
-            .flat_map(|((numbers, _), turn)| {
-                let (turns, _) = place(*turn);
-                numbers
-                    .iter()
-                    .flat_map(move |n| turns.map(|turn| (*n, turn)))
-            })
-            .collect();
+        let mut needed = Vec::new();
+        for strip in strips {
+            let (turns, _) = place(strip.turn_rad);
+            for number in strip.between.0 {
+                for nose in noses(strip.open_share) {
+                    needed.extend(turns.map(|turn| (number, nose, turn)));
+                }
+            }
+        }
         needed.sort_unstable();
         needed.dedup();
         needed
             .into_par_iter()
-            .try_for_each(|(number, turn)| self.member(profiles, number, turn).map(|_| ()))?;
+            .try_for_each(|which| self.member(profiles, which).map(|_| ()))?;
         strips
             .iter()
-            .map(|(([a, b], share), turn)| {
-                let ([low, high], part) = place(*turn);
-                let of = |number: usize| -> Result<Member, AeroError> {
-                    let [low, high] = [low, high].map(|turn| self.member(profiles, number, turn));
+            .map(|strip| {
+                let ([low, high], part) = place(strip.turn_rad);
+                let of = |number: usize, nose: Nose| -> Result<Member, AeroError> {
+                    let [low, high] =
+                        [low, high].map(|turn| self.member(profiles, (number, nose, turn)));
                     Ok(mixed(low?, high?, part))
                 };
-                Ok(if a == b {
-                    of(*a)?
+                let ([a, b], share) = strip.between;
+                let with = |nose: Nose| -> Result<Member, AeroError> {
+                    Ok(if a == b {
+                        of(a, nose)?
+                    } else {
+                        mixed(&of(a, nose)?, &of(b, nose)?, share)
+                    })
+                };
+                let [closed, open] = noses(strip.open_share);
+                Ok(if closed == open {
+                    with(open)?
                 } else {
-                    mixed(&of(*a)?, &of(*b)?, *share)
+                    mixed(&with(closed)?, &with(open)?, strip.open_share)
                 })
             })
             .collect()
     }
 
+    /// One by the numbers of its profile and its turn.
     fn member(
         &self,
         profiles: &[Profile],
-        number: usize,
-        turn: usize,
+        (number, nose, turn): (usize, Nose, usize),
     ) -> Result<&Member, AeroError> {
-        let cell = &self.computed[number][turn];
-        cell.get_or_init(|| self.compute(&profiles[number], number, TURNS_DEG[turn].to_radians()))
+        let cell = &self.computed[number][nose as usize][turn];
+        let turn_rad = TURNS_DEG[turn].to_radians();
+        cell.get_or_init(|| self.compute(&profiles[number], (number, nose), turn_rad))
             .as_ref()
             .map_err(Clone::clone)
     }
@@ -144,7 +176,7 @@ impl SectionSettings {
     fn compute(
         &self,
         profile: &Profile,
-        number: usize,
+        (number, nose): (usize, Nose),
         turn_rad: f64,
     ) -> Result<Member, AeroError> {
         let given = self.polars.get(number).and_then(Option::as_ref);
@@ -155,16 +187,18 @@ impl SectionSettings {
         if let Some(polar) = given {
             return Ok((polar.clone(), flow));
         }
+        let intake = self.intake.filter(|_| nose == Nose::Open);
+        let [above, below] = self.transition;
         let conditions = Conditions {
             reynolds: self.reynolds,
             critical_amplification: self.critical_amplification,
-            forced_transition: self.transition,
+            forced_transition: [above, below.or(intake.map(|[_, to]| to))],
         };
-        let intake = self.intake.map_or(0.0, |[from, to]| {
+        let intake_drag = intake.map_or(0.0, |[from, to]| {
             let lip = |x: f64| DVec2::new(x, profile.height(Side::Lower, x));
             INTAKE_DRAG * lip(from).distance(lip(to))
         });
-        let computed = viscous_polar(&outline, &conditions, self.surface_drag + intake);
+        let computed = viscous_polar(&outline, &conditions, self.surface_drag + intake_drag);
         let computed = computed.map_err(|why| {
             AeroError::Polar(format!(
                 "of profile {}, trailing edge turned by {:.0} degrees: {why}; give [equilibrium.trim.polars]",
@@ -173,6 +207,17 @@ impl SectionSettings {
             ))
         })?;
         Ok((computed.polar, flow))
+    }
+}
+
+/// The noses that a strip has; where one has no share, the other twice: it is not asked for.
+fn noses(open_share: f64) -> [Nose; 2] {
+    if open_share <= 0.0 {
+        [Nose::Closed; 2]
+    } else if open_share >= 1.0 {
+        [Nose::Open; 2]
+    } else {
+        [Nose::Closed, Nose::Open]
     }
 }
 
@@ -326,12 +371,21 @@ mod tests {
         assert!(!is_within_turns(f64::NAN));
     }
 
-    /// A turned trailing edge lifts at a smaller angle and has more drag; an intake adds its drag; given polars stand for all turns.
+    /// A strip of the first profile.
+    fn strip(turn_deg: f64, open_share: f64) -> FlownStrip {
+        FlownStrip {
+            between: ([0, 0], 0.0),
+            turn_rad: turn_deg.to_radians(),
+            open_share,
+        }
+    }
+
+    /// A turned trailing edge lifts at a smaller angle and has more drag; given polars stand for all turns.
     #[test]
     fn brakes_lift_and_hold_back() {
         let profiles = [Profile::naca("2417").unwrap()];
-        let mut settings = SectionSettings::new(vec![None], 1.5e6);
-        let strips = [0.0f64, 12.0].map(|degrees| (([0, 0], 0.0), degrees.to_radians()));
+        let settings = SectionSettings::new(vec![None], 1.5e6);
+        let strips = [0.0f64, 12.0].map(|degrees| strip(degrees, 1.0));
         let found = settings.of_strips(&profiles, &strips).unwrap();
         let [straight, braked] = &found[..] else {
             panic!()
@@ -349,15 +403,40 @@ mod tests {
         };
         let drags = [straight, braked].map(|member| at_lift(&member.0));
         assert!(drags[1] > 1.1 * drags[0], "{drags:?}");
-        settings = SectionSettings::new(vec![None], 1.5e6);
-        settings.intake = Some([0.004, 0.03]);
-        settings.surface_drag = 0.004;
-        let with = settings.of_strips(&profiles, &strips[..1]).unwrap();
-        let more = with[0].0.drag(0.05) - straight.0.drag(0.05);
-        assert!((0.005..0.008).contains(&more), "{more}");
         let given = straight.0.clone();
         let settings = SectionSettings::new(vec![Some(given.clone())], 1.5e6);
         let found = settings.of_strips(&profiles, &strips).unwrap();
         assert_eq!(found[1].0.lift(0.05), given.lift(0.05));
+    }
+
+    /// A closed nose has the drag of seams alone and its laminar layer; an open one that of the intake and of the turbulent layer behind it; a strip with both the mean.
+    #[test]
+    fn closed_noses_have_no_drag_of_intakes() {
+        let profiles = [Profile::naca("2417").unwrap()];
+        let plain = SectionSettings::new(vec![None], 1.5e6);
+        let plain = plain.of_strips(&profiles, &[strip(0.0, 0.0)]).unwrap();
+        let mut settings = SectionSettings::new(vec![None], 1.5e6);
+        settings.intake = Some([0.004, 0.03]);
+        settings.surface_drag = 0.004;
+        let strips = [0.0, 1.0, 0.25].map(|open_share| strip(0.0, open_share));
+        let found = settings.of_strips(&profiles, &strips).unwrap();
+        let drag = |member: &Member| member.0.drag(0.05);
+        let [closed, open, both] = [0, 1, 2].map(|k| drag(&found[k]));
+        let seams = closed - drag(&plain[0]);
+        assert!((seams - 0.004).abs() < 1e-12, "{seams}");
+        let lip = |x: f64| DVec2::new(x, profiles[0].height(Side::Lower, x));
+        let intake = 0.07 * lip(0.004).distance(lip(0.03));
+        // A plate's laminar layer has 0.0011 at this Reynolds number, a turbulent one 0.0043.
+        let layer = open - closed - intake;
+        assert!((0.0003..0.0035).contains(&layer), "{layer} {intake}");
+        let mean = closed + 0.25 * (open - closed);
+        assert!((both - mean).abs() < 1e-6, "{both} {mean}");
+        // Transition that is told holds everywhere.
+        settings = SectionSettings::new(vec![None], 1.5e6);
+        settings.intake = Some([0.004, 0.03]);
+        settings.transition = [Some(0.5), Some(0.4)];
+        let found = settings.of_strips(&profiles, &strips[..2]).unwrap();
+        let more = drag(&found[1]) - drag(&found[0]);
+        assert!((more - intake).abs() < 1e-9, "{more} {intake}");
     }
 }

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::balance::{self, Balance, Sums, Weights, stream, turned};
-use super::flown_sections::{Between, is_within_turns, turn_rad};
+use super::flown_sections::{Between, FlownStrip, is_within_turns, turn_rad};
 use super::mouth::pressure_inside;
 use super::outer::OuterPressure;
 use super::skin::Skin;
@@ -46,6 +46,8 @@ pub struct Glider<'a> {
     pub skin: Skin,
     /// Profiles that every strip lies between.
     between: Vec<Between>,
+    /// Share of every strip's area whose cells have an intake.
+    open_shares: Vec<f64>,
     /// Fabric of the panels of each strip, both halves [m²].
     strip_fabric_m2: Vec<f64>,
     /// Between the points where the risers hang.
@@ -176,6 +178,7 @@ impl<'a> Glider<'a> {
             settings,
             diameters_m,
             gravity_m_s2,
+            open_shares: skin.open_shares(wing),
             skin,
             between,
             strip_fabric_m2,
@@ -231,10 +234,11 @@ impl<'a> Glider<'a> {
     ) -> Result<Flight, TrimError> {
         let around = 2 * self.settings.panels_per_side;
         let surface = PanelSurface::new(nodes_m.to_vec(), around, true, true)?;
-        let strips: Vec<(Between, f64)> = (self.between.iter().enumerate())
-            .map(|(j, &between)| {
-                let turn = turn_rad(&surface, j, &self.wing.profiles, between);
-                (between, turn)
+        let strips: Vec<FlownStrip> = (self.between.iter().zip(&self.open_shares).enumerate())
+            .map(|(j, (&between, &open_share))| FlownStrip {
+                between,
+                turn_rad: turn_rad(&surface, j, &self.wing.profiles, between),
+                open_share,
             })
             .collect();
         let found = self
@@ -264,7 +268,7 @@ impl<'a> Glider<'a> {
                     });
                 }
                 let mut flight = self.flight(positions_m, &surface, (balance, weights), sample);
-                flight.is_covered &= strips.iter().all(|(_, turn)| is_within_turns(*turn));
+                flight.is_covered &= strips.iter().all(|strip| is_within_turns(strip.turn_rad));
                 return Ok(flight);
             }
             start = balance.stream_rad;
@@ -454,7 +458,7 @@ impl<'a> Glider<'a> {
         let (mut sum, mut weight) = (0.0, 0.0);
         for cell in open {
             let pair = &self.wing.frames[cell..cell + 2];
-            let area = (pair[1].span_m - pair[0].span_m) * (pair[0].chord_m + pair[1].chord_m);
+            let area = self.wing.flat_cell_area_m2(cell);
             // Evenly in √(x/c), which is that along the outline near the nose.
             let ends = [intakes.from, intakes.to].map(f64::sqrt);
             let mut before: Vec<[f64; 2]> = Vec::with_capacity(INTAKE_POINTS + 1);

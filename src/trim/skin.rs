@@ -86,6 +86,22 @@ impl Skin {
         next.clamp(1, self.sections.len() - 1) - 1
     }
 
+    /// Share of the area of every strip, as designed, whose cells have an intake.
+    #[must_use]
+    pub fn open_shares(&self, wing: &BuiltWing) -> Vec<f64> {
+        let open = wing.intakes.map(|intakes| intakes.open_cells(wing.cells));
+        let mut areas = vec![[0.0; 2]; self.sections.len() - 1];
+        for cell in 0..wing.cells {
+            let [all, opened] = &mut areas[self.strip_of(cell)];
+            let area = wing.flat_cell_area_m2(cell);
+            *all += area;
+            if open.as_ref().is_some_and(|open| open.contains(&cell)) {
+                *opened += area;
+            }
+        }
+        areas.iter().map(|[all, opened]| opened / all).collect()
+    }
+
     /// Nodes of the panel surface for positions of the mesh [m], section by section as `PanelSurface::new` takes them.
     #[must_use]
     pub fn nodes_m(&self, wing: &BuiltWing, positions_m: &[DVec3]) -> Vec<DVec3> {

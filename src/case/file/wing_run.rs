@@ -40,14 +40,14 @@ pub struct Trim {
     pub line_drag_coefficient: Option<f64>,
     /// C_i of all cells; if absent it follows from the pressure along the open intakes (docs/wings.md). A closed wing must have it.
     pub internal_pressure_coefficient: Option<f64>,
-    /// Rows [angle in °, C_l, C_d] by name of the profile; absent: computed by boundary layers, for the flown turn of the trailing edge, too (docs/low-order-aerodynamics.md).
+    /// Rows [angle in °, C_l, C_d] by name of the profile; absent: computed by boundary layers, for the flown turn of the trailing edge, too (docs/low-order-aerodynamics.md). Given ones are of sections as drawn: a sweep of brakes is refused with them.
     #[serde(default)]
     pub polars: BTreeMap<String, Vec<[f64; 3]>>,
     /// Reynolds number of computed polars; 1.5e6 if absent.
     pub reynolds_number: Option<f64>,
     /// Exponent of the amplification at which a laminar layer turns turbulent, 0.5 to 20, of computed polars; 9 if absent.
     pub critical_amplification: Option<f64>,
-    /// Places x/c, above and below, at which layers are turbulent at the latest, of computed polars; absent: below at the rear edge of the intakes.
+    /// Places x/c, above and below, at which layers are turbulent at the latest, of computed polars; absent: below at the rear edge of the intakes, of cells that have one.
     pub transition: Option<[f64; 2]>,
     /// Drag coefficient of seams, wrinkles and pores, beside that of the intakes, of computed polars; 0.004 if absent (Ware & Hassell 1969).
     pub surface_drag_coefficient: Option<f64>,

@@ -48,6 +48,13 @@ impl BuiltWing {
         row
     }
 
+    /// Area of a cell as designed, laid flat [m²].
+    #[must_use]
+    pub fn flat_cell_area_m2(&self, cell: usize) -> f64 {
+        let [left, right] = [&self.frames[cell], &self.frames[cell + 1]];
+        0.5 * (right.span_m - left.span_m) * (left.chord_m + right.chord_m)
+    }
+
     /// Volume that a cell encloses between its panels and both ribs, intakes taken as closed [m³].
     #[must_use]
     pub fn cell_volume_m3(&self, cell: usize, positions_m: &[DVec3]) -> f64 {
