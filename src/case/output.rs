@@ -1,6 +1,6 @@
 //! `[output]`: what is written, and when.
 
-use super::file::File;
+use super::file::{self, File, Structure};
 use super::problem::Problem;
 use super::usual;
 use super::values::positive;
@@ -36,6 +36,7 @@ pub struct Output {
 /// Checks the table; intervals that are left out follow from the end of the run [s].
 pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
     let written = file.output.clone().unwrap_or_default();
+    refuse_unused(file, &written)?;
     let optional = |key: &str, value: Option<f64>| value.map(|v| positive(key, v)).transpose();
     Ok(Output {
         sample_interval_s: usual::or(
@@ -57,49 +58,114 @@ pub(super) fn check(file: &File, end_s: f64) -> Result<Output, Problem> {
             &FabricQuantity::ALL,
             FabricQuantity::name,
         )?,
-        picture_flow: picture_flow(file, written.picture_flow)?,
+        picture_flow: quantities(
+            "picture_flow",
+            written.picture_flow,
+            &FlowQuantity::ALL,
+            FlowQuantity::name,
+        )?,
         picture_arrows: usual::or("output.picture_arrows", written.picture_arrows, false),
         animation_interval_s: animation_interval(written.animation_interval_s, end_s)?,
-        wing_panels: wing_panels(file, written.wing_panels)?,
+        wing_panels: wing_panels(file, written.wing_panels),
         history_plots: usual::or("output.history_plots", written.history_plots, false),
     })
 }
 
-/// Panels laid flat; refused without a wing.
-fn wing_panels(file: &File, written: Option<bool>) -> Result<bool, Problem> {
-    let has_wing = file.wing().is_some();
-    if written.is_some() && !has_wing {
-        return Err(Problem::new(
-            "output.wing_panels",
-            "output.wing_panels has no effect: there is no wing",
-            "remove it, or describe a wing in [structure.wing]",
-        ));
+/// Something that a key needs: whether the case has it, what is said where it does not, and what brings it.
+type Need = (bool, &'static str, &'static str);
+
+/// Refuses keys that nothing in the case would read.
+fn refuse_unused(file: &File, written: &file::Output) -> Result<(), Problem> {
+    let of = |what: fn(&Structure) -> bool| file.structure.as_ref().is_some_and(what);
+    let structure = file.structure.is_some();
+    let bodies = !file.bodies.is_empty();
+    let time: Need = (file.time.is_some(), "there is no motion", "add [time]");
+    let air: Need = (file.air.is_some(), "there is no air", "add [air]");
+    let any: Need = (
+        structure,
+        "there is no structure",
+        "describe one in [structure]",
+    );
+    let fabric: Need = (
+        of(|structure| !matches!(structure, Structure::Cable(_))),
+        "there is no fabric",
+        "describe a structure with fabric in [structure]",
+    );
+    let rigid: Need = (
+        bodies,
+        "there is no rigid body",
+        "describe one in [bodies.NAME]",
+    );
+    let surface: Need = (
+        structure || bodies,
+        "nothing stands in the air",
+        "describe a structure or a body",
+    );
+    let wing: Need = (
+        file.wing().is_some(),
+        "there is no wing",
+        "describe a wing in [structure.wing]",
+    );
+    for (key, present, needs) in [
+        (
+            "sample_interval_s",
+            written.sample_interval_s.is_some(),
+            &[time][..],
+        ),
+        (
+            "canopy_interval_s",
+            written.canopy_interval_s.is_some(),
+            &[any, time],
+        ),
+        (
+            "bodies_interval_s",
+            written.bodies_interval_s.is_some(),
+            &[rigid],
+        ),
+        ("flow_interval_s", written.flow_interval_s.is_some(), &[air]),
+        (
+            "picture_times_s",
+            written.picture_times_s.is_some(),
+            &[time],
+        ),
+        (
+            "picture_fabric",
+            written.picture_fabric.is_some(),
+            &[fabric],
+        ),
+        ("picture_flow", written.picture_flow.is_some(), &[air]),
+        ("picture_arrows", written.picture_arrows.is_some(), &[air]),
+        (
+            "animation_interval_s",
+            written.animation_interval_s.is_some(),
+            &[time],
+        ),
+        (
+            "history_plots",
+            written.history_plots.is_some(),
+            &[air, surface],
+        ),
+        ("wing_panels", written.wing_panels.is_some(), &[wing]),
+    ] {
+        let lacking = needs.iter().find(|(has, ..)| present && !has);
+        if let Some((_, lack, remedy)) = lacking {
+            return Err(Problem::new(
+                format!("output.{key}"),
+                format!("output.{key} has no effect: {lack}"),
+                format!("remove it, or {remedy}"),
+            ));
+        }
     }
-    Ok(match written {
-        Some(written) => written,
-        None if has_wing => usual::noted("output.wing_panels", false),
-        None => false,
-    })
+    Ok(())
 }
 
-/// What the slice of air shows; refused without air.
-fn picture_flow(
-    file: &File,
-    written: Option<Vec<FlowQuantity>>,
-) -> Result<Vec<FlowQuantity>, Problem> {
-    if written.is_some() && file.air.is_none() {
-        return Err(Problem::new(
-            "output.picture_flow",
-            "output.picture_flow has no effect: there is no air",
-            "remove it, or add [air]",
-        ));
+/// Panels laid flat, of a wing.
+fn wing_panels(file: &File, written: Option<bool>) -> bool {
+    match written {
+        Some(written) => written,
+        None if file.wing().is_some() => usual::noted("output.wing_panels", false),
+        None => false,
     }
-    quantities(
-        "picture_flow",
-        written,
-        &FlowQuantity::ALL,
-        FlowQuantity::name,
-    )
 }
 
 /// Most frames of an animation.
@@ -156,5 +222,89 @@ fn picture_times(times: Vec<f64>) -> Result<Vec<f64>, Problem> {
             format!("output.picture_times_s holds {t}"),
             "give times from 0, the release, on",
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::case::{Choices, SHIPPED, parse};
+
+    /// What a shipped case with a change is refused for; nothing where it is taken.
+    fn refused(name: &str, change: &str) -> Option<String> {
+        let (_, text) = SHIPPED.iter().find(|(known, _)| *known == name).unwrap();
+        let choices = Choices {
+            variant: None,
+            overrides: vec![format!("output.{change}")],
+        };
+        let read = parse(name, text, Path::new("cases"), &choices);
+        read.err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn keys_that_nothing_reads_are_refused() {
+        for (name, change, why) in [
+            ("hencky-disc", "sample_interval_s=0.1", "there is no motion"),
+            ("hencky-disc", "canopy_interval_s=0.1", "there is no motion"),
+            ("hencky-disc", "picture_times_s=[0.0]", "there is no motion"),
+            (
+                "hencky-disc",
+                "animation_interval_s=0.1",
+                "there is no motion",
+            ),
+            ("sphere", "canopy_interval_s=0.5", "there is no structure"),
+            (
+                "sphere",
+                "picture_fabric=[\"stress\"]",
+                "there is no fabric",
+            ),
+            (
+                "hanging-chain",
+                "picture_fabric=[\"tension\"]",
+                "there is no fabric",
+            ),
+            (
+                "hanging-sheet",
+                "bodies_interval_s=0.1",
+                "there is no rigid body",
+            ),
+            ("hanging-sheet", "flow_interval_s=0.1", "there is no air"),
+            (
+                "hanging-sheet",
+                "picture_flow=[\"speed\"]",
+                "there is no air",
+            ),
+            ("hanging-sheet", "picture_arrows=true", "there is no air"),
+            ("hanging-sheet", "history_plots=true", "there is no air"),
+            (
+                "taylor-green",
+                "history_plots=true",
+                "nothing stands in the air",
+            ),
+            ("hanging-sheet", "wing_panels=true", "there is no wing"),
+        ] {
+            let told = refused(name, change).unwrap_or_default();
+            let key = change.split('=').next().unwrap();
+            let expected = format!("output.{key} has no effect: {why}");
+            assert!(told.contains(&expected), "{name}, {change}: {told}");
+        }
+    }
+
+    #[test]
+    fn keys_that_are_read_are_taken() {
+        for (name, change) in [
+            ("hencky-disc", "picture_fabric=[\"stress\"]"),
+            ("hanging-sheet", "animation_interval_s=0.1"),
+            ("hanging-sheet", "canopy_interval_s=0.1"),
+            ("sphere", "bodies_interval_s=0.5"),
+            ("sphere", "flow_interval_s=0.5"),
+            ("sphere", "picture_arrows=true"),
+            ("sphere", "history_plots=true"),
+            ("taylor-green", "picture_flow=[\"vorticity\"]"),
+            ("wing-school", "wing_panels=true"),
+        ] {
+            assert_eq!(refused(name, change), None, "{name}, {change}");
+        }
     }
 }
