@@ -142,6 +142,24 @@ fn sizes() {
         "type = \"flat_circular\"\ndiameter_ft = 12.0\nspeed_ft_s = 100.0\naltitude_ft = 10000.0";
     let [metric, imperial] = [metric, imperial].map(|keys| load(&design(keys), &[]).unwrap());
     assert_eq!(metric.hash, imperial.hash);
+    // What is wrong is told under the key that is written, and in its unit.
+    for (keys, told) in [
+        (
+            "diameter_ft = 700.0\nspeed_kt = 50.0",
+            "canopy.diameter_ft = 700 is out of range allowed are values from 0.0328084 to 656.168",
+        ),
+        (
+            "diameter_ft = 12.0\nspeed_kt = 50.0\naltitude_ft = 40000.0",
+            "canopy.altitude_ft = 40000 is out of range",
+        ),
+        (
+            "diameter_ft = 12.0\nspeed_kt = -50.0",
+            "canopy.speed_kt = -5e1 must be positive",
+        ),
+    ] {
+        let message = load(&design(&format!("type = \"conical\"\n{keys}")), &[]).unwrap_err();
+        assert!(message.contains(told), "{keys}: {message}");
+    }
     let one =
         "type = \"flat_circular\"\ngores = 16\nstart = \"open\"\nlines = \"nylon cord 750 lbf\"\n";
     let [small, large] = [
@@ -309,6 +327,16 @@ fn wings() {
         (
             "class = \"en_b\"\nspan_m = 11.0\narea_m2 = 20.0",
             "keep one",
+        ),
+        (
+            "class = \"en_b\"\nspan_ft = 36.0\narea_m2 = 20.0",
+            "wing.span_ft and wing.area_m2",
+        ),
+        ("class = \"en_b\"\nspan_ft = 200.0", "wing.span_ft = 200 is"),
+        ("class = \"en_b\"\narea_m2 = 500.0", "wing.area_m2 = 500 is"),
+        (
+            "class = \"en_b\"\nspan_ft = 36.0\npilot_lb = 3000.0",
+            "wing.pilot_lb = 3000 is out of range",
         ),
         ("class = \"en_b\"\nspan_m = 11.0\ncells = 3", "out of range"),
         ("class = \"en_e\"\nspan_m = 11.0", "en_d"),

@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::super::problem::Problem;
 use super::super::text::lookup;
+use super::units::is_quantity;
 
 /// A key of the case that follows from its design.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,14 +108,22 @@ pub(in crate::case) fn traced(problem: Problem, derived: &[Derived], design: &Ta
     let Some(one) = derived.iter().find(is_of) else {
         return problem;
     };
+    // A quantity stands under the key of the unit that it is written in.
+    let mut written = design.iter().filter_map(|(table, keys)| {
+        let mut names = keys.as_table()?.keys();
+        let name = names.find(|name| **name == one.why || is_quantity(name, &one.why))?;
+        Some((table, name))
+    });
+    let written = written.next();
     let help = format!(
         "{} follows from the design ({}): change that, or write {} itself; {}",
-        one.key, one.why, one.key, problem.help
+        one.key,
+        written.map_or(&one.why, |(_, name)| name),
+        one.key,
+        problem.help
     );
-    let mut reasons = design.keys().map(|table| format!("{table}.{}", one.why));
-    let written = reasons.find(|key| lookup(design, key).is_some());
     Problem {
-        key: written.unwrap_or(problem.key),
+        key: written.map_or(problem.key, |(table, name)| format!("{table}.{name}")),
         help,
         ..problem
     }
@@ -215,6 +224,36 @@ mod tests {
         let expected = "[air]\ndensity_kg_m3 = 1.0\nwind_tunnel = { speed_m_s = 30.0 }\n[resolution]\ncell_size_m = 0.1\n[time]\nend_s = 1.0\n";
         assert_eq!(case, table(expected));
         assert_eq!(table(&commented(&case, &taken)), case);
+    }
+
+    /// What is wrong with a key that follows is told at the key of the design, in the unit that it is written in.
+    #[test]
+    fn what_follows_is_traced_to_what_is_written() {
+        let of = |key: &str, why: &str| Derived {
+            key: key.to_owned(),
+            value: Value::from(1.0),
+            why: why.to_owned(),
+        };
+        let derived = [
+            of("air.wind_tunnel.speed_m_s", "speed"),
+            of("payload.mass_kg", "payload"),
+            of("structure.conical.gores", "gores"),
+            of("time.end_s", "60 D_0/U"),
+        ];
+        let design = table(
+            "[canopy]\nspeed_kt = 60.0\npayload_drag_area_m2 = 1.0\npayload_lb = 200.0\ngores = 12\n",
+        );
+        for (key, traced_to, reason) in [
+            ("air.wind_tunnel.speed_m_s", "canopy.speed_kt", "speed_kt"),
+            ("payload.mass_kg", "canopy.payload_lb", "payload_lb"),
+            ("structure.conical.gores", "canopy.gores", "gores"),
+            ("time.end_s", "time.end_s", "60 D_0/U"),
+        ] {
+            let told = traced(Problem::new(key, "", ""), &derived, &design);
+            assert_eq!(told.key, traced_to);
+            let expected = format!("{key} follows from the design ({reason}): ");
+            assert!(told.help.starts_with(&expected), "{}", told.help);
+        }
     }
 
     /// Boxes of finer cells take the place of where and how far around they would be; a margin alone does not.

@@ -222,7 +222,7 @@ pub(super) fn derive(design: &MeshDesign, written: &Table, folder: &Path) -> Res
     ];
     let speed = speed_m_s(TABLE, speeds)?;
     let speed = speed.ok_or_else(|| absent("mesh.speed_m_s", "the mesh stands in a wind"))?;
-    let altitude = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
+    let altitude = altitude_m(TABLE, [design.altitude_m, design.altitude_ft])?;
     let scale = positive("mesh.scale", design.scale.unwrap_or(1.0))?;
     let found = Measured::new(design, scale, folder)?;
     if design.scale.is_none() {

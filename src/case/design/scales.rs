@@ -10,9 +10,9 @@ use super::super::density::{
 use super::super::file::CanopyDesign;
 use super::super::problem::Problem;
 use super::super::text::{lookup, number};
-use super::super::values::{absent, within};
+use super::super::values::absent;
 use super::handbook::Published;
-use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg, speed_m_s};
+use super::units::{GRAVITY_M_S2, altitude_m, length, mass, speed_m_s};
 
 /// The table of the design.
 const TABLE: &str = "canopy";
@@ -57,14 +57,14 @@ fn written_gravity_m_s2(case: &Table) -> Option<f64> {
 impl Scales {
     /// The scales of a design; what the case says itself of density, viscosity, gravity, speed and payload stands.
     pub(super) fn new(design: &CanopyDesign, case: &Table) -> Result<Self, Problem> {
-        let diameter_m = length_m(TABLE, "diameter", design.diameter_m, design.diameter_ft)?;
-        let diameter_m = diameter_m.ok_or_else(|| {
+        let diameter = length(TABLE, "diameter", [design.diameter_m, design.diameter_ft])?;
+        let diameter = diameter.ok_or_else(|| {
             absent(
                 "canopy.diameter_m",
                 "a canopy has a nominal diameter (or canopy.diameter_ft)",
             )
         })?;
-        let diameter_m = within("canopy.diameter_m", diameter_m, 0.01, 200.0)?;
+        let diameter_m = diameter.within(0.01, 200.0)?;
         let speeds = [
             design.speed_m_s,
             design.speed_km_h,
@@ -72,8 +72,9 @@ impl Scales {
             design.speed_kt,
         ];
         let speed_m_s = speed_m_s(TABLE, speeds)?;
-        let payload_kg = mass_kg(TABLE, "payload", design.payload_kg, design.payload_lb)?;
-        let altitude_m = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
+        let payload = mass(TABLE, "payload", [design.payload_kg, design.payload_lb])?;
+        let payload_kg = payload.map(|mass| mass.si());
+        let altitude_m = altitude_m(TABLE, [design.altitude_m, design.altitude_ft])?;
         let in_the_fall = lookup(case, "air.descent.altitude_m").and_then(number);
         let within_atmosphere =
             |altitude: &f64| (ALTITUDES_M[0]..=ALTITUDES_M[1]).contains(altitude);

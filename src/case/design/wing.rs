@@ -9,7 +9,7 @@ use super::super::file::{Quality, WingClass, WingDesign};
 use super::super::problem::Problem;
 use super::super::values::{absent, positive, within};
 use super::derived::{Keys, rounded};
-use super::units::{GRAVITY_M_S2, altitude_m, length_m, mass_kg};
+use super::units::{GRAVITY_M_S2, altitude_m, length, mass};
 use crate::geometry::wing::rib_spans_m;
 
 /// The table of the design.
@@ -91,6 +91,9 @@ impl Proportions {
     }
 }
 
+/// Flat spans that a wing may have [m].
+const SPANS_M: [f64; 2] = [1.0, 40.0];
+
 /// Sections from the middle to the tip, spaced as a cosine; from this number on with the profile of the tip.
 const STATIONS: usize = 8;
 const TIP_FROM: usize = 7;
@@ -143,25 +146,34 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     let class = &Proportions::of(design.class);
     let aspect = design.aspect_ratio.unwrap_or(class.aspect_ratio);
     let aspect = within("wing.aspect_ratio", aspect, 2.5, 9.0)?;
-    let span = length_m(TABLE, "span", design.span_m, design.span_ft)?;
+    let span = length(TABLE, "span", [design.span_m, design.span_ft])?;
     let area = design.area_m2.map(|area| positive("wing.area_m2", area));
     let (span_m, area_m2) = match (span, area.transpose()?) {
-        (Some(span), None) => (span, span * span / aspect),
-        (None, Some(area)) => ((aspect * area).sqrt(), area),
-        (Some(_), Some(_)) => {
+        (Some(span), None) => {
+            let span_m = span.within(SPANS_M[0], SPANS_M[1])?;
+            (span_m, span_m * span_m / aspect)
+        }
+        (None, Some(area)) => {
+            let [least, most] = SPANS_M.map(|span| span * span / aspect);
+            let area = within("wing.area_m2", area, rounded(least), rounded(most))?;
+            ((aspect * area).sqrt(), area)
+        }
+        (Some(span), Some(_)) => {
             return Err(Problem::new(
                 "wing.area_m2",
-                "wing.span_m and wing.area_m2 are both written, and each follows from the other with aspect_ratio",
+                format!(
+                    "{} and wing.area_m2 are both written, and each follows from the other with aspect_ratio",
+                    span.key
+                ),
                 "keep one of the two",
             ));
         }
         (None, None) => return Err(absent("wing.span_m", "a wing has a flat span, or area_m2")),
     };
-    let span_m = within("wing.span_m", span_m, 1.0, 40.0)?;
     let cells = design.cells.unwrap_or(class.cells);
     let cells = within("wing.cells", cells as f64, 6.0, 200.0)? as usize;
-    let pilot = mass_kg(TABLE, "pilot", design.pilot_kg, design.pilot_lb)?;
-    let altitude = altitude_m(TABLE, design.altitude_m, design.altitude_ft)?;
+    let pilot = mass(TABLE, "pilot", [design.pilot_kg, design.pilot_lb])?;
+    let altitude = altitude_m(TABLE, [design.altitude_m, design.altitude_ft])?;
     let mut keys = Keys::default();
     let title = format!(
         "Paraglider of {} m2 with {cells} cells, {}, in trim",
@@ -184,8 +196,15 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     rows(cells, (span_m, chord_m), &mut keys);
     speed_bar(&mut keys);
     let quality = design.quality.unwrap_or(Quality::Normal);
-    trim_of((area_m2, pilot), altitude, quality, &mut keys)?;
+    let [least, most] = pilots_kg(area_m2);
+    let pilot_kg = pilot.map(|pilot| pilot.within(least, most)).transpose()?;
+    trim_of((area_m2, pilot_kg), altitude, quality, &mut keys)?;
     Ok(keys)
+}
+
+/// The least and most that may hang on a wing of some area [kg].
+fn pilots_kg(area_m2: f64) -> [f64; 2] {
+    PILOTS_KG_M2.map(|per_area| per_area * area_m2)
 }
 
 /// Mesh, gravity, and the glide of a wing of some area with a pilot, or with as much as the area usually carries [m², kg].
@@ -199,7 +218,7 @@ pub(in crate::case) fn trim_of(
         Some(mass) => (mass, "pilot"),
         None => (PILOT_KG_M2 * area_m2, "3.9 kg per m² of flat area"),
     };
-    let [least, most] = PILOTS_KG_M2.map(|per_area| per_area * area_m2);
+    let [least, most] = pilots_kg(area_m2);
     let pilot_kg = within("wing.pilot_kg", pilot_kg, least, most)?;
     let ([along, across], tolerance, panels) = fineness(quality);
     keys.set("structure.wing.mesh.along_chord", along as i64, "quality");
