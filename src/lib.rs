@@ -56,11 +56,12 @@
 //! |---|---|---|
 //! | [`lattice`] | D3Q19, collision operators, eddy viscosity, grid, links, boxes: what all engines share | – |
 //! | [`immersed`] | kernel, markers, touched cells | – |
-//! | [`cut_links`] | which links a surface cuts, and what comes back | lattice, immersed (law of permeable markers) |
+//! | [`sets`] | numbers that belong together, told pair by pair | – |
+//! | [`cut_links`] | which links a surface cuts, and what comes back | lattice, immersed (law of permeable markers), sets |
 //! | [`fabric`], [`lines`] | material laws | – |
 //! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
-//! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles |
-//! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid |
+//! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles, sets |
+//! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid, sets |
 //! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
 //! | [`trim`] | the glide in which forces of the air, weight and lines of a wing are in balance, for a given shape | aero, cloth, geometry |
 //! | [`solve`] | L-BFGS, Newton's method, stiffening by levels, multigrid, factorisation; knows no cloth | – |
@@ -143,6 +144,7 @@ pub mod render;
 pub mod report;
 pub mod rigid;
 pub mod run;
+pub mod sets;
 pub mod simulation;
 pub mod solve;
 pub mod statics;

@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::sets::Sets;
+
 /// Spaces of air by face.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Spaces {
@@ -44,16 +46,16 @@ impl Spaces {
                 edges.entry([a.min(b), a.max(b)]).or_default().push(leaf);
             }
         }
-        let mut parents: Vec<u32> = (0..2 * triangles.len() as u32).collect();
-        let mut beside = vec![[None; 3]; parents.len()];
+        let faces = 2 * triangles.len();
+        let mut joined = Sets::new(faces);
+        let mut beside = vec![[None; 3]; faces];
         for ([from, to], leaves) in edges {
             if let [(triangle, ..)] = leaves[..] {
                 let middle = 0.5 * (positions[from as usize] + positions[to as usize]);
                 if !rim(middle) {
                     continue;
                 }
-                let [own, other] = [0, 1].map(|side| root(&mut parents, 2 * triangle + side));
-                parents[own.max(other) as usize] = own.min(other);
+                joined.join(2 * triangle, 2 * triangle + 1);
                 continue;
             }
             let start = positions[from as usize];
@@ -78,22 +80,20 @@ impl Spaces {
                 let other = 2 * next.triangle + 1 - next.ahead;
                 beside[own as usize][leaf.edge] = Some(other);
                 beside[other as usize][next.edge] = Some(own);
-                let [own, other] = [own, other].map(|face| root(&mut parents, face));
-                // The smaller number stays, so that the order of edges does not matter.
-                parents[own.max(other) as usize] = own.min(other);
+                joined.join(own, other);
             }
         }
-        let mut numbers = vec![u32::MAX; parents.len()];
+        let mut numbers = vec![u32::MAX; faces];
         let mut count = 0;
         let mut number = |face: u32| {
-            let place = &mut numbers[root(&mut parents, face) as usize];
+            let place = &mut numbers[joined.first(face) as usize];
             if *place == u32::MAX {
                 *place = count;
                 count += 1;
             }
             *place
         };
-        let of = (0..2 * triangles.len() as u32).map(&mut number).collect();
+        let of = (0..faces as u32).map(&mut number).collect();
         Self {
             of,
             count: count as usize,
@@ -118,16 +118,6 @@ impl Spaces {
     pub const fn count(&self) -> usize {
         self.count
     }
-}
-
-/// The number that stands for all faces that are known to share one space with this.
-fn root(parents: &mut [u32], mut face: u32) -> u32 {
-    while parents[face as usize] != face {
-        let parent = parents[face as usize];
-        parents[face as usize] = parents[parent as usize];
-        face = parent;
-    }
-    face
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec3};
 
 use super::Surface;
+use crate::sets::Sets;
 
 /// Distance from a rim within which nodes follow its inset, in insets: neighbours never change places.
 const RIM_REACH: f64 = 6.0;
@@ -49,26 +50,16 @@ pub fn inset(surface: &Surface, closed_m: f64, rim_m: f64) -> Option<Surface> {
 
 /// Triangles of every connected part.
 fn parts(surface: &Surface) -> Vec<Vec<[u32; 3]>> {
-    let mut parent: Vec<u32> = (0..surface.positions_m.len() as u32).collect();
-    fn root(parent: &mut [u32], mut node: u32) -> u32 {
-        while parent[node as usize] != node {
-            parent[node as usize] = parent[parent[node as usize] as usize];
-            node = parent[node as usize];
-        }
-        node
-    }
+    let mut joined = Sets::new(surface.positions_m.len());
     for &[a, b, c] in &surface.triangles {
-        let a = root(&mut parent, a);
-        for other in [b, c] {
-            let other = root(&mut parent, other);
-            parent[other as usize] = a;
-        }
+        joined.join(a, b);
+        joined.join(a, c);
     }
     let mut numbers = HashMap::new();
     let mut parts: Vec<Vec<[u32; 3]>> = Vec::new();
     for &nodes in &surface.triangles {
-        let root = root(&mut parent, nodes[0]);
-        let number = *numbers.entry(root).or_insert_with(|| {
+        let first = joined.first(nodes[0]);
+        let number = *numbers.entry(first).or_insert_with(|| {
             parts.push(Vec::new());
             parts.len() - 1
         });

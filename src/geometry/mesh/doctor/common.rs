@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::near;
-use super::topology::{Edges, Sets, repeated};
+use super::topology::{Edges, repeated};
 use crate::rigid::Surface;
+use crate::sets::Sets;
 
 /// Distance below which vertices lie together, as a share of the median edge.
 pub(super) const TOGETHER: f64 = 0.01;

@@ -4,8 +4,8 @@ use super::common::{CROSSING_DEPTH, Common};
 use super::examination::{Finding, Kind, Marks};
 use super::near;
 use super::seams::{self, Hanging};
-use super::topology::Sets;
 use super::words::{Words, counted};
+use crate::sets::Sets;
 
 /// Distance below which borders with other vertices count as a seam, as a share of the edge that vertices lie at: as far as the chords of a
 /// quarter of a circle in five lie off it.

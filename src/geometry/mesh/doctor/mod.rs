@@ -16,11 +16,11 @@ mod topology;
 pub mod weld;
 mod words;
 
+use crate::sets::Sets;
 use common::Common;
 pub use examination::{Border, Examination, Finding, Kind, Marks, Piece, Subject, Use};
 pub use mouth::{Mouth, mouth};
 pub use orient::{NoSides, orient};
-use topology::Sets;
 pub use weld::{TooWide, Welded, weld};
 
 /// Examines a mesh with finite places; the time grows with the number of triangles, not with its square.

@@ -1,42 +1,5 @@
 //! How triangles hang together: edges, pieces, borders, sides.
 
-/// Numbers that belong together.
-pub(super) struct Sets {
-    parents: Vec<u32>,
-}
-
-impl Sets {
-    /// Each number alone.
-    pub fn new(count: usize) -> Self {
-        Self {
-            parents: (0..count as u32).collect(),
-        }
-    }
-
-    /// Smallest number of the set that a number belongs to.
-    pub fn first(&mut self, mut number: u32) -> u32 {
-        while self.parents[number as usize] != number {
-            let next = self.parents[self.parents[number as usize] as usize];
-            self.parents[number as usize] = next;
-            number = next;
-        }
-        number
-    }
-
-    /// Joins the sets of two numbers.
-    pub fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.first(a), self.first(b));
-        self.parents[a.max(b) as usize] = a.min(b);
-    }
-
-    /// Smallest number of the set of each number.
-    pub fn into_firsts(mut self) -> Vec<u32> {
-        (0..self.parents.len() as u32)
-            .map(|number| self.first(number))
-            .collect()
-    }
-}
-
 /// A triangle at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Use {

@@ -7,8 +7,9 @@ use glam::DVec3;
 use super::common::{TOGETHER, edge_lengths_m, median};
 use super::near;
 use super::seams::{self, Hanging};
-use super::topology::{Edges, Sets};
+use super::topology::Edges;
 use crate::rigid::Surface;
+use crate::sets::Sets;
 
 /// Largest tolerance, as a share of the median edge.
 pub const LARGEST_SHARE: f64 = 0.1;
