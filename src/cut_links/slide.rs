@@ -383,6 +383,22 @@ impl Images {
             }
         });
     }
+
+    /// Changes what comes back to every side that slides, and what it loses, by its number in the order of [`Self::sides`]. Each is changed by itself: the number of threads does not matter.
+    pub fn change(
+        &self,
+        (returns, losses): (&mut [[Return; 2]], &mut [[Loss; 2]]),
+        change: impl Fn(usize, &mut Return, &mut Loss) + Sync,
+    ) {
+        (returns.par_iter_mut().zip(losses).zip(&self.of_link))
+            .with_min_len(LINKS_AT_ONCE)
+            .for_each(|((returns, losses), images)| {
+                let slides = |side: &usize| images[*side] != NO_IMAGE;
+                for side in super::SIDES.into_iter().filter(slides) {
+                    change(images[side] as usize, &mut returns[side], &mut losses[side]);
+                }
+            });
+    }
 }
 
 impl Image {

@@ -113,6 +113,33 @@ fn answered(
     (returns, losses)
 }
 
+/// Each side that slides is changed once, under its own number, and no other; more links than one task takes.
+#[test]
+fn sides_are_changed_by_their_numbers() {
+    let corners =
+        [[4.0, 4.0], [60.0, 4.0], [60.0, 60.0], [4.0, 60.0]].map(|[x, y]| DVec3::new(x, y, 32.3));
+    let (links, images) = along_a_plane(&corners, DVec3::Z, &a_box([64; 3]));
+    let count = links.links().len();
+    assert!(count > 2 * LINKS_AT_ONCE, "{count}");
+    let mut returns = vec![[Return::default(); 2]; count];
+    let mut losses = vec![[Loss::default(); 2]; count];
+    images.change((&mut returns, &mut losses), |number, back, loss| {
+        back.further += 1.0;
+        loss.all += number as f64;
+    });
+    let mut sides = vec![[None; 2]; count];
+    for (number, (link, side)) in images.sides().enumerate() {
+        sides[link][side] = Some(number as f64);
+    }
+    for (link, sides) in sides.iter().enumerate() {
+        for side in crate::cut_links::SIDES {
+            let changed = f64::from(u8::from(sides[side].is_some()));
+            assert_eq!(returns[link][side].further, changed);
+            assert_eq!(losses[link][side].all, sides[side].unwrap_or_default());
+        }
+    }
+}
+
 /// Shifted populations of air in equilibrium.
 fn in_equilibrium(excess: f64, velocity: DVec3) -> Leaving {
     std::array::from_fn(|i| {

@@ -263,14 +263,15 @@ impl Sliding {
                 energy.share()
             })
             .collect_into_vec(&mut self.shares);
-        for side in sides {
-            let share = self.shares[side.groups[1] as usize];
-            if share != 1.0 {
-                let (link, of_link) = side.place();
-                returns[link][of_link].blend(share);
-                self.losses[link][of_link].blend(share);
-            }
-        }
+        let shares = &self.shares;
+        self.images
+            .change((returns, &mut self.losses), |side, back, loss| {
+                let share = shares[sides[side].groups[1] as usize];
+                if share != 1.0 {
+                    back.blend(share);
+                    loss.blend(share);
+                }
+            });
     }
 
     /// What is given back arrives with the velocity u of the air along the wall: of a mass m, −3 m d·u comes along −d, the rest of it at rest. It follows from what links lose where the wall
