@@ -438,6 +438,7 @@ fn charts(found: &Polar) -> Vec<(&'static str, Chart)> {
                 .collect(),
             bars: Vec::new(),
             markers: true,
+            colour: None,
         };
         Chart {
             title: String::new(),
@@ -495,6 +496,7 @@ fn span_chart(found: &Polar) -> Chart {
         points: point.strips.iter().map(|s| [s.place_m.y, s.lift]).collect(),
         bars: Vec::new(),
         markers: false,
+        colour: None,
     });
     Chart {
         title: String::new(),

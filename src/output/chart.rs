@@ -30,6 +30,8 @@ pub struct Series {
     pub bars: Vec<f64>,
     /// Points with a marker each, joined by a thin line, rather than a line alone.
     pub markers: bool,
+    /// Number of its colour; by its place among all series if absent.
+    pub colour: Option<usize>,
 }
 
 /// A chart.
@@ -49,7 +51,7 @@ impl Chart {
     fn parts(&self) -> Option<(Vec<Plot>, Layout)> {
         let mut plots: Vec<Plot> = Vec::new();
         for (number, series) in self.series.iter().enumerate() {
-            let colour = COLOURS[number % COLOURS.len()];
+            let colour = COLOURS[series.colour.unwrap_or(number) % COLOURS.len()];
             let finite = |p: &[f64; 2]| p.iter().all(|v| v.is_finite());
             let points: Vec<(f64, f64)> = (series.points.iter())
                 .filter(|p| finite(p))

@@ -13,27 +13,36 @@ pub(super) fn charts(runs: &[Finished]) -> Vec<String> {
 }
 
 fn chart(runs: &[Finished], column: &ReadOut) -> Option<String> {
-    let mut series = Vec::new();
-    for (run, name) in runs.iter().zip(names(runs)) {
-        let (Some(times), Some(values)) = (run.column(TIME), run.column(&column.name)) else {
-            continue;
-        };
-        let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
-        series.push(Series {
-            name: if runs.len() > 1 { name } else { String::new() },
-            points: thinned(&points),
-            bars: Vec::new(),
-            markers: false,
-        });
-        series.extend(mean(run, column, runs.len() > 1));
-    }
     let chart = Chart {
         title: String::new(),
         labels: ["time since release [s]".to_owned(), column.label()],
         categories: Vec::new(),
-        series,
+        series: curves(runs, column),
     };
     chart.svg().map(|svg| scalable(&svg))
+}
+
+/// The column of every run that has it, each followed by its mean; of several runs both have the colour of the run, which is the same in all charts.
+fn curves(runs: &[Finished], column: &ReadOut) -> Vec<Series> {
+    let several = runs.len() > 1;
+    let mut series = Vec::new();
+    for (number, (run, name)) in runs.iter().zip(names(runs)).enumerate() {
+        let (Some(times), Some(values)) = (run.column(TIME), run.column(&column.name)) else {
+            continue;
+        };
+        let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
+        let colour = several.then_some(number);
+        series.push(Series {
+            name: if several { name } else { String::new() },
+            points: thinned(&points),
+            bars: Vec::new(),
+            markers: false,
+            colour,
+        });
+        let mean = mean(run, column, several);
+        series.extend(mean.map(|mean| Series { colour, ..mean }));
+    }
+    series
 }
 
 /// An SVG that fits the width that a page gives it: with a view box as large as it is drawn.
@@ -74,6 +83,7 @@ fn mean(run: &Finished, column: &ReadOut, named: bool) -> Option<Series> {
         points: vec![[first, value], [last, value]],
         bars: Vec::new(),
         markers: false,
+        colour: None,
     })
 }
 
@@ -99,7 +109,58 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
+    use crate::measure::shared::DRAG_COEFFICIENT;
+    use crate::output::Summary;
+
+    /// A run in a folder of that name, with a mean drag coefficient.
+    fn run(name: &str, mean: f64) -> Finished {
+        let summary = json!({
+            "schema_version": 1, "ripstop_version": "", "engine": "cpu", "device": "", "precision": "f32", "threads": 1, "markers": 0,
+            "nodes": 0, "triangles": 0, "steps": 1, "simulated_s": 1.0, "wall_s": 1.0, "milliseconds_per_step": {}, "skipped": [], "notes": [],
+            "case": { "title": "", "file": "", "hash": "" },
+            "stop": { "reason": "", "when_s": 1.0 },
+            "averaging_window_s": [0.5, 1.0],
+            "results": { "drag_coefficient": { "value": mean, "unit": "1", "confidence": 0.1 } },
+        });
+        let summary: Summary = serde_json::from_value(summary).unwrap();
+        let column = |name: &str, samples: [f64; 3]| (name.to_owned(), samples.to_vec());
+        Finished {
+            folder: name.into(),
+            summary,
+            ledger: None,
+            history: vec![
+                column(TIME, [0.0, 0.5, 1.0]),
+                column("drag_coefficient", [0.0, mean, mean]),
+            ],
+            pictures: Vec::new(),
+        }
+    }
+
+    /// A mean has the colour of its run; a run without the column takes no other's colour.
+    #[test]
+    fn means_have_the_colours_of_their_runs() {
+        let mut runs = [run("a", 0.7), run("b", 0.8), run("c", 0.9)];
+        runs[1].history.pop();
+        let curves = curves(&runs, &DRAG_COEFFICIENT);
+        let drawn: Vec<(&str, Option<usize>)> = (curves.iter())
+            .map(|series| (&series.name[..], series.colour))
+            .collect();
+        let expected = [("a", Some(0)), ("", Some(0)), ("c", Some(2)), ("", Some(2))];
+        assert_eq!(drawn, expected);
+        assert_eq!(curves[3].points, [[0.5, 0.9], [1.0, 0.9]]);
+        // Drawn: two colours for four lines.
+        let svg = chart(&runs, &DRAG_COEFFICIENT).unwrap();
+        for (colour, is_there) in [("#0072B2", true), ("#009E73", true), ("#D55E00", false)] {
+            let found = svg.to_uppercase().contains(&colour.to_uppercase());
+            assert_eq!(found, is_there, "{colour}");
+        }
+        // Of one run the legend tells the mean by another colour.
+        let alone = super::curves(&runs[..1], &DRAG_COEFFICIENT);
+        assert!(alone.len() == 2 && alone.iter().all(|series| series.colour.is_none()));
+    }
 
     /// One sample of a million stands out: it is drawn, and the page stays small.
     #[test]

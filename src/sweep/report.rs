@@ -190,6 +190,7 @@ fn own_series(series: &mut Vec<Series>, name: String) -> &mut Series {
             points: Vec::new(),
             bars: Vec::new(),
             markers: true,
+            colour: None,
         });
     }
     &mut series[index]
@@ -257,6 +258,7 @@ fn histories(folder: &Path, sweep: &Sweep, column: &ReadOut) -> Chart {
             points: read_column(&folder.join(&run.folder).join("history.csv"), &column.name)?,
             bars: Vec::new(),
             markers: false,
+            colour: None,
         })
     });
     Chart {

@@ -154,6 +154,7 @@ fn charts(
         points: readings.iter().map(|r| [r.load_factor, of(r)]).collect(),
         bars: Vec::new(),
         markers: true,
+        colour: None,
     };
     let rows = || wing.built.row_names.iter().enumerate();
     let shares: Vec<Series> = rows()

@@ -75,6 +75,7 @@ fn wing_tables(
             points: rows.iter().map(|row| [row[y], row[z] - mean]).collect(),
             bars: Vec::new(),
             markers: false,
+            colour: None,
         }
     };
     Chart {
@@ -110,6 +111,7 @@ fn series_of(record: &Record, column: &ReadOut, name: String) -> Series {
         points: points.map(|(time, value)| [time, value]).collect(),
         bars: Vec::new(),
         markers: false,
+        colour: None,
     }
 }
 

@@ -109,6 +109,7 @@ fn distribution(
             points,
             bars: Vec::new(),
             markers,
+            colour: None,
         };
         Chart {
             title: format!("{title}: {name} panels"),

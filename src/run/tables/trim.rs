@@ -98,6 +98,7 @@ pub(in crate::run) fn write(
         points: flight.strips.iter().map(|s| [s.y_m, of(s)]).collect(),
         bars: Vec::new(),
         markers: false,
+        colour: None,
     };
     Chart {
         title: title.clone(),
@@ -128,6 +129,7 @@ pub(in crate::run) fn write(
                 .collect(),
             bars: Vec::new(),
             markers: true,
+            colour: None,
         };
         Chart {
             title: title.clone(),
@@ -184,6 +186,7 @@ fn pressure(
                 .collect(),
             bars: Vec::new(),
             markers: false,
+            colour: None,
         });
     Chart {
         title: title.to_owned(),
@@ -220,6 +223,7 @@ fn cells(folder: &RunFolder<'_>, title: &str, simulation: &Simulation) -> Result
             .collect(),
         bars: Vec::new(),
         markers: false,
+        colour: None,
     });
     Chart {
         title: title.to_owned(),
