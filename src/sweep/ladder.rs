@@ -1,10 +1,11 @@
 //! What a sweep over lattices, or over starts on one, tells of every result: order, error of the lattice, interval, and whether it is resolved.
 
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use super::contents::{Ladder, Outcome, Rung, Status, Sweep};
 use super::order::{OnLattice, SAME, convergence};
-use super::vary::SHIFT_KEY;
+use super::vary::{LATTICE_KEYS, SHIFT_KEY};
 use crate::measure::statistics::student;
 use crate::output::{
     ComparisonRow, LatticeError, OutputError, Quantity, comparison_markdown, significant,
@@ -28,19 +29,21 @@ struct Lattice<'a> {
     runs: Vec<&'a Outcome>,
 }
 
-/// The ladders of a sweep: one for each combination of keys that change neither lattice nor start. Empty where nothing of that varies.
+/// The ladders of a sweep: one for each combination of keys that change neither lattice nor start. Runs on one lattice that differ in anything but their start are in different ones. Empty
+/// where nothing of that varies.
 #[must_use]
 pub fn ladders(sweep: &Sweep) -> Vec<Ladder> {
     let starts_vary = sweep.leading_keys.iter().any(|key| key == SHIFT_KEY);
     if sweep.lattice_key.is_none() && !starts_vary {
         return Vec::new();
     }
+    let keys = keys_of_series(sweep);
     let mut series: Vec<(String, Vec<Lattice>)> = Vec::new();
     for run in sweep.runs.iter().filter(|run| run.status == Status::Done) {
         let Some(cell_m) = run.cell_size_m else {
             continue;
         };
-        let name = series_of(sweep, run);
+        let name = series_of(sweep, &keys, run);
         let known = series.iter().position(|(known, _)| *known == name);
         let number = known.unwrap_or_else(|| {
             series.push((name, Vec::new()));
@@ -69,8 +72,9 @@ pub fn ladders(sweep: &Sweep) -> Vec<Ladder> {
 /// Marks every result that its ladder does not resolve, in all its runs.
 pub fn mark_unresolved(sweep: &mut Sweep) {
     let ladders = ladders(sweep);
+    let keys = keys_of_series(sweep);
     for number in 0..sweep.runs.len() {
-        let name = series_of(sweep, &sweep.runs[number]);
+        let name = series_of(sweep, &keys, &sweep.runs[number]);
         let Some(ladder) = ladders.iter().find(|ladder| ladder.series == name) else {
             continue;
         };
@@ -84,11 +88,40 @@ pub fn mark_unresolved(sweep: &mut Sweep) {
     }
 }
 
-/// Values of the leading keys but those of lattice and start.
-fn series_of(sweep: &Sweep, run: &Outcome) -> String {
-    let keys = sweep.leading_keys.iter();
-    let others = keys.filter(|key| *key != SHIFT_KEY && Some(*key) != sweep.lattice_key.as_ref());
-    let words = others.map(|key| format!("{key} = {}", sweep.value(run, key)));
+/// Keys whose values tell series of runs from each other: the leading ones but those of lattice and start, and others in which runs on one lattice differ.
+///
+/// What varies together with the cells, such as rings of triangles, belongs to the lattice where each lattice has one value of it.
+fn keys_of_series(sweep: &Sweep) -> Vec<String> {
+    let is_other = |key: &&String| *key != SHIFT_KEY && Some(*key) != sweep.lattice_key.as_ref();
+    let mut keys: Vec<String> = (sweep.leading_keys.iter().filter(is_other).cloned()).collect();
+    let all: BTreeSet<&String> = sweep
+        .runs
+        .iter()
+        .flat_map(|run| run.values.keys())
+        .collect();
+    for key in all {
+        // Those of the cells act by the size that all runs on one lattice have.
+        if key == SHIFT_KEY || LATTICE_KEYS.contains(&key.as_str()) || keys.contains(key) {
+            continue;
+        }
+        let mut of_lattices: HashMap<(Option<u64>, String), &str> = HashMap::new();
+        let differs = sweep.runs.iter().any(|run| {
+            let cell = run.cell_size_m.map(f64::to_bits);
+            let value = sweep.value(run, key);
+            let lattice = (cell, series_of(sweep, &keys, run));
+            *of_lattices.entry(lattice).or_insert(value) != value
+        });
+        if differs {
+            keys.push(key.clone());
+        }
+    }
+    keys
+}
+
+/// Values of the keys that tell a run's series.
+fn series_of(sweep: &Sweep, keys: &[String], run: &Outcome) -> String {
+    let words = keys.iter();
+    let words = words.map(|key| format!("{key} = {}", sweep.value(run, key)));
     words.collect::<Vec<_>>().join(", ")
 }
 

@@ -11,12 +11,24 @@ fn sweep(cells: &str, value: impl Fn(f64, f64, usize) -> Quantity) -> Sweep {
         "payload.mass_kg=100,200".parse().unwrap(),
         Vary::ensemble(2),
     ];
-    let runs = points(&varies).unwrap();
+    sweep_of(&varies, |run, number| {
+        let of = |key: &str| run.values[key].parse::<f64>().unwrap();
+        value(
+            of("resolution.cells_per_diameter"),
+            of("payload.mass_kg"),
+            number % 2,
+        )
+    })
+}
+
+/// A sweep that is done, on 24 cells where it does not say otherwise; `value` of run and number.
+fn sweep_of(varies: &[Vary], value: impl Fn(&Outcome, usize) -> Quantity) -> Sweep {
+    let runs = points(varies).unwrap();
     let runs = runs.iter().enumerate().map(|(number, point)| {
         let mut run = Outcome::waiting(point, "00", None);
-        let of = |key: &str| run.values[key].parse::<f64>().unwrap();
-        let cells = of("resolution.cells_per_diameter");
-        let quantity = value(cells, of("payload.mass_kg"), number % 2);
+        let cells = run.values.get("resolution.cells_per_diameter");
+        let cells = cells.map_or(24.0, |cells| cells.parse::<f64>().unwrap());
+        let quantity = value(&run, number);
         run.cell_size_m = Some(1.0 / cells);
         run.status = Status::Done;
         run.comparison = vec![ComparisonRow::new(
@@ -34,11 +46,58 @@ fn sweep(cells: &str, value: impl Fn(f64, f64, usize) -> Quantity) -> Sweep {
         title: "Drop".to_owned(),
         case: "case.toml".to_owned(),
         variant: None,
-        leading_keys: Sweep::leading(&varies),
-        lattice_key: Sweep::lattice_key(&varies),
+        leading_keys: Sweep::leading(varies),
+        lattice_key: Sweep::lattice_key(varies),
         runs: runs.collect(),
         ladders: Vec::new(),
     }
+}
+
+/// Series, lattices and numbers of starts of a sweep.
+fn groups(varies: &[&str], starts: usize) -> Vec<(String, Vec<String>, Vec<usize>)> {
+    let mut varies: Vec<Vary> = varies.iter().map(|text| text.parse().unwrap()).collect();
+    if starts > 1 {
+        varies.push(Vary::ensemble(starts));
+    }
+    ladders(&sweep_of(&varies, |_, _| Quantity::new(1.0)))
+        .into_iter()
+        .map(|ladder| (ladder.series, ladder.lattices, ladder.starts))
+        .collect()
+}
+
+/// Starts on one lattice differ in nothing else, whatever varies together with what.
+#[test]
+fn starts_are_of_one_case() {
+    let words =
+        |all: &[&str]| -> Vec<String> { all.iter().map(|word| (*word).to_owned()).collect() };
+    // Rings follow the cells: a lattice each, as before.
+    let follow = ["resolution.cells_per_diameter=12,16,24; rings=6,8,12"];
+    let expected = (String::new(), words(&["12", "16", "24"]), vec![2, 2, 2]);
+    assert_eq!(groups(&follow, 2), [expected]);
+    // On 24 cells they do not: these are two cases.
+    let beside = ["resolution.cells_per_diameter=24,24; rings=12,16"];
+    let of = |rings: &str| (format!("rings = {rings}"), words(&["24"]), vec![3]);
+    assert_eq!(groups(&beside, 3), [of("12"), of("16")]);
+    // Starts by hand, of two masses.
+    let by_hand = [
+        "resolution.shift_cells=[0.0, 0.0, 0.1],[0.0, 0.0, 0.2],[0.0, 0.0, 0.3]; payload.mass_kg=100,100,200",
+    ];
+    let found = groups(&by_hand, 1);
+    let found: Vec<(&str, &[usize])> = (found.iter())
+        .map(|(series, _, starts)| (&series[..], &starts[..]))
+        .collect();
+    let expected: [(&str, &[usize]); 2] = [
+        ("payload.mass_kg = 100", &[2]),
+        ("payload.mass_kg = 200", &[1]),
+    ];
+    assert_eq!(found, expected);
+    // What follows from a leading key tells nothing more.
+    let cross = [
+        "payload.mass_kg=100,200; gravity=9.8,3.7",
+        "resolution.cells_per_diameter=12,24",
+    ];
+    let names: Vec<String> = groups(&cross, 2).into_iter().map(|group| group.0).collect();
+    assert_eq!(names, ["payload.mass_kg = 100", "payload.mass_kg = 200"]);
 }
 
 #[test]

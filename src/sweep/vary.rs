@@ -9,7 +9,7 @@ pub const AS_WRITTEN: &str = "as_written";
 pub const SHIFT_KEY: &str = "resolution.shift_cells";
 
 /// Keys that set the size of cells.
-const LATTICE_KEYS: [&str; 3] = [
+pub(super) const LATTICE_KEYS: [&str; 3] = [
     "resolution.cells_per_diameter",
     "resolution.cells_per_chord",
     "resolution.cell_size_m",
