@@ -27,6 +27,7 @@ mod checkpoint;
 mod cloth;
 mod command_line;
 mod contact;
+mod contact_sheets;
 mod contract;
 mod coupling;
 mod cut_links;
@@ -92,6 +93,7 @@ mod wall_friction;
 mod walls;
 mod wing;
 mod wing_design;
+mod wing_loads;
 mod wing_patterns;
 
 use libtest_mimic::{Arguments, Trial};
@@ -108,10 +110,12 @@ fn main() -> std::process::ExitCode {
         eddy_viscosity::trials(),
         cloth::trials(),
         contact::trials(),
+        contact_sheets::trials(),
         contract::trials(),
         wall_friction::trials(),
         walls::trials(),
         wing::trials(),
+        wing_loads::trials(),
         vh_ribs::trials(),
         wing_design::trials(),
         wing_patterns::trials(),
