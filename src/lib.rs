@@ -87,31 +87,31 @@
 //! | [`bench`] | error against seconds, the map of stability, schemes of coupling, what a device does | bluff_body, case, cpu, geometry, immersed, lattice, simulation, measure, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!
-//! A test (`tests/architecture.rs`) holds these arrows, and that the files of a room make no circle either: types stand below, then the stages that
+//! A test (`tests/architecture.rs`) holds these arrows, and that the files of a room make no circle either. Types stand below, then the stages that
 //! act on them, then the head that runs them. A struct whose `impl` blocks lie in several files has its definition below all of these.
 //!
 //! ## The coupling in one paragraph
 //!
-//! Over the new node positions the fabric minimises inertia + elastic energy − loads + ½ dt Σ_k K_k |v_k − u*_k|², where v_k
-//! is a marker's velocity, u*_k the bare air velocity there and K_k = 2 a_k ρ A_k·cell/dt. The air then receives exactly
+//! Over the new node positions the fabric minimises inertia + elastic energy − loads + ½ dt Σ_k K_k |v_k − u*_k|². Here v_k
+//! is a marker's velocity, u*_k the bare air velocity at it and K_k = 2 a_k ρ A_k·cell/dt. The air then receives exactly
 //! K_k (v_k − u*_k). Velocities and accelerations count from the last two steps (BDF2) or the last one ([`cpu::cloth::integration`]): the objective is the same with other
 //! constants, on the host as on a device. The reaction is convex and the exchange of momentum exact (the fabric's own balance holds to the solver's
-//! tolerance), so the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
-//! over the last k steps and the air K_k (v_k − u*_k) of each; a_k is lowered where folds put several layers under one kernel
+//! tolerance). So the ratio of sheet mass to air mass does not matter for stability. With k > 1 the fabric feels the mean ū
+//! over the last k steps and the air K_k (v_k − u*_k) of each. The strength a_k is lowered where folds put several layers under one kernel
 //! ([`cpu::immersed`]). Markers of rigid bodies have prescribed velocities and stand a little inside the surface
-//! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k; the velocity v through it follows from its
+//! (`docs/rigid-bodies.md`). Where air passes a surface, a marker aims at v_k + v n in place of v_k. The velocity v through it follows from its
 //! own normal force by Ergun's law, within the same step ([`immersed::permeable`]). Surfaces of a wing in the wind along which the air slides
-//! act across themselves alone: both the fabric and the air get K_k n n·(v_k − u*_k), n the surface's normal (`docs/ram-air.md`). In a box that
+//! act across themselves alone. Both the fabric and the air get K_k n n·(v_k − u*_k), n being the surface's normal (`docs/ram-air.md`). In a box that
 //! falls (`[air.descent]`) every mass, the air's too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
-//! With `coupling.scheme = "links"` there are no markers: what leaves a cell along a link that the surface cuts comes back to it, and the fabric feels at every cut a force that is
+//! With `coupling.scheme = "links"` there are no markers. What leaves a cell along a link that the surface cuts comes back to it. The fabric feels at every cut a force that is
 //! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`). Where the air slides along a surface, what left the cells about the mirror image comes back
-//! instead; a model of the boundary layer may give the stress on it ([`cut_links::boundary_layer`]).
+//! instead. A model of the boundary layer may give the stress on it ([`cut_links::boundary_layer`]).
 //!
-//! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down): the state is carried
+//! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down). The state is carried
 //! over in SI units and the stages stay the same ([`simulation::Simulation::change_lattice`], `docs/steady-runs.md`).
 //!
-//! Where a case asks for it ([`cloth::contact`], `docs/contact.md`), fabric that comes close to fabric adds a barrier to that energy, and no
+//! Where a case asks for it ([`cloth::contact`], `docs/contact.md`), fabric that comes close to fabric adds a barrier to that energy. No
 //! trial goes farther than it can without passing through.
 //!
 //! ## Departures from the published schemes

@@ -1,7 +1,7 @@
 //! Boundary layers that the cells do not hold: the shear stress that a wall along which the air slides gets from a model.
 //!
-//! Every face of every triangle carries the velocity of the air two to three cells off, its speed five to six cells off, and the momentum thickness θ of the layer there. Between a face and those
-//! upstream of it, a distance s along the flow apart, von Kármán's momentum integral holds, with U the speed beside the layer, the larger of the two:
+//! Every face of every triangle carries the velocity of the air two to three cells off and its speed five to six cells off. It carries the momentum thickness θ of the layer there. Between a face and those
+//! upstream of it, a distance s along the flow apart, von Kármán's momentum integral holds. U is the speed beside the layer, the larger of the two:
 //!
 //! * laminar: θ² U⁶ grows by 0.45 ν ∫U⁵ ds (Thwaites 1949, doi:10.1017/S0001925900000184);
 //! * turbulent, with a shape factor of 1.5 and c_f = 0.0177 (U θ/ν)^(−1/5): θ^(6/5) U⁴ (U/ν)^(1/5) grows by 0.0106 ∫U⁴ ds;
@@ -17,14 +17,14 @@
 //! The layers march in every fourth step of the air; in between the stress stays.
 //!
 //! *Departure*: wall models of large-eddy simulations suppose that y lies inside the layer. Here the layer is mostly thinner than a cell, and a law of the wall alone would give it the
-//! friction of one as thick as y: by arithmetic, some 40 % less on a plate of 16 cells at Re = 10⁵.
+//! friction of one as thick as y. By arithmetic, that is some 40 % less on a plate of 16 cells at Re = 10⁵.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::spaces::Spaces;
 
-/// Steps of the air from one march of the layers, by a triangle, to the next: where triangles are a cell long, they march twice as fast as the air or faster.
+/// Steps of the air from one march of the layers, by a triangle, to the next. Where triangles are a cell long, they march twice as fast as the air or faster.
 const STEPS_OF_A_MARCH: u64 = 4;
 
 /// Share that a face takes, in a march, of the velocity that its links see now.
@@ -130,7 +130,7 @@ pub struct Shape<'a> {
 }
 
 impl BoundaryLayers {
-    /// On the triangles that are `modelled`, in air of this kinematic viscosity [cells² per step]; along a flat plate layers turn turbulent at the Reynolds number `transition_reynolds` of the
+    /// On the triangles that are `modelled`, in air of this kinematic viscosity [cells² per step]. Along a flat plate layers turn turbulent at the Reynolds number `transition_reynolds` of the
     /// length of run. `None` where no triangle is.
     #[must_use]
     pub fn new(modelled: Vec<bool>, viscosity: f64, transition_reynolds: f64) -> Option<Self> {

@@ -186,8 +186,8 @@ impl FacePressures {
 
 /// Velocity of the air through the sheet along its normals, at every node.
 ///
-/// A Δp(v) = K (w − v): w is the normal slip that the links around a node see, K the stiffness with which they hold it, A the area that it stands for,
-/// and Δp(v) = r v + s v|v| the fabric's law; all three are smoothed along the sheet over about a cell, so that single links, which see the slip along the sheet, too,
+/// It follows from A Δp(v) = K (w − v). Here w is the normal slip that the links around a node see, and K the stiffness with which they hold it. A is
+/// the area that it stands for, and Δp(v) = r v + s v|v| the fabric's law. All three are smoothed along the sheet over about a cell. So single links, which see the slip along the sheet, too,
 /// do not decide. The fabric's own velocity is that of the last step.
 #[derive(Debug, Clone)]
 pub struct Through {

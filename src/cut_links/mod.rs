@@ -1,7 +1,7 @@
 //! A sheet that cuts the lattice: what links between cells it cuts, and what comes back along them.
 //!
 //! A link joins the centre of cell A with that of its neighbour B = A + c. Where a triangle cuts it, air that leaves A along it comes back to A, and
-//! air that leaves B to B: the two sides of the sheet touch each other in nothing else, however thin it is. With f the population that leaves
+//! air that leaves B to B. The two sides of the sheet touch each other in nothing else, however thin it is. With f the population that leaves
 //! along d (c from A, −c from B; shifted by its weight w at rest), the returned one is
 //!
 //! r = s f + e − 6 w κ d·v,
@@ -13,9 +13,9 @@
 //! * q ≥ ½: s = κ = 1/2q, e = (1 − 1/2q) times the one that arrives behind the cell, along −d;
 //!
 //! half-way where the link behind is cut, too, or leads out of the air. *Departure*: what half-way bounce-back would have returned less what this returns goes to
-//! the cell's population at rest, so that the air's mass stays exact; half-way, and with both sides at one velocity, what one loses the other gains.
+//! the cell's population at rest, so that the air's mass stays exact. Half-way, and with both sides at one velocity, what one loses the other gains.
 //!
-//! The air gets the momentum −d (f + r), the sheet the opposite, affine in v with the positive semidefinite matrix 6 w κ d dᵀ: a convex part of the
+//! The air gets the momentum −d (f + r), the sheet the opposite. That is affine in v with the positive semidefinite matrix 6 w κ d dᵀ. It is a convex part of the
 //! fabric's implicit step ([`crate::cpu::cloth::TriangleReaction`]), so that the ratio of masses does not decide on stability.
 //!
 //! Two layers in one link enclose air that has no cell. Each layer feels its own outer side; between both stands a pressure that is carried

@@ -2,7 +2,7 @@
 //!
 //! A fold that closes over the last cells inside presses their air together, for no link leads out; in truth it gets out along the fold. Such cells
 //! reach densities that no flow has, 1.4 in a folded canopy of 96 cells per D_0. *Departure*: what is beyond an excess of 0.05 goes to the populations at
-//! rest of the cells around, a share in every step, and what is missing beyond it comes from there. Mass stays exact; the sheet feels what is left.
+//! rest of the cells around, a share in every step. What is missing beyond it comes from there. Mass stays exact; the sheet feels what is left.
 
 use rayon::prelude::*;
 

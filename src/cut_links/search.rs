@@ -1,8 +1,8 @@
 //! Which links of the lattice a surface of triangles cuts.
 //!
 //! Links of one direction lie on parallel lines through cell centres. Seen along them, the lines are the whole points of a plane, and a triangle is a
-//! triangle of that plane: the points in it are the lines that it cuts. Which side of an edge a point lies on is worked out from the edge's ends in the order of
-//! their numbers, so that both triangles at an edge get the same bits, and every line passes just one of them: a closed surface has no leak, wherever it stands.
+//! triangle of that plane. The points in it are the lines that it cuts. Which side of an edge a point lies on is worked out from the edge's ends in the order of
+//! their numbers. So both triangles at an edge get the same bits, and every line passes just one of them. A closed surface has no leak, wherever it stands.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,8 +15,8 @@ use crate::lattice::DIRECTIONS;
 /// Number of the next search.
 static NEXT_SEARCH: AtomicU64 = AtomicU64::new(1);
 
-/// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice: it would lie before it for one link and behind it for
-/// another [cells].
+/// By how much the whole surface is moved, so that no cell's centre lies on a sheet along the lattice [cells]. It would lie before it for one link and
+/// behind it for another.
 const GENERAL_POSITION: DVec3 = DVec3::new(1.2e-5, 2.7e-5, 3.9e-5);
 
 /// Triangles and links that one task works on.

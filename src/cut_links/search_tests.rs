@@ -69,7 +69,7 @@ fn cuts_lie_on_triangle_and_link() {
     }
 }
 
-/// Links from inside a closed surface to outside are cut an odd number of times, all others an even number: wherever it stands, with nodes and edges on lines of
+/// Links from inside a closed surface to outside are cut an odd number of times, all others an even number. It is so wherever it stands, with nodes and edges on lines of
 /// cell centres, too.
 #[test]
 fn a_closed_surface_is_tight() {

@@ -3,24 +3,24 @@
 //! A cut link leads from cell A to cell B behind the wall. The mirror image of B in the wall lies in the air. What B would send is taken from the cells about that image: g is the
 //! population that leaves them along −d. It comes back with the velocity across the wall and the shear stress upon it turned round,
 //!
-//! r = g + 6 w β (d·n) (j − ρ V)·n − 18 w (d·n) d·s,
+//! r = g + 6 w β (d·n) (j − ρ V)·n − 18 w (d·n) d·s.
 //!
-//! n the unit normal away from the air, V the velocity of the wall, ρ, j and s density, momentum and the part along the
-//! wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n, of the cells about the image. With α = min(1, 1/2q) by the distance q of the cut, β = α η + ½ (1 − η): the velocity across
-//! a wall grows with the height over it, and the cells lie higher than their image; η is its height over theirs, 1 at most, and ½ (1 − η) takes from g what they have too much.
-//! *Measured, not derived*: where the flow along turned walls speeds up, a fifth to a third of the air comes out of them that would with η = 1; on walls along the lattice, where α holds the height already,
-//! more comes than before. β = ½ (1 + η) is right there and no better than η = 1 on turned walls: the cells of an image lie askew along the wall, too. On a wall along the lattice, midway between cells, this is specular
+//! Here n is the unit normal away from the air, and V the velocity of the wall. Of the cells about the image, ρ and j are density and
+//! momentum. Of them, too, s is the part along the wall of the flux of momentum across it, (1 − n nᵀ)(T − j Vᵀ) n. With α = min(1, 1/2q) by the distance q of the cut, β is α η + ½ (1 − η). The velocity across
+//! a wall grows with the height over it, and the cells lie higher than their image. Its height over theirs is η, 1 at most, and ½ (1 − η) takes from g what they have too much.
+//! *Measured, not derived*: where the flow along turned walls speeds up, a fifth to a third of the air comes out of them that would with η = 1. On walls along the lattice, where α holds the height already,
+//! more comes than before. There β = ½ (1 + η) is right, but no better than η = 1 on turned walls. The cells of an image lie askew along the wall, too. On a wall along the lattice, midway between cells, this is specular
 //! reflection but for the few thousandths that come from the further cells of an image.
 //!
 //! Uniform flow along a plane wall comes back as it left, to round-off, however the plane is turned. So it would from a copy of A's own state, but that grows without bound where
-//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain; the
-//! sum of that, where a wall is not plane, goes to the whole wall, and what is lost beyond it to the links nearby (`src/simulation/sliding.rs`): the air keeps its mass. What is given back arrives
+//! the lattice makes stairs of the wall. *What it costs*: the mass of single cells. Along a plane a link loses 6 w d·(j − ρ V) of what slides, which other links of the same wall gain. The
+//! sum of that, where a wall is not plane, goes to the whole wall. What is lost beyond it goes to the links nearby (`src/simulation/sliding.rs`). So the air keeps its mass. What is given back arrives
 //! with the velocity of the air along the wall. At rest it would hold the air back, and what is taken away would drive it: a section has thrust.
 //!
 //! *Energy*: what comes from an image is a copy. Where the air has more energy there than at the wall, that would come from nowhere: round a nose, it drives a section on. Where it has less, the
 //! wall would brake. A block of links gives the air what it would along a plane, by the share of what slides that comes back; the rest is bounce-back ([`super::energy`]).
 //!
-//! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks: there is no room for an image, enclosed air from which nothing takes energy
+//! In gaps less than three cells wide, and in creases, which are cells with walls on both sides, the air sticks. There is no room for an image. Enclosed air from which nothing takes energy
 //! breaks down, and so do cells of tight folds.
 //!
 //! The shear stress that a model of the boundary layer puts on the wall is not taken from the link: [`super::stress`].
@@ -46,8 +46,8 @@ pub(super) const CELLS_OF_AN_IMAGE: usize = 3;
 /// Length below which an image counts as lying on a cell's centre, to the fourth power [cells⁴].
 const ON_A_CENTRE: f64 = 1e-3;
 
-/// Cells from the one beside a wall to those whose velocities a model of the boundary layer takes: the first is two to three and a half cells off, so that the stress does not follow from
-/// what it does to the first cell; the second tells the speed outside a layer that is thicker.
+/// Cells from the one beside a wall to those whose velocities a model of the boundary layer takes. The first is two to three and a half cells off, so that the stress does not follow from
+/// what it does to the first cell. The second tells the speed outside a layer that is thicker.
 const CELLS_OFF: [usize; 2] = [CHANGED_BY_LAYERS - 1, 5];
 
 /// Free cells beyond the first that a wall needs before it for the air to slide.
@@ -337,7 +337,7 @@ impl Images {
             .collect_into_vec(&mut self.air);
     }
 
-    /// What a model of the boundary layer takes of the air beside a face, from what was taken of all cells; `wall` tells the wall's velocity at a side of a link.
+    /// What a model of the boundary layer takes of the air beside a face, from what was taken of all cells. `wall` tells the wall's velocity at a side of a link.
     pub fn seen(&self, face: Face, wall: impl Fn(usize, usize) -> DVec3) -> Option<Seen> {
         self.modelled.seen(face, |off| {
             let wall = wall(off.link as usize, usize::from(off.side));
@@ -348,7 +348,7 @@ impl Images {
         })
     }
 
-    /// Puts what comes back to every side that slides into `returns`, from what was taken and is `leaving` the cells; `wall` tells the wall's velocity at a side of a link. Into `losses` goes
+    /// Puts what comes back to every side that slides into `returns`, from what was taken and is `leaving` the cells. `wall` tells the wall's velocity at a side of a link. Into `losses` goes
     /// what it loses.
     pub fn returned(
         &self,
@@ -512,7 +512,7 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends; `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
+    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends. It is `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
     fn off(
         &self,
         link: &CutLink,

@@ -218,7 +218,7 @@ fn walls_give_as_much_energy_as_planes() {
     }
 }
 
-/// Air that stagnates on a plane, u = a (x e − z n), speeds up along it: next to none of it passes, in the mean over where the plane lies between the cells.
+/// Air that stagnates on a plane, u = a (x e − z n), speeds up along it. Next to none of it passes, in the mean over where the plane lies between the cells.
 #[test]
 fn air_that_speeds_up_does_not_pass() {
     let domain = a_box([44; 3]);

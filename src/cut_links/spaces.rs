@@ -1,7 +1,7 @@
 //! Which faces of a surface look at the same air.
 //!
 //! Around an edge the triangles follow each other by angle; between one and the next lies air that the faces towards it share. At a rim, where a triangle ends alone, the air goes round
-//! from one of its faces to the other: they share it, too, but no boundary layer goes on there. Where the surface ends with the air, or at a side that repeats, it does not.
+//! from one of its faces to the other. They share it, too, but no boundary layer goes on there. Where the surface ends with the air, or at a side that repeats, it does not.
 
 use std::collections::HashMap;
 

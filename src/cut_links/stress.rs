@@ -1,10 +1,10 @@
 //! Where the shear stress that a model of the boundary layer ([`super::boundary_layer`]) puts on a wall is taken from the air.
 //!
-//! Not from the link: what comes back follows from further cells, which would fill up again what the first one lost, to a tenth of the stress and less where the wall lies askew. So half of
+//! Not from the link: what comes back follows from further cells. They would fill up again what the first one lost, to a tenth of the stress and less where the wall lies askew. So half of
 //! it is taken from the cells of the image, half from a cell two further off, from populations along open links, and the cell keeps its mass. Measured: a plate's friction is that of its law
 //! within 15 % on 16 to 128 cells, however it is turned (`ripstop validate wall-friction`).
 //!
-//! A link stands for the area 9 w (d·n) |d − n (d·n)|², whose sum over the links is that of the wall, since Σ w c c c c is isotropic.
+//! A link stands for the area 9 w (d·n) |d − n (d·n)|². Its sum over the links is that of the wall, since Σ w c c c c is isotropic.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,8 +15,8 @@ use super::search::{CutLink, CutLinks, Domain};
 use super::slide::{Asked, CELLS_OF_AN_IMAGE, Image, Images, Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 
-/// Share of a model's stress that is taken two cells off, the rest from the cells of the image: by 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
-/// ½ 91 to 116 % (16 to 64 cells, turned by 0 to 45°; while all that a link lost went to the whole wall, now 94 to 114 % at 0 to 30°).
+/// Share of a model's stress that is taken two cells off, the rest from the cells of the image. By 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
+/// ½ 91 to 116 %. It has 16 to 64 cells and is turned by 0 to 45°. That was while all that a link lost went to the whole wall; now it is 94 to 114 % at 0 to 30°.
 const TAKEN_OFF: f64 = 0.5;
 
 /// Cells that one task works on.

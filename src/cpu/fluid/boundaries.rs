@@ -1,4 +1,4 @@
-//! Populations that enter through the faces of the domain: through the sides they are copied after each sweep, at inlet and
+//! Populations that enter through the faces of the domain. Through the sides they are copied after each sweep. At inlet and
 //! outlet (or from end to end) they are filled in within the sweep, row by row.
 //!
 //! For cell n and direction d with n − c_d outside:
@@ -6,19 +6,19 @@
 //! * free slip (half-way specular reflection): what left mirrored at the wall midway between cell and ghost;
 //! * no slip (half-way bounce-back): what left in the opposite direction, and what a moving wall adds ([`crate::lattice::links`]);
 //! * absorbing sides: as free slip, then less what sound takes out ([`crate::lattice::faces`]);
-//! * velocity inlet: equilibrium with the inlet's velocity and the density that the leaving populations tell of, but for what sound takes out
-//!   and along with it (there, too), and the stress of an inlet profile's shear;
+//! * velocity inlet: equilibrium with the inlet's velocity and the density that the leaving populations tell of, but for what sound takes
+//!   out and along with it (there, too). To it comes the stress of an inlet profile's shear;
 //! * pressure outlet: equilibrium with the density and velocity of the last cell, delayed like an outgoing sound wave; a viscous
 //!   sponge before it (see [`super::Setup::sponge_cells`]) damps vortices that leave.
 //!
 //! Beyond the sides the ghosts of inlet and outlet are mirrored (or repeated).
 //!
-//! The outlet lets sound pass. The density excess at the ghost is that of the last cell a little earlier, δρ_g = δρ − d (δρ − δρ'), where
+//! The outlet lets sound pass. The density excess at the ghost is that of the last cell a little earlier, δρ_g = δρ − d (δρ − δρ'). Here
 //! δρ' is that of the step before (kept in the ghost's place among the populations at rest) and d = [`OUTLET_DELAY`]. What changes on
-//! the way is an outgoing wave: the incoming one, ½ (δρ − u/c_s), which the outlet itself sent, is taken over by
+//! the way is an outgoing wave. The incoming one, ½ (δρ − u/c_s), which the outlet itself sent, is taken over by
 //! u_g = u + c_s cos θ (δρ_g − δρ), cos θ = [`OUTLET_COSINE`].
-//! Then the ghost loses a share a = [`OUTLET_RELAXATION`] / (cells between inlet and outlet) of its excess, so that the incoming wave adds
-//! up −(a/2) δρ per step: the relaxation towards the target pressure of a characteristic outlet (L₁ = K δp: Rudy & Strikwerda 1980,
+//! Then the ghost loses a share a = [`OUTLET_RELAXATION`] / (cells between inlet and outlet) of its excess. So the incoming wave adds up
+//! −(a/2) δρ per step. That is the relaxation towards the target pressure of a characteristic outlet (L₁ = K δp: Rudy & Strikwerda 1980,
 //! doi:10.1016/0021-9991(80)90174-6; Poinsot & Lele 1992, doi:10.1016/0021-9991(92)90046-2). Our departure: only changes of density, not of
 //! velocity, count as sound, so that vortices make no pressure. *Limits*: of waves at 45° a tenth comes back.
 

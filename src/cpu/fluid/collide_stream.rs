@@ -314,8 +314,8 @@ fn around(part: Range<usize>, idle: &Range<usize>) -> [Range<usize>; 2] {
     [part.start..end, start..part.end]
 }
 
-/// Collides a part of one row, which begins with a whole block, in runs of blocks that are alike: with or without force, before or where every cell
-/// has a relaxation time of its own. A block is a cache line of cells,
+/// Collides a part of one row, which begins with a whole block, in runs of blocks that are alike. They are with or without force, before or where
+/// every cell has a relaxation time of its own. A block is a cache line of cells,
 /// which no vector exceeds; it does not depend on the CPU, so neither do the results. `touched` are the x of the cells with a force of
 /// their own, ascending.
 #[inline(always)]
@@ -380,7 +380,7 @@ fn collide_part<S: Simd, P: Stored, C: Collision>(
 }
 
 /// Collides neighbouring cells, from a whole vector on. `tau` is read only where `OWN_TIMES`, `force` only where `FORCED`; both begin at the first cell
-/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end: it is compiled for each operator,
+/// and reach to the end of a block. The operator stands here once, for whole vectors and for what is left at the end. It is compiled for each operator,
 /// kind of population and set of instructions.
 #[inline(always)]
 fn collide_run<S: Simd, P: Stored, C: Collision, const FORCED: bool, const OWN_TIMES: bool>(

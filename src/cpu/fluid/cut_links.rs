@@ -1,7 +1,7 @@
 //! Stages `read_links` and `bounce`: what leaves along cut links, and what comes back ([`crate::cut_links`]).
 //!
-//! The two populations of a link lie at one place in memory, and no other link touches them: a cut is a swap with a term of the wall, and the order of
-//! links does not matter: those of one pair of directions are a task. The share of the population at rest is added in their order.
+//! The two populations of a link lie at one place in memory, and no other link touches them. A cut is a swap with a term of the wall, and the order of
+//! links does not matter. Those of one pair of directions are a task. The share of the population at rest is added in their order.
 
 use rayon::prelude::*;
 

@@ -283,8 +283,8 @@ impl<P: Stored> EndsOfSlab<'_, P> {
         ([y, self.first_plane + plane], start)
     }
 
-    /// Where a row is parted. Its upper end is put in place before the second part, one block before its turn where the row is long enough, and with
-    /// it the lower end of the next row. By then these lines were asked for. Earlier, they would be asked for out of order, and the CPU would lose
+    /// Where a row is parted. Its upper end is put in place before the second part, one block before its turn where the row is long enough. With it
+    /// goes the lower end of the next row. By then these lines were asked for. Earlier, they would be asked for out of order, and the CPU would lose
     /// the streams that it follows: a quarter of the sweep's speed on 96³ cells. Later, vectors would be read right after single values were
     /// written into them.
     #[inline(always)]

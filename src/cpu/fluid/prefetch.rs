@@ -2,8 +2,8 @@
 //!
 //! A sweep reads 19 streams, more than the hardware follows by itself, and the arithmetic of one vector fills the window in which the CPU
 //! looks ahead. Asking for each stream's line a few vectors early made single-precision TRT on 128³ cells 18 % faster and the regularised
-//! operator 19 % (219 to 258 and 206 to 246 million updates per second on one thread of an AMD EPYC 9004, `benches/README.md`). That is
-//! why this one module may use `unsafe`: there is no safe function for it.
+//! operator 19 %. That is 219 to 258 and 206 to 246 million updates per second on one thread of an AMD EPYC 9004 (`benches/README.md`). For
+//! that this one module may use `unsafe`: there is no safe function for it.
 
 #![allow(
     unsafe_code,

@@ -7,7 +7,7 @@ use crate::lattice::{DIRECTION_COUNT, opposite};
 /// For each direction the part of its array that some planes touch.
 pub(super) type Arrays<'a, P> = [&'a mut [P]; DIRECTION_COUNT];
 
-/// Elements before the first cell of a row in a slab: one block, so that the ghost cells at both ends of a row lie in its slab, and rows begin
+/// Elements before the first cell of a row in a slab, one block. So the ghost cells at both ends of a row lie in its slab, and rows begin
 /// with a whole vector.
 pub(super) const fn lead<P>() -> usize {
     LINE_BYTES / size_of::<P>()

@@ -1,7 +1,7 @@
 //! Memory of the populations: one mapping for all arrays, backed by huge pages where the system has them.
 //!
 //! A step walks through 38 streams at once. With 4 KiB pages that costs a page walk per stream every 64 cache lines, and hardware
-//! prefetch stops there; arrays that all begin at the same place in a page compete for the same sets of the cache, so each begins a
+//! prefetch stops there. Arrays that all begin at the same place in a page compete for the same sets of the cache. So each begins a
 //! few lines further.
 
 use std::ops::{Index, IndexMut, Range};

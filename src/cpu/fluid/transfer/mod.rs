@@ -1,7 +1,7 @@
-//! What passes between a lattice and a box of finer cells in it: *restrict* from the fine cells to the coarse band, *fill* the fine shell from the
+//! What passes between a lattice and a box of finer cells in it. *Restrict* goes from the fine cells to the coarse band, *fill* into the fine shell from the
 //! coarse source ([`crate::lattice::nest`], [`crate::lattice::level_state`]).
 //!
-//! Work goes by planes of coarse cells, within a plane by lines of cells, along x where there are long ones, else along y; a line is a
+//! Work goes by planes of coarse cells, within a plane by lines of cells, along x where there are long ones, else along y. A line is a
 //! run of vectors. Fine lines along y pass through the ends of rows, which the sweeps read and write (`exchanged_ends`).
 
 mod fill;
