@@ -20,6 +20,10 @@ pub fn trials() -> Vec<Trial> {
         ("validity::strict_sphere", strict_sphere),
         ("validity::runs_beyond_their_limits", beyond),
         ("validity::results_and_their_support", support),
+        (
+            "validity::short_steps_in_sixteen_bits",
+            short_steps_in_sixteen_bits,
+        ),
         ("validity::vents_and_gaps", vents_and_gaps),
         ("validity::names_of_bodies", names_of_bodies),
         ("validity::strict_about_what_has_not_settled", strict_wake),
@@ -367,13 +371,34 @@ fn beyond() {
 
 /// What is said of a quick variant before its first step.
 fn beforehand(file: &str, overrides: &[&str]) -> Vec<ValidityRow> {
+    beforehand_in(Precision::F32, file, overrides)
+}
+
+fn beforehand_in(precision: Precision, file: &str, overrides: &[&str]) -> Vec<ValidityRow> {
     let choices = Choices {
         variant: Some("quick".to_owned()),
         overrides: overrides.iter().map(|&change| change.to_owned()).collect(),
     };
     let case = case::load(&root().join(file), &choices).unwrap();
-    let plan = Plan::new(&case.scene, Precision::F32);
+    let plan = Plan::new(&case.scene, precision);
     validity::beforehand(&case.scene, &plan)
+}
+
+/// Populations in 16 bits lose what changes slowly: short steps are told of with them alone.
+fn short_steps_in_sixteen_bits() {
+    let of = |precision, lattice_speed: &str| {
+        let speed = format!("resolution.lattice_speed={lattice_speed}");
+        let rows = beforehand_in(precision, "cases/sphere.toml", &[&speed]);
+        let mut rows = rows.into_iter();
+        rows.find(|row| row.name.ends_with("16 bits"))
+            .map(|row| (row.value.unwrap().round(), row.valid))
+    };
+    assert_eq!(of(Precision::F16Storage, "0.08"), Some((100.0, Some(true))));
+    assert_eq!(
+        of(Precision::F16Storage, "0.005"),
+        Some((1600.0, Some(false)))
+    );
+    assert_eq!(of(Precision::F32, "0.005"), None);
 }
 
 /// A vent and a gap are judged each by its own rule, whichever is narrower.

@@ -29,9 +29,11 @@ struct Whole<'a> {
     reynolds: f64,
     /// Of the wind, or of what moves faster [m/s].
     fastest_m_s: f64,
+    /// Populations are kept in 16 bits.
+    in_sixteen_bits: bool,
 }
 
-const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
+const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 7] {
     [
         Rule {
             name: "physical Mach number",
@@ -89,6 +91,19 @@ const fn of_the_air<'a>() -> [Rule<Whole<'a>>; 6] {
             supports: Supports::Everything,
             remedy: "lower resolution.lattice_speed or take more cells",
             value: |whole| Some(whole.unit_s? / whole.air.units.time_step_s),
+        },
+        Rule {
+            name: "steps per length over speed, 16 bits",
+            unit: "1",
+            meaning: "steps of the air in D_0/U, chord/U, D/U: populations in 16 bits lose what changes by less than 2^-12 in a step, such as viscous decay over many cells",
+            bound: Bound::AtMost,
+            limit: 1000.0,
+            supports: Supports::Everything,
+            remedy: "take --precision f32",
+            value: |whole| {
+                let steps = whole.unit_s? / whole.air.units.time_step_s;
+                whole.in_sixteen_bits.then_some(steps)
+            },
         },
         Rule {
             name: "samples per length over speed",
@@ -455,6 +470,7 @@ pub fn beforehand(scene: &Scene, plan: &Plan) -> Vec<ValidityRow> {
             .iter()
             .map(Subject::speed_m_s)
             .fold(air.wind_or_reference_m_s(), f64::max),
+        in_sixteen_bits: plan.placement.air.is_in_sixteen_bits(),
     };
     let when = When::Beforehand;
     rows.extend(

@@ -5,12 +5,12 @@ use toml::{Table, Value};
 use super::super::file::{CanopyDesign, CanopyStart, CanopyType, Quality};
 use super::super::problem::Problem;
 use super::super::values::{positive, within};
-use super::derived::{Keys, rounded};
+use super::derived::Keys;
 use super::handbook::{Published, SOURCE};
 use super::materials;
 use super::scales::Scales;
 use super::shape;
-use super::units::GRAVITY_M_S2;
+use super::units::{GRAVITY_M_S2, rounded};
 
 /// The table of the design.
 const TABLE: &str = "canopy";

@@ -4,7 +4,7 @@ use toml::{Table, Value};
 
 use super::super::problem::Problem;
 use super::super::text::lookup;
-use super::units::is_quantity;
+use super::units::{is_quantity, rounded};
 
 /// A key of the case that follows from its design.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,11 +188,6 @@ fn short(value: Value) -> Value {
         }
         other => other,
     }
-}
-
-/// To six digits.
-pub(super) fn rounded(number: f64) -> f64 {
-    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]

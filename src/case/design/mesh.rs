@@ -10,10 +10,10 @@ use super::super::density::{standard_density_kg_m3, standard_kinematic_viscosity
 use super::super::file::{CanopyType, MeshDesign, MeshType, Quality};
 use super::super::problem::Problem;
 use super::super::values::{absent, positive, readable, rotation};
-use super::derived::{Keys, rounded};
+use super::derived::Keys;
 use super::handbook::Published;
 use super::materials;
-use super::units::{altitude_m, speed_m_s};
+use super::units::{altitude_m, rounded, speed_m_s};
 use crate::geometry::line_table;
 use crate::geometry::mesh::{obj, surface};
 

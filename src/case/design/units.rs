@@ -3,7 +3,6 @@
 use super::super::density::ALTITUDES_M;
 use super::super::problem::Problem;
 use super::super::values::{positive, within};
-use super::derived::rounded;
 
 /// m of a foot.
 const FOOT_M: f64 = 0.3048;
@@ -28,6 +27,11 @@ const UNITS: [(&str, f64); 8] = [
     ("ft_s", FOOT_M),
     ("kt", KNOT_M_S),
 ];
+
+/// To six digits.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
 
 /// True where a key is that quantity in one of the units, such as `speed_kt` of `speed`.
 pub(super) fn is_quantity(key: &str, quantity: &str) -> bool {

@@ -8,8 +8,8 @@ use super::super::density::standard_density_kg_m3;
 use super::super::file::{Quality, WingClass, WingDesign};
 use super::super::problem::Problem;
 use super::super::values::{absent, positive, within};
-use super::derived::{Keys, rounded};
-use super::units::{GRAVITY_M_S2, altitude_m, length, mass};
+use super::derived::Keys;
+use super::units::{GRAVITY_M_S2, altitude_m, length, mass, rounded};
 use crate::geometry::wing::rib_spans_m;
 
 /// The table of the design.

@@ -12,7 +12,6 @@
 use half::f16;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::stored::Stored;
 use crate::lattice::F16_SCALE;
 
 /// Most lanes that a vector of single precision has.
@@ -105,6 +104,18 @@ pub(super) fn store<S: Simd>(simd: S, vector: S::f32s, into: &mut [f16]) {
     }
 }
 
+/// Keeps a number.
+#[inline(always)]
+pub(super) fn packed(value: f32) -> f16 {
+    f16::from_f32(value * F16_SCALE)
+}
+
+/// Takes a number.
+#[inline(always)]
+pub(super) fn unpacked(kept: f16) -> f32 {
+    kept.to_f32() * (1.0 / F16_SCALE)
+}
+
 /// Keeps `values`, as many as there are places.
 pub(super) fn pack(values: &[f32], into: &mut [f16]) {
     if values.len() < SHORT {
@@ -123,13 +134,13 @@ pub(super) fn unpack(kept: &[f16], into: &mut [f32]) {
 
 fn pack_one_by_one(values: &[f32], into: &mut [f16]) {
     for (value, kept) in values.iter().zip(into) {
-        *kept = f16::packed(*value);
+        *kept = packed(*value);
     }
 }
 
 fn unpack_one_by_one(kept: &[f16], into: &mut [f32]) {
     for (value, kept) in into.iter_mut().zip(kept) {
-        *value = kept.unpacked();
+        *value = unpacked(*kept);
     }
 }
 

@@ -10,8 +10,8 @@ use half::f16;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::sixteen_bits;
+use crate::lattice::Real;
 use crate::lattice::grid::LINE_BYTES;
-use crate::lattice::{F16_SCALE, Real};
 
 /// Vectors of populations, for what [`Vectors::dispatch`] runs.
 pub(super) trait Vectors: Sized {
@@ -177,12 +177,12 @@ impl Stored for f16 {
 
     #[inline(always)]
     fn packed(value: f32) -> Self {
-        Self::from_f32(value * F16_SCALE)
+        sixteen_bits::packed(value)
     }
 
     #[inline(always)]
     fn unpacked(self) -> f32 {
-        self.to_f32() * (1.0 / F16_SCALE)
+        sixteen_bits::unpacked(self)
     }
 
     #[inline(always)]
