@@ -186,20 +186,21 @@ fn check_three_scenes() {
     let text = ripstop(&["check", CANOPY, "--set", narrow, "--set", confluence]).printed;
     assert!(text.contains("blocks 20 % of the section"), "{text}");
     let alike = "air.refinement={around=\"nothing\"}";
-    let with = |changes: &[&str]| {
+    let with = |precision, changes: &[&str]| {
         let choices = Choices {
             overrides: changes.iter().map(|&change| change.to_owned()).collect(),
             ..Choices::default()
         };
         let case = case::load(&root().join(CANOPY), &choices).unwrap();
-        Plan::new(&case.scene, Precision::F32)
+        Plan::new(&case.scene, precision)
     };
-    let canopy = with(&[alike]);
-    let with_gradients = with(&[
+    let gradients = [
         alike,
         "resolution.eddy_viscosity.model=wale",
         "resolution.eddy_viscosity.constant=0.5",
-    ]);
+    ];
+    let canopy = with(Precision::F32, &[alike]);
+    let with_gradients = with(Precision::F32, &gradients);
     let first = with_gradients.stages[0];
     assert_eq!((first.stage, first.every), (Stage::EddyViscosity, 4));
     assert_eq!(
@@ -207,6 +208,14 @@ fn check_three_scenes() {
         4 * canopy.sizes.cells
     );
     assert_eq!(with_gradients.stages.len(), canopy.stages.len() + 1);
+    // Only populations are kept in 16 bits.
+    let halved = with(Precision::F16Storage, &[alike]);
+    let share = halved.sizes.air_bytes as f64 / canopy.sizes.air_bytes as f64;
+    assert!((0.5..0.6).contains(&share), "{share}");
+    assert_eq!(
+        with(Precision::F16Storage, &gradients).sizes.air_bytes - halved.sizes.air_bytes,
+        4 * canopy.sizes.cells
+    );
 
     let air = plan("cases/taylor-green.toml");
     assert!(

@@ -87,7 +87,7 @@ pub(super) struct LevelSizes {
 impl LevelSizes {
     /// Of every lattice of the air, in the order of [`Air::levels`].
     pub fn of(air: &Air, placement: &Placement) -> Vec<Self> {
-        let each = placement.population_bytes();
+        let (each, kept) = (placement.population_bytes(), placement.kept_bytes());
         let held = air
             .eddy_viscosity
             .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some());
@@ -108,16 +108,16 @@ impl LevelSizes {
             };
             let padded_cells = plane.saturating_mul(planes);
             let populations = padded_cells.saturating_mul(DIRECTION_COUNT as u64 * each);
-            // The eddy part of every cell's relaxation time, stored as populations are.
-            let eddy = if held { cells.saturating_mul(each) } else { 0 };
+            // The eddy part of every cell's relaxation time.
+            let eddy = if held { cells.saturating_mul(kept) } else { 0 };
             // Of boxes on CPU threads: ends of rows that are exchanged, and states of coarse cells.
             let exchanged = if level.depth > 0 && !placement.air_on_device() {
                 let [nx, ny, nz] = counts;
                 let ends = 8 * DIRECTION_COUNT as u64 * ny.saturating_mul(nz);
                 let states = [nx, ny, nz].map(|n| n / 2 + 2);
                 let states = states.into_iter().fold(1, u64::saturating_mul);
-                let values = ends.saturating_add(states.saturating_mul(STATE_NUMBERS as u64));
-                values.saturating_mul(each)
+                let states = states.saturating_mul(STATE_NUMBERS as u64 * kept);
+                ends.saturating_mul(each).saturating_add(states)
             } else {
                 0
             };

@@ -69,6 +69,16 @@ impl Placement {
         }
     }
 
+    /// Bytes of a number that is kept beside the populations: on the CPU as it is computed, on a device as they are.
+    #[must_use]
+    pub const fn kept_bytes(&self) -> u64 {
+        match self.air {
+            AirPlacement::Cpu(Precision::F64) => 8,
+            AirPlacement::Cpu(Precision::F32 | Precision::F16Storage) => 4,
+            AirPlacement::Gpu(storage) => storage.bytes(),
+        }
+    }
+
     /// Precision of the air in a word.
     #[must_use]
     pub const fn precision_name(&self) -> &'static str {
