@@ -28,7 +28,7 @@ pub struct Output {
     pub picture_arrows: Option<bool>,
     /// Time between frames of `animation.png`, an animated PNG of the first quantities [s]; absent: none.
     pub animation_interval_s: Option<f64>,
-    /// Drag or force, D_p/D_0, line tension, speed and load factor against time as `history_NAME.svg` and `.png`; `false` if absent.
+    /// Drag or force, D_p/D_0, line tension, speed and load factor against time as `history_NAME.svg` and `.png`, several bodies in one chart; `false` if absent.
     pub history_plots: Option<bool>,
     /// Panels of a wing laid flat as `panels.svg` (docs/wing-design.md); `false` if absent.
     pub wing_panels: Option<bool>,

@@ -8,6 +8,7 @@ use super::RunError;
 use super::run_folder::RunFolder;
 use crate::case::Scene;
 use crate::frame::StructureFrame;
+use crate::measure::flow_past_bodies::prefix;
 use crate::measure::shared::TIME;
 use crate::measure::{self, CHARTS, Record};
 use crate::output::{Chart, ReadOut, Series, Summary, write_comparison, write_table};
@@ -125,13 +126,109 @@ fn over_time(scene: &Scene, label: String, series: Vec<Series>) -> Chart {
     }
 }
 
+/// A chart for each of [`CHARTS`] that the history has.
 fn charts(folder: &RunFolder<'_>, scene: &Scene, record: &Record) -> Result<(), RunError> {
     for name in CHARTS.map(|column| &*column.name) {
-        if let Some(column) = record.named(name) {
-            let series = vec![series_of(record, column, String::new())];
-            let chart = over_time(scene, column.label(), series);
-            chart.write(&folder.join(format!("history_{name}")), folder.provenance())?;
-        }
+        let columns = of_owners(scene, record.columns(), name);
+        let Some((_, first)) = columns.first() else {
+            continue;
+        };
+        let series = columns
+            .iter()
+            .map(|(owner, column)| series_of(record, column, (*owner).to_owned()));
+        let chart = over_time(scene, first.label(), series.collect());
+        chart.write(&folder.join(format!("history_{name}")), folder.provenance())?;
     }
     Ok(())
+}
+
+/// The column of that name and those of rigid bodies whose names go before it, each with its owner; one that stands alone needs none.
+fn of_owners<'a>(
+    scene: &'a Scene,
+    columns: &'a [ReadOut],
+    name: &str,
+) -> Vec<(&'a str, &'a ReadOut)> {
+    let named = |name: &str| columns.iter().find(|column| column.name == name);
+    let bodies = (scene.rigid_bodies.iter())
+        .map(|body| (&*body.name, prefix(scene, body)))
+        .filter(|(_, prefix)| !prefix.is_empty())
+        .filter_map(|(body, prefix)| Some((body, named(&format!("{prefix}{name}"))?)));
+    let bodies: Vec<_> = bodies.collect();
+    let owner = match bodies[..] {
+        [] => "",
+        _ => "structure",
+    };
+    let itself = named(name).map(|column| (owner, column));
+    itself.into_iter().chain(bodies).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::case::{Choices, SHIPPED, parse};
+
+    /// Who has a column of that name in a shipped case with changes.
+    fn owners(case: &str, changes: &[&str], name: &str) -> Vec<(String, String)> {
+        let (_, text) = SHIPPED.iter().find(|(known, _)| *known == case).unwrap();
+        let choices = Choices {
+            variant: None,
+            overrides: changes.iter().map(|&change| change.to_owned()).collect(),
+        };
+        let case = parse(case, text, Path::new("cases"), &choices).unwrap();
+        let columns = measure::history_columns(&case.scene);
+        let found = of_owners(&case.scene, &columns, name).into_iter();
+        found
+            .map(|(owner, column)| (owner.to_owned(), column.name.to_string()))
+            .collect()
+    }
+
+    #[test]
+    fn bodies_share_a_chart() {
+        let pair = |owner: &str, name: &str| (owner.to_owned(), name.to_owned());
+        let alone = owners("sphere", &[], "force_x_n");
+        assert_eq!(alone, [pair("", "force_x_n")]);
+        let two = [
+            "resolution.cells_per_diameter=absent",
+            "resolution.cell_size_m=0.0125",
+            "air.refinement={around=\"nothing\"}",
+            "air.wind_tunnel.size_m=[0.5, 0.8, 0.4]",
+            "air.wind_tunnel.sponge_length_m=0.1",
+            "bodies.sphere.position_m=[0.18, 0.2, 0.2]",
+            "bodies.other.position_m=[0.18, 0.6, 0.2]",
+            "bodies.other.sphere.diameter_m=0.1",
+        ];
+        let mut found = owners("sphere", &two, "lift_coefficient");
+        found.sort();
+        assert_eq!(
+            found,
+            [
+                pair("other", "other_lift_coefficient"),
+                pair("sphere", "sphere_lift_coefficient")
+            ]
+        );
+        assert!(owners("sphere", &two, "descent_speed_m_s").is_empty());
+        let payload = [
+            "bodies.payload.position_m=[0.55, 0.997, 0.997]",
+            "bodies.payload.sphere.diameter_m=0.2",
+            "coupling.scheme=kernel",
+            "resolution.cells_per_diameter=12.0",
+            "air.refinement={around=\"nothing\"}",
+            "air.wind_tunnel.size_m=[2.9915, 1.994, 1.994]",
+            "air.wind_tunnel.sponge_length_m=0.4",
+            "structure.flat_circular.confluence_m=[0.4, 0.997, 0.997]",
+            "structure.flat_circular.rings=8",
+        ];
+        assert_eq!(
+            owners("flat-circular-tunnel", &payload, "drag_coefficient"),
+            [
+                pair("structure", "drag_coefficient"),
+                pair("payload", "payload_drag_coefficient")
+            ]
+        );
+        let diameter = "projected_diameter_ratio";
+        let found = owners("flat-circular-tunnel", &payload, diameter);
+        assert_eq!(found, [pair("", diameter)]);
+    }
 }

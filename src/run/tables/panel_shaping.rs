@@ -51,7 +51,8 @@ pub(in crate::run) fn write(
         // Free of stress as they are sewn.
         let panels = patterns::patterns(&wing.built, &cloth.structure.positions_m);
         let pieces: Vec<PatternPiece> = panels.iter().map(|panel| piece(wing, panel)).collect();
-        write_patterns(&folder.join(PATTERNS), &scene.title, &pieces)?;
+        let path = folder.join(PATTERNS);
+        write_patterns(&path, &scene.title, &pieces, folder.provenance())?;
     }
     Ok(())
 }
