@@ -10,6 +10,15 @@ use crate::frame::{FabricQuantity, FabricState, StructureFrame};
 /// Length of the stroke along a wrinkle, over the root of its triangle's rest area.
 const STROKE_LENGTH: f64 = 0.9;
 
+/// Strain up to which round-off of places explains it.
+const ROUND_OFF: f64 = 1e-9;
+
+/// True for fabric that is as it was cut, as that of a wing which is held rigid: its tensions and states are round-off.
+fn is_unstrained(structure: &StructureFrame) -> bool {
+    let mut strains = structure.principal_strains.iter().flatten();
+    !structure.principal_strains.is_empty() && strains.all(|strain| strain.abs() <= ROUND_OFF)
+}
+
 /// Title of the colour bar.
 pub(super) const fn title(quantity: FabricQuantity) -> &'static str {
     match quantity {
@@ -59,10 +68,11 @@ const fn place(state: FabricState) -> f64 {
     }
 }
 
-/// Values of the triangles in the unit of [`title`], NaN where the frame has none.
+/// Values of the triangles in the unit of [`title`], NaN where the frame has none, and of fabric without strain.
 pub(super) fn values(quantity: FabricQuantity, structure: &StructureFrame) -> Vec<f64> {
     let megapascal = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| 1e-6 * v).collect() };
     let mut values = match quantity {
+        _ if is_unstrained(structure) => Vec::new(),
         FabricQuantity::Tension => {
             let tensions = structure.principal_tensions_n_m.iter();
             tensions.map(|pair| pair[0]).collect()
@@ -123,6 +133,9 @@ pub(super) fn surface(
 
 /// A stroke along the wrinkles of every wrinkled triangle.
 pub(super) fn wrinkle_strokes(structure: &StructureFrame, zoom: f64) -> Vec<Polyline> {
+    if is_unstrained(structure) {
+        return Vec::new();
+    }
     let style = LineStyle {
         width_px: 1.1 * zoom,
         colour: INK,

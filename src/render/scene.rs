@@ -12,7 +12,7 @@ use super::content::{Axis, INK, air_box, bodies, cables, thinnest_axis};
 use super::fabric;
 use super::flow;
 use super::picture::{
-    Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth,
+    Camera, ColourBar, Label, LineStyle, Picture, PixelRect, Polyline, Slice, SliceDepth, Surface,
     TextAlign, TextSize, Tick, nice_ticks,
 };
 use super::text::{line_height, text_width};
@@ -110,7 +110,8 @@ impl Default for PictureOptions {
 /// the plane y = const through the structure's centre.
 ///
 /// Without air the structure fills the view; without a structure the air does, seen squarely on the
-/// middle plane across its thinnest direction. Values that are not finite are left out.
+/// middle plane across its thinnest direction. Values that are not finite are left out. Fabric without
+/// strain is grey, without a bar.
 #[must_use]
 pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     let section = options.section.as_ref();
@@ -152,7 +153,8 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     });
 
     let mut bars = Vec::new();
-    if let Some(surface) = &surface {
+    let is_coloured = |surface: &&Surface| surface.values.iter().any(|value| value.is_finite());
+    if let Some(surface) = surface.as_ref().filter(is_coloured) {
         bars.push(Legend {
             title: fabric::title(options.fabric),
             range: surface.range,

@@ -27,7 +27,7 @@ fn structure() -> StructureFrame {
         von_mises_pa: vec![4e4, 8e4],
         shear_stress_pa: vec![0.0; 2],
         shear_strain: vec![0.0; 2],
-        principal_strains: vec![[0.0; 2]; 2],
+        principal_strains: vec![[1e-3, 0.0]; 2],
         yield_stress_pa: None,
         rest_areas_m2: vec![1.0; 2],
         states: vec![FabricState::Taut; 2],
@@ -181,6 +181,35 @@ fn wrinkles_are_orange_with_strokes_along_them() {
         ["taut", "wrinkled", "slack"]
     );
     rasterise(&picture).unwrap();
+}
+
+/// A wing that is held rigid has tensions of round-off: they are no colours, and no bar says what they would mean.
+#[test]
+fn fabric_without_strain_is_grey() {
+    let mut rigid = structure();
+    rigid.principal_tensions_n_m = vec![[3e-13, 1e-13], [5e-13, -2e-13]];
+    rigid.principal_strains = vec![[2e-16, -3e-13]; 2];
+    rigid.states = vec![FabricState::Wrinkled; 2];
+    let mut strained = rigid.clone();
+    strained.principal_strains[1][1] = -1e-7;
+    for quantity in FabricQuantity::ALL {
+        let options = PictureOptions {
+            fabric: quantity,
+            ..PictureOptions::default()
+        };
+        let picture_of = |structure: &StructureFrame| {
+            picture_of(&frame(Some(fluid()), Some(structure.clone())), &options)
+        };
+        let picture = picture_of(&rigid);
+        assert!(picture.surfaces[0].values.iter().all(|v| v.is_nan()));
+        let titles: Vec<&str> = picture.colour_bars.iter().map(|bar| &*bar.title).collect();
+        assert_eq!(titles, ["Air speed [m/s]"], "{}", quantity.name());
+        assert_eq!(picture.polylines.len(), 1, "no strokes along wrinkles");
+        rasterise(&picture).unwrap();
+        let picture = picture_of(&strained);
+        assert_eq!(picture.colour_bars.len(), 2, "{}", quantity.name());
+        assert!(picture.surfaces[0].values.iter().all(|v| v.is_finite()));
+    }
 }
 
 #[test]
