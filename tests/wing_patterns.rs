@@ -199,7 +199,7 @@ fn drawn_ballooning() {
 
 /// One unit of the drawing is a millimetre of the sheet, and of the cloth.
 fn true_scale() {
-    use ripstop::output::{PatternPiece, write_patterns};
+    use ripstop::output::{PatternPiece, Provenance, write_patterns};
     let square = PatternPiece {
         outline_m: vec![[0.0, 0.0], [0.25, 0.0], [0.25, 0.5], [0.0, 0.5]],
         words: vec!["cell <1>".to_owned()],
@@ -207,7 +207,11 @@ fn true_scale() {
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("panels.svg");
-    write_patterns(&path, "test", &[square.clone(), square]).unwrap();
+    let provenance = Provenance {
+        program: "ripstop <1>".to_owned(),
+        ..Provenance::default()
+    };
+    write_patterns(&path, "test", &[square.clone(), square], &provenance).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let between = |from: &str, to: &str| -> String {
         text.split(from)
@@ -237,4 +241,5 @@ fn true_scale() {
     // Up the page.
     assert_eq!(points[2][1] - points[1][1], -500.0);
     assert!(text.contains("cell &lt;1&gt;"));
+    assert!(text.contains("<metadata>\nSoftware: ripstop &lt;1&gt;\n</metadata>"));
 }

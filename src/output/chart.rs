@@ -114,7 +114,7 @@ impl Chart {
         Some(kuva::render_to_svg(plots, layout))
     }
 
-    /// Writes `PATH.svg` and `PATH.png`, each whole or not at all, the latter with where it is from; nothing where there is no point to show, and then `false`.
+    /// Writes `PATH.svg` and `PATH.png`, each whole or not at all and with where it is from; nothing where there is no point to show, and then `false`.
     ///
     /// # Errors
     ///
@@ -123,7 +123,7 @@ impl Chart {
         let (Some(for_svg), Some((plots, layout))) = (self.parts(), self.parts()) else {
             return Ok(false);
         };
-        let svg = kuva::render_to_svg(for_svg.0, for_svg.1);
+        let svg = provenance.put_into_svg(&kuva::render_to_svg(for_svg.0, for_svg.1));
         write_atomically(&path.with_extension("svg"), |out| {
             out.write_all(svg.as_bytes())
         })?;

@@ -25,6 +25,7 @@ mod table;
 mod validity;
 mod vtk;
 mod vtk_data;
+mod xml;
 
 pub use account::AccountRow;
 pub use aligned::aligned;

@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::atomic::{OutputError, write_atomically};
+use super::provenance::Provenance;
+use super::xml::escaped;
 
 /// Room between pieces [mm].
 const GAP_MM: f64 = 60.0;
@@ -25,7 +27,7 @@ pub struct PatternPiece {
     pub marks: Vec<([f64; 2], String)>,
 }
 
-/// Writes pieces side by side, row by row, whole or not at all; y of a piece points up the page.
+/// Writes pieces side by side, row by row, whole or not at all, with where they are from; y of a piece points up the page.
 ///
 /// # Errors
 ///
@@ -34,15 +36,10 @@ pub fn write_patterns(
     path: &Path,
     title: &str,
     pieces: &[PatternPiece],
+    provenance: &Provenance,
 ) -> Result<(), OutputError> {
-    let svg = svg(title, pieces);
+    let svg = provenance.put_into_svg(&svg(title, pieces));
     write_atomically(path, |out| out.write_all(svg.as_bytes()))
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 fn svg(title: &str, pieces: &[PatternPiece]) -> String {

@@ -1,12 +1,17 @@
 //! What a file says of where it is from: program, case, and what was changed in it.
 
+use super::xml::escaped;
+
 /// The mark of a PNG file.
 const PNG_MARK: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// First bytes of a PNG file: its mark and the chunk of its size, which comes first.
 const PNG_HEAD_BYTES: usize = 33;
 
-/// Where a frame or a picture is from. Frames carry it as field data of these names, PNG files as texts.
+/// What its parts are called in pictures.
+const IN_PICTURES: [&str; 3] = ["Software", "Source", "Comment"];
+
+/// Where a frame or a picture is from. Frames carry it as field data of these names, PNG files as texts, SVG files as metadata.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Provenance {
     /// Program and version.
@@ -39,13 +44,30 @@ impl Provenance {
         let Some((head, rest)) = head.filter(|_| png.starts_with(PNG_MARK)) else {
             return png.to_vec();
         };
-        let texts = self.named(["Software", "Source", "Comment"]);
+        let texts = self.named(IN_PICTURES);
         let chunks = texts.flat_map(|(keyword, text)| international_text(keyword, text));
         head.iter()
             .copied()
             .chain(chunks)
             .chain(rest.iter().copied())
             .collect()
+    }
+
+    /// An SVG file with the same texts as its metadata; what is no SVG file stays as it is.
+    #[must_use]
+    pub fn put_into_svg(&self, svg: &str) -> String {
+        let texts = self.named(IN_PICTURES);
+        let texts: String = texts
+            .map(|(keyword, text)| format!("{keyword}: {}\n", escaped(text.trim_end())))
+            .collect();
+        let mark = svg.find("<svg").unwrap_or(svg.len());
+        match svg[mark..].find('>') {
+            Some(end) if !texts.is_empty() => {
+                let (head, rest) = svg.split_at(mark + end + 1);
+                format!("{head}\n<metadata>\n{texts}</metadata>\n{rest}")
+            }
+            _ => svg.to_owned(),
+        }
     }
 
     fn named(&self, names: [&'static str; 3]) -> impl Iterator<Item = (&'static str, &str)> {
@@ -102,6 +124,26 @@ mod tests {
         assert_eq!(&nothing.put_into_png(plain.get_ref()), plain.get_ref());
         for other in [&b"short"[..], &[7; 100]] {
             assert_eq!(provenance.put_into_png(other), other);
+        }
+    }
+
+    #[test]
+    fn the_texts_stand_in_a_drawing_and_change_nothing_else() {
+        let provenance = Provenance {
+            program: "ripstop 1".to_owned(),
+            source: "a&b.toml, --set title=\"\u{1b}\"".to_owned(),
+            case: "title = \"<Ü>\"\n[air]\nspeed = 1.0\n".to_owned(),
+        };
+        let plain = "<?xml version=\"1.0\"?>\n<svg width=\"5\"><title>a</title></svg>";
+        let svg = provenance.put_into_svg(plain);
+        let metadata = "\n<metadata>\nSoftware: ripstop 1\nSource: a&amp;b.toml, --set title=&quot;\u{fffd}&quot;\n\
+            Comment: title = &quot;&lt;Ü&gt;&quot;\n[air]\nspeed = 1.0\n</metadata>\n";
+        let (head, rest) = svg.split_once(metadata).unwrap();
+        assert!(head.ends_with("<svg width=\"5\">") && rest.starts_with("<title>"));
+        assert_eq!(format!("{head}{rest}"), plain);
+        assert_eq!(Provenance::default().put_into_svg(plain), plain);
+        for other in ["", "<p>no drawing</p>", "<svg cut short"] {
+            assert_eq!(provenance.put_into_svg(other), other);
         }
     }
 }

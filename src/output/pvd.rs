@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::atomic::{OutputError, invalid_data, write_atomically};
+use super::xml::escaped;
 
 /// One instant of a [`Pvd`] collection.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +78,7 @@ impl Pvd {
              byte_order=\"LittleEndian\">\n<Collection>\n",
         );
         for PvdEntry { time_s, file_name } in &self.entries {
-            let file = escape(file_name);
+            let file = escaped(file_name);
             // Writing to a string cannot fail.
             let _ = writeln!(
                 xml,
@@ -87,14 +88,6 @@ impl Pvd {
         xml.push_str("</Collection>\n</VTKFile>\n");
         xml
     }
-}
-
-/// Makes `text` safe inside an XML attribute.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

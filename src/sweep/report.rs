@@ -95,14 +95,25 @@ pub fn write(folder: &Path, sweep: &Sweep, chosen: &Chosen) -> Result<(), Output
     write_atomically(&folder.join("sweep.md"), |out| {
         out.write_all(text.as_bytes())
     })?;
-    let provenance = Provenance {
-        program: format!("ripstop version {}", env!("CARGO_PKG_VERSION")),
-        ..Provenance::default()
-    };
+    let provenance = provenance(sweep);
     for (name, chart) in charts(folder, sweep, chosen) {
         chart.write(&folder.join(name), &provenance)?;
     }
     Ok(())
+}
+
+/// What charts of several runs have in common; each run's folder holds its own case.
+fn provenance(sweep: &Sweep) -> Provenance {
+    let file = Path::new(&sweep.case).file_name().unwrap_or_default();
+    let mut source = file.to_string_lossy().into_owned();
+    if let Some(variant) = &sweep.variant {
+        source += &format!(", variant {variant}");
+    }
+    Provenance {
+        program: format!("ripstop version {}", env!("CARGO_PKG_VERSION")),
+        source,
+        case: String::new(),
+    }
 }
 
 /// Charts of what is shown of a sweep in `folder`, with the names of their files: results over each other and over the first leading key, histories over time.

@@ -29,7 +29,7 @@ fn sweep() -> Sweep {
         schema_version: 1,
         title: "Canopy".to_owned(),
         case: "case.toml".to_owned(),
-        variant: None,
+        variant: Some("quick".to_owned()),
         leading_keys: Sweep::leading(&varies),
         lattice_key: Sweep::lattice_key(&varies),
         ladders: Vec::new(),
@@ -106,6 +106,10 @@ fn files_hold_all_runs_and_read_back() {
             );
         }
     }
+    let svg = std::fs::read_to_string(folder.path().join("sweep_drag_coefficient.svg")).unwrap();
+    let from = svg.split_once("<metadata>").unwrap().1;
+    assert!(from.starts_with("\nSoftware: ripstop version "), "{from}");
+    assert!(from.contains("\nSource: case.toml, variant quick\n</metadata>"));
     assert!(!folder.path().join("sweep_unknown.png").exists());
     let history = histories(folder.path(), &before, &ratio());
     assert_eq!(history.series.len(), 2);

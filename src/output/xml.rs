@@ -1,0 +1,11 @@
+//! Text within XML.
+
+/// A text as it may stand between marks or in an attribute; what XML has no way to write is replaced.
+pub(super) fn escaped(text: &str) -> String {
+    let is_barred = |c: char| c.is_control() && !['\t', '\n', '\r'].contains(&c);
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace(is_barred, "\u{fffd}")
+}
