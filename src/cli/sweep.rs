@@ -19,9 +19,12 @@ use crate::report;
 use crate::run::{self, Observer, Order, Requests, Start};
 use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
 
-/// Results that are shown where nothing is chosen, if the case has them, beside those that it compares.
-const USUAL_RESULTS: [&str; 4] = [
+/// Results in air that are shown where nothing is chosen, if the case has them, beside those that it compares.
+const USUAL_RESULTS: [&str; 7] = [
     "drag_coefficient",
+    "drag_n",
+    "line_tension_max_n",
+    "riser_force_terminal_n",
     "projected_diameter_ratio",
     "fill_time_s",
     "largest_projected_diameter_time_s",
@@ -189,27 +192,38 @@ fn choose(arguments: &SweepArguments, case: &Case) -> Result<Chosen, Failure> {
         pairs: Vec::new(),
         histories: histories.collect::<Result<_, _>>()?,
     };
-    if chosen.results.is_empty() && case.scene.equilibrium.is_some() {
-        // What such a run prints first.
-        let first = measure::headline(names.iter().map(String::as_str));
-        chosen.results = first.into_iter().map(str::to_owned).collect();
-    }
     if chosen.results.is_empty() {
-        let compared = case.scene.comparisons.iter().map(|c| c.quantity.as_str());
-        for name in USUAL_RESULTS.into_iter().chain(compared) {
-            let known = names.iter().any(|n| n == name);
-            if known && !chosen.results.iter().any(|n| n == name) {
-                chosen.results.push(name.to_owned());
-            }
-        }
-        if chosen.results.is_empty() {
-            chosen.results = names.into_iter().take(6).collect();
-        }
+        chosen.results = usual_results(case, names);
     }
     if chosen.histories.is_empty() {
         chosen.histories = USUAL_HISTORIES.into_iter().filter_map(column).collect();
     }
     Ok(chosen)
+}
+
+/// Those of the results of a case, `names`, that are shown where nothing is chosen.
+fn usual_results(case: &Case, names: Vec<String>) -> Vec<String> {
+    let mut shown: Vec<String> = Vec::new();
+    if case.scene.equilibrium.is_some() {
+        // What such a run prints first.
+        let first = measure::headline(names.iter().map(String::as_str));
+        shown = first.into_iter().map(str::to_owned).collect();
+    }
+    if shown.is_empty() {
+        let in_air = USUAL_RESULTS.into_iter();
+        let in_air = in_air.filter(|_| case.scene.air.is_some());
+        let compared = case.scene.comparisons.iter().map(|c| c.quantity.as_str());
+        for name in in_air.chain(compared) {
+            let known = names.iter().any(|n| n == name);
+            if known && !shown.iter().any(|n| n == name) {
+                shown.push(name.to_owned());
+            }
+        }
+    }
+    if shown.is_empty() {
+        shown = names.into_iter().take(6).collect();
+    }
+    shown
 }
 
 /// What an earlier sweep left of a run: kept if it is done, or can be resumed, and was made of the very same case.
@@ -328,5 +342,37 @@ fn one(arguments: &SweepArguments, case: Case, outcome: &mut Outcome, requests: 
             0
         }
         Err(error) => fail(super::run::exit_code(&error), error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::{Choices, SHIPPED, parse};
+
+    /// What a sweep of a shipped case shows where nothing is chosen.
+    fn shown(name: &str) -> Vec<String> {
+        let (_, text) = SHIPPED.iter().find(|(known, _)| *known == name).unwrap();
+        let case = parse(
+            name,
+            text,
+            std::path::Path::new("cases"),
+            &Choices::default(),
+        )
+        .unwrap();
+        let names = measure::result_names(&case.scene);
+        usual_results(&case, names)
+    }
+
+    #[test]
+    fn canopies_show_their_loads() {
+        let tunnel = shown("flat-circular-tunnel");
+        let first = ["drag_coefficient", "drag_n", "line_tension_max_n"];
+        assert_eq!(tunnel[..3], first);
+        assert!(!tunnel.iter().any(|name| name == "riser_force_terminal_n"));
+        let drop = shown("finite-mass-drop");
+        assert_eq!(drop[..3], first);
+        assert_eq!(drop[3], "riser_force_terminal_n");
+        assert!(shown("sphere").iter().all(|name| !name.ends_with("_n")));
     }
 }
