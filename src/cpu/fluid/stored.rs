@@ -4,7 +4,6 @@
 //! 2022, doi:10.1103/PhysRevE.106.015308, format FP16S). Arithmetic stays in single precision. Devices keep them in the same format (`storage_f16.wgsl`).
 
 use std::fmt::Debug;
-use std::ops::Range;
 
 use half::f16;
 use pulp::{Arch, Simd, WithSimd};
@@ -58,24 +57,7 @@ pub trait Stored:
 
     /// Values of all, which lie in `room` where they must be unpacked.
     fn values<'a>(kept: &'a [Self], room: &'a mut [Self::Real]) -> &'a [Self::Real];
-
-    /// Room for [`Self::change`] of so many arrays.
-    fn room_to_change(arrays: usize) -> Vec<Self::Real> {
-        Self::room(arrays * CELLS_AT_ONCE)
-    }
-
-    /// Lets `change` work on the values of `cells` of all arrays, in one or several runs. It gets the arrays, the cells in them, and the number of the run's
-    /// first cell among `cells`.
-    fn change<const N: usize>(
-        arrays: &mut [&mut [Self]; N],
-        cells: Range<usize>,
-        room: &mut [Self::Real],
-        change: impl FnMut(&mut [&mut [Self::Real]; N], Range<usize>, usize),
-    );
 }
-
-/// Cells that are unpacked at once.
-const CELLS_AT_ONCE: usize = 128;
 
 macro_rules! as_it_is {
     ($type:ty) => {
@@ -128,16 +110,6 @@ macro_rules! as_it_is {
             #[inline(always)]
             fn values<'a>(kept: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
                 kept
-            }
-
-            #[inline(always)]
-            fn change<const N: usize>(
-                arrays: &mut [&mut [Self]; N],
-                cells: Range<usize>,
-                _: &mut [Self],
-                mut change: impl FnMut(&mut [&mut [Self]; N], Range<usize>, usize),
-            ) {
-                change(arrays, cells, 0);
             }
         }
     };
@@ -205,36 +177,11 @@ impl Stored for f16 {
         Self::unpack(kept, room);
         room
     }
-
-    #[inline(always)]
-    fn change<const N: usize>(
-        arrays: &mut [&mut [Self]; N],
-        cells: Range<usize>,
-        room: &mut [f32],
-        mut change: impl FnMut(&mut [&mut [f32]; N], Range<usize>, usize),
-    ) {
-        let mut rooms = room.chunks_exact_mut(CELLS_AT_ONCE);
-        let mut unpacked: [&mut [f32]; N] =
-            std::array::from_fn(|_| rooms.next().unwrap_or_default());
-        let mut first = cells.start;
-        while first < cells.end {
-            let count = CELLS_AT_ONCE.min(cells.end - first);
-            for (kept, values) in arrays.iter().zip(&mut unpacked) {
-                Self::unpack(&kept[first..first + count], &mut values[..count]);
-            }
-            change(&mut unpacked, 0..count, first - cells.start);
-            for (kept, values) in arrays.iter_mut().zip(&unpacked) {
-                Self::pack(&values[..count], &mut kept[first..first + count]);
-            }
-            first += count;
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::DIRECTION_COUNT;
 
     #[test]
     fn sixteen_bits_keep_eleven_of_a_number() {
@@ -267,47 +214,6 @@ mod tests {
         for ((value, kept), back) in values.iter().zip(&kept).zip(&back) {
             assert_eq!(kept.to_bits(), f16::packed(*value).to_bits(), "{value}");
             assert_eq!(back.to_bits(), kept.unpacked().to_bits(), "{value}");
-        }
-    }
-
-    #[test]
-    fn runs_of_cells_are_changed_where_they_lie() {
-        let length = 400;
-        let mut arrays: Vec<Vec<f16>> = (0..DIRECTION_COUNT)
-            .map(|d| {
-                (0..length)
-                    .map(|i| f16::packed((d * 7 + i) as f32 * 1e-4))
-                    .collect()
-            })
-            .collect();
-        let before = arrays.clone();
-        let mut of_array = arrays.iter_mut();
-        let mut slices: [&mut [f16]; DIRECTION_COUNT] =
-            std::array::from_fn(|_| of_array.next().map(|a| &mut a[..]).unwrap_or_default());
-        let mut seen = Vec::new();
-        f16::change(
-            &mut slices,
-            32..301,
-            &mut f16::room_to_change(DIRECTION_COUNT),
-            |arrays, cells, first| {
-                seen.push((first, cells.len()));
-                for array in arrays.iter_mut() {
-                    for value in &mut array[cells.clone()] {
-                        *value = -*value;
-                    }
-                }
-            },
-        );
-        assert_eq!(seen, [(0, 128), (128, 128), (256, 13)]);
-        for (array, before) in arrays.iter().zip(&before) {
-            for (i, (now, before)) in array.iter().zip(before).enumerate() {
-                let expected = if (32..301).contains(&i) {
-                    -*before
-                } else {
-                    *before
-                };
-                assert_eq!(*now, expected, "{i}");
-            }
         }
     }
 }
