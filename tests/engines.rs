@@ -8,6 +8,8 @@ use ripstop::lattice::grid::{Initial, Setup};
 use ripstop::plan::{AirPlacement, ClothPlacement, Placement, Precision, Storage};
 use ripstop::simulation::AirEngine;
 
+use crate::timing::timed;
+
 /// Where the air is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Engine {
@@ -123,11 +125,11 @@ pub fn needs_device(name: String, body: impl FnOnce() + Send + 'static) -> Trial
         "{name}: trials that need a device have `device` or `::gpu` in their names"
     );
     let absent = device().is_err();
-    let trial = Trial::test(name, move || {
+    let trial = Trial::test(name.clone(), move || {
         if let Err(error) = device() {
             return Err(format!("RIPSTOP_REQUIRE_GPU=1, but {error}").into());
         }
-        body();
+        timed(&name, body);
         Ok(())
     });
     if absent && !gpu_required() {
@@ -165,8 +167,8 @@ fn on_engines(engines: &[Engine], name: &str, body: impl Body) -> Vec<Trial> {
             if engine.on_device() {
                 return needs_device(name, move || body.run(engine));
             }
-            Trial::test(name, move || {
-                body.run(engine);
+            Trial::test(name.clone(), move || {
+                timed(&name, || body.run(engine));
                 Ok(())
             })
         })
@@ -175,8 +177,9 @@ fn on_engines(engines: &[Engine], name: &str, body: impl Body) -> Vec<Trial> {
 
 /// A test that does not depend on the engine.
 pub fn plain(name: &str, body: impl FnOnce() + Send + 'static) -> Vec<Trial> {
+    let timed_as = name.to_owned();
     vec![Trial::test(name, move || {
-        body();
+        timed(&timed_as, body);
         Ok(())
     })]
 }

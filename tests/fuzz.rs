@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 use libtest_mimic::{Failed, Trial};
 
 use crate::command_line::root;
+use crate::timing::timed;
 use targets::{Reader, Target};
 
 /// Names the reader in the process that reads.
@@ -56,7 +57,10 @@ const fn usual(reader: Reader) -> u64 {
 pub fn trials() -> Vec<Trial> {
     Reader::ALL
         .into_iter()
-        .map(|reader| Trial::test(format!("fuzz::{}", reader.name()), move || fuzz(reader)))
+        .map(|reader| {
+            let name = format!("fuzz::{}", reader.name());
+            Trial::test(name.clone(), move || timed(&name, || fuzz(reader)))
+        })
         .collect()
 }
 

@@ -84,6 +84,7 @@ mod supports;
 mod sweep;
 mod through_faces;
 mod time_steps;
+mod timing;
 mod tolerances;
 mod trim;
 mod validate;
@@ -188,5 +189,7 @@ fn main() -> std::process::ExitCode {
     .into_iter()
     .flatten()
     .collect();
-    libtest_mimic::run(&arguments, trials).exit_code()
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    timing::tell();
+    conclusion.exit_code()
 }
