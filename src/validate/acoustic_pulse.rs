@@ -6,6 +6,7 @@
 
 use std::f64::consts::TAU;
 
+use super::extremes::largest;
 use super::flows::states;
 use super::report::Gate;
 use super::session::{Session, Stop};
@@ -178,10 +179,9 @@ impl Packet {
         let mut air = session.air(setup, &initial)?;
         air.set_inlet_velocity([wind, 0.0, 0.0]);
         session.advance(&mut air, (way / there + way / back).round() as usize, None)?;
-        Ok(states(&air)?
-            .iter()
-            .map(|(excess, _)| excess.abs())
-            // A flow that broke down must not pass for silence.
-            .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) }))
+        // A flow that broke down must not pass for silence.
+        Ok(largest(
+            states(&air)?.iter().map(|(excess, _)| excess.abs()),
+        ))
     }
 }

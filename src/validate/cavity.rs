@@ -1,5 +1,6 @@
 //! Cubic cavity under a moving lid at Re 1000, steady: velocity on two centre lines against the tables of Albensoeder & Kuhlmann 2005.
 
+use super::extremes::largest;
 use super::flows::{relaxation_time, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
@@ -97,14 +98,8 @@ fn one(
 }
 
 fn farthest(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        // What is not a number is far.
-        .fold(
-            0.0,
-            |far: f64, d| if d > far || d.is_nan() { d } else { far },
-        )
+    // What is not a number is far.
+    largest(a.iter().zip(b).map(|(a, b)| (a - b).abs()))
 }
 
 /// A point of the tables, with the cavity's side and the lid's speed as units.

@@ -56,9 +56,10 @@ pub(super) fn rows(session: &mut Session, body: &BluffBody, band: Option<f64>) -
     let row = session.row(cells, format!("{flow}: C_D {when}"), drag.coefficient);
     if let Some((reference, source)) = body.published_drag() {
         row.reference(reference, source);
-        if let Some(band) = band {
-            row.gate(Gate::Within(band));
-        }
+    }
+    // Without a published drag there is no error, and the gate fails.
+    if let Some(band) = band {
+        row.gate(Gate::Within(band));
     }
     let difference = (drag.momentum_box - drag.coefficient) / drag.coefficient;
     session

@@ -1,6 +1,7 @@
 //! Boxes of finer cells inside a lattice ([`crate::simulation::Levels`]): uniform streams, uniform acceleration, vortices that pass, sound that
 //! meets a box.
 
+use super::extremes::largest;
 use super::flows::{periodic, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
@@ -142,13 +143,11 @@ fn stream(session: &mut Session, operator: Operator) -> Result<(), Stop> {
     let mut levels = nested(session, setup, &TWO_BOXES, [0.0; 3], 1.0, &flow)?;
     let steps = session.size(20, 300);
     advance(session, &mut levels, steps, |_| None)?;
-    let worst = all_cells(&levels, 1.0)?
-        .iter()
-        .flat_map(|cell| {
-            let [u, v, w] = cell.velocity;
-            [u - wind[0], v - wind[1], w - wind[2], cell.density_excess]
-        })
-        .fold(0.0f64, |worst, x| worst.max(x.abs()));
+    let all = all_cells(&levels, 1.0)?;
+    let worst = largest(all.iter().flat_map(|cell| {
+        let [u, v, w] = cell.velocity;
+        [u - wind[0], v - wind[1], w - wind[2], cell.density_excess].map(f64::abs)
+    }));
     let limit = if session.is_double() {
         STREAM_DOUBLE
     } else {
@@ -176,13 +175,11 @@ fn acceleration(session: &mut Session) -> Result<(), Stop> {
     advance(session, &mut levels, 100, |step| {
         (step < 50).then_some([1.6e-3, 0.0, 0.0])
     })?;
-    let worst = all_cells(&levels, 1.0)?
-        .iter()
-        .flat_map(|cell| {
-            let [u, v, w] = cell.velocity;
-            [u - 0.08, v, w, cell.density_excess]
-        })
-        .fold(0.0f64, |worst, x| worst.max(x.abs()));
+    let all = all_cells(&levels, 1.0)?;
+    let worst = largest(all.iter().flat_map(|cell| {
+        let [u, v, w] = cell.velocity;
+        [u - 0.08, v, w, cell.density_excess].map(f64::abs)
+    }));
     session
         .row([16; 3], "uniform acceleration: largest difference", worst)
         .gate(Gate::AtMost(ACCELERATION));
@@ -273,13 +270,12 @@ fn sound(session: &mut Session) -> Result<(), Stop> {
     let mut levels = nested(session, setup, &[nest], [0.0; 3], 1.0, &flow)?;
     // The pulse stands 44 cells behind the interface, what came back 44 before it.
     advance(session, &mut levels, 184, |_| None)?;
-    let mut back = 0.0f64;
-    for cell in all_cells(&levels, 1.0)? {
-        if (118.0..184.0).contains(&cell.place[0]) {
-            let leftwards = 0.5 * (cell.density_excess - cell.velocity[0] / speed_of_sound);
-            back = back.max(leftwards.abs());
-        }
-    }
+    let all = all_cells(&levels, 1.0)?;
+    let before = all
+        .iter()
+        .filter(|cell| (118.0..184.0).contains(&cell.place[0]));
+    let leftwards = |cell: &Seen| 0.5 * (cell.density_excess - cell.velocity[0] / speed_of_sound);
+    let back = largest(before.map(|cell| leftwards(cell).abs()));
     session
         .row(cells, "sound: reflected over incident", back / HEIGHT)
         .gate(Gate::AtMost(REFLECTED));

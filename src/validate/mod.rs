@@ -13,6 +13,7 @@ mod couette;
 mod coupling;
 mod disk;
 mod drag;
+mod extremes;
 mod falling_disk;
 mod flows;
 mod levels;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use super::extremes::largest;
 use super::flows::slope;
 use super::report::{Gate, Report, Row};
 use crate::gpu::{Device, DeviceError};
@@ -18,6 +19,9 @@ const STEPS_AT_ONCE: usize = 64;
 /// Relative errors of the velocity below which round-off in f32 shows: velocities of 1e-2 next to populations of 1e-2 to 1e-1, over up to
 /// ten thousand steps (the same flows in f32 and f64 differ by 1e-6 to 7e-5).
 const SINGLE_PRECISION_ERROR: f64 = 5e-5;
+
+/// The most of that, with a margin: what an error that is hidden may come to.
+const HIDDEN_ERROR: f64 = 1e-4;
 
 /// Least order of convergence.
 const ORDER: f64 = 1.9;
@@ -176,7 +180,7 @@ impl Session<'_> {
     }
 
     /// Adds rows of errors on ever finer grids, that at 32 cells gated, and rows of the order: between neighbours, and fitted over all
-    /// grids whose error single precision does not hide, which is gated.
+    /// grids whose error single precision does not hide, which is gated. Where it hides all but one, what it hides is gated.
     pub(super) fn orders(&mut self, what: &str, errors: &[([usize; 3], usize, f64)]) {
         for &(cells, n, error) in errors {
             let row = self.row(cells, format!("{what}: L2 error, N = {n}"), error);
@@ -199,30 +203,92 @@ impl Session<'_> {
             );
         }
         // Single pairs scatter: the sound of the start is at another phase on every grid.
-        let shown: Vec<_> = errors
-            .iter()
-            .take_while(|(_, _, error)| *error > hidden || error.is_nan())
-            .collect();
-        let (Some(&&(_, first, _)), Some(&&(cells, last, _))) = (shown.first(), shown.last())
-        else {
+        let is_hidden = |(_, _, error): &([usize; 3], usize, f64)| *error <= hidden;
+        let shown = errors.iter().position(is_hidden).unwrap_or(errors.len());
+        let [(_, first, _), .., (cells, last, _)] = errors[..shown] else {
+            let cells = errors.last().map_or([0; 3], |(cells, _, _)| *cells);
+            let counted = errors.iter().enumerate();
+            let counted = counted.filter(|(k, (_, _, error))| *k >= shown || error.is_nan());
+            self.row(
+                cells,
+                format!("{what}: no order, round-off hides it: largest error of these grids"),
+                largest(counted.map(|(_, (_, _, error))| *error)),
+            )
+            .gate(Gate::AtMost(HIDDEN_ERROR));
             return;
         };
         let gate = match self.order.placement {
             AirPlacement::Cpu(_) => ORDER,
             AirPlacement::Gpu(_) => DEVICE_ORDER,
         };
-        if last > first {
-            let points: Vec<[f64; 2]> = shown
-                .iter()
-                .map(|(_, n, error)| [(*n as f64).ln(), error.ln()])
-                .collect();
-            self.row(
-                cells,
-                format!("{what}: order, N = {first} to {last}, fitted"),
-                -slope(&points),
-            )
-            .reference(2.0, "second order, exact solution")
-            .gate(Gate::AtLeast(gate));
+        let points: Vec<[f64; 2]> = errors[..shown]
+            .iter()
+            .map(|(_, n, error)| [(*n as f64).ln(), error.ln()])
+            .collect();
+        self.row(
+            cells,
+            format!("{what}: order, N = {first} to {last}, fitted"),
+            -slope(&points),
+        )
+        .reference(2.0, "second order, exact solution")
+        .gate(Gate::AtLeast(gate));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Precision;
+
+    struct Nobody;
+
+    impl Observer for Nobody {
+        fn progress(&mut self, _: u64, _: u64, _: &str) {}
+        fn note(&mut self, _: &str) {}
+    }
+
+    /// The rows of errors on 16, 32, ... cells in single precision.
+    fn rows_of(errors: &[f64]) -> Report {
+        let order = Order {
+            problems: Vec::new(),
+            full: false,
+            placement: AirPlacement::Cpu(Precision::F32),
+            device: None,
+        };
+        let mut session = Session {
+            order: &order,
+            interrupt: &AtomicBool::new(false),
+            observer: &mut Nobody,
+            report: Report::new(false, order.placement, None),
+            problem: "",
+            planned: 1.0,
+            done: 0.0,
+            problem_end: 1.0,
+            began: Instant::now(),
+        };
+        let sized = errors.iter().enumerate();
+        let sized: Vec<_> = sized.map(|(k, error)| ([1; 3], 16 << k, *error)).collect();
+        session.orders("flow", &sized);
+        session.report
+    }
+
+    /// With or without an order that can be told, two gates: that on 32 cells, and one on the series.
+    #[test]
+    fn an_order_that_cannot_be_told_leaves_a_gate() {
+        for (errors, holds) in [
+            ([4e-3, 1e-3, 2.5e-4], true),
+            ([4e-3, 2e-3, 1e-3], false),
+            ([4e-3, 1e-3, f64::NAN], false),
+            ([5.2e-5, 1.3e-5, 5.6e-6], true),
+            ([1.3e-5, 1.3e-5, 5.6e-6], true),
+            ([5.2e-5, 1.3e-5, 2e-4], false),
+            ([5.2e-5, 1.3e-5, f64::NAN], false),
+            ([f64::NAN, 1.3e-5, 5.6e-6], false),
+        ] {
+            let report = rows_of(&errors);
+            let gated = report.rows.iter().filter(|row| row.holds.is_some());
+            assert_eq!(gated.count(), 2, "{errors:?}");
+            assert_eq!(report.holds(), holds, "{errors:?}: {}", report.table());
         }
     }
 }

@@ -2,6 +2,7 @@
 //! U tanh(80 (¾ − y)) above, v = 0.05 U sin(2π(x + ¼)). Layers of a cell or less must roll up without breaking down at any Reynolds
 //! number, with the settings of high-Reynolds cases: regularised operator, Smagorinsky constant 0.15.
 
+use super::extremes::larger;
 use super::flows::{periodic, relaxation_time};
 use super::report::Gate;
 use super::session::{Session, Stop};
@@ -56,7 +57,7 @@ fn one(session: &mut Session, n: usize, reynolds: f64) -> Result<(), Stop> {
             rise = f64::INFINITY;
             break;
         }
-        rise = rise.max((energy - before) / first);
+        rise = larger(rise, (energy - before) / first);
         before = energy;
     }
     session

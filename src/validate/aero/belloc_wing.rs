@@ -38,8 +38,8 @@ const ANGLES: [f64; 13] = [
     -4.0, -2.0, 0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0,
 ];
 
-/// Angles whose coefficients are stated.
-const STATED: [f64; 5] = [0.0, 4.0, 8.0, 12.0, 16.0];
+/// Which of them have their coefficients stated: 0, 4, 8, 12 and 16 degrees.
+const STATED: [usize; 5] = [2, 4, 6, 8, 10];
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let dynamic = 0.5 * belloc::SPEED_M_S.powi(2) * belloc::REFERENCE_AREA_M2;
@@ -93,7 +93,6 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         )
         .reference(LATTICE_SLOPE, "independent vortex lattice")
         .gate(Gate::Within(LATTICE_BAND));
-    let at = |angle: f64| ANGLES.iter().position(|&a| a == angle).unwrap_or(0);
     let ten = aligned_flow(&surface, belloc::stream_m_s(10f64.to_radians()))?;
     let near = ten.pressure_forces(&surface, 1.0, DVec3::ZERO);
     let far = ten.trefftz_forces(&surface, 1.0);
@@ -162,15 +161,12 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         )
         .gate(Gate::AtMost(0.0));
     let measured = belloc::measured();
-    for angle in STATED {
-        let [lift, induced, profile] = forces[at(angle)];
+    for (angle, [lift, induced, profile]) in STATED.map(|number| (ANGLES[number], forces[number])) {
         let wanted = angle.to_radians();
-        let Some(pair) = measured
+        let pair = measured
             .windows(2)
             .find(|p| p[0].angle_rad <= wanted && wanted <= p[1].angle_rad)
-        else {
-            continue;
-        };
+            .ok_or_else(|| Stop::Refused(format!("nothing is measured at {angle} degrees")))?;
         let t = (wanted - pair[0].angle_rad) / (pair[1].angle_rad - pair[0].angle_rad);
         let between = |a: f64, b: f64| a + t * (b - a);
         let source = "Belloc 2015, measured";

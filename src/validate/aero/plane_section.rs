@@ -5,6 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::super::extremes::larger;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::flows;
@@ -43,7 +44,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         let pressures = flow.pressure_coefficients(&surface);
         // The last tenth of the chord, where the exact section's edge has a stagnation point that one panel cannot resolve, is left out
         // of the largest error.
-        let (mut squares, mut length, mut largest) = (0.0, 0.0, 0.0f64);
+        let (mut squares, mut length, mut most) = (0.0, 0.0, 0.0);
         // The highest suction of a panel, and that of the section at the same place.
         let mut peak = (0.0, 0.0);
         for (k, panel) in surface.panels[..surface.chordwise].iter().enumerate() {
@@ -56,7 +57,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             squares += error * error * size;
             length += size;
             if panel.centre_m.x < 0.9 {
-                largest = largest.max(error.abs());
+                most = larger(most, error.abs());
             }
         }
         let name = format!("highest suction of a panel, {per_side} per side");
@@ -71,7 +72,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         session.aero_row(
             panels,
             format!("error of Cp, largest before 90 % of the chord, {per_side} per side"),
-            largest,
+            most,
         );
     }
     Ok(())

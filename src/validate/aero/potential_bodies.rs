@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use super::super::extremes::larger;
 use super::super::flows::slope;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
@@ -30,14 +31,14 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 .solve(&[stream])?
                 .remove(0);
             let pressures = flow.pressure_coefficients(&body);
-            let (mut largest, mut squares, mut area) = (0.0f64, 0.0, 0.0);
+            let (mut most, mut squares, mut area) = (0.0, 0.0, 0.0);
             for (panel, pressure) in body.panels.iter().zip(pressures) {
                 let inside = panel.centre_m / axes;
                 let normal = (inside / axes).normalize();
                 let velocity = factors * stream;
                 let along = velocity - normal * normal.dot(velocity);
                 let error = pressure - (1.0 - along.length_squared());
-                largest = largest.max(error.abs());
+                most = larger(most, error.abs());
                 squares += error * error * panel.area_m2.length();
                 area += panel.area_m2.length();
             }
@@ -52,7 +53,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             let row = session.aero_row(
                 panels,
                 format!("{name}: error of Cp, largest, {n} x {n}"),
-                largest,
+                most,
             );
             if n == sizes[sizes.len() - 1] {
                 row.gate(Gate::AtMost(LARGEST));

@@ -77,8 +77,10 @@ fn wing(cells: usize, along_chord: usize) -> Result<BuiltWing, Stop> {
             }
         })
         .collect();
+    let profile = Profile::naca("0012");
+    let profile = profile.ok_or_else(|| Stop::Refused("NACA 0012 is no profile".to_owned()))?;
     let plan = Plan {
-        profiles: Profile::naca("0012").into_iter().collect(),
+        profiles: vec![profile],
         stations,
         cells,
         tip_cell_width_ratio: 0.3,
@@ -220,19 +222,17 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         iteration_limit: 1,
     };
     let per_side = session.size(20, 32);
-    let mut flights = Vec::new();
-    for panels_per_side in [per_side / 2, per_side] {
+    let fly = |panels_per_side: usize| -> Result<(Flight, [f64; 2]), Stop> {
         session.check_interrupt()?;
         let settings = settings(panels_per_side);
         let glider = Glider::new(&wing, &wing.structure, &[], &settings, GRAVITY)?;
         let positions = &wing.structure.positions_m;
         let flight = glider.glide(positions, &glider.panel_nodes_m(positions), None)?;
         let residuals = residuals(&wing, &glider, &flight);
-        flights.push((flight, residuals));
-    }
-    let [(coarse, _), (fine, [force, moment])] = &flights[..] else {
-        return Ok(());
+        Ok((flight, residuals))
     };
+    let (coarse, _) = fly(per_side / 2)?;
+    let (fine, [force, moment]) = fly(per_side)?;
     let panels = fine.panels;
     let [angle, speed, glide] = lifting_line(&wing, LIFT_SHARE * section.slope_per_rad);
     let source = "lifting-line theory";
@@ -247,7 +247,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     for (((name, value), reference), gate) in
         ["angle of attack [rad]", "speed [m/s]", "glide ratio"]
             .into_iter()
-            .zip(of(fine))
+            .zip(of(&fine))
             .zip([angle, speed, glide])
             .zip([0.05, 0.03, 0.03])
     {
@@ -258,8 +258,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     }
     for ((name, value), reference) in ["angle of attack", "speed", "glide ratio"]
         .into_iter()
-        .zip(of(coarse))
-        .zip(of(fine))
+        .zip(of(&coarse))
+        .zip(of(&fine))
     {
         session
             .aero_row(
@@ -278,11 +278,11 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         .reference(fine.far_lift_n, "Trefftz plane")
         .gate(Gate::Within(0.03));
     session
-        .aero_row(panels, "force left over weight", *force)
+        .aero_row(panels, "force left over weight", force)
         .gate(Gate::AtMost(1e-9));
     // The search ends at 1e-7 rad.
     session
-        .aero_row(panels, "moment left over weight times height", *moment)
+        .aero_row(panels, "moment left over weight times height", moment)
         .gate(Gate::AtMost(1e-6));
     Ok(())
 }

@@ -3,6 +3,7 @@
 //! Measured: NACA TR 824 (Abbott, von Doenhoff & Stivers 1945), smooth, at a Reynolds number of 6e6, read off the digitisation by G. Siemens (1994): slopes fitted from −4° to 6°, and the largest
 //! point of each curve. Highest lift has no gate: methods of this kind carry a layer on beyond where it lets go in the tunnel (XFOIL's is as high).
 
+use super::super::extremes::{largest, smallest};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::aero::AeroError;
@@ -64,7 +65,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             .aero_row(
                 PANELS,
                 format!("NACA {name}: least drag coefficient"),
-                drags.fold(f64::INFINITY, f64::min),
+                smallest(drags),
             )
             .reference(least_drag, SOURCE)
             .gate(Gate::Within(DRAG_BAND));
@@ -73,7 +74,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             .aero_row(
                 PANELS,
                 format!("NACA {name}: highest lift coefficient"),
-                lifts.fold(0.0, f64::max),
+                largest(lifts),
             )
             .reference(highest_lift, SOURCE);
     }

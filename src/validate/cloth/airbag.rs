@@ -6,7 +6,7 @@
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, Pressure, SolverSettings, StepInput};
 use crate::fabric::Fabric;
@@ -29,9 +29,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let cells: &[usize] = session.size(&[16, 32], &[16, 32, 64]);
     let finest = cells[cells.len() - 1];
     for &cells in cells {
-        let Some(bag) = airbag::build(SIDE_M, cells, &fabric) else {
-            continue;
-        };
+        let bag = built(airbag::build(SIDE_M, cells, &fabric), "the airbag")?;
         let mut sheet = session.sheet(Cloth::new(bag.structure), true)?;
         let input = StepInput {
             pressure: Pressure::Uniform(5e3),

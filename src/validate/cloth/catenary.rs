@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::{Cloth, StepInput};
 use crate::geometry::cable;
 use crate::lines::Cable;
@@ -17,9 +18,8 @@ const MASS_PER_LENGTH_KG_M: f64 = 0.1;
 
 pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let weight_n_m = MASS_PER_LENGTH_KG_M * 9.81;
-    let Some(exact) = catenary::solve(1.0, LENGTH_OVER_SPAN, weight_n_m) else {
-        return Ok(());
-    };
+    let exact = catenary::solve(1.0, LENGTH_OVER_SPAN, weight_n_m);
+    let exact = built(exact, "the exact catenary")?;
     let rope = Cable::linear(1e-4, MASS_PER_LENGTH_KG_M / 1e-4, 1e8);
     let ends = [DVec3::ZERO, DVec3::X];
     for segments in [25, 50, 100] {
@@ -30,12 +30,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             ..StepInput::default()
         };
         session.solve(&mut sheet, &input, &SETTINGS)?;
-        let sag = -sheet
-            .cloth
-            .positions_m
-            .iter()
-            .map(|x| x.z)
-            .fold(f64::INFINITY, f64::min);
+        let sag = largest(sheet.cloth.positions_m.iter().map(|x| -x.z));
         let reactions = sheet.cloth.reactions_n(&input);
         let (_, pull) = reactions[0];
         let rows = [

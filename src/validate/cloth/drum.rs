@@ -3,9 +3,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::geometry::{fabric_surface, surfaces};
@@ -42,9 +43,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let finest = rings[rings.len() - 1];
     for &rings in rings {
         let surface = surfaces::disk(RADIUS_M, RADIUS_M / rings as f64);
-        let Ok(mut structure) = fabric_surface::build(&surface, glam::DVec3::Y, &fabric) else {
-            continue;
-        };
+        let structure = fabric_surface::build(&surface, glam::DVec3::Y, &fabric);
+        let mut structure = built(structure.ok(), "the drum")?;
         for (x, held) in structure.positions_m.iter_mut().zip(&mut structure.held) {
             let r = x.length() / RADIUS_M;
             *held = r > 1.0 - 1e-9;
@@ -92,9 +92,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         }
         // Largest amplitudes of the first and the third half period.
         let peak = |from: f64, to: f64| {
-            amplitudes[from as usize..to as usize]
-                .iter()
-                .fold(0.0_f64, |peak, a| peak.max(a.abs()))
+            let between = &amplitudes[from as usize..to as usize];
+            largest(between.iter().map(|a| a.abs()))
         };
         let lost_per_step = match &crossings[..] {
             [a, b, c, d, ..] => (peak(*a, *b) / peak(*c, *d)).ln() / (c - a),

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::{Cloth, StepInput};
 use crate::fabric::Fabric;
 use crate::geometry::sheet::{self, FabricModel, SheetShape};
@@ -35,9 +35,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 across: DVec3::X,
                 down: DVec3::Y,
             };
-            let Some(mut structure) = sheet::build(&shape, &fabric, FabricModel::Membrane) else {
-                continue;
-            };
+            let structure = sheet::build(&shape, &fabric, FabricModel::Membrane);
+            let mut structure = built(structure, "the strip")?;
             let rest = structure.positions_m.clone();
             structure.add_curvatures(&rest, DVec3::X, fabric.rigidity_nm());
             for (place, held) in structure.positions_m.iter().zip(&mut structure.held) {

@@ -5,9 +5,10 @@
 
 use glam::DVec3;
 
+use super::super::extremes::larger;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::gather::Gather;
 use crate::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
 use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
@@ -95,9 +96,8 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                             residual_stiffness,
                             ..super::isotropic(stiffness / 1e-4, 0.3, 1e-4)
                         };
-                        let Some(mut structure) = sheet::build(&shape, &fabric, model) else {
-                            continue;
-                        };
+                        let structure = sheet::build(&shape, &fabric, model);
+                        let mut structure = built(structure, "the sheet")?;
                         for (node, place) in structure.positions_m.iter_mut().enumerate() {
                             *place = start(*place, noise(node));
                         }
@@ -121,17 +121,18 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                             let outcome = session.solve(&mut sheet, &input, &settings)?;
                             evaluations += outcome.evaluations;
                             let after = energy_j(&sheet.cloth);
-                            let finite = sheet.cloth.positions_m.iter().all(|x| x.is_finite());
-                            if !(finite && after.is_finite()) {
+                            let mut places = sheet.cloth.positions_m.iter();
+                            let energies = [first, after].iter().all(|e| e.is_finite());
+                            if !(energies && places.all(|x| x.is_finite())) {
                                 broken += 1;
                                 break;
                             }
                             let change = (after - before) / first.max(f64::MIN_POSITIVE);
                             if outcome.stop == Ended::Converged {
-                                rise = rise.max(change);
+                                rise = larger(rise, change);
                             } else {
                                 unfinished += 1;
-                                unfinished_rise = unfinished_rise.max(change);
+                                unfinished_rise = larger(unfinished_rise, change);
                             }
                             before = after;
                         }
@@ -139,7 +140,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                     }
                 }
             }
-            let Some(sheet) = last else { continue };
+            let sheet = built(last, "the sheet")?;
             let pushes = residual_stiffness > 0.0;
             let model = match model {
                 FabricModel::Membrane if pushes => "pushing membrane",

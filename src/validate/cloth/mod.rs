@@ -32,6 +32,11 @@ const SETTINGS: SolverSettings = SolverSettings {
 /// The same on a device, whose forces are good to 1e-6 of the largest.
 const DEVICE_TOLERANCE: f64 = 1e-4;
 
+/// What a builder made, or the error that it refused: a problem without it would pass with fewer gates.
+fn built<T>(made: Option<T>, what: &str) -> Result<T, Stop> {
+    made.ok_or_else(|| Stop::Refused(format!("{what} cannot be built")))
+}
+
 /// An isotropic fabric without compressive stiffness.
 fn isotropic(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> Fabric {
     Fabric {

@@ -3,9 +3,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cloth::{Structure, Triangle};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
@@ -91,40 +92,30 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     };
     for (name, jitter) in [("rectangles", 0.0), ("jittered", 0.3)] {
         let n = session.size(10, 40);
-        let Some((structure, flat)) = square(n, jitter) else {
-            continue;
-        };
+        let (structure, flat) = built(square(n, jitter), "the patch")?;
         let mut sheet = session.sheet(Cloth::new(structure), false)?;
         session.solve(&mut sheet, &StepInput::default(), &settings)?;
-        let error = flat
-            .iter()
-            .zip(&sheet.cloth.positions_m)
-            .map(|(p, x)| x.distance(affine(*p)))
-            .fold(0.0, f64::max);
+        let places = flat.iter().zip(&sheet.cloth.positions_m);
+        let error = largest(places.map(|(p, x)| x.distance(affine(*p))));
         session
             .sheet_row(&sheet, format!("{name}: largest error, sides"), error)
             .gate(Gate::AtMost(1e-6));
     }
-    let Some((structure, flat)) = square(10, 0.3) else {
-        return Ok(());
-    };
+    let (structure, flat) = built(square(10, 0.3), "the patch")?;
     let turn = glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 1.0);
     let mut cloth = Cloth::new(structure);
     for (x, p) in cloth.positions_m.iter_mut().zip(&flat) {
         *x = turn * p.extend(0.0) + DVec3::new(3.0, -2.0, 5.0);
     }
-    let largest = cloth
-        .reactions_n(&StepInput::default())
-        .iter()
-        .map(|(_, force)| force.length())
-        .fold(0.0, f64::max);
+    let reactions = cloth.reactions_n(&StepInput::default());
+    let force = largest(reactions.iter().map(|(_, force)| force.length()));
     let stiffness = fabric().stiffness_n_m()[0][0];
     let sheet = session.sheet(cloth, true)?;
     session
         .sheet_row(
             &sheet,
             "rigid motion: largest force over stiffness, sides",
-            largest / stiffness,
+            force / stiffness,
         )
         .gate(Gate::AtMost(1e-12));
     Ok(())

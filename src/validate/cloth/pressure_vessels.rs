@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::{SETTINGS, Sheet};
+use super::{SETTINGS, Sheet, built};
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, Pressure, StepInput};
 use crate::geometry::{fabric_surface, surfaces};
@@ -20,9 +20,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     let finest = edges[edges.len() - 1];
     for &edge in edges {
         let surface = surfaces::sphere(RADIUS_M, edge);
-        let Some(sheet) = inflate(session, &surface)? else {
-            continue;
-        };
+        let sheet = inflate(session, &surface)?;
         let positions = &sheet.cloth.positions_m;
         let radius = positions.iter().map(|x| x.length()).sum::<f64>() / positions.len() as f64;
         let [larger, smaller] = mean_tensions(&sheet, |_| true);
@@ -45,9 +43,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
     }
     for &edge in edges {
         let surface = capsule(4.0 * RADIUS_M, edge);
-        let Some(sheet) = inflate(session, &surface)? else {
-            continue;
-        };
+        let sheet = inflate(session, &surface)?;
         // The round ends widen less; half a diameter off they are forgotten.
         let is_middle = |x: DVec3| x.z.abs() < RADIUS_M;
         let (mut sum, mut count) = (0.0, 0.0);
@@ -128,18 +124,17 @@ fn capsule(length_m: f64, edge_m: f64) -> Surface {
 }
 
 /// A balloon at its equilibrium.
-fn inflate(session: &Session, surface: &Surface) -> Result<Option<Sheet>, Stop> {
+fn inflate(session: &Session, surface: &Surface) -> Result<Sheet, Stop> {
     let fabric = super::isotropic(4e8, 0.3, 1e-4);
-    let Ok(structure) = fabric_surface::build(surface, DVec3::Z, &fabric) else {
-        return Ok(None);
-    };
+    let structure = fabric_surface::build(surface, DVec3::Z, &fabric);
+    let structure = built(structure.ok(), "the balloon")?;
     let mut sheet = session.sheet(Cloth::new(structure), true)?;
     let input = StepInput {
         pressure: Pressure::Uniform(PRESSURE_PA),
         ..StepInput::default()
     };
     session.solve(&mut sheet, &input, &SETTINGS)?;
-    Ok(Some(sheet))
+    Ok(sheet)
 }
 
 /// Principal tensions [N/m], averaged over the rest area of triangles whose middle is chosen.

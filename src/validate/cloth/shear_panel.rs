@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::SETTINGS;
+use super::{SETTINGS, built};
 use crate::cpu::cloth::read_outs::triangle_loads;
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
@@ -36,9 +36,8 @@ fn wagner(session: &mut Session) -> Result<(), Stop> {
         across: DVec3::X,
         down: DVec3::Y,
     };
-    let Some(mut structure) = sheet::build(&shape, &fabric, FabricModel::Membrane) else {
-        return Ok(());
-    };
+    let structure = sheet::build(&shape, &fabric, FabricModel::Membrane);
+    let mut structure = built(structure, "the panel")?;
     for (place, held) in structure.positions_m.iter_mut().zip(&mut structure.held) {
         let inside = |x: f64| x > 1e-9 && x < 1.0 - 1e-9;
         *held = !(inside(place.x) && inside(place.y));
@@ -112,9 +111,7 @@ fn bias(session: &mut Session) -> Result<(), Stop> {
         warp_angle_deg: 45.0,
         elongation: 2e-3,
     };
-    let Some(strip) = coupon::build(&shape, &fabric) else {
-        return Ok(());
-    };
+    let strip = built(coupon::build(&shape, &fabric), "the strip")?;
     let mut sheet = session.sheet(Cloth::new(strip.structure.clone()), false)?;
     let input = StepInput {
         moved_supports: &strip.moved,

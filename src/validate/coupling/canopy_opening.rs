@@ -5,6 +5,7 @@
 //! (D_p/D_0 = 0.35), so that the coarsest lattice holds the lobes. `--full` adds the start of the case (0.2), and the filling of a permeable
 //! canopy (`cases/slotted-drop.toml`).
 
+use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs;
@@ -134,7 +135,7 @@ fn ladder(session: &mut Session, opening: &Opening, sizes: &[f64]) -> Result<(),
     Ok(())
 }
 
-/// Cells, and the time to [`OPEN`] [s] and the largest drag coefficient; not a number where it does not come so far.
+/// Cells, and the time to [`OPEN`] [s] and the largest drag coefficient; not a number where it does not come so far, or breaks down.
 fn open(
     session: &mut Session,
     opening: &Opening,
@@ -151,10 +152,9 @@ fn open(
     let (name, source) = opening.case;
     let case = case_runs::case(name, source, None, &changes)?;
     let outcome = case_runs::run(session, case)?;
-    let record = &outcome.record;
     let (times, ratios) = (
-        record.column(&TIME),
-        record.column(&PROJECTED_DIAMETER_RATIO),
+        outcome.column(&TIME),
+        outcome.column(&PROJECTED_DIAMETER_RATIO),
     );
     let samples: Vec<(f64, f64)> = times.iter().copied().zip(ratios.iter().copied()).collect();
     let crossed = samples
@@ -165,8 +165,8 @@ fn open(
         then + (OPEN - below) / (above - below) * (now - then)
     });
     let drag = if opening.peaks {
-        let drags = record.column(&DRAG_COEFFICIENT);
-        drags.iter().copied().fold(f64::NAN, f64::max)
+        // A force is that since the sample before, which the first one lacks.
+        largest(outcome.column(&DRAG_COEFFICIENT).into_iter().skip(1))
     } else {
         f64::NAN
     };

@@ -31,8 +31,8 @@ pub(super) struct Outcome {
     pub cells: [usize; 3],
     /// The named results; `None` where the run broke down.
     pub results: Option<Results>,
-    /// The samples.
-    pub record: measure::Record,
+    /// The samples, also of a run that broke down.
+    record: measure::Record,
 }
 
 impl Outcome {
@@ -44,18 +44,20 @@ impl Outcome {
             .unwrap_or(f64::NAN)
     }
 
+    /// The samples of a column; none where the run broke down, so that nothing is read off its way there.
+    pub fn column(&self, read_out: &ReadOut) -> Vec<f64> {
+        let results = self.results.as_ref();
+        results.map_or_else(Vec::new, |_| self.record.column(read_out))
+    }
+
     /// Mean force along x over the second half of the run by three routes [N]: differences of impulses.
     pub fn forces(&self, impulses: [&ReadOut; 3]) -> [f64; 3] {
-        let times = self.record.column(&TIME);
+        let times = self.column(&TIME);
         let (first, last) = (times.len() / 2, times.len().saturating_sub(1));
         impulses.map(|column| {
-            let impulse = self.record.column(column);
-            match (
-                self.results.is_some(),
-                impulse.get(first),
-                impulse.get(last),
-            ) {
-                (true, Some(then), Some(now)) => (now - then) / (times[last] - times[first]),
+            let impulse = self.column(column);
+            match (impulse.get(first), impulse.get(last)) {
+                (Some(then), Some(now)) => (now - then) / (times[last] - times[first]),
                 _ => f64::NAN,
             }
         })

@@ -4,6 +4,7 @@
 //! air receives. A pass of direct forcing of strength a over a flat sheet with one marker per cell leaves 1 − 3a/8 of its slip: (5/8)^N after N
 //! plain passes, nothing after one of strength 8/3.
 
+use super::super::extremes::larger;
 use super::super::flows::{periodic, states};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
@@ -45,7 +46,7 @@ fn moments(session: &mut Session) {
             sum(&|_, w| w * w) - kernel::SUM_OF_SQUARES,
         ];
         for (worst, found) in worst.iter_mut().zip(found) {
-            *worst = worst.max(found.abs());
+            *worst = larger(*worst, found.abs());
         }
     }
     for (what, error) in ["sum", "first moment", "sum of squares"].iter().zip(worst) {
@@ -144,7 +145,7 @@ fn slips(session: &mut Session) -> Result<(), Stop> {
             // The middle marker, beyond the reach of the rim's stronger exchange.
             let slip = markers.marker_slips(&still)?[positions.len() / 2] / speed;
             let expected = (1.0 - 0.375 * strength).powi(passes);
-            worst = worst.max((slip - expected).abs());
+            worst = larger(worst, (slip - expected).abs());
         }
         session
             .row(

@@ -67,7 +67,7 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
 
 /// When a canopy passes [`OPENED`], between samples [s]; not a number where it does not.
 fn opened_s(outcome: &Outcome) -> f64 {
-    let [times, ratios] = [&TIME, &PROJECTED_DIAMETER_RATIO].map(|of| outcome.record.column(of));
+    let [times, ratios] = [&TIME, &PROJECTED_DIAMETER_RATIO].map(|of| outcome.column(of));
     let mut between = times.windows(2).zip(ratios.windows(2));
     between
         .find(|(_, ratios)| ratios[1] >= OPENED)

@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
@@ -104,11 +105,12 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
     let mut record = Record::new(&simulation);
     let mut outcome = Outcome {
         cells,
-        fastest: 0.0,
-        mean_speed: [0.0; 2],
+        fastest: f64::NAN,
+        mean_speed: [f64::NAN; 2],
         slip: f64::NAN,
         mass_defect: f64::NAN,
     };
+    let mut seen = Vec::new();
     while simulation.step_count() < planned {
         match simulation.advance_among_threads() {
             Ok(()) => {}
@@ -126,27 +128,23 @@ fn inflate(session: &mut Session, changes: &[String]) -> Result<Outcome, Stop> {
             record.add(&mut simulation).map_err(Stop::Device)?;
             let frame = simulation.structure_frame();
             let speeds = frame.structure.iter().flat_map(|s| &s.velocities_m_s);
-            let (mut square, mut count, mut fastest) = (0.0, 0.0, 0.0);
-            for speed in speeds {
-                square += speed.length_squared();
-                count += 1.0;
-                fastest = f64::max(fastest, speed.length());
-            }
-            let mean = f64::sqrt(square / f64::max(count, 1.0)) / wind_m_s;
-            outcome.fastest = outcome.fastest.max(fastest / wind_m_s);
-            outcome.mean_speed[0] = outcome.mean_speed[0].max(mean);
-            if step - start > 3 * (planned - start) / 4 {
-                outcome.mean_speed[1] = outcome.mean_speed[1].max(mean);
-            }
+            let ratios: Vec<f64> = speeds.map(|speed| speed.length() / wind_m_s).collect();
+            let square = ratios.iter().map(|ratio| ratio * ratio).sum::<f64>();
+            let mean = (square / ratios.len() as f64).sqrt();
+            let is_late = step - start > 3 * (planned - start) / 4;
+            seen.push((largest(ratios), mean, is_late));
         }
     }
+    outcome.fastest = largest(seen.iter().map(|(fastest, ..)| *fastest));
+    outcome.mean_speed = [false, true].map(|late_alone| {
+        let counted = seen.iter().filter(|(.., is_late)| *is_late || !late_alone);
+        largest(counted.map(|(_, mean, _)| *mean))
+    });
     let slips = record.column(&SLIP_RATIO);
     let half = &slips[slips.len() / 2..];
     outcome.slip = half.iter().sum::<f64>() / half.len() as f64;
-    let defects = record.column(&MASS_DEFECT);
-    outcome.mass_defect = defects
-        .iter()
-        .fold(0.0, |most, defect| most.max(defect.abs()));
+    let defects = record.column(&MASS_DEFECT).into_iter();
+    outcome.mass_defect = largest(defects.map(f64::abs));
     session.progress_to(
         session.done + 1e-6 * (cells.iter().product::<usize>() as f64) * planned as f64,
     );

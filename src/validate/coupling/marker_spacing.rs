@@ -7,6 +7,7 @@
 
 use glam::{DQuat, DVec3};
 
+use super::super::extremes::{larger, largest};
 use super::super::flows::{periodic, relaxation_time, states};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
@@ -180,16 +181,13 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
         for k in 0..poses {
             let [force, through] = plate(session, cells, count, &Pose::new(k, side))?;
             forces.push(force);
-            most = most.max(through.abs());
+            most = larger(most, through.abs());
         }
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         if closest.is_nan() {
             closest = mean;
         }
-        let scatter = forces
-            .iter()
-            .map(|force| (force / mean - 1.0).abs())
-            .fold(0.0, f64::max);
+        let scatter = largest(forces.iter().map(|force| (force / mean - 1.0).abs()));
         let is_allowed = spacing <= crate::immersed::markers::SPACING_RANGE_CELLS[1];
         let what = format!("markers {spacing:.2} cells apart, {poses} placements");
         let row = session.row(
