@@ -291,6 +291,7 @@ fn line(kind: CableKind, nodes: usize, end: DVec3, stretch: f64) -> Structure {
             axial_stiffness_n: 1e5,
         },
         damping_n_s: 0.0,
+        breaking_load_n: None,
     };
     let positions_m: Vec<DVec3> = (0..nodes)
         .map(|i| end * (i as f64 / (nodes - 1) as f64))

@@ -162,6 +162,7 @@ fn imported() {
             axial_stiffness_n: 2e4,
         },
         damping_n_s: 0.0,
+        breaking_load_n: None,
     };
     let [closed, open] =
         [false, true].map(|intakes| read(&lep_sim(intakes), &fabric, &cable).unwrap());

@@ -308,6 +308,15 @@ fn beyond() {
         (
             canopy,
             &[
+                "belts.breaking_load_n=0.01",
+                "time.end_s=0.006",
+                "output.sample_interval_s=0.001",
+            ][..],
+            "tape tension over breaking load",
+        ),
+        (
+            canopy,
+            &[
                 "lines.area_m2=1e-10",
                 "time.end_s=0.03",
                 "output.sample_interval_s=0.001",

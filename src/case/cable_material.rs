@@ -45,5 +45,23 @@ pub(super) fn check_material(key: &str, material: &file::CableMaterial) -> Resul
         density_kg_m3: positive(&key("density_kg_m3"), material.density_kg_m3)?,
         law,
         damping_n_s,
+        breaking_load_n: None,
+    })
+}
+
+/// Checks the material of belts or of a band.
+pub(super) fn check_tape(key: &str, tape: &file::TapeMaterial) -> Result<Cable, Problem> {
+    let material = file::CableMaterial {
+        area_m2: tape.area_m2,
+        density_kg_m3: tape.density_kg_m3,
+        youngs_modulus_pa: tape.youngs_modulus_pa,
+        force_strain: tape.force_strain.clone(),
+        damping_n_s: tape.damping_n_s,
+    };
+    let breaking = tape.breaking_load_n;
+    let breaking = breaking.map(|load| positive(&format!("{key}.breaking_load_n"), load));
+    Ok(Cable {
+        breaking_load_n: breaking.transpose()?,
+        ..check_material(key, &material)?
     })
 }

@@ -1,7 +1,7 @@
 //! Checks of what a canopy hangs on and is folded like: `[lines]`, `[belts]`, the bands and `folding`.
 
 use super::body::{Body, BodyKind, Canopy, LoadingPressure};
-use super::cable_material::check_material;
+use super::cable_material::{check_material, check_tape};
 use super::fabric::check_fabric;
 use super::file::{self, CanopyCommon, File};
 use super::problem::Problem;
@@ -85,15 +85,15 @@ fn line_places(lines: &file::Lines, cut: &Cut) -> Result<LinePlaces, Problem> {
 fn check_bands(file: &File, cut: &Cut) -> Result<[Option<Cable>; 3], Problem> {
     let has_vent = matches!(cut, Cut::Gores(design, _) if design.vent_diameter_m.is_some());
     let annular = matches!(cut, Cut::Gores(design, _) if design.shape == Shape::Annular);
-    let tables = [
-        ("skirt_band", &file.skirt_band, true),
-        ("vent_band", &file.vent_band, has_vent),
-        ("vent_lines", &file.vent_lines, has_vent && !annular),
-    ];
-    let mut found = [None, None, None];
-    for ((key, table, is_used), found) in tables.into_iter().zip(&mut found) {
-        let Some(table) = table else { continue };
-        if !is_used {
+    for (key, is_written, is_used) in [
+        ("vent_band", file.vent_band.is_some(), has_vent),
+        (
+            "vent_lines",
+            file.vent_lines.is_some(),
+            has_vent && !annular,
+        ),
+    ] {
+        if is_written && !is_used {
             return Err(Problem::new(
                 key,
                 format!(
@@ -103,9 +103,19 @@ fn check_bands(file: &File, cut: &Cut) -> Result<[Option<Cable>; 3], Problem> {
                 format!("remove [{key}], or give the canopy a vent (vent_diameter_m)"),
             ));
         }
-        *found = Some(check_material(key, table)?);
     }
-    Ok(found)
+    let lines = file.vent_lines.as_ref();
+    let lines = lines.map(|table| check_material("vent_lines", table));
+    Ok([
+        tape("skirt_band", file.skirt_band.as_ref())?,
+        tape("vent_band", file.vent_band.as_ref())?,
+        lines.transpose()?,
+    ])
+}
+
+/// Belts or a band, where the case has them.
+fn tape(key: &str, written: Option<&file::TapeMaterial>) -> Result<Option<Cable>, Problem> {
+    written.map(|tape| check_tape(key, tape)).transpose()
 }
 
 /// The canopy as built and folded.
@@ -173,11 +183,7 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
     let rigging = Rigging {
         cut: cut.clone(),
         fabric,
-        belts: file
-            .belts
-            .as_ref()
-            .map(|belts| check_material("belts", belts))
-            .transpose()?,
+        belts: tape("belts", file.belts.as_ref())?,
         skirt_band,
         vent_band,
         vent_lines,

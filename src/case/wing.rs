@@ -144,9 +144,9 @@ pub(super) fn check(
         };
         materials.get(name)
     };
-    let breaking = |kind: &LineKind| material_of(kind)?.1;
+    let breaking = |kind: &LineKind| material_of(kind)?.breaking_load_n;
     let diameter = |kind: &LineKind| {
-        let area_m2 = material_of(kind).map_or(0.0, |material| material.0.area_m2);
+        let area_m2 = material_of(kind).map_or(0.0, |material| material.area_m2);
         (area_m2 / std::f64::consts::FRAC_PI_4).sqrt()
     };
     let meshed = |fineness: Fineness| {

@@ -9,8 +9,8 @@ use super::values::{absent, positive, wing_key as key, within};
 use crate::geometry::wing::plan::{Diagonals, JoinPlace, LEAST_LINE_M, Level, Row};
 use crate::lines::{Cable, CableLaw, ForceStrainTable};
 
-/// Cables by name, with their breaking loads [N].
-pub(super) type Materials = BTreeMap<String, (Cable, Option<f64>)>;
+/// Cables by name.
+pub(super) type Materials = BTreeMap<String, Cable>;
 
 pub(super) fn check_materials(table: &file::Wing) -> Result<Materials, Problem> {
     let mut materials = Materials::new();
@@ -32,8 +32,9 @@ pub(super) fn check_materials(table: &file::Wing) -> Result<Materials, Problem> 
             density_kg_m3: mass / area_m2,
             law,
             damping_n_s: 0.0,
+            breaking_load_n: breaking,
         };
-        materials.insert(name.clone(), (cable, breaking));
+        materials.insert(name.clone(), cable);
     }
     Ok(materials)
 }
@@ -66,7 +67,7 @@ fn check_law(key: &str, written: &file::LineMaterial) -> Result<CableLaw, Proble
 }
 
 pub(super) fn material(materials: &Materials, key: &str, name: &str) -> Result<Cable, Problem> {
-    materials.get(name).map(|m| m.0.clone()).ok_or_else(|| {
+    materials.get(name).cloned().ok_or_else(|| {
         let known: Vec<&str> = materials.keys().map(String::as_str).collect();
         Problem::new(
             key,

@@ -179,6 +179,8 @@ pub struct CableSegment {
     pub law: u32,
     /// Axial damping c of F = f(ε) + c dε/dt while taut [N s].
     pub damping_n_s: f64,
+    /// Load at which it breaks \[N\], if it is told.
+    pub breaking_load_n: Option<f64>,
     /// What it is for.
     pub kind: CableKind,
 }

@@ -89,6 +89,7 @@ mod tests {
                 rest_length_m: 1.0,
                 law: 0,
                 damping_n_s: 0.0,
+                breaking_load_n: None,
                 kind: CableKind::Cable,
             }],
             ..Structure::default()

@@ -121,6 +121,7 @@ impl Structure {
                 rest_length_m,
                 law,
                 damping_n_s: cable.damping_n_s,
+                breaking_load_n: cable.breaking_load_n,
                 kind,
             });
         }

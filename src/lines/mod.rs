@@ -20,6 +20,8 @@ pub struct Cable {
     pub law: CableLaw,
     /// Axial damping c of T = f(ε) + c dε/dt [N s].
     pub damping_n_s: f64,
+    /// Load at which it breaks \[N\]; `None`: not told here.
+    pub breaking_load_n: Option<f64>,
 }
 
 impl Cable {
@@ -33,6 +35,7 @@ impl Cable {
                 axial_stiffness_n: area_m2 * youngs_modulus_pa,
             },
             damping_n_s: 0.0,
+            breaking_load_n: None,
         }
     }
 

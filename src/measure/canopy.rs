@@ -14,10 +14,12 @@ use super::shared::{
     DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS,
     IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_TENSION_MAX, MASS_DEFECT,
     MASS_DRIFT, PRESSURE_RATIO, PROJECTED_DIAMETER_RATIO, RISER_TENSION_MAX, RISERS, SLIP_MEAN,
-    SLIP_RATIO, STRESS_MAX, TIME, VENT_LINE_TENSION_MAX, VENT_LINES, WIND_SPEED,
+    SLIP_RATIO, STRESS_MAX, TAPE_LOAD_SHARE, TAPE_STRENGTHS, TIME, VENT_LINE_TENSION_MAX,
+    VENT_LINES, WIND_SPEED,
 };
 use super::statistics::{Mean, average, largest};
 use super::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
+use super::tapes::tape_load_shares;
 use super::{bodies, opening};
 use crate::case::Scene;
 use crate::case::scene::{Air, BodyKind, Canopy, Flow};
@@ -48,6 +50,7 @@ columns! {
         => |now| average(&now.line_tensions_n()), reduced MeanOf;
     LINE_TENSION_MAX => |now| now.line_tensions_n().into_iter().fold(0.0, f64::max), reduced Largest;
     BELT_TENSION_MAX => |now| now.largest_tension_n(CableKind::Belt), reduced LargestAndMean("belt_tension_max_steady_n"), when BELTS;
+    TAPE_LOAD_SHARE => |now| now.tape_load_share, reduced Largest, when TAPE_STRENGTHS;
     VENT_LINE_TENSION_MAX => |now| now.largest_tension_n(CableKind::VentLine), reduced LargestAndMean("vent_line_tension_max_steady_n"), when VENT_LINES;
     RISER_TENSION_MAX => |now| now.largest_tension_n(CableKind::Riser), reduced LargestAndMean("riser_tension_max_steady_n"), when RISERS;
     STRESS_MAX => |now| now.shape.frame.stress_pa.iter().copied().fold(0.0, f64::max), reduced LargestAndMean("stress_max_steady_pa");
@@ -79,6 +82,8 @@ pub(super) struct Moment {
     slip_ratio: f64,
     apex_offset_m: f64,
     kinetic_energy_j: f64,
+    /// Of the tape nearest to breaking; not a number where none tells its breaking load.
+    tape_load_share: f64,
     pub shape: Shape,
 }
 
@@ -98,6 +103,9 @@ impl Moment {
         };
         let reference = air.wind_or_reference_m_s();
         let confluence = canopy.confluence_m(&frame.positions_m);
+        let body = simulation.scene().body.as_ref();
+        let shares = body.map(|body| tape_load_shares(&body.structure, &frame.cable_tensions_n));
+        let tape_load_share = shares.into_iter().flatten().reduce(f64::max);
         let apex = shape.outline().apex(&frame.positions_m) - confluence;
         Ok(Some(Self {
             time_s: simulation.time_s(),
@@ -114,6 +122,7 @@ impl Moment {
             kinetic_energy_j: simulation
                 .cloth()
                 .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
+            tape_load_share: tape_load_share.unwrap_or(f64::NAN),
             shape: shape.sample(frame),
         }))
     }

@@ -40,6 +40,7 @@ mod spectrum;
 pub mod statistics;
 pub mod steady;
 mod supports;
+pub(crate) mod tapes;
 mod wall_images;
 mod wing;
 mod wing_lines;

@@ -1,6 +1,7 @@
 //! Read-outs that several kinds of scenes have.
 
 use super::read_out::{ReadOut, When, results};
+use super::tapes::tape_strengths_n;
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
 use crate::frame::CableKind;
@@ -23,6 +24,14 @@ fn has(scene: &Scene, kind: CableKind) -> bool {
 pub(super) static BELTS: When<Scene> = When {
     words: "with belts",
     holds: |scene| has(scene, CableKind::Belt),
+};
+
+pub(super) static TAPE_STRENGTHS: When<Scene> = When {
+    words: "with belts whose breaking load is told",
+    holds: |scene| {
+        let structure = scene.body.as_ref().map(|body| &body.structure);
+        structure.is_some_and(|structure| tape_strengths_n(structure).flatten().next().is_some())
+    },
 };
 
 pub(super) static VENT_LINES: When<Scene> = When {
@@ -66,6 +75,7 @@ rows! {
     HEIGHT: "height_m", "m", "height of the canopy; its extent along the wind";
     LINE_TENSION_MAX: "line_tension_max_n", "N", "largest tension of a suspension line";
     BELT_TENSION_MAX: "belt_tension_max_n", "N", "largest tension of a reinforcing belt";
+    TAPE_LOAD_SHARE: "belt_load_over_breaking_load_max", "1", "load over breaking load of the reinforcing belt or band nearest to breaking";
     VENT_LINE_TENSION_MAX: "vent_line_tension_max_n", "N", "largest tension of a vent line";
     RISER_TENSION_MAX: "riser_tension_max_n", "N", "largest tension of a riser";
     CABLE_TENSION_MAX: "cable_tension_max_n", "N", "largest tension of a free-standing cable";

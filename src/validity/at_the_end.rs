@@ -6,7 +6,8 @@ use crate::frame::CableKind;
 use crate::frame::StructureFrame;
 use crate::measure::Record;
 use crate::measure::canopy_shape::PRINCIPAL_STRAIN_1_MAX;
-use crate::measure::shared::{LINE_TENSION_MAX, VON_MISES_MAX};
+use crate::measure::shared::{LINE_TENSION_MAX, TAPE_LOAD_SHARE, VON_MISES_MAX};
+use crate::measure::tapes::tape_load_shares;
 use crate::output::{Bound, ReadOut, Supports, ValidityRow, When};
 
 /// A structure at the end of its run, and what was recorded.
@@ -24,7 +25,7 @@ impl Ended<'_> {
     }
 }
 
-const fn rules<'a>() -> [Rule<Ended<'a>>; 4] {
+const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
     [
         Rule {
             name: "largest strain of the fabric",
@@ -57,7 +58,7 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 4] {
         Rule {
             name: "line tension over breaking load",
             unit: "1",
-            meaning: "largest tension of a suspension line of a canopy of all samples, or of a wing's line in the last state, over its breaking load",
+            meaning: "largest tension of a suspension line of a canopy of all samples, or of a wing's line or riser in the last state, over its breaking load",
             bound: Bound::AtMost,
             limit: 1.0,
             supports: Supports::Everything,
@@ -69,11 +70,29 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 4] {
                     return largest_n.is_finite().then(|| largest_n / breaking_n);
                 }
                 let loads = &ended.scene.wing()?.breaking_loads_n;
+                let kinds = ended.structure.cable_kinds.iter().zip(loads);
                 let tensions = ended.structure.cable_tensions_n.iter();
-                let shares = tensions
-                    .zip(loads)
-                    .filter_map(|(t, load)| Some(t / (*load)?));
+                let lines = tensions
+                    .zip(kinds)
+                    .filter(|(_, (kind, _))| **kind != CableKind::Belt);
+                let shares = lines.filter_map(|(tension, (_, load))| Some(tension / (*load)?));
                 shares.reduce(f64::max)
+            },
+        },
+        Rule {
+            name: "tape tension over breaking load",
+            unit: "1",
+            meaning: "largest tension of a belt or band of a canopy of all samples and in the last state, or of a wing's tape in the last state, over its breaking load",
+            bound: Bound::AtMost,
+            limit: 1.0,
+            supports: Supports::Everything,
+            remedy: "take stronger tapes: this one would break",
+            value: |ended| {
+                let structure = &ended.scene.body.as_ref()?.structure;
+                let mut last =
+                    tape_load_shares(structure, &ended.structure.cable_tensions_n).peekable();
+                last.peek()?;
+                Some(ended.largest(&TAPE_LOAD_SHARE, last))
             },
         },
         Rule {

@@ -259,6 +259,7 @@ fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), 
     keys.set("lines.diameter_m", cord.diameter_m(), "half of it fibre");
     let tape = materials::tape(TABLE, design.tapes.as_deref())?;
     materials::set_cord("belts", &tape, tape.name, keys);
+    keys.set("belts.breaking_load_n", tape.strength_n(), tape.source);
     Ok(())
 }
 

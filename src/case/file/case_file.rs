@@ -13,7 +13,7 @@ use super::comparison::ComparisonTable;
 use super::design::CanopyDesign;
 use super::design_mesh::MeshDesign;
 use super::design_wing::WingDesign;
-use super::fabric::{CableMaterial, Contact, Fabric};
+use super::fabric::{CableMaterial, Contact, Fabric, TapeMaterial};
 use super::nodes::{NodeSpring, Nodes};
 use super::output::Output;
 use super::payload::Payload;
@@ -62,11 +62,11 @@ pub struct File {
     /// Suspension lines of a canopy that is drawn in the case; required with one.
     pub lines: Option<Lines>,
     /// Belts on every seam, on centre lines that carry a line, and along both sides of a slot; absent: none.
-    pub belts: Option<CableMaterial>,
+    pub belts: Option<TapeMaterial>,
     /// Band along the lower edge of a canopy (cruciform: its four ends); absent: none.
-    pub skirt_band: Option<CableMaterial>,
+    pub skirt_band: Option<TapeMaterial>,
     /// Band around the vent or opening; absent: none.
-    pub vent_band: Option<CableMaterial>,
+    pub vent_band: Option<TapeMaterial>,
     /// Lines across the vent from seam to seam, joined where they cross; of the suspension lines' material if absent.
     pub vent_lines: Option<CableMaterial>,
     /// Contact of fabric with itself; absent: it passes through itself.

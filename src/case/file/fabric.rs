@@ -89,6 +89,24 @@ pub struct CableMaterial {
     pub damping_n_s: Option<f64>,
 }
 
+/// Material of belts or of a band: that of a cable, and its strength. Exactly one of `youngs_modulus_pa` and `force_strain`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TapeMaterial {
+    /// Cross section [m²].
+    pub area_m2: f64,
+    /// Density [kg/m³].
+    pub density_kg_m3: f64,
+    /// Young's modulus [Pa].
+    pub youngs_modulus_pa: Option<f64>,
+    /// Points [strain, force in N] of a tensile test, rising from (0, 0); beyond the last it goes on straight.
+    pub force_strain: Option<Vec<[f64; 2]>>,
+    /// c of T = f(ε) + c dε/dt while taut [N s]; 0 if absent.
+    pub damping_n_s: Option<f64>,
+    /// Breaking load [N], for margins; absent: not told.
+    pub breaking_load_n: Option<f64>,
+}
+
 /// Contact of fabric with itself, on the host alone (docs/contact.md). Not with `coupling.structure_every` above 1.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -321,6 +321,7 @@ fn together(line: &Cable, count: f64) -> Cable {
             CableLaw::Table(table) => CableLaw::Table(table.times(count)),
         },
         damping_n_s: count * line.damping_n_s,
+        breaking_load_n: line.breaking_load_n.map(|load_n| count * load_n),
     }
 }
 
