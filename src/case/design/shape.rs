@@ -147,7 +147,7 @@ pub(super) fn derive(
     if vent > 0.0 || usual_vent > 0.0 {
         keys.set(of("vent_diameter_m"), vent_m, "vent_percent of D_0");
     }
-    let mut rings = rings;
+    let (mut rings, mut why_rings) = (rings, "quality");
     match design.kind {
         CanopyType::Conical => {
             let angle = design.cone_angle_deg.unwrap_or(25.0);
@@ -163,11 +163,17 @@ pub(super) fn derive(
             keys.set(of("slots"), slots as i64, "slots");
             let width_m = slot_width_m(scales, gores, slots, vent_m, share);
             keys.set(of("slot_width_m"), width_m, "slot_percent of S_0");
-            rings = rings.max(2 * (slots + 1));
+            let least = 2 * (slots + 1);
+            if least > rings {
+                (rings, why_rings) = (
+                    least,
+                    "two across the fabric between slots, which is more than quality asks for",
+                );
+            }
         }
         CanopyType::FlatCircular | CanopyType::DiskGapBand | CanopyType::Cruciform => {}
     }
-    keys.set(of("rings"), rings as i64, "quality");
+    keys.set(of("rings"), rings as i64, why_rings);
     Ok(())
 }
 
