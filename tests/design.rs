@@ -15,6 +15,7 @@ pub fn trials() -> Vec<Trial> {
     [
         plain("design::the_whole_case_runs_as_the_design", expanded),
         plain("design::what_is_written_stands", written),
+        plain("design::reasons_are_those_of_what_is_there", reasons),
         plain("design::the_wind_follows_what_is_written", balanced),
         plain("design::sizes_and_units", sizes),
         plain("design::every_type_is_a_case", types),
@@ -131,6 +132,83 @@ fn written() {
         refused.errors.contains("needs a design"),
         "{}",
         refused.errors
+    );
+}
+
+/// Rings that slots ask for are not said to be of the quality, and constants beside others that are written not to be of a cord that is not there.
+fn reasons() {
+    let reason = |case: &Case, key: &str| -> (i64, String) {
+        let mut derived = case.derived.iter();
+        let one = derived.find(|one| one.key == key).unwrap();
+        (one.value.as_integer().unwrap_or_default(), one.why.clone())
+    };
+    let rings = |keys: &str| {
+        let text = format!("type = \"ringslot\"\ndiameter_m = 4.0\nspeed_m_s = 20.0\n{keys}");
+        let case = load(&design(&text), &[]).unwrap();
+        reason(&case, "structure.ringslot.rings")
+    };
+    for (keys, wanted) in [("", 14), ("slots = 9\nquality = \"fine\"", 20)] {
+        let (count, why) = rings(keys);
+        assert_eq!(count, wanted);
+        assert!(why.contains("between slots"), "{why}");
+    }
+    let few = (12, "quality".to_owned());
+    assert_eq!(rings("slots = 4"), few);
+
+    let text = design("type = \"conical\"\ndiameter_m = 4.0\nspeed_m_s = 20.0");
+    let named = |change: &str, key: &str| {
+        let changes: &[&str] = if change.is_empty() { &[] } else { &[change] };
+        let (_, why) = reason(&load(&text, changes).unwrap(), key);
+        why.contains("beside other constants that the case writes")
+    };
+    for (change, of_its_table, of_others) in [
+        (
+            "lines.area_m2=1e-5",
+            "lines.diameter_m",
+            "lines.drag_coefficient",
+        ),
+        (
+            "lines.breaking_load_n=9e3",
+            "lines.area_m2",
+            "belts.area_m2",
+        ),
+        (
+            "lines.force_strain=[[0.1, 900.0], [0.2, 2000.0]]",
+            "lines.breaking_load_n",
+            "lines.count",
+        ),
+        (
+            "belts.density_kg_m3=1300.0",
+            "belts.breaking_load_n",
+            "lines.area_m2",
+        ),
+        (
+            "fabric.thickness_m=1e-4",
+            "fabric.density_kg_m3",
+            "belts.area_m2",
+        ),
+    ] {
+        assert!(named(change, of_its_table), "{change}: {of_its_table}");
+        assert!(!named(change, of_others), "{change}: {of_others}");
+        assert!(!named("", of_its_table), "{of_its_table}");
+    }
+    assert!(!named("lines.length_m=7.0", "lines.area_m2"));
+
+    let case = load(
+        "version = 1\n[wing]\nclass = \"en_b\"\nspan_m = 11.0\nquality = \"draft\"\n",
+        &["structure.wing.fabrics.upper.density_kg_m3=900.0"],
+    )
+    .unwrap();
+    let of = |part: &str| reason(&case, &format!("structure.wing.fabrics.{part}.thickness_m")).1;
+    assert!(
+        of("upper").contains("beside other constants"),
+        "{}",
+        of("upper")
+    );
+    assert!(
+        !of("ribs").contains("beside other constants"),
+        "{}",
+        of("ribs")
     );
 }
 

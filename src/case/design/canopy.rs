@@ -11,6 +11,7 @@ use super::materials;
 use super::scales::Scales;
 use super::shape;
 use super::units::{GRAVITY_M_S2, rounded};
+use crate::lines::named::Cord;
 
 /// The table of the design.
 const TABLE: &str = "canopy";
@@ -253,13 +254,13 @@ fn lines(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), 
         design.lines.as_deref(),
         (scales.diameter_m, count, load_n),
     )?;
-    materials::set_cord("lines", &cord, &why, keys);
-    keys.set("lines.breaking_load_n", cord.strength_n(), cord.source);
+    let strength = |cord: &Cord| ("breaking_load_n", cord.strength_n(), cord.source);
+    let diameter = ("diameter_m", cord.diameter_m(), "half of it fibre");
+    let more = [strength(&cord), diameter];
+    materials::set_cord("lines", (&cord, &why), &more, keys);
     keys.set("lines.drag_coefficient", LINE_DRAG, "a round line");
-    keys.set("lines.diameter_m", cord.diameter_m(), "half of it fibre");
     let tape = materials::tape(TABLE, design.tapes.as_deref())?;
-    materials::set_cord("belts", &tape, tape.name, keys);
-    keys.set("belts.breaking_load_n", tape.strength_n(), tape.source);
+    materials::set_cord("belts", (&tape, tape.name), &[strength(&tape)], keys);
     Ok(())
 }
 

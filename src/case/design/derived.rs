@@ -1,5 +1,7 @@
 //! Keys that follow from a design, with the reason for each.
 
+use std::ops::Range;
+
 use toml::{Table, Value};
 
 use super::super::problem::Problem;
@@ -33,7 +35,11 @@ const ALTERNATIVES: [&[&str]; 7] = [
 
 /// Keys as they are collected.
 #[derive(Debug, Default)]
-pub(in crate::case) struct Keys(Vec<Derived>);
+pub(in crate::case) struct Keys {
+    all: Vec<Derived>,
+    /// Numbers of those that are constants of one material, and its name.
+    materials: Vec<(Range<usize>, String)>,
+}
 
 impl Keys {
     pub(in crate::case) fn set(
@@ -42,17 +48,43 @@ impl Keys {
         value: impl Into<Value>,
         why: &str,
     ) {
-        self.0.push(Derived {
+        self.all.push(Derived {
             key: key.into(),
             value: short(value.into()),
             why: why.to_owned(),
         });
     }
 
+    /// The constants of a material, in a table: values and reasons.
+    pub(super) fn set_material<'a>(
+        &mut self,
+        material: &str,
+        table: &str,
+        constants: impl IntoIterator<Item = (&'a str, Value, &'a str)>,
+    ) {
+        let first = self.all.len();
+        for (name, value, why) in constants {
+            self.set(format!("{table}.{name}"), value, why);
+        }
+        self.materials
+            .push((first..self.all.len(), material.to_owned()));
+    }
+
     /// Puts them into the case, where it does not say otherwise, and returns those that it took.
-    pub(in crate::case) fn put_into(self, case: &mut Table) -> Vec<Derived> {
+    pub(in crate::case) fn put_into(mut self, case: &mut Table) -> Vec<Derived> {
         let written = case.clone();
-        let taken: Vec<Derived> = (self.0.into_iter())
+        for (numbers, material) in self.materials {
+            let constants = &mut self.all[numbers];
+            // Then it is not that material any more, whose reasons would speak of it.
+            let is_written = |one: &Derived| says_otherwise(&written, &one.key);
+            if constants.iter().any(is_written) {
+                for one in constants {
+                    one.why =
+                        format!("as of {material}, beside other constants that the case writes");
+                }
+            }
+        }
+        let taken: Vec<Derived> = (self.all.into_iter())
             .filter(|derived| !says_otherwise(&written, &derived.key))
             .collect();
         for derived in &taken {
@@ -219,6 +251,43 @@ mod tests {
         let expected = "[air]\ndensity_kg_m3 = 1.0\nwind_tunnel = { speed_m_s = 30.0 }\n[resolution]\ncell_size_m = 0.1\n[time]\nend_s = 1.0\n";
         assert_eq!(case, table(expected));
         assert_eq!(table(&commented(&case, &taken)), case);
+    }
+
+    /// Where the case writes a constant of a material, the others do not pass for those of what the case has.
+    #[test]
+    fn constants_of_another_material_say_whose_they_are() {
+        let reasons = |text: &str| {
+            let mut keys = Keys::default();
+            for table in ["lines", "belts"] {
+                let constants = [
+                    ("area_m2", Value::from(1e-6), "bears the load"),
+                    ("density_kg_m3", Value::from(1140.0), "nylon"),
+                ];
+                keys.set_material("a cord", table, constants);
+            }
+            let taken = keys.put_into(&mut table(text));
+            let of_each = taken.into_iter().map(|one| (one.key, one.why));
+            of_each.collect::<Vec<(String, String)>>()
+        };
+        assert_eq!(reasons("").len(), 4);
+        assert!(
+            reasons("[lines]\ncount = 8\n")
+                .iter()
+                .all(|(_, why)| !why.contains("a cord"))
+        );
+        let left = reasons("[lines]\narea_m2 = 2e-6\n");
+        let left: Vec<(&str, &str)> = left.iter().map(|(key, why)| (&key[..], &why[..])).collect();
+        assert_eq!(
+            left,
+            [
+                (
+                    "lines.density_kg_m3",
+                    "as of a cord, beside other constants that the case writes"
+                ),
+                ("belts.area_m2", "bears the load"),
+                ("belts.density_kg_m3", "nylon"),
+            ]
+        );
     }
 
     /// What is wrong with a key that follows is told at the key of the design, in the unit that it is written in.

@@ -54,36 +54,43 @@ pub(super) fn set_cloth(cloth: &Cloth, keys: &mut Keys) {
     let areal = cloth.areal_density_kg_m2();
     let of_cloth = cloth.source();
     let stiffness = "E times thickness as of the fabric of \"Effect of Shear Modulus on the Inflation Deformation of Parachutes\", by weight";
-    keys.set("fabric.thickness_m", cloth.thickness_m(), "2 mm per kg/m²");
-    keys.set(
-        "fabric.density_kg_m3",
-        areal / cloth.thickness_m(),
-        of_cloth,
-    );
-    keys.set(
-        "fabric.youngs_modulus_pa",
-        cloth.youngs_modulus_pa(),
-        stiffness,
-    );
-    keys.set(
-        "fabric.poisson_ratio",
-        Cloth::POISSON_RATIO,
-        "the same fabric",
-    );
+    let thickness_m = cloth.thickness_m();
+    let density = areal / thickness_m;
     let law = Table::from_iter([("material".to_owned(), Value::from(cloth.specification))]);
-    keys.set("fabric.permeability", law, of_cloth);
+    let constants = [
+        ("thickness_m", thickness_m.into(), "2 mm per kg/m²"),
+        ("density_kg_m3", density.into(), of_cloth),
+        (
+            "youngs_modulus_pa",
+            cloth.youngs_modulus_pa().into(),
+            stiffness,
+        ),
+        (
+            "poisson_ratio",
+            Cloth::POISSON_RATIO.into(),
+            "the same fabric",
+        ),
+        ("permeability", law.into(), of_cloth),
+    ];
+    keys.set_material(cloth.name, "fabric", constants);
 }
 
-/// Section, density and stiffness of a cord or tape, in a table; its size for the reason given.
-pub(super) fn set_cord(table: &str, cord: &Cord, why: &str, keys: &mut Keys) {
-    let of = |name: &str| format!("{table}.{name}");
-    keys.set(of("area_m2"), cord.area_m2(), why);
-    keys.set(of("density_kg_m3"), Cord::DENSITY_KG_M3, "nylon");
-    keys.set(
-        of("youngs_modulus_pa"),
-        cord.youngs_modulus_pa(),
-        cord.source,
-    );
+/// Section, density and stiffness of a cord or tape, in a table, and more that the table has; its size for the reason given.
+pub(super) fn set_cord(
+    table: &str,
+    (cord, why): (&Cord, &str),
+    more: &[(&'static str, f64, &'static str)],
+    keys: &mut Keys,
+) {
+    let modulus = cord.youngs_modulus_pa();
+    let constants = [
+        ("area_m2", cord.area_m2(), why),
+        ("density_kg_m3", Cord::DENSITY_KG_M3, "nylon"),
+        ("youngs_modulus_pa", modulus, cord.source),
+    ];
+    let constants = constants.into_iter().chain(more.iter().copied());
+    let constants = constants.map(|(name, number, why)| (name, number.into(), why));
+    keys.set_material(cord.name, table, constants);
 }
 
 /// What has the name that is written; `None` where none is.

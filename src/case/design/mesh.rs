@@ -344,7 +344,8 @@ pub(super) fn derive(design: &MeshDesign, written: &Table, folder: &Path) -> Res
                 * reference_m2;
             let wanted = (length_m, found.line_count, load_n);
             let (cord, why) = materials::line(TABLE, design.lines.as_deref(), wanted)?;
-            materials::set_cord(&format!("{own}.line_material"), &cord, &why, &mut keys);
+            let table = format!("{own}.line_material");
+            materials::set_cord(&table, (&cord, &why), &[], &mut keys);
         }
         MeshType::Sheet => {}
     }

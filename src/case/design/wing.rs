@@ -307,6 +307,7 @@ fn openings(class: &Proportions, cells: usize, keys: &mut Keys) {
 
 /// What follows the shipped wings.
 const AS_SHIPPED: &str = "as of the shipped wings";
+const SHIPPED: &str = "the shipped wings";
 
 /// Holes of ribs, ballooning, materials, and tapes along the rear edge of the intakes and at the trailing edge.
 pub(in crate::case) fn sewn_of(intake_to: f64, keys: &mut Keys) {
@@ -362,10 +363,10 @@ fn materials(keys: &mut Keys) {
             "shear_modulus_pa",
             "residual_stiffness",
         ];
-        for (name, number) in names.into_iter().zip(numbers) {
-            let key = format!("structure.wing.fabrics.{part}.{name}");
-            keys.set(key, number, why);
-        }
+        let constants = names.into_iter().zip(numbers);
+        let constants = constants.map(|(name, number)| (name, Value::from(number), why));
+        let table = format!("structure.wing.fabrics.{part}");
+        keys.set_material(SHIPPED, &table, constants);
     }
     let why = "aramid and polyester as of the shipped wings";
     for (name, [diameter, mass, stiffness], strength) in [
@@ -374,13 +375,18 @@ fn materials(keys: &mut Keys) {
         ("webbing", [0.006, 0.015, 300_000.0], Some(9000.0)),
         ("tape", [0.002, 0.003, 20_000.0], None),
     ] {
-        let of = |key: &str| format!("structure.wing.line_materials.{name}.{key}");
-        keys.set(of("diameter_m"), diameter, why);
-        keys.set(of("mass_per_length_kg_m"), mass, why);
-        keys.set(of("axial_stiffness_n"), stiffness, why);
-        if let Some(strength) = strength {
-            keys.set(of("breaking_load_n"), strength, why);
-        }
+        let constants = [
+            ("diameter_m", Some(diameter)),
+            ("mass_per_length_kg_m", Some(mass)),
+            ("axial_stiffness_n", Some(stiffness)),
+            ("breaking_load_n", strength),
+        ];
+        let constants = constants
+            .into_iter()
+            .filter_map(|(key, number)| Some((key, number?)));
+        let constants = constants.map(|(key, number)| (key, Value::from(number), why));
+        let table = format!("structure.wing.line_materials.{name}");
+        keys.set_material(SHIPPED, &table, constants);
     }
 }
 
