@@ -1,5 +1,7 @@
 //! Trim of wings: what the air sees, the balance of all loads, the speed bar, and runs that do not settle.
 
+use std::path::Path;
+
 use glam::DVec3;
 use libtest_mimic::Trial;
 use ripstop::aero::surface::PanelSurface;
@@ -227,6 +229,16 @@ fn run(out: &std::path::Path, more: &[&str]) -> (crate::command_line::Finished, 
     (output, serde_json::from_slice(&text).unwrap())
 }
 
+/// The pressure inside after the last outer iteration, of a table of them.
+fn last_of(table: &Path) -> f64 {
+    let mut rows = csv::Reader::from_path(table).unwrap();
+    let columns = rows.headers().unwrap().clone();
+    let is_inside = |name: &str| name == "internal_pressure_coefficient";
+    let column = columns.iter().position(is_inside).unwrap();
+    let last = rows.records().last().unwrap().unwrap();
+    last[column].parse().unwrap()
+}
+
 /// Shorter front risers: faster, at a smaller angle of attack. What the risers carry is what the air does, and the guide carries nothing.
 fn speed_bar() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,7 +267,9 @@ fn speed_bar() {
     assert!(smaller < angle - 0.5, "{smaller} {angle} degrees");
     assert!(guide.abs() < tolerance::GUIDE_N, "{guide} N");
     assert!(error < tolerance::RISERS, "{error}");
-    assert!(folder.path().join("trim/trim_iterations.csv").exists());
+    let inside = |name: &str| last_of(&folder.path().join(name).join("trim_iterations.csv"));
+    let [with_bar, without] = ["bar", "trim"].map(inside);
+    assert!(with_bar > 0.3 && with_bar < without - 0.02 && without < 1.0);
     assert!(folder.path().join("trim/trim_span.png").exists());
 }
 

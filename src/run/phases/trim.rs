@@ -103,13 +103,14 @@ fn share_done(scene: &Scene, trim: &Trim) -> f64 {
 /// An outer iteration in a line.
 fn line(i: &TrimIteration) -> String {
     format!(
-        "trim {:>2}, {} nodes: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
+        "trim {:>2}, {} nodes: {:.3} m/s, sink {:.3} m/s, glide {:.3}, angle of attack {:.2} deg, pressure inside {:.2}, pitch {:.2} deg; turned by {:.3} deg, outlines moved {:.1e}, guide {:.1} N, risers lack {:.1e} of the weight, {} evaluations",
         i.number,
         i.nodes,
         i.speed_m_s,
         i.sink_m_s,
         i.glide_ratio,
         i.attack_rad.to_degrees(),
+        i.inside,
         i.pitch_rad.to_degrees(),
         i.turn_rad.to_degrees(),
         i.shape_change,

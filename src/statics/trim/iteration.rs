@@ -19,6 +19,8 @@ pub struct TrimIteration {
     pub glide_ratio: f64,
     /// Angle of attack of the chord in the middle [rad].
     pub attack_rad: f64,
+    /// Coefficient of the pressure inside.
+    pub inside: f64,
     /// Pitch of that chord after the solve [rad].
     pub pitch_rad: f64,
     /// By how much the balance turned the wing [rad].

@@ -30,6 +30,9 @@ pub use iteration::TrimIteration;
 /// Least share of the case's tolerance to which the fabric is solved.
 const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
 
+/// Coefficient of the pressure inside below which a refusal tells of it. Most wings of docs/leparagliding.md trim with more.
+const LOST_PRESSURE: f64 = 0.5;
+
 /// What a trim lacks where the scene has none to be sought.
 const NO_WING: &str = "there is no wing whose fabric could be solved";
 
@@ -260,6 +263,17 @@ impl Trim {
         Ok(())
     }
 
+    /// What is told beside a refusal where the wing has lost the pressure in it on the way; nothing elsewhere.
+    fn lost_pressure(&self, settings: &Settings) -> String {
+        match (settings.inside, self.iterations.last()) {
+            (None, Some(last)) if last.inside < LOST_PRESSURE => format!(
+                "; before that the pressure inside was {:.2} of the dynamic pressure, as the stream divided ahead of the intakes, so the nose may have folded: move the intakes towards the nose, pull or shorten less, or give equilibrium.trim.internal_pressure_coefficient",
+                last.inside
+            ),
+            _ => String::new(),
+        }
+    }
+
     fn iterate(
         &mut self,
         wing: &Wing,
@@ -291,11 +305,12 @@ impl Trim {
         };
         let flight = match glider.glide(positions, &nodes, self.stream_rad) {
             Ok(flight) => flight,
-            Err(why) => return refused(why.to_string()),
+            Err(why) => return refused(format!("{why}{}", self.lost_pressure(settings))),
         };
         let balance = flight.balance;
         let turned = glider.turned_m(positions, balance.turn_rad);
         let (attack_rad, section_residual) = (flight.attack_rad, flight.section_residual);
+        let inside = flight.inside;
         let weight_n = flight.weight_n;
         let air_s = began.elapsed().as_secs_f64();
         simulation.place(&turned);
@@ -329,6 +344,7 @@ impl Trim {
             sink_m_s: balance.speed_m_s * balance.glide_rad.sin(),
             glide_ratio: 1.0 / balance.glide_rad.tan(),
             attack_rad,
+            inside,
             pitch_rad,
             turn_rad: balance.turn_rad,
             guide_n: simulation.guide_pull_n(),
