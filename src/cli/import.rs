@@ -11,6 +11,7 @@ use super::log::emit;
 use crate::case::leparagliding::{self, Imported, Published};
 use crate::case::xflr5;
 use crate::case::{self, Case, Choices};
+use crate::geometry::profile::Profile;
 use crate::output::{
     NOTHING, OutputError, aligned, prepare_directory, significant, write_atomically,
 };
@@ -89,11 +90,11 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
     let told = file.display();
     let text = read(file).map_err(|why| bad(format!("cannot read {told}: {why}")))?;
     let folder = folder_of(file);
-    let thickness = |name: &str| {
-        let airfoil = read(&folder.join(name)).ok()?;
-        leparagliding::airfoil_thickness(&airfoil)
+    let airfoil = |name: &str| {
+        let text = read(&folder.join(name)).ok()?;
+        Profile::parse(&text).ok()
     };
-    let imported = leparagliding::import(&text, pilot_kg, thickness)
+    let imported = leparagliding::import(&text, pilot_kg, airfoil)
         .map_err(|why| bad(format!("{told}: {why}")))?;
     // All airfoils are read before anything is written.
     let mut files = Vec::new();

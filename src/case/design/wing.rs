@@ -193,6 +193,7 @@ pub(super) fn derive(design: &WingDesign) -> Result<Keys, Problem> {
     keys.set("structure.wing.hang_point_m", hang, why_hang);
     openings(class, cells, &mut keys);
     sewn_of(INTAKES[1], &mut keys);
+    usual_ballooning(&mut keys);
     rows(cells, (span_m, chord_m), &mut keys);
     speed_bar(&mut keys);
     let quality = design.quality.unwrap_or(Quality::Normal);
@@ -309,7 +310,7 @@ fn openings(class: &Proportions, cells: usize, keys: &mut Keys) {
 const AS_SHIPPED: &str = "as of the shipped wings";
 const SHIPPED: &str = "the shipped wings";
 
-/// Holes of ribs, ballooning, materials, and tapes along the rear edge of the intakes and at the trailing edge.
+/// Holes of ribs, materials, and tapes along the rear edge of the intakes and at the trailing edge.
 pub(in crate::case) fn sewn_of(intake_to: f64, keys: &mut Keys) {
     let of = |name: &str| format!("structure.wing.{name}");
     let hole = |position: f64, width: f64| {
@@ -319,6 +320,18 @@ pub(in crate::case) fn sewn_of(intake_to: f64, keys: &mut Keys) {
     };
     let holes = vec![hole(0.2, 0.12), hole(0.45, 0.14)];
     keys.set(of("holes"), holes, AS_SHIPPED);
+    materials(keys);
+    for (name, position) in [("intake", intake_to), ("trailing_edge", 1.0)] {
+        let of = |key: &str| format!("structure.wing.tapes.{name}.{key}");
+        keys.set(of("side"), "lower", AS_SHIPPED);
+        keys.set(of("position"), position, AS_SHIPPED);
+        keys.set(of("sewn"), true, AS_SHIPPED);
+        keys.set(of("material"), "tape", AS_SHIPPED);
+    }
+}
+
+/// How far panels stand out between their ribs.
+pub(in crate::case) fn usual_ballooning(keys: &mut Keys) {
     let upper = [
         [0.0, 0.02],
         [0.1, 0.06],
@@ -335,16 +348,8 @@ pub(in crate::case) fn sewn_of(intake_to: f64, keys: &mut Keys) {
     ];
     for (name, points) in [("upper", upper), ("lower", lower)] {
         let points = points.map(|point| Value::from(point.map(Value::from).to_vec()));
-        let key = of(&format!("ballooning.{name}"));
+        let key = format!("structure.wing.ballooning.{name}");
         keys.set(key, points.to_vec(), AS_SHIPPED);
-    }
-    materials(keys);
-    for (name, position) in [("intake", intake_to), ("trailing_edge", 1.0)] {
-        let of = |key: &str| format!("structure.wing.tapes.{name}.{key}");
-        keys.set(of("side"), "lower", AS_SHIPPED);
-        keys.set(of("position"), position, AS_SHIPPED);
-        keys.set(of("sewn"), true, AS_SHIPPED);
-        keys.set(of("material"), "tape", AS_SHIPPED);
     }
 }
 

@@ -7,6 +7,7 @@ mod read;
 mod rods;
 mod rows;
 mod sections;
+mod skin_tension;
 mod speed;
 mod vh_ribs;
 
@@ -54,8 +55,8 @@ pub struct Imported {
 const FLAT: f64 = 0.03;
 const IN_PLACE_OF_FLAT: &str = "0006";
 
-/// Reads the text of a `leparagliding.txt` and writes it as a case; `pilot_kg` hangs on the risers, 3.9 kg per m² if it is not given. `thickness`
-/// tells that of an airfoil file over its chord.
+/// Reads the text of a `leparagliding.txt` and writes it as a case; `pilot_kg` hangs on the risers, 3.9 kg per m² if it is not given. `profile`
+/// reads an airfoil file; `None` where it cannot be read.
 ///
 /// # Errors
 ///
@@ -63,7 +64,7 @@ const IN_PLACE_OF_FLAT: &str = "0006";
 pub fn import(
     text: &str,
     pilot_kg: Option<f64>,
-    thickness: impl Fn(&str) -> Option<f64>,
+    profile: impl Fn(&str) -> Option<Profile>,
 ) -> Result<Imported, ImportFault> {
     let kind = read::kind(text)?;
     if kind != "ds" {
@@ -71,15 +72,17 @@ pub fn import(
     }
     let drawing = Drawing::read(text)?;
     let mut left_out = Vec::new();
-    let is_flat = |file: &str| thickness(file).is_some_and(|share| share < FLAT);
     let vh_ribs = vh_ribs::read(text);
-    let keys = keys((&drawing, &vh_ribs), pilot_kg, &is_flat, &mut left_out)?;
+    let airfoils: Airfoils = (drawing.ribs.iter())
+        .map(|rib| (rib.profile.as_str(), profile(&rib.profile)))
+        .collect();
+    let keys = keys((&drawing, &vh_ribs), pilot_kg, &airfoils, &mut left_out)?;
     let mut case = Table::from_iter([("version".to_owned(), Value::from(1))]);
     let derived = keys.put_into(&mut case);
     let mut profiles: Vec<String> = drawing.ribs.iter().map(|rib| rib.profile.clone()).collect();
     profiles.sort();
     profiles.dedup();
-    profiles.retain(|file| !is_flat(file));
+    profiles.retain(|file| !is_flat(&airfoils, file));
     Ok(Imported {
         text: commented(&case, &derived),
         name: drawing.name,
@@ -88,17 +91,18 @@ pub fn import(
     })
 }
 
-/// Thickness of an airfoil over its chord, by the text of its file; `None` where that cannot be read.
-#[must_use]
-pub fn airfoil_thickness(text: &str) -> Option<f64> {
-    let profile = Profile::parse(text).ok()?;
-    Some(profile.thickness())
+/// Airfoils by their files; `None`: it cannot be read.
+type Airfoils<'a> = BTreeMap<&'a str, Option<Profile>>;
+
+fn is_flat(airfoils: &Airfoils, file: &str) -> bool {
+    let profile = airfoils.get(file).and_then(Option::as_ref);
+    profile.is_some_and(|profile| profile.thickness() < FLAT)
 }
 
 fn keys(
     (drawing, vh_ribs): (&Drawing, &Result<Vec<Piece>, ReadFault>),
     pilot_kg: Option<f64>,
-    is_flat: &dyn Fn(&str) -> bool,
+    airfoils: &Airfoils,
     left_out: &mut Vec<String>,
 ) -> Result<Keys, ImportFault> {
     let scale_m = CENTIMETRE_M * drawing.scale;
@@ -130,7 +134,7 @@ fn keys(
     stations(drawing, scale_m, &mut keys);
     let names: BTreeMap<&str, String> = profile_names(drawing);
     for (file, name) in &names {
-        if is_flat(file) {
+        if is_flat(airfoils, file) {
             let key = of(&format!("profiles.{name}.naca"));
             keys.set(key, IN_PLACE_OF_FLAT, "in place of a flat one");
             left_out.push(format!(
@@ -143,6 +147,9 @@ fn keys(
     }
     openings(drawing, &mut keys);
     wing::sewn_of(drawing.intake().map_or(0.03, |[_, to]| to), &mut keys);
+    let middle = airfoils.get(&ribs[0].profile[..]).and_then(Option::as_ref);
+    let tension = &drawing.skin_tension;
+    skin_tension::derive(tension, middle, drawing.intake(), &mut keys, left_out);
     let as_drawn = vh_ribs::derive(vh_ribs, (drawing, scale_m), &mut keys, left_out);
     let risers = rows::derive(drawing, (scale_m, !as_drawn), &mut keys, left_out);
     let stand = (half, drawing.has_middle_rib());
@@ -157,10 +164,8 @@ fn keys(
         + 2.0 * chord(0) * ribs[0].span * scale_m * scale_m;
     wing::trim_of((area_m2, pilot_kg), 0.0, Quality::Normal, &mut keys)
         .map_err(|problem| ImportFault::Pilot(problem.help))?;
-    left_out.push(
-        "skin tension, holes of ribs, trimmers, and materials: usual ones stand in their place"
-            .to_owned(),
-    );
+    left_out
+        .push("holes of ribs, trimmers, and materials: usual ones stand in their place".to_owned());
     Ok(keys)
 }
 

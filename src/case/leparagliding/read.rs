@@ -3,6 +3,7 @@
 
 use super::rods::{self, RodGroup};
 use super::sections::{ReadFault, Section, Sections, numbers, unquoted};
+use super::skin_tension::SkinTension;
 use super::speed::SpeedStudy;
 
 /// m of a centimetre.
@@ -79,6 +80,8 @@ pub(super) struct Drawing {
     pub branches: [Branches; 2],
     /// Groups of rods, or why they cannot be read.
     pub rods: Result<Vec<RodGroup>, ReadFault>,
+    /// How much wider panels are than the distance of their ribs, or why that cannot be read.
+    pub skin_tension: Result<SkinTension, ReadFault>,
     /// Study of the speed system; `None`: there is none.
     pub speed_study: Option<SpeedStudy>,
 }
@@ -276,6 +279,7 @@ impl Drawing {
             brakes,
             branches,
             rods: rods::read(&sections),
+            skin_tension: SkinTension::read(&sections),
             speed_study: SpeedStudy::read(&sections),
         })
     }
