@@ -1,16 +1,16 @@
 //! Pressure inside a cell by that before its mouth.
 //!
-//! The air inside hardly moves, so what bounds the stream across the mouth is a line of one pressure, C_i. Where the closed section has the pressure C_o(s) along the
-//! mouth, that line leaves the upstream lip smoothly and comes back to the other one. For small differences this is the equation of a thin aerofoil turned around: with t
-//! from −1 at the upstream lip to 1,
+//! The air inside hardly moves, so what bounds the stream across the mouth is a line of one pressure, C_i, along which the stream has one speed, v_i = √(1 − C_i) of the
+//! free stream's. Where the closed section has the speed v(s) along the mouth, that line leaves the upstream lip smoothly and comes back to the other one. For small
+//! disturbances of the speed this is the equation of a thin aerofoil turned around: with t from −1 at the upstream lip to 1,
 //!
 //! ```text
-//! C_i = 1/π ∫ C_o(t) √((1 − t)/(1 + t)) dt
+//! v_i = 1/π ∫ v(t) √((1 − t)/(1 + t)) dt        C_i = 1 − v_i²
 //! ```
 //!
-//! For a pressure that falls evenly it is that at a quarter of the mouth behind the upstream lip: more than the mean. The lip that is nearer to the point where the
+//! For a speed that grows evenly it is that at a quarter of the mouth behind the upstream lip: less than the mean. The lip that is nearer to the point where the
 //! stream divides is the upstream one. Where it divides within the mouth, either may be: then what lies between that lip and the dividing point counts with the
-//! pressure at that point, and the lower of both values is taken. It goes on without a jump where the dividing point leaves the mouth.
+//! speed at that point, and the lower of both pressures is taken. It goes on without a jump where the dividing point leaves the mouth.
 //! docs/results/2026-11-27-pressure-inside-ram-air-wings.md has it beside the lattice.
 
 use std::f64::consts::PI;
@@ -39,6 +39,11 @@ pub fn pressure_inside(before: &[[f64; 2]], divides: f64) -> f64 {
     }
 }
 
+/// Speed over that of the free stream where the pressure has a coefficient.
+fn speed(coefficient: f64) -> f64 {
+    (1.0 - coefficient).max(0.0).sqrt()
+}
+
 /// The same where the first lip is the upstream one.
 fn leaving_first_lip(before: &[[f64; 2]], divides: f64) -> f64 {
     let [[first, _], .., [last, _]] = before else {
@@ -48,9 +53,10 @@ fn leaving_first_lip(before: &[[f64; 2]], divides: f64) -> f64 {
     let sum = |i: usize| {
         let cos = (PI * (i as f64 + 0.5) / POINTS as f64).cos();
         let place = first + 0.5 * (1.0 - cos) * (last - first);
-        at(before, place.max(divides.min(*last))) * (1.0 + cos)
+        speed(at(before, place.max(divides.min(*last)))) * (1.0 + cos)
     };
-    (0..POINTS).map(sum).sum::<f64>() / POINTS as f64
+    let inside = (0..POINTS).map(sum).sum::<f64>() / POINTS as f64;
+    1.0 - inside * inside
 }
 
 /// Coefficient at a place, on straight lines between the points.
@@ -76,21 +82,24 @@ mod tests {
     }
 
     #[test]
-    fn a_falling_pressure_counts_at_a_quarter_of_the_mouth() {
-        let falling = pressure_inside(&mouth(|s| 0.9 - 0.4 * s), 1.0);
-        assert!((falling - 0.8).abs() < 1e-6, "{falling}");
-        let rising = pressure_inside(&mouth(|s| 0.5 + 0.4 * s), 6.0);
-        assert!((rising - 0.8).abs() < 1e-6, "{rising}");
+    fn a_growing_speed_counts_at_a_quarter_of_the_mouth() {
+        let of = |speed: fn(f64) -> f64, divides| {
+            pressure_inside(&mouth(|s| 1.0 - speed(s) * speed(s)), divides)
+        };
+        let growing = of(|s| 0.2 + 0.4 * s, 1.0);
+        assert!((growing - (1.0 - 0.09)).abs() < 1e-4, "{growing}");
+        let falling = of(|s| 0.6 - 0.4 * s, 6.0);
+        assert!((falling - (1.0 - 0.09)).abs() < 1e-4, "{falling}");
     }
 
-    /// The line of one pressure comes back to the other lip: its slope, by the equation that it follows, sums up to nothing.
+    /// The line of one speed comes back to the other lip: its slope, by the equation that it follows, sums up to nothing.
     #[test]
     fn the_line_across_the_mouth_closes() {
-        let coefficient = |s: f64| 1.0 - 1.3 * s * s - 0.2 * s;
-        let inside = leaving_first_lip(&mouth(coefficient), 3.0);
-        // Slope η' = −√((1 + t)/(1 − t))/π ⨍ √((1 − τ)/(1 + τ)) g(τ)/(t − τ) dτ with g = C_i − C_o, by Chebyshev points of both kinds.
+        let outside = |s: f64| 0.1 + 0.9 * s + 0.2 * s * s;
+        let inside = leaving_first_lip(&mouth(|s| 1.0 - outside(s) * outside(s)), 3.0);
+        // Slope η' = −√((1 + t)/(1 − t))/π ⨍ √((1 − τ)/(1 + τ)) g(τ)/(t − τ) dτ with g = v − v_i, by Chebyshev points of both kinds.
         let n = 400;
-        let g = |t: f64| inside - coefficient(0.5 * (1.0 + t));
+        let g = |t: f64| outside(0.5 * (1.0 + t)) - (1.0 - inside).sqrt();
         let angle = |k: f64| PI * k / f64::from(n);
         let mut rise = 0.0;
         for i in 1..n {
@@ -118,9 +127,9 @@ mod tests {
         }
         let middle = values[70];
         assert!(middle > 0.95 && middle < 1.0, "{middle}");
-        // At either lip 1 − 1.5 s² counts at s² = 1/8.
+        // At either lip 1 − 1.5 s² counts at a quarter of the mouth.
         for lip in [values[20], values[120]] {
-            assert!((lip - (1.0 - 1.5 / 8.0)).abs() < 1e-3, "{lip}");
+            assert!((lip - (1.0 - 1.5 / 16.0)).abs() < 1e-3, "{lip}");
         }
     }
 
