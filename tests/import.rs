@@ -81,7 +81,7 @@ pub fn drawing(even: bool, kind: &str) -> String {
     for number in 0..RIBS {
         let _ = writeln!(text, "{}\t3\t10\t35 \t65.5 0 0\t100", number + 1);
     }
-    text += "***\n*          4. AIRFOIL HOLES  *\n1\n1\n12\n0\n***\n*           5. SKIN TENSION *\nExtrados\n0. 0.3\n***\n*  8. Global AoA estimation *\n* Finesse GR\n8.0\n* Center of pressure\n30.\n* Calage %\n42\n* Risers lenght cm\n45\n* Line lenght cm\n480\n* Karabiners cm\n42\n";
+    text += "***\n*          4. AIRFOIL HOLES  *\n1\n1\n12\n0\n***\n*           5. SKIN TENSION *\nExtrados\n0.\t\t0.1\t\t0.\t\t0.\n6.\t\t1.0\t\t12.\t\t1.5\n14.\t\t2.2\t\t25.\t\t2.0\n75.\t\t2.4\t\t70.\t\t1.8\n90.\t\t1.0\t\t88.\t\t0.9\n100.\t\t0.\t\t100.\t\t0.1\n0.0114\n***\n*  8. Global AoA estimation *\n* Finesse GR\n8.0\n* Center of pressure\n30.\n* Calage %\n42\n* Risers lenght cm\n45\n* Line lenght cm\n480\n* Karabiners cm\n42\n";
     text += "***\n*          9. SUSPENSION LINES DESCRIPTION *\n3\n3\n";
     // Attached at every second rib; of an even number of cells the first is that in the middle. The last line of B leads to an anchor of A.
     for row in 1..=3 {
@@ -253,7 +253,11 @@ fn nested() {
     let one = all.join("series").join("a").join("b");
     let output = brought_in(&one, &own);
     assert_eq!(output.code, 0, "{}", output.errors);
-    assert!(own.join("wing.toml").is_file());
+    let text = std::fs::read_to_string(own.join("wing.toml")).unwrap();
+    let is_as_drawn = |line: &str| {
+        line.starts_with("upper = [[0.0, ") && line.contains("skin tension, section 5")
+    };
+    assert!(text.lines().any(is_as_drawn), "{text}");
 }
 
 fn rods_and_bar() {
