@@ -11,7 +11,6 @@ use super::log::emit;
 use crate::case::leparagliding::{self, Imported, Published};
 use crate::case::xflr5;
 use crate::case::{self, Case, Choices};
-use crate::geometry::profile::Profile;
 use crate::output::{
     NOTHING, OutputError, aligned, prepare_directory, significant, write_atomically,
 };
@@ -92,7 +91,7 @@ fn one(file: &Path, out: &Path, pilot_kg: Option<f64>) -> Result<(Imported, Case
     let folder = folder_of(file);
     let airfoil = |name: &str| {
         let text = read(&folder.join(name)).ok()?;
-        Profile::parse(&text).ok()
+        leparagliding::airfoil(&text)
     };
     let imported = leparagliding::import(&text, pilot_kg, airfoil)
         .map_err(|why| bad(format!("{told}: {why}")))?;

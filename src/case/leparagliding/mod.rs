@@ -91,6 +91,12 @@ pub fn import(
     })
 }
 
+/// The airfoil of a file's text; `None` where it cannot be read.
+#[must_use]
+pub fn airfoil(text: &str) -> Option<Profile> {
+    Profile::parse(text).ok()
+}
+
 /// Airfoils by their files; `None`: it cannot be read.
 type Airfoils<'a> = BTreeMap<&'a str, Option<Profile>>;
 
