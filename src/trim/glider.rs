@@ -455,12 +455,13 @@ impl<'a> Glider<'a> {
             return 1.0;
         };
         let open = intakes.open_cells(self.wing.cells);
+        // Evenly in √(x/c), which is that along the outline near the nose.
+        let ends = [intakes.from, intakes.to].map(f64::sqrt);
+        let [rearmost, foremost] = outer.within([-ends[1], -ends[0]]);
         let (mut sum, mut weight) = (0.0, 0.0);
         for cell in open {
             let pair = &self.wing.frames[cell..cell + 2];
             let area = self.wing.flat_cell_area_m2(cell);
-            // Evenly in √(x/c), which is that along the outline near the nose.
-            let ends = [intakes.from, intakes.to].map(f64::sqrt);
             let mut before: Vec<[f64; 2]> = Vec::with_capacity(INTAKE_POINTS + 1);
             let mut last = None;
             let mut along = 0.0;
@@ -471,7 +472,8 @@ impl<'a> Glider<'a> {
                 let point = DVec2::new(place, height);
                 along += last.map_or(0.0, |last: DVec2| last.distance(point));
                 last = Some(point);
-                before.push([along, outer.at(self.skin.of_cell(cell), -root)]);
+                let s = (-root).clamp(rearmost, foremost);
+                before.push([along, outer.at(self.skin.of_cell(cell), s)]);
             }
             let divides = self.dividing_root(outer, cell);
             let divides = match before.len() - 1 {

@@ -83,6 +83,17 @@ impl OuterPressure {
         here + across * (value(strip + 1) - here)
     }
 
+    /// The outermost middles of panels between two places s, or these where fewer than two lie there: what stands before a mouth, without the outline beyond its lips.
+    #[must_use]
+    pub fn within(&self, places: [f64; 2]) -> [f64; 2] {
+        let is_there = |s: &&f64| (places[0]..=places[1]).contains(*s);
+        let mut middles = self.around.iter().filter(is_there);
+        match (middles.next(), middles.next_back()) {
+            (Some(first), Some(last)) => [*first, *last],
+            _ => places,
+        }
+    }
+
     /// On a tip, at a place per chord; that of the outermost strip where the wing ends in a point.
     #[must_use]
     pub fn at_tip(&self, place: f64) -> f64 {

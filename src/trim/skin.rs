@@ -9,6 +9,12 @@ use glam::DVec3;
 use crate::aero::surface::mirrored;
 use crate::geometry::wing::BuiltWing;
 
+/// Panels before a mouth, and as far as half its length around it, stand so many times as close as elsewhere: the pressure inside hangs on them.
+const CLOSER_AT_MOUTHS: f64 = 3.0;
+
+/// Points of the sum by which panels are spread along a side.
+const GRADING_POINTS: usize = 2000;
+
 /// Which ribs and places of the mesh make panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skin {
@@ -21,6 +27,49 @@ pub struct Skin {
     /// Coordinate s of the outline's nodes from the trailing edge below to that above, `[2 along_chord + 1]`.
     knots: Vec<f64>,
     cells: usize,
+}
+
+/// Nodes s = √(x/c) of the panels of a side, from 0 to 1: even in arcsin s, which is close together at the trailing edge, and closer before a mouth, whose lips have one
+/// each.
+fn graded(per_side: usize, mouth: Option<[f64; 2]>) -> Vec<f64> {
+    let quarter = 0.5 * std::f64::consts::PI;
+    let Some(lips) = mouth else {
+        let node = |i: usize| (quarter * i as f64 / per_side as f64).sin();
+        return (0..=per_side).map(node).collect();
+    };
+    let [front, rear] = lips.map(f64::asin);
+    let margin = 0.5 * (rear - front);
+    let step = quarter / GRADING_POINTS as f64;
+    // Growing sums of the density.
+    let mut sums = vec![0.0];
+    for i in 0..GRADING_POINTS {
+        let angle = (i as f64 + 0.5) * step;
+        let is_close = angle > front - margin && angle < rear + margin;
+        let density = if is_close { CLOSER_AT_MOUTHS } else { 1.0 };
+        sums.push(sums[i] + density * step);
+    }
+    let whole = sums[GRADING_POINTS];
+    let mut nodes: Vec<f64> = (0..=per_side)
+        .map(|i| {
+            let sum = whole * i as f64 / per_side as f64;
+            let next = sums.partition_point(|s| *s < sum).clamp(1, GRADING_POINTS);
+            let share = (sum - sums[next - 1]) / (sums[next] - sums[next - 1]);
+            (((next - 1) as f64 + share) * step).sin()
+        })
+        .collect();
+    nodes[per_side] = 1.0;
+    // The nodes next to the lips move there, but for the first and the last.
+    for lip in lips {
+        let next = (1..per_side).min_by(|a, b| {
+            let away = |i: usize| (nodes[i] - lip).abs();
+            away(*a).total_cmp(&away(*b))
+        });
+        let fits = |i: usize| lip > nodes[i - 1] && lip < nodes[i + 1];
+        if let Some(next) = next.filter(|i| fits(*i)) {
+            nodes[next] = lip;
+        }
+    }
+    nodes
 }
 
 impl Skin {
@@ -43,12 +92,12 @@ impl Skin {
             .map(|i| all[(i * last + count / 2) / count])
             .collect();
         sections.dedup();
-        let around = (0..=2 * per_side)
-            .map(|i| {
-                let angle = 0.5 * std::f64::consts::PI * (i as f64 / per_side as f64 - 1.0);
-                angle.sin()
-            })
-            .collect();
+        let mouth = wing
+            .intakes
+            .map(|intakes| [intakes.from, intakes.to].map(f64::sqrt));
+        let side = graded(per_side, mouth);
+        let lower = side.iter().skip(1).rev().map(|s| -s);
+        let around = lower.chain(side.iter().copied()).collect();
         let lower = wing.places.lower.iter().rev().map(|x| -x.sqrt());
         let upper = wing.places.upper.iter().skip(1).map(|x| x.sqrt());
         Self {
@@ -223,4 +272,35 @@ fn mean_of_halves(right: &[DVec3], left: &[DVec3]) -> Vec<DVec3> {
         .zip(left)
         .map(|(r, l)| 0.5 * (*r + mirrored(*l)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Growing from the nose to the trailing edge, with nodes at the lips and three panels between them at least, of 20; as before without a mouth.
+    #[test]
+    fn panels_stand_closer_before_a_mouth() {
+        for (mouth, least) in [([0.126, 0.251], 3), ([0.1, 0.22], 3), ([0.0, 0.256], 4)] {
+            for per_side in [4, 10, 20, 40] {
+                let nodes = graded(per_side, Some(mouth));
+                assert_eq!(
+                    (nodes.len(), nodes[0], nodes[per_side]),
+                    (per_side + 1, 0.0, 1.0)
+                );
+                assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]), "{nodes:?}");
+                let is_there = |lip: f64| nodes.iter().any(|s| (s - lip).abs() < 1e-12);
+                if per_side >= 10 {
+                    assert!(mouth.into_iter().all(is_there), "{mouth:?} {nodes:?}");
+                }
+                let within = nodes
+                    .iter()
+                    .filter(|s| (mouth[0]..mouth[1]).contains(*s))
+                    .count();
+                assert!(per_side < 20 || within >= least, "{mouth:?} {nodes:?}");
+            }
+        }
+        let even = graded(20, None);
+        assert!((even[7] - (35.0f64 / 200.0 * std::f64::consts::PI).sin()).abs() < 1e-12);
+    }
 }
