@@ -63,7 +63,7 @@ const FABRIC: [&str; 10] = [
 /// Those that a software device solves in seconds.
 const FABRIC_ON_DEVICE: [&str; 2] = ["membrane-patch", "catenary"];
 
-/// Gates of the quick set, on every engine and in every precision: one that a problem no longer adds would else be missed by nobody.
+/// Gates of the problems of the quick set that trials compute, in 32 and 64 bits: one that a problem no longer adds would else be missed by nobody.
 const GATES: [(&str, usize); 36] = [
     ("poiseuille", 3),
     ("couette", 9),

@@ -153,7 +153,10 @@ pub fn picture_of(frame: &Frame, options: &PictureOptions) -> Picture {
     });
 
     let mut bars = Vec::new();
-    let is_coloured = |surface: &&Surface| surface.values.iter().any(|value| value.is_finite());
+    // Where the range is given, pictures of a series keep their bar, and with it their place.
+    let is_coloured = |surface: &&Surface| {
+        options.fabric_range.is_some() || surface.values.iter().any(|value| value.is_finite())
+    };
     if let Some(surface) = surface.as_ref().filter(is_coloured) {
         bars.push(Legend {
             title: fabric::title(options.fabric),

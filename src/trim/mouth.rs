@@ -1,6 +1,6 @@
 //! Pressure inside a cell by that before its mouth.
 //!
-//! The air inside hardly moves, so what bounds the stream across the mouth is a line of one pressure, C_i, along which the stream has one speed, v_i = √(1 − C_i) of the
+//! The air inside hardly moves. So what bounds the stream across the mouth is a line of one pressure, C_i. Along it the stream has one speed, v_i = √(1 − C_i) of the
 //! free stream's. Where the closed section has the speed v(s) along the mouth, that line leaves the upstream lip smoothly and comes back to the other one. For small
 //! disturbances of the speed this is the equation of a thin aerofoil turned around: with t from −1 at the upstream lip to 1,
 //!

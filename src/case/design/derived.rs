@@ -41,6 +41,10 @@ pub(in crate::case) struct Keys {
     materials: Vec<(Range<usize>, String)>,
 }
 
+/// Ends of the keys of a material's strength, and of those that say nothing of its strength.
+const STRENGTH: &str = ".breaking_load_n";
+const WITHOUT_STRENGTH: [&str; 3] = [".breaking_load_n", ".diameter_m", ".drag_coefficient"];
+
 impl Keys {
     pub(in crate::case) fn set(
         &mut self,
@@ -73,11 +77,19 @@ impl Keys {
     /// Puts them into the case, where it does not say otherwise, and returns those that it took.
     pub(in crate::case) fn put_into(mut self, case: &mut Table) -> Vec<Derived> {
         let written = case.clone();
+        let mut unknown: Vec<String> = Vec::new();
         for (numbers, material) in self.materials {
             let constants = &mut self.all[numbers];
             // Then it is not that material any more, whose reasons would speak of it.
             let is_written = |one: &Derived| says_otherwise(&written, &one.key);
             if constants.iter().any(is_written) {
+                // What breaks such a material is not known, unless the case tells it.
+                let is_mechanical =
+                    |one: &&Derived| !WITHOUT_STRENGTH.iter().any(|name| one.key.ends_with(name));
+                if constants.iter().filter(is_mechanical).any(is_written) {
+                    let strengths = constants.iter().filter(|one| one.key.ends_with(STRENGTH));
+                    unknown.extend(strengths.map(|one| one.key.clone()));
+                }
                 for one in constants {
                     one.why =
                         format!("as of {material}, beside other constants that the case writes");
@@ -86,6 +98,7 @@ impl Keys {
         }
         let taken: Vec<Derived> = (self.all.into_iter())
             .filter(|derived| !says_otherwise(&written, &derived.key))
+            .filter(|derived| !unknown.contains(&derived.key))
             .collect();
         for derived in &taken {
             put(case, &derived.key, derived.value.clone());

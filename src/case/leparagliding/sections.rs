@@ -42,6 +42,11 @@ pub enum ReadFault {
         /// Rows of a half.
         found: usize,
     },
+    /// Widths of panels that no panel has.
+    #[error(
+        "places of the skin tension (sections 5 and 31) have to grow from 0 to 100, and shares to be 25 at most"
+    )]
+    SkinTension,
     /// A line of a section has too few numbers.
     #[error("in section {number} ({name}) the line `{line}` cannot be read")]
     Line {

@@ -1,7 +1,7 @@
 //! Sections 5 and 31, "skin tension": by how much panels are cut wider than the distance of their ribs.
 //!
-//! Both edges of a panel stand outwards by a share of its width, so the panel is wider by twice that. Shares are given over the length along the outline:
-//! of upper panels from the front lip of the intake around the nose to the trailing edge, of lower ones from the trailing edge to the rear lip.
+//! Both edges of a panel stand outwards by a share of its width, so the panel is wider by twice that. Shares are given over the length along the outline.
+//! Those of upper panels count from the front lip of the intake around the nose to the trailing edge, those of lower ones from the trailing edge to the rear lip.
 
 use glam::DVec2;
 use toml::Value;
@@ -16,6 +16,12 @@ const GLOBAL_POINTS: usize = 6;
 
 /// Points along each side of an outline whose lengths are summed up.
 const POINTS_PER_SIDE: usize = 200;
+
+/// Largest share of the width at either edge [%]: panels one and a half times as wide as the distance of their ribs.
+const MOST_SHARE: f64 = 25.0;
+
+/// Most ribs of a group.
+const MOST_RIBS: f64 = 1000.0;
 
 /// Upper and lower panels: points (place along the outline, share of the width at either edge), both per cent, places growing.
 type Law = [Vec<[f64; 2]>; 2];
@@ -44,10 +50,12 @@ fn law(section: &mut Section, rows: usize, first: usize) -> Result<Law, ReadFaul
         let ends = [points.first(), points.last()].map(|point| point.map(|point| point[0]));
         ends == [Some(0.0), Some(100.0)]
     };
-    if law.iter().all(|points| grows(points) && is_whole(points)) {
+    let shares = law.iter().flatten().map(|point| point[1]);
+    let are_shares = shares.into_iter().all(|share| share <= MOST_SHARE);
+    if are_shares && law.iter().all(|points| grows(points) && is_whole(points)) {
         Ok(law)
     } else {
-        Err(section.fault("places of the skin tension grow from 0 to 100"))
+        Err(ReadFault::SkinTension)
     }
 }
 
@@ -73,7 +81,7 @@ impl SkinTension {
         for _ in 0..section.count()? {
             // Group, first and last rib, points, rule between them.
             let row = section.numbers(4)?;
-            let ribs = [row[1], row[2]].map(|rib| rib.max(0.0) as usize);
+            let ribs = [row[1], row[2]].map(|rib| rib.clamp(0.0, MOST_RIBS) as usize);
             groups.push((ribs, law(section, row[3].max(0.0) as usize, 1)?));
         }
         let ribs_of = |law: &Law| -> usize {
@@ -83,7 +91,7 @@ impl SkinTension {
         };
         let most = groups.iter().rev().max_by_key(|(_, law)| ribs_of(law));
         let Some((_, law)) = most.cloned() else {
-            return Err(section.fault("0"));
+            return Err(ReadFault::SkinTension);
         };
         let others = groups.iter().filter(|(_, other)| *other != law);
         Ok(Self {
@@ -161,7 +169,7 @@ fn ballooning(law: &Law, profile: &Profile, [from, to]: [f64; 2]) -> Law {
         let length = rear_lip + (1.0 - 0.01 * place) * lower_length;
         tables[1].push([between(lower, length, [1, 0]), extra(*share)]);
     }
-    // What lies ahead of the nose, or within round-off of the point before, is told by that.
+    // Points between the front lip and the nose are left out, since the lower side is straight there; others are not twice at one place.
     for table in &mut tables {
         table.dedup_by(|next, before| next[0] <= before[0] + 1e-6);
         if let Some(last) = table.last_mut() {
@@ -244,6 +252,46 @@ mod tests {
         }
     }
 
+    /// Of a thick, cambered profile half of the upper outline is not half of the chord. Here lengths are summed up from the profile's own formula.
+    #[test]
+    fn places_follow_a_thick_nose() {
+        let tension = SkinTension::read(&Sections::new(TEXT)).unwrap();
+        let profile = Profile::naca("2430").unwrap();
+        let [upper, _] = ballooning(&tension.law, &profile, [0.0, 0.0]);
+        // NACA 2430: thickness 5 t (0.2969 √x − 0.126 x − 0.3516 x² + 0.2843 x³ − 0.1036 x⁴), camber 2 % at 40 %; nodes dense at the nose.
+        let point = |x: f64| {
+            let half =
+                1.5 * (0.2969 * x.sqrt() - x * (0.126 + x * (0.3516 - x * (0.2843 - 0.1036 * x))));
+            let (camber, slope) = if x < 0.4 {
+                (0.125 * (0.8 * x - x * x), 0.25 * (0.4 - x))
+            } else {
+                ((0.2 + 0.8 * x - x * x) / 18.0, (0.4 - x) / 9.0)
+            };
+            let angle = f64::atan(slope);
+            DVec2::new(x - half * angle.sin(), camber + half * angle.cos())
+        };
+        let places: Vec<DVec2> = (0..=4000)
+            .map(|i| point((f64::from(i) / 4000.0).powi(2)))
+            .collect();
+        let steps: Vec<f64> = places.windows(2).map(|p| p[0].distance(p[1])).collect();
+        let whole: f64 = steps.iter().sum();
+        let mut length = 0.0;
+        let at = |share: f64, length: &mut f64| {
+            let next = steps.iter().position(|step| {
+                *length += step;
+                *length >= share * whole
+            });
+            places[next.unwrap() + 1].x
+        };
+        let place = at(0.15, &mut length);
+        assert!(place < 0.1, "{place}");
+        let found = upper
+            .iter()
+            .find(|point| (point[1] - 0.05).abs() < 1e-9)
+            .unwrap()[0];
+        assert!((found - place).abs() < 2e-3, "{found} {place}");
+    }
+
     /// Lower places count from the trailing edge: a law that is not the same from both ends shows it.
     #[test]
     fn groups_of_ribs() {
@@ -265,6 +313,8 @@ mod tests {
         for text in [
             "* 5. SKIN TENSION\nExtrados\n0. 0.3\n",
             "* 5. SKIN TENSION\nExtrados\n0 0 0 0\n7 1 9 1\n6 1 9 1\n80 1 80 1\n90 1 90 1\n100 0 100 0\n",
+            "* 5. SKIN TENSION\nExtrados\n0 0 0 0\n7 1 9 1\n15 26 20 1\n80 1 80 1\n90 1 90 1\n100 0 100 0\n",
+            "* 31. NEW SKIN TENSION MODULE\n1\n1\n1 1e30 1e30 2 1\n1 0 0 0 0\n2 90 0 100 0\n",
         ] {
             assert!(SkinTension::read(&Sections::new(text)).is_err());
         }

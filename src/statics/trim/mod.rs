@@ -30,8 +30,8 @@ pub use iteration::TrimIteration;
 /// Least share of the case's tolerance to which the fabric is solved.
 const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
 
-/// Coefficient of the pressure inside below which a refusal tells of it. Most wings of docs/leparagliding.md trim with more.
-const LOST_PRESSURE: f64 = 0.5;
+/// A fall of the coefficient of the pressure inside, from the first iteration to the last, of which a refusal tells.
+const LOST_PRESSURE: f64 = 0.2;
 
 /// What a trim lacks where the scene has none to be sought.
 const NO_WING: &str = "there is no wing whose fabric could be solved";
@@ -265,13 +265,16 @@ impl Trim {
 
     /// What is told beside a refusal where the wing has lost the pressure in it on the way; nothing elsewhere.
     fn lost_pressure(&self, settings: &Settings) -> String {
-        match (settings.inside, self.iterations.last()) {
-            (None, Some(last)) if last.inside < LOST_PRESSURE => format!(
-                "; before that the pressure inside was {:.2} of the dynamic pressure, as the stream divided ahead of the intakes, so the nose may have folded: move the intakes towards the nose, pull or shorten less, or give equilibrium.trim.internal_pressure_coefficient",
-                last.inside
-            ),
-            _ => String::new(),
+        let [first, .., last] = &self.iterations[..] else {
+            return String::new();
+        };
+        if settings.inside.is_some() || last.inside > first.inside - LOST_PRESSURE {
+            return String::new();
         }
+        format!(
+            "; before that the pressure inside fell from {:.2} to {:.2} of the dynamic pressure, with which noses fold: move the intakes towards the nose, pull or shorten less, or give equilibrium.trim.internal_pressure_coefficient",
+            first.inside, last.inside
+        )
     }
 
     fn iterate(
