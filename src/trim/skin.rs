@@ -51,17 +51,36 @@ fn graded(per_side: usize, mouth: Option<[f64; 2]>) -> Vec<f64> {
         let density = 1.0 + (CLOSER_AT_MOUTHS - 1.0) * closeness;
         sums.push(sums[i] + density * step);
     }
+    // Lips are nodes: the outline may have a corner there.
     let whole = sums[GRADING_POINTS];
-    let mut nodes: Vec<f64> = (0..=per_side)
-        .map(|i| {
-            let sum = whole * i as f64 / per_side as f64;
+    let at = |angle: f64| sums[((angle / step).round() as usize).min(GRADING_POINTS)];
+    let ends = [0.0, at(front), at(rear), whole];
+    let counts = shared_out(per_side, [0, 1, 2].map(|k| (ends[k + 1] - ends[k]) / whole));
+    let mut nodes = vec![0.0];
+    for (pair, count) in ends.windows(2).zip(counts) {
+        for i in 1..=count {
+            let sum = pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64;
             let next = sums.partition_point(|s| *s < sum).clamp(1, GRADING_POINTS);
             let share = (sum - sums[next - 1]) / (sums[next] - sums[next - 1]);
-            (((next - 1) as f64 + share) * step).sin()
-        })
-        .collect();
+            nodes.push((((next - 1) as f64 + share) * step).sin());
+        }
+    }
+    nodes[counts[0]] = lips[0];
+    nodes[counts[0] + counts[1]] = lips[1];
     nodes[per_side] = 1.0;
     nodes
+}
+
+/// Whole numbers with a sum, next to shares of it; one at least of each share that is there.
+fn shared_out(sum: usize, shares: [f64; 3]) -> [usize; 3] {
+    let wanted = |share: f64| match (share * sum as f64).round() as usize {
+        0 => usize::from(share > 0.0),
+        count => count,
+    };
+    let [ahead, within] = [shares[0], shares[1]].map(wanted);
+    let ahead = ahead.min(sum - 2);
+    let within = within.min(sum - ahead - 1);
+    [ahead, within, sum - ahead - within]
 }
 
 impl Skin {
@@ -270,9 +289,14 @@ fn mean_of_halves(right: &[DVec3], left: &[DVec3]) -> Vec<DVec3> {
 mod tests {
     use super::*;
 
-    /// Growing from the nose to the trailing edge, with three panels of 20 before a mouth at least, and no jump in their length; even without a mouth.
+    /// Growing from the nose to the trailing edge, with nodes at the lips and three panels of 20 between them at least, and no great jump in their length; even without a mouth.
     #[test]
     fn panels_stand_closer_before_a_mouth() {
+        // Of a mouth far behind the nose, too.
+        for per_side in [4, 20] {
+            let nodes = graded(per_side, Some([0.95, 0.99]));
+            assert!(nodes.windows(2).all(|pair| pair[1] > pair[0]), "{nodes:?}");
+        }
         for (mouth, least) in [([0.126, 0.251], 3), ([0.1, 0.22], 3), ([0.0, 0.256], 4)] {
             for per_side in [4, 10, 20, 40] {
                 let nodes = graded(per_side, Some(mouth));
@@ -287,7 +311,9 @@ mod tests {
                     .collect();
                 let ratio = |p: &[f64]| (p[1] / p[0]).max(p[0] / p[1]);
                 let most = lengths.windows(2).map(ratio).fold(0.0, f64::max);
-                assert!(per_side < 20 || most < 1.5, "{most} {nodes:?}");
+                assert!(per_side < 20 || most < 1.8, "{most} {nodes:?}");
+                let is_there = |lip: f64| nodes.iter().any(|s| (s - lip).abs() < 1e-12);
+                assert!(mouth.into_iter().all(is_there), "{mouth:?} {nodes:?}");
                 let within = nodes
                     .iter()
                     .filter(|s| (mouth[0]..mouth[1]).contains(*s))
