@@ -15,6 +15,7 @@ mod air;
 mod architecture;
 mod bad_cases;
 mod bodies;
+mod body_charts;
 mod body_settling;
 mod cadence;
 mod canopies;
@@ -144,6 +145,7 @@ fn main() -> std::process::ExitCode {
         canopy::trials(),
         canopies::trials(),
         bodies::trials(),
+        body_charts::trials(),
         body_settling::trials(),
         through_faces::trials(),
         cadence::trials(),

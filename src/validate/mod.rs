@@ -314,6 +314,8 @@ pub fn validate(
             Err(Stop::Refused(why)) => {
                 let what = format!("cannot be computed: {why}");
                 let row = session.row([0; 3], what, f64::NAN);
+                // In 16 bits, too, where flows are only stated.
+                row.is_judged = true;
                 row.gate(Gate::AtMost(0.0));
             }
             ended => end = ended,
@@ -330,43 +332,41 @@ pub fn validate(
 
 #[cfg(test)]
 mod tests {
+    use super::session::tests::Nobody;
     use super::*;
     use crate::plan::{AirPlacement, Precision};
-
-    struct Nobody;
-
-    impl Observer for Nobody {
-        fn progress(&mut self, _: u64, _: u64, _: &str) {}
-        fn note(&mut self, _: &str) {}
-    }
 
     /// A problem that cannot be set up fails, and the next one is computed.
     #[test]
     fn a_refusal_is_a_failed_row() {
-        let refused = Problem {
-            name: "refused",
-            updates: [1.0; 2],
-            compute: |_| Err(Stop::Refused("the sheet cannot be built".to_owned())),
-        };
-        let computed = Problem {
-            name: "computed",
-            updates: [1.0; 2],
-            compute: |session| {
-                session.row([1; 3], "error", 0.0).gate(Gate::AtMost(1.0));
-                Ok(())
-            },
-        };
-        let order = Order {
-            problems: vec![refused, computed],
-            full: false,
-            placement: AirPlacement::Cpu(Precision::F32),
-            device: None,
-        };
-        let (report, end) = validate(&order, &AtomicBool::new(false), &mut Nobody);
-        assert!(end.is_ok() && !report.interrupted);
-        let holds: Vec<_> = report.rows.iter().map(|row| row.holds).collect();
-        assert_eq!(holds, [Some(false), Some(true)], "{}", report.table());
-        assert!(!report.holds());
+        for (precision, of_the_other) in
+            [(Precision::F32, Some(true)), (Precision::F16Storage, None)]
+        {
+            let refused = Problem {
+                name: "refused",
+                updates: [1.0; 2],
+                compute: |_| Err(Stop::Refused("the sheet cannot be built".to_owned())),
+            };
+            let computed = Problem {
+                name: "computed",
+                updates: [1.0; 2],
+                compute: |session| {
+                    session.row([1; 3], "error", 0.0).gate(Gate::AtMost(1.0));
+                    Ok(())
+                },
+            };
+            let order = Order {
+                problems: vec![refused, computed],
+                full: false,
+                placement: AirPlacement::Cpu(precision),
+                device: None,
+            };
+            let (report, end) = validate(&order, &AtomicBool::new(false), &mut Nobody);
+            assert!(end.is_ok() && !report.interrupted);
+            let holds: Vec<_> = report.rows.iter().map(|row| row.holds).collect();
+            assert_eq!(holds, [Some(false), of_the_other], "{}", report.table());
+            assert!(!report.holds());
+        }
     }
 
     #[test]

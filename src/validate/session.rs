@@ -241,11 +241,12 @@ impl Session<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::plan::Precision;
 
-    struct Nobody;
+    /// Watches nothing.
+    pub(in crate::validate) struct Nobody;
 
     impl Observer for Nobody {
         fn progress(&mut self, _: u64, _: u64, _: &str) {}

@@ -30,7 +30,8 @@ pub use iteration::TrimIteration;
 /// Least share of the case's tolerance to which the fabric is solved.
 const LEAST_TOLERANCE: f64 = 1.0 / 64.0;
 
-/// A fall of the coefficient of the pressure inside, from the first iteration to the last, of which a refusal tells.
+/// A fall of the coefficient of the pressure inside, from the first iteration to the last, of which a refusal tells. That of one wing differs by as much at most between
+/// panels and meshes (docs/results/2026-11-27-pressure-inside-ram-air-wings.md).
 const LOST_PRESSURE: f64 = 0.2;
 
 /// What a trim lacks where the scene has none to be sought.
