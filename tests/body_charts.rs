@@ -12,6 +12,10 @@ pub fn trials() -> Vec<Trial> {
 /// Charts of the history show two spheres with their names, and a legend is nothing that one sphere needs.
 fn charts() {
     let folder = tempfile::tempdir().unwrap();
+    let page = |name: &str| {
+        let page = folder.path().join(name).join("report.html");
+        std::fs::read_to_string(page).unwrap()
+    };
     let drawn = |name: &str, changes: &[&str]| {
         let out = folder.path().join(name);
         let mut arguments = vec!["run", "cases/sphere.toml", "--engine", "cpu", "--out"];
@@ -43,7 +47,14 @@ fn charts() {
     for svg in drawn("two", &two) {
         assert!(svg.contains(">sphere<") && svg.contains(">other<"), "{svg}");
     }
+    // The page of the run has them, too: the drag of both, which one is which, and no more charts than columns.
+    let two = page("two");
+    assert!(two.contains(">sphere<") && two.contains(">other<"));
+    let charts = |page: &str| page.matches("<svg").count();
     for svg in drawn("one", &[]) {
         assert!(!svg.contains(">sphere<"), "{svg}");
     }
+    let one = page("one");
+    assert!(!one.contains(">sphere<"));
+    assert_eq!([charts(&one), charts(&two)], [3, 3]);
 }

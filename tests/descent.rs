@@ -301,14 +301,14 @@ fn line(kind: CableKind, nodes: usize, end: DVec3, stretch: f64) -> Structure {
         masses_kg: vec![0.0; nodes],
         held: (0..nodes).map(|i| i == 0 || i + 1 == nodes).collect(),
         positions_m,
-        line_drag: Some(LineDrag {
-            coefficient: 1.1,
-            diameter_m: 0.002,
-        }),
         ..Structure::default()
     };
     let numbers: Vec<u32> = (0..nodes as u32).collect();
     structure.add_cable(&numbers, &vec![rest; nodes - 1], &cable, kind);
+    structure.give_lines_drag(|_| LineDrag {
+        coefficient: 1.1,
+        diameter_m: 0.002,
+    });
     structure
 }
 
@@ -332,7 +332,7 @@ fn taut_line() {
             &cloth.structure,
             &cloth.positions_m,
             &cloth.velocities_m_s,
-            (1.2, wind),
+            (1.2, |_| wind),
             &mut drags,
         );
         let input = StepInput {
@@ -366,7 +366,7 @@ fn inclined_line() {
         let still = vec![DVec3::ZERO; 5];
         let mut drags = Vec::new();
         let places = structure.positions_m.clone();
-        add_line_drags(&structure, &places, &still, (1.2, wind), &mut drags);
+        add_line_drags(&structure, &places, &still, (1.2, |_| wind), &mut drags);
         drags
             .iter()
             .map(|drag| drag.air_velocity_m_s * drag.coefficient_kg_s)

@@ -9,6 +9,7 @@ use ripstop::cloth::openings::OpeningKind;
 use ripstop::cloth::rims;
 use ripstop::cpu::cloth::{Cloth, InitialHessian, MarkerReaction, SolverSettings, StepInput};
 use ripstop::fabric::Fabric;
+use ripstop::frame::CableKind;
 use ripstop::geometry::sheet::{self, FabricModel, SheetShape};
 use ripstop::geometry::wing::LineKind;
 use ripstop::geometry::wing::section::Side;
@@ -27,6 +28,7 @@ pub fn trials() -> Vec<Trial> {
         plain("ram_air::openings_have_their_rims", openings),
         plain("ram_air::risers_are_hauled_in", pulls),
         plain("ram_air::a_symmetric_wing_lifts_nothing", symmetry),
+        plain("ram_air::lines_drag_across_the_wind", line_drag),
         plain("ram_air::ribs_feel_the_air_across_themselves", across),
         on_every_engine("ram_air::a_wing_goes_on_from_a_checkpoint", GoesOn),
     ]
@@ -187,6 +189,52 @@ fn openings() {
     assert!(
         widths.iter().all(|w| (0.05..0.11).contains(w)),
         "{widths:?}"
+    );
+}
+
+/// A line at rest drags along a horizontal wind by ½ ρ C_d d L u² sin³ of the angle between both; lines and risers of 1 mm. In the boundary layer of a
+/// floor u is the seventh root of the height.
+fn line_drag() {
+    let layer = "[air.faces]\nz_lower = \"no_slip\"\n\n[air.faces.inlet.boundary_layer]\nthickness_m = 2.5\n\n[resolution]";
+    let even = text("0012", (10.0, "everything"), 0.1, "");
+    for (text, exponent) in [
+        (even.clone(), 0.0),
+        (even.replace("[resolution]", layer), 1.0 / 7.0),
+    ] {
+        let case = parse(&text);
+        let mut simulation = Simulation::new(
+            case.scene.clone(),
+            Plan::new(&case.scene, Engine::CpuF32.plan_placement()),
+            None,
+        )
+        .unwrap();
+        while simulation.step_count() <= simulation.plan().start_steps {
+            simulation.advance().unwrap();
+        }
+        let structure = &simulation.cloth().unwrap().structure;
+        let lines = structure
+            .cables
+            .iter()
+            .filter(|cable| cable.kind == CableKind::SuspensionLine);
+        let expected: f64 = lines
+            .map(|line| {
+                let [a, b] = line.nodes.map(|n| structure.positions_m[n as usize]);
+                let sine = (1.0 - ((b - a).normalize().x).powi(2)).sqrt();
+                let speed = 10.0 * (a.midpoint(b).z / 2.5).powf(exponent);
+                0.5 * 1.2 * 1.1 * 0.001 * a.distance(b) * speed * speed * sine.powi(3)
+            })
+            .sum();
+        let error = simulation.line_drag_n().unwrap().x / expected - 1.0;
+        assert!(error.abs() < ram_air::LINE_DRAG, "{error:e}");
+    }
+    let without = even.replace("held =", "line_drag_coefficient = 0.0\nheld =");
+    assert!(
+        !parse(&without)
+            .scene
+            .body
+            .unwrap()
+            .structure
+            .has_line_drag()
     );
 }
 

@@ -43,6 +43,15 @@ fn rung<'a>(ladder: &'a serde_json::Value, name: &str) -> &'a serde_json::Value 
     found.unwrap_or_else(|| panic!("no {name}"))
 }
 
+/// Makes a ledger tell that a program with another checksum computed the run.
+fn of_another_build(path: &std::path::Path) {
+    let mut ledger = read_json(path);
+    let checksum = &mut ledger["sessions"][0]["program"]["executable_crc32"];
+    assert!(checksum.is_string(), "{checksum}");
+    *checksum = "00000000".into();
+    std::fs::write(path, ledger.to_string()).unwrap();
+}
+
 fn three_lattices() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("sweep");
@@ -72,6 +81,7 @@ fn three_lattices() {
         "{}",
         three.errors
     );
+    assert!(!three.errors.contains("another build"), "{}", three.errors);
     assert!(
         three.printed.contains("| 5 | 6 | 8 | order |"),
         "{}",
@@ -163,6 +173,9 @@ fn ensemble() {
         other => panic!("{other}"),
     };
     assert!((half * shrunk / one_run - 1.0).abs() < 1e-9, "{told}");
+    let folders = json["runs"].as_array().unwrap();
+    let one = folders[1]["folder"].as_str().unwrap();
+    of_another_build(&out.join(one).join("run.json"));
     let again = ripstop(&arguments);
     assert_eq!(
         again.errors.matches("kept, it is done").count(),
@@ -170,6 +183,8 @@ fn ensemble() {
         "{}",
         again.errors
     );
+    let others = format!("another build of the program were kept: {one};");
+    assert!(again.errors.contains(&others), "{}", again.errors);
     let refused = ripstop(&["sweep", "cases/taylor-green.toml", "--ensemble", "2"]);
     assert_eq!(refused.code, 2);
     assert!(

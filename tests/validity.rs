@@ -27,6 +27,7 @@ pub fn trials() -> Vec<Trial> {
         ("validity::vents_and_gaps", vents_and_gaps),
         ("validity::names_of_bodies", names_of_bodies),
         ("validity::strict_about_what_has_not_settled", strict_wake),
+        ("validity::springs_have_no_strain", springs),
     ]
     .into_iter()
     .flat_map(|(name, test)| plain(name, test))
@@ -485,4 +486,23 @@ fn strict_wake() {
         "{}",
         output.errors
     );
+}
+
+/// A network of springs has no strain and no stress of fabric: its results are not marked for want of them.
+fn springs() {
+    let out = tempfile::tempdir().unwrap();
+    let run = ripstop(&[
+        "run",
+        "cases/cloth/hanging-sheet.toml",
+        "--variant",
+        "quick",
+        "--set",
+        "structure.sheet.model=\"network\"",
+        "--set",
+        "time.end_s=0.05",
+        "--out",
+        out.path().to_str().unwrap(),
+    ]);
+    assert_eq!(run.code, 0, "{}", run.errors);
+    assert!(!run.printed.contains("unresolved"), "{}", run.printed);
 }

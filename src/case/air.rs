@@ -1,5 +1,7 @@
 //! The air: `[air]` and `[resolution]`.
 
+use glam::DVec3;
+
 use super::body::Body;
 use super::density::{density_kg_m3, sound_m_s};
 use super::faces::{check_sides, refuse_faces};
@@ -53,6 +55,33 @@ impl Air {
     #[must_use]
     pub fn depth(&self) -> usize {
         nest::depth(&self.boxes)
+    }
+
+    /// Size of the box [m].
+    #[must_use]
+    pub fn box_m(&self) -> DVec3 {
+        DVec3::from_array(self.cells.map(|n| n as f64)) * self.units.cell_size_m
+    }
+
+    /// Its section across the wind [m²].
+    #[must_use]
+    pub fn section_m2(&self) -> f64 {
+        let size = self.box_m();
+        size.y * size.z
+    }
+
+    /// Speed of the undisturbed wind at a place over that of the tunnel: 1, or as the inlet has it.
+    #[must_use]
+    pub fn wind_ratio_at(&self, place_m: DVec3) -> f64 {
+        let Flow::WindTunnel {
+            inlet_profile: Some(profile),
+            ..
+        } = &self.flow
+        else {
+            return 1.0;
+        };
+        let shares = place_m / self.box_m();
+        profile.ratio_at([shares.y, shares.z])
     }
 
     /// Cells of the outermost lattice.

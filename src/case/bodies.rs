@@ -13,7 +13,7 @@ use super::mesh_examination::{self, ExaminedMesh, FromFiles};
 use super::motion;
 use super::permeability;
 use super::problem::Problem;
-use super::through_faces::{self, Passing, REACH_CELLS, box_size_m};
+use super::through_faces::{self, Passing, REACH_CELLS};
 use super::time::Time;
 use super::usual;
 use super::usual_box;
@@ -436,19 +436,12 @@ pub(super) fn read_mesh(
 
 /// Speed of a body's fastest point [m/s]; refuses bodies that leave the air or outrun the coupling.
 fn check_way(written: &Written, body: &RigidBody, air: &Air, time: &Time) -> Result<f64, Problem> {
-    let size = box_size_m(air);
+    let size = air.box_m();
     let margin = REACH_CELLS * air.units.cell_size_m;
     let mut walls = BoxFace::ALL.to_vec();
     walls.retain(|wall| !body.faces.contains(wall));
-    let looks = if body.motion.moves() { LOOKS } else { 0 };
-    // A period of an oscillation shows all of it; over many of them looks might all meet the same phase.
-    let span_s = match &body.motion.motion {
-        Motion::Oscillation { frequency_hz, .. } => time.end_s.min(frequency_hz.recip()),
-        _ => time.end_s,
-    };
     let (mut fastest, mut when) = (0.0, 0.0);
-    for look in 0..=looks {
-        let t = span_s * f64::from(look) / f64::from(looks.max(1));
+    for t in body.motion.looks_s(time.end_s, LOOKS) {
         let placement = body.motion.at(t);
         for &point in &body.surface.positions_m {
             let place = placement.position_m(point);

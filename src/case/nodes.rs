@@ -330,7 +330,8 @@ fn nearest(key: &str, place: [f64; 3], structure: &Structure) -> Result<usize, P
     }
 }
 
-fn by_number(
+/// Node of the first mesh with a number, from 1.
+pub(super) fn by_number(
     key: &str,
     number: u32,
     structure: &Structure,

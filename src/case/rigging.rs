@@ -26,13 +26,6 @@ pub(super) struct Written<'a> {
 
 pub(super) const NEEDS_LINES: &str = "a canopy hangs on suspension lines";
 
-/// Breaking load of a line \[N\], if it is told.
-pub(super) fn breaking_load_n(file: &File) -> Result<Option<f64>, Problem> {
-    let written = file.lines.as_ref().and_then(|lines| lines.breaking_load_n);
-    let checked = written.map(|load| positive("lines.breaking_load_n", load));
-    checked.transpose()
-}
-
 /// Lines along each end of a cruciform canopy.
 pub(super) fn lines_per_end(lines: &file::Lines) -> Result<usize, Problem> {
     if lines.count >= 8 && lines.count.is_multiple_of(4) && lines.count <= 400 {
@@ -180,6 +173,8 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         ));
     }
     let [skirt_band, vent_band, vent_lines] = check_bands(file, cut)?;
+    let breaking = lines.breaking_load_n;
+    let breaking = breaking.map(|load| positive("lines.breaking_load_n", load));
     let rigging = Rigging {
         cut: cut.clone(),
         fabric,
@@ -187,7 +182,10 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         skirt_band,
         vent_band,
         vent_lines,
-        lines: check_material("lines", &line_material)?,
+        lines: Cable {
+            breaking_load_n: breaking.transpose()?,
+            ..check_material("lines", &line_material)?
+        },
         line_places,
         line_length_m: positive("lines.length_m", lines.length_m)?,
         line_slack_m: check_line_slack(lines)?,
@@ -233,7 +231,9 @@ pub(super) fn rig(file: &File, written: &Written) -> Result<Body, Problem> {
         ),
     })?;
     let mut structure = built.structure;
-    structure.line_drag = check_line_drag(file, lines)?;
+    if let Some(drag) = check_line_drag(file, lines)? {
+        structure.give_lines_drag(|_| drag);
+    }
     Ok(Body {
         quality: built.quality,
         kind: BodyKind::Canopy(Canopy {

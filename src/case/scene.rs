@@ -30,11 +30,13 @@ use super::values::{absent, vector};
 use super::wing::Wing;
 use super::{
     air, bare_wing, bodies, comparison, coupling, descent, equilibrium, friction, output,
-    refinement, rigging, shift, solver, steady, structure, supports, time, unused, usual,
-    usual_box,
+    refinement, shift, solver, steady, structure, supports, time, unused, usual, usual_box,
 };
 pub use crate::cloth::openings::{Opening, OpeningKind};
 use crate::geometry::plate::Plate;
+
+/// Standard acceleration of gravity [m/s²].
+pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 
 /// Everything that a run needs to know.
 #[derive(Debug, Clone)]
@@ -63,8 +65,6 @@ pub struct Scene {
     pub descent: Option<Descent>,
     /// What a canopy in a wind tunnel would carry.
     pub carried: Option<CarriedMass>,
-    /// Breaking load of a suspension line of a canopy that is drawn in the case [N].
-    pub line_breaking_load_n: Option<f64>,
     /// Solver of the fabric.
     pub solver: Solver,
     /// Simulated time; absent: equilibrium only.
@@ -195,7 +195,6 @@ pub fn check(file: &File, folder: &Path) -> Result<Scene, Problem> {
         gravity_m_s2,
         descent,
         carried,
-        line_breaking_load_n: rigging::breaking_load_n(file)?,
         solver,
         time,
         equilibrium,

@@ -6,6 +6,7 @@ use super::body::Body;
 use super::file::{self, File};
 use super::mesh_examination::FromFiles;
 use super::motion;
+use super::nodes;
 use super::problem::Problem;
 use super::time::Time;
 use super::usual;
@@ -206,37 +207,22 @@ fn nodes_by_number(
             "give numbers of held nodes, from 1, or remove the table",
         ));
     }
-    let mut nodes = Vec::new();
+    let mut chosen = Vec::new();
     for &number in numbers {
-        let node = number.checked_sub(1).and_then(|vertex| files.node(vertex));
-        let held = node.and_then(|node| structure.held.get(node as usize));
-        match held {
-            // Vertices that are joined are one node.
-            Some(true) => {
-                if let Some(node) = node.filter(|node| !nodes.contains(node)) {
-                    nodes.push(node);
-                }
-            }
-            Some(false) => {
-                return Err(Problem::new(
-                    key,
-                    format!("{key}: node {number} is not held"),
-                    "only supports can be moved: hold the node, or leave it out",
-                ));
-            }
-            None => {
-                return Err(Problem::new(
-                    key,
-                    format!(
-                        "there is no node {number} in a structure of {} nodes",
-                        structure.node_count()
-                    ),
-                    "nodes count from 1",
-                ));
-            }
+        let node = nodes::by_number(key, number, structure, files)?;
+        if !structure.held[node] {
+            return Err(Problem::new(
+                key,
+                format!("{key}: node {number} is not held"),
+                "only supports can be moved: hold the node, or leave it out",
+            ));
+        }
+        // Vertices that are joined are one node.
+        if !chosen.contains(&(node as u32)) {
+            chosen.push(node as u32);
         }
     }
-    Ok(nodes)
+    Ok(chosen)
 }
 
 fn check_motion(

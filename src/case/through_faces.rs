@@ -27,11 +27,6 @@ pub(super) struct Passing<'a> {
     pub falls: bool,
 }
 
-/// Size of the box of air [m].
-pub(super) fn box_size_m(air: &Air) -> DVec3 {
-    DVec3::from_array(air.cells.map(|n| n as f64)) * air.units.cell_size_m
-}
-
 /// What of a body lies in the box of air.
 #[derive(Debug, Clone)]
 pub(super) struct Inside {
@@ -65,7 +60,7 @@ pub(super) fn inside(
             volume_m3: (volume.abs(), centroid),
         });
     }
-    let size_m = box_size_m(air);
+    let size_m = air.box_m();
     let part = surface.before(&faces, size_m);
     let marker_part = marker_surface.before(&faces, size_m);
     if marker_part.triangles.is_empty() {
@@ -97,7 +92,7 @@ fn nothing_inside(body: Passing) -> Problem {
 
 /// The faces that a body with this whole surface passes through.
 fn passed(body: Passing, surface: &Surface, air: &Air) -> Result<Vec<BoxFace>, Problem> {
-    let size_m = box_size_m(air);
+    let size_m = air.box_m();
     let reach_m = REACH_CELLS * air.units.cell_size_m;
     let least_m = |surface: &Surface, face: BoxFace| {
         let places = surface.positions_m.iter();

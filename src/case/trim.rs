@@ -5,6 +5,7 @@ use super::problem::Problem;
 use super::section_polar::{PolarRow, polar_of};
 use super::usual;
 use super::values::{absent, count_within, positive, within};
+use super::wing_tunnel::USUAL_LINE_DRAG;
 use crate::aero::polar::Polar;
 use crate::trim::{SectionSettings, Settings, Tolerance};
 
@@ -96,7 +97,7 @@ pub(super) fn check(
         line_drag_coefficient: share(
             "line_drag_coefficient",
             written.line_drag_coefficient,
-            1.1,
+            USUAL_LINE_DRAG,
             0.0,
             10.0,
         )?,

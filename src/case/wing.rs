@@ -144,18 +144,18 @@ pub(super) fn check(
         };
         materials.get(name)
     };
-    let breaking = |kind: &LineKind| material_of(kind)?.breaking_load_n;
     let diameter = |kind: &LineKind| {
         let area_m2 = material_of(kind).map_or(0.0, |material| material.area_m2);
         (area_m2 / std::f64::consts::FRAC_PI_4).sqrt()
     };
     let meshed = |fineness: Fineness| {
         let built = wing::build(&plan, fineness)?;
+        let cables = &built.structure.cables;
         Ok(Wing {
             fineness,
             load_pa: distribution.as_ref().map(|d| jumps_pa(&built, d)),
             trim: trim.clone(),
-            breaking_loads_n: built.line_kinds.iter().map(breaking).collect(),
+            breaking_loads_n: cables.iter().map(|cable| cable.breaking_load_n).collect(),
             line_diameters_m: built.line_kinds.iter().map(diameter).collect(),
             load_test: None,
             panel_shaping: None,
@@ -169,7 +169,10 @@ pub(super) fn check(
     };
     let mut whole = meshed(check_fineness(table)?).map_err(refused)?;
     whole.tunnel = (table.tunnel.as_ref())
-        .map(|written| wing_tunnel::place(&mut whole.built, table, written))
+        .map(|written| {
+            let lines = (&mut whole.built, &whole.line_diameters_m[..]);
+            wing_tunnel::place(lines, table, written)
+        })
         .transpose()?;
     whole.pulls = wing_tunnel::pulls(file, table, &whole.built)?;
     if trim.as_ref().is_some_and(|trim| trim.from_coarser_meshes) {

@@ -7,9 +7,13 @@ use super::problem::Problem;
 use super::usual;
 use super::values::{vector, wing_key as key, within};
 use crate::geometry::wing::{self, LineKind};
+use crate::lines::drag::LineDrag;
 
 /// Shortest that a riser may be hauled in to, over its length.
 const SHORTEST_RISER: f64 = 0.05;
+
+/// C_d of a round line across the stream, if nothing is written (Hoerner, Fluid-Dynamic Drag, 1965, chapter 3).
+pub(super) const USUAL_LINE_DRAG: f64 = 1.1;
 
 /// How a wing stands in the wind.
 #[derive(Debug, Clone)]
@@ -104,9 +108,10 @@ pub(super) fn check_air(file: &File, table: &file::Wing) -> Result<(), Problem> 
     Ok(())
 }
 
-/// Puts a wing where it stands in the wind; its structure then is at its start.
+/// Puts a wing where it stands in the wind; its structure then is at its start. Lines have the given diameters, by their numbers among all
+/// cables.
 pub(super) fn place(
-    wing: &mut wing::BuiltWing,
+    (wing, line_diameters_m): (&mut wing::BuiltWing, &[f64]),
     table: &file::Wing,
     written: &file::WingTunnel,
 ) -> Result<Tunnel, Problem> {
@@ -146,6 +151,18 @@ pub(super) fn place(
         written.inner_friction,
         Friction::None,
     );
+    let line_drag = usual::or(
+        key("line_drag_coefficient"),
+        written.line_drag_coefficient,
+        USUAL_LINE_DRAG,
+    );
+    let line_drag = within(&key("line_drag_coefficient"), line_drag, 0.0, 10.0)?;
+    if line_drag > 0.0 {
+        wing.structure.give_lines_drag(|line| LineDrag {
+            coefficient: line_drag,
+            diameter_m: line_diameters_m[line],
+        });
+    }
     let middle_m = wing.hang_points.iter().fold(DVec3::ZERO, |sum, &node| {
         sum + 0.5 * wing.structure.positions_m[node as usize]
     });

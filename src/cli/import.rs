@@ -23,12 +23,12 @@ pub(super) struct ImportArguments {
     /// Folder for the case and the airfoil files; of several wings each has a folder there.
     #[arg(long, value_name = "DIR", default_value = "imported")]
     out: PathBuf,
-    /// Pilot, harness and all else that hangs on the risers [kg]; by the area if left out.
+    /// Pilot, harness and all else that hangs on the risers of a wing of LEparagliding [kg]; by the area if left out.
     #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     pilot: Option<f64>,
-    /// Speed of a wing of XFLR5, which the file does not tell [m/s].
-    #[arg(long, value_name = "M_S", default_value_t = 10.0)]
-    speed: f64,
+    /// Speed of a wing of XFLR5, which the file does not tell [m/s]; 10 if left out.
+    #[arg(long, value_name = "M_S")]
+    speed: Option<f64>,
 }
 
 /// Name of the case.
@@ -37,21 +37,26 @@ const CASE: &str = "wing.toml";
 /// Name of the other program's file.
 const THEIRS: &str = "leparagliding.txt";
 
+/// Speed of a wing of XFLR5, if none is given [m/s].
+const USUAL_SPEED_M_S: f64 = 10.0;
+
 /// Digits of measures.
 const DIGITS: i32 = 4;
 
 pub(super) fn import(arguments: &ImportArguments) -> Result<u8, Failure> {
+    let end = arguments.file.extension().unwrap_or_default();
+    if end.eq_ignore_ascii_case("xwimp") {
+        return of_xflr5(arguments);
+    }
+    if arguments.speed.is_some() {
+        return Err(bad(
+            "--speed has no effect on wings of LEparagliding, whose speed is found by their trim: leave it out"
+                .to_owned(),
+        ));
+    }
     if arguments.file.is_dir() {
         return several(arguments);
     }
-    if arguments
-        .file
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("xwimp"))
-    {
-        return of_xflr5(arguments);
-    }
-    let end = arguments.file.extension().unwrap_or_default();
     if ["ods", "json"]
         .iter()
         .any(|other| end.eq_ignore_ascii_case(other))
@@ -110,13 +115,19 @@ fn of_xflr5(arguments: &ImportArguments) -> Result<u8, Failure> {
     let file = &arguments.file;
     let told = file.display();
     let text = read(file).map_err(|why| bad(format!("cannot read {told}: {why}")))?;
-    if !(arguments.speed > 0.0 && arguments.speed < 1e3) {
+    if arguments.pilot.is_some() {
+        return Err(bad(
+            "--pilot has no effect on a wing of XFLR5, which flies by itself: leave it out"
+                .to_owned(),
+        ));
+    }
+    let speed_m_s = arguments.speed.unwrap_or(USUAL_SPEED_M_S);
+    if !(speed_m_s > 0.0 && speed_m_s < 1e3) {
         return Err(bad(format!(
-            "--speed {} is no speed of a wing: give it in m/s",
-            arguments.speed
+            "--speed {speed_m_s} is no speed of a wing: give it in m/s"
         )));
     }
-    let imported = xflr5::import(&text, arguments.speed, |name| {
+    let imported = xflr5::import(&text, speed_m_s, |name| {
         folder_of(file).join(format!("{name}.dat")).is_file()
     })
     .map_err(|why| bad(format!("{told}: {why}")))?;

@@ -69,7 +69,7 @@ enum Command {
     Explain(explain::ExplainArguments),
     /// Print a shipped case to start from; without a name, list them.
     New(new::NewArguments),
-    /// Bring in a wing of another program: LEparagliding's `leparagliding.txt`.
+    /// Bring in a wing of another program: LEparagliding's `leparagliding.txt`, or XFLR5's `.xwimp`.
     Import(import::ImportArguments),
     /// Print completions for a shell.
     Completions(pages::CompletionsArguments),

@@ -87,6 +87,10 @@ impl Progress {
 }
 
 impl Observer for Progress {
+    fn phase_begins(&mut self) {
+        self.phase = Phase::default();
+    }
+
     fn progress(&mut self, done: u64, planned: u64, status: &str) {
         let now_s = self.began.elapsed().as_secs_f64();
         self.phase = self.phase.heard(done, planned, now_s);

@@ -1,6 +1,6 @@
 //! `ripstop sweep CASE.toml --vary key.path=a,b,c`, `ripstop sweep CASE.toml --ensemble N`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
@@ -13,6 +13,7 @@ use super::progress::Progress;
 use super::run::seconds;
 use super::signals::requests;
 use crate::case::{Case, Problem};
+use crate::ledger::{Ledger, Program};
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
 use crate::report;
@@ -20,9 +21,11 @@ use crate::run::{self, Observer, Order, Requests, Start};
 use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
 
 /// Results in air that are shown where nothing is chosen, if the case has them, beside those that it compares.
-const USUAL_RESULTS: [&str; 7] = [
+const USUAL_RESULTS: [&str; 9] = [
     "drag_coefficient",
     "drag_n",
+    "descent_rate_m_s",
+    "terminal_speed_m_s",
     "line_tension_max_n",
     "riser_force_terminal_n",
     "projected_diameter_ratio",
@@ -108,10 +111,17 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
     refuse_others(arguments, &points, &cases)?;
     let requests = requests("the sweep");
     let mut code = 0;
+    let mut of_others = Vec::new();
     for (number, (point, case)) in points.iter().zip(cases).enumerate() {
         let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
         if sweep.runs[number].status == Status::Done {
-            say(&format!("{heading}: kept, it is done"));
+            let by = if of_this_build(&arguments.out.join(&point.folder)) {
+                ""
+            } else {
+                of_others.push(point.folder.as_str());
+                " by another build of the program"
+            };
+            say(&format!("{heading}: kept, it is done{by}"));
             continue;
         }
         say(&heading);
@@ -130,6 +140,12 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
                 code = if code == 0 { other } else { code };
             }
         }
+    }
+    if !of_others.is_empty() {
+        say(&format!(
+            "runs of another build of the program were kept: {}; remove their folders to compute them anew",
+            of_others.join(", ")
+        ));
     }
     sweep::mark_unresolved(&mut sweep);
     sweep::write(&arguments.out, &sweep, &chosen).map_err(output_failed)?;
@@ -255,6 +271,13 @@ fn known(
         outcome.status = Status::Interrupted;
     }
     outcome
+}
+
+/// True unless the ledger in `folder` tells that another build of the program ended the run.
+fn of_this_build(folder: &Path) -> bool {
+    let ledger = Ledger::read(folder).ok().flatten();
+    let last = ledger.and_then(|ledger| ledger.sessions.into_iter().next_back());
+    last.is_none_or(|session| session.program == Program::this())
 }
 
 /// Refuses a sweep that would replace runs of another case.

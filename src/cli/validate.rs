@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 
 use super::engine::{self, Engine};
 use super::exit;
@@ -25,7 +26,7 @@ pub(super) struct ValidateArguments {
     #[arg(long, value_enum, default_value = "auto")]
     engine: Engine,
     /// Take the adapter whose name contains this text (see `ripstop devices`); implies --engine gpu.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     adapter: Option<String>,
     /// Floating-point type of the air.
     #[arg(long, value_enum, default_value = "f32")]

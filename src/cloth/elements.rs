@@ -7,6 +7,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::frame::CableKind;
+use crate::lines::drag::LineDrag;
 
 /// Rest state of a membrane triangle.
 #[derive(Debug, Clone, Copy)]
@@ -181,6 +182,8 @@ pub struct CableSegment {
     pub damping_n_s: f64,
     /// Load at which it breaks \[N\], if it is told.
     pub breaking_load_n: Option<f64>,
+    /// What the wind meets; `None`: it feels no air.
+    pub drag: Option<LineDrag>,
     /// What it is for.
     pub kind: CableKind,
 }

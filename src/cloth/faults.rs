@@ -90,6 +90,7 @@ mod tests {
                 law: 0,
                 damping_n_s: 0.0,
                 breaking_load_n: None,
+                drag: None,
                 kind: CableKind::Cable,
             }],
             ..Structure::default()

@@ -71,8 +71,6 @@ pub struct Structure {
     pub cable_laws: Vec<CableLaw>,
     /// Lateral guides.
     pub guides: Vec<Guide>,
-    /// Drag of suspension lines; `None`: they feel no air.
-    pub line_drag: Option<LineDrag>,
     /// That fabric meets itself; `None`: it passes through itself.
     pub contact: Option<Contact>,
     /// Openings that the fabric is built with.
@@ -122,9 +120,25 @@ impl Structure {
                 law,
                 damping_n_s: cable.damping_n_s,
                 breaking_load_n: cable.breaking_load_n,
+                drag: None,
                 kind,
             });
         }
+    }
+
+    /// Gives suspension lines the drag that `of` tells of each, by its number among all cables. Belts, which lie on the fabric, have none.
+    pub fn give_lines_drag(&mut self, of: impl Fn(usize) -> LineDrag) {
+        for (number, cable) in self.cables.iter_mut().enumerate() {
+            if cable.kind == CableKind::SuspensionLine {
+                cable.drag = Some(of(number));
+            }
+        }
+    }
+
+    /// True if lines feel the wind.
+    #[must_use]
+    pub fn has_line_drag(&self) -> bool {
+        self.cables.iter().any(|cable| cable.drag.is_some())
     }
 
     /// Adds fabric of another structure, which has only triangles, beside this one; fabrics keep their numbers.

@@ -127,6 +127,8 @@ impl Wall {
 pub struct InletProfile {
     /// Of every cell, y fastest, `[ny · nz]`.
     rows: Arc<[ProfileRow]>,
+    /// Cells along y and z.
+    section: [usize; 2],
 }
 
 /// The wind at one cell of the inlet, over the inlet's.
@@ -157,7 +159,21 @@ impl InletProfile {
                 }
             })
             .collect();
-        Self { rows }
+        Self {
+            rows,
+            section: [ny, nz],
+        }
+    }
+
+    /// Speed over the inlet's in the cell at these shares of the section's width and height; outside, that of the nearest cell.
+    #[must_use]
+    pub fn ratio_at(&self, shares: [f64; 2]) -> f64 {
+        let cell = |axis: usize| {
+            let cells = self.section[axis];
+            // Below 0 and not a number: cell 0.
+            ((shares[axis] * cells as f64) as usize).min(cells - 1)
+        };
+        self.rows[cell(0) + cell(1) * self.section[0]].ratio
     }
 
     /// Of every cell, y fastest.

@@ -1,5 +1,6 @@
 //! Where a run is computed: program, machine, time.
 
+use std::sync::OnceLock;
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,9 @@ pub struct Program {
     pub commit: Option<String>,
     /// `release` or `debug`.
     pub build: String,
+    /// Checksum (CRC-32) of the executable, which tells builds of one version apart; absent where it cannot be read.
+    #[serde(default)]
+    pub executable_crc32: Option<String>,
 }
 
 impl Program {
@@ -28,8 +32,18 @@ impl Program {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: option_env!("RIPSTOP_COMMIT").map(str::to_owned),
             build: build.to_owned(),
+            executable_crc32: executable_crc32().clone(),
         }
     }
+}
+
+/// Checksum of the file that runs, read once.
+fn executable_crc32() -> &'static Option<String> {
+    static CHECKSUM: OnceLock<Option<String>> = OnceLock::new();
+    CHECKSUM.get_or_init(|| {
+        let program = std::fs::read(std::env::current_exe().ok()?).ok()?;
+        Some(format!("{:08x}", crc32fast::hash(&program)))
+    })
 }
 
 impl std::fmt::Display for Program {
@@ -38,7 +52,11 @@ impl std::fmt::Display for Program {
         if let Some(commit) = &self.commit {
             write!(f, " ({commit})")?;
         }
-        write!(f, ", {} build", self.build)
+        write!(f, ", {} build", self.build)?;
+        if let Some(checksum) = &self.executable_crc32 {
+            write!(f, " {checksum}")?;
+        }
+        Ok(())
     }
 }
 

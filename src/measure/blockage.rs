@@ -103,7 +103,7 @@ pub(super) fn results(
             return;
         }
     };
-    let blockage = body.reference_area_m2 / section_m2(air);
+    let blockage = body.reference_area_m2 / air.section_m2();
     let share = law.share(drag.value, blockage);
     let mut quantity = Quantity::new(drag.value * share).with_note(&law.note());
     if let Some(confidence) = drag.confidence {
@@ -115,11 +115,6 @@ pub(super) fn results(
     }
     results.insert(&corrected, quantity);
     results.tell(&PRESSURE_RATIO.of(&prefix), 1.0 / share);
-}
-
-/// The tunnel's section [m²].
-pub(super) fn section_m2(air: &Air) -> f64 {
-    air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2)
 }
 
 /// The law that holds for a body, or why none does.

@@ -384,7 +384,7 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
     let Some(window) = common_samples(record, scene, air) else {
         return;
     };
-    let section = blockage::section_m2(air);
+    let section = air.section_m2();
     let area: f64 = scene.rigid_bodies.iter().map(|b| b.blocking_area_m2).sum();
     results.insert(
         &BLOCKAGE_RATIO,

@@ -12,17 +12,17 @@ use super::reduce::{column_max, mean_forces_n, quantity, reduce, released};
 use super::shared::{
     BELT_TENSION_MAX, BELTS, BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT,
     DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS,
-    IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_TENSION_MAX, MASS_DEFECT,
-    MASS_DRIFT, PRESSURE_RATIO, PROJECTED_DIAMETER_RATIO, RISER_TENSION_MAX, RISERS, SLIP_MEAN,
-    SLIP_RATIO, STRESS_MAX, TAPE_LOAD_SHARE, TAPE_STRENGTHS, TIME, VENT_LINE_TENSION_MAX,
-    VENT_LINES, WIND_SPEED,
+    IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_LOAD_SHARE, LINE_STRENGTHS, LINE_TENSION_MAX,
+    MASS_DEFECT, MASS_DRIFT, PRESSURE_RATIO, PROJECTED_DIAMETER_RATIO, RISER_TENSION_MAX, RISERS,
+    SLIP_MEAN, SLIP_RATIO, STRESS_MAX, TAPE_LOAD_SHARE, TAPE_STRENGTHS, TIME,
+    VENT_LINE_TENSION_MAX, VENT_LINES, WIND_SPEED,
 };
 use super::statistics::{Mean, average, largest};
 use super::steady::{self, SETTLING, SHORTEST_WINDOW, Window};
-use super::tapes::tape_load_shares;
+use super::strengths::{Carrier, load_shares};
 use super::{bodies, opening};
 use crate::case::Scene;
-use crate::case::scene::{Air, BodyKind, Canopy, Flow};
+use crate::case::scene::{Air, BodyKind, Canopy, Flow, STANDARD_GRAVITY_M_S2};
 use crate::frame::CableKind;
 use crate::gpu::DeviceError;
 use crate::output::{Quantity, Results, Supports};
@@ -49,6 +49,7 @@ columns! {
     LINE_TENSION_MEAN: "line_tension_mean_n", "N", "mean tension of the suspension lines"
         => |now| average(&now.line_tensions_n()), reduced MeanOf;
     LINE_TENSION_MAX => |now| now.line_tensions_n().into_iter().fold(0.0, f64::max), reduced Largest;
+    LINE_LOAD_SHARE => |now| now.line_load_share, reduced Largest, when LINE_STRENGTHS;
     BELT_TENSION_MAX => |now| now.largest_tension_n(CableKind::Belt), reduced LargestAndMean("belt_tension_max_steady_n"), when BELTS;
     TAPE_LOAD_SHARE => |now| now.tape_load_share, reduced Largest, when TAPE_STRENGTHS;
     VENT_LINE_TENSION_MAX => |now| now.largest_tension_n(CableKind::VentLine), reduced LargestAndMean("vent_line_tension_max_steady_n"), when VENT_LINES;
@@ -82,7 +83,9 @@ pub(super) struct Moment {
     slip_ratio: f64,
     apex_offset_m: f64,
     kinetic_energy_j: f64,
-    /// Of the tape nearest to breaking; not a number where none tells its breaking load.
+    /// Load over breaking load of the line nearest to breaking; not a number where none tells its breaking load.
+    line_load_share: f64,
+    /// The same of tapes.
     tape_load_share: f64,
     pub shape: Shape,
 }
@@ -104,8 +107,12 @@ impl Moment {
         let reference = air.wind_or_reference_m_s();
         let confluence = canopy.confluence_m(&frame.positions_m);
         let body = simulation.scene().body.as_ref();
-        let shares = body.map(|body| tape_load_shares(&body.structure, &frame.cable_tensions_n));
-        let tape_load_share = shares.into_iter().flatten().reduce(f64::max);
+        let load_share = |of| {
+            let shares = body.map(|body| load_shares(&body.structure, of, &frame.cable_tensions_n));
+            let largest = shares.into_iter().flatten().reduce(f64::max);
+            largest.unwrap_or(f64::NAN)
+        };
+        let [line_load_share, tape_load_share] = [Carrier::Lines, Carrier::Tapes].map(load_share);
         let apex = shape.outline().apex(&frame.positions_m) - confluence;
         Ok(Some(Self {
             time_s: simulation.time_s(),
@@ -122,7 +129,8 @@ impl Moment {
             kinetic_energy_j: simulation
                 .cloth()
                 .map_or(f64::NAN, crate::cpu::cloth::Cloth::kinetic_energy_j),
-            tape_load_share: tape_load_share.unwrap_or(f64::NAN),
+            line_load_share,
+            tape_load_share,
             shape: shape.sample(frame),
         }))
     }
@@ -249,13 +257,6 @@ pub(super) fn results(
         .flat_map(|shape| canopy_shape::COLUMNS.of(shape));
     let of_shape = of_shape.map(|row| (row.read_out, row.reduced));
     reduce(results, record, of_forces.chain(of_shape), released, mean);
-    if let Some(breaking_n) = scene.line_breaking_load_n {
-        let (time_s, tension_n) = column_max(record, &LINE_TENSION_MAX, released);
-        let note =
-            format!("largest of the run, {tension_n:.0} of {breaking_n:.0} N at {time_s:.4} s");
-        let share = Quantity::new(tension_n / breaking_n);
-        results.insert(&LINE_LOAD_SHARE, share.with_note(&note));
-    }
     opening::line_sides(results, record, &window);
     opening::oscillations(results, record, &window);
     let force = 0.5
@@ -302,9 +303,6 @@ pub(super) fn results(
 /// Largest projected over nominal diameter at which a canopy counts as folded.
 const FOLDED: f64 = 0.5;
 
-/// Standard acceleration of gravity [m/s²].
-const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
-
 /// Speed at which the drag of a canopy, by its coefficient on the first area, and of a payload, by its own drag area, bears a weight \[m/s\].
 fn descent_rate(
     drag: Mean,
@@ -332,8 +330,7 @@ fn blockage_results(
     drag: Mean,
     unknown: Option<&str>,
 ) -> Mean {
-    let section = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
-    let blockage = canopy.nominal_area_m2 / section;
+    let blockage = canopy.nominal_area_m2 / air.section_m2();
     let ratio = 1.0 + THREE_DIMENSIONS * drag.value * blockage;
     let corrected = Mean {
         value: drag.value / ratio,

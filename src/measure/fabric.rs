@@ -239,6 +239,14 @@ pub(super) fn alone(
         };
         results.insert(read_out, quantity);
     }
+    let has_stress = structure.von_mises_pa.iter().any(|stress| !stress.is_nan());
+    let of_membrane = |value: f64| {
+        if has_stress {
+            Quantity::new(value)
+        } else {
+            Quantity::missing(springs)
+        }
+    };
     let area: f64 = structure.rest_areas_m2.iter().sum();
     let share = |is_counted: &dyn Fn(usize) -> bool| {
         let areas = structure.rest_areas_m2.iter().enumerate();
@@ -253,11 +261,11 @@ pub(super) fn alone(
         (&SLACK_SHARE, FabricState::Slack),
     ] {
         let value = share(&|triangle| structure.states[triangle] == state);
-        results.insert(read_out, Quantity::new(value));
+        results.insert(read_out, of_membrane(value));
     }
     if let Some(yield_pa) = structure.yield_stress_pa {
         let value = share(&|triangle| structure.von_mises_pa[triangle] > yield_pa);
-        results.insert(&YIELDING_SHARE, Quantity::new(value));
+        results.insert(&YIELDING_SHARE, of_membrane(value));
     }
     results.insert(&WEIGHT, Quantity::new(weight_n));
 }

@@ -13,7 +13,7 @@ static HAS_DRAG: When<Scene> = When {
     words: "",
     holds: |scene| {
         let body = scene.body.as_ref();
-        body.is_some_and(|body| body.structure.line_drag.is_some())
+        body.is_some_and(|body| body.structure.has_line_drag())
     },
 };
 

@@ -1,7 +1,7 @@
 //! Read-outs that several kinds of scenes have.
 
 use super::read_out::{ReadOut, When, results};
-use super::tapes::tape_strengths_n;
+use super::strengths::{Carrier, strengths_n};
 use crate::case::Scene;
 use crate::case::coupling::Scheme;
 use crate::frame::CableKind;
@@ -26,12 +26,20 @@ pub(super) static BELTS: When<Scene> = When {
     holds: |scene| has(scene, CableKind::Belt),
 };
 
+/// True if the breaking load of a cable of the kind is told.
+fn tells_strength(scene: &Scene, of: Carrier) -> bool {
+    let structure = scene.body.as_ref().map(|body| &body.structure);
+    structure.is_some_and(|structure| strengths_n(structure, of).flatten().next().is_some())
+}
+
+pub(super) static LINE_STRENGTHS: When<Scene> = When {
+    words: "with lines whose breaking load is told",
+    holds: |scene| tells_strength(scene, Carrier::Lines),
+};
+
 pub(super) static TAPE_STRENGTHS: When<Scene> = When {
     words: "with belts whose breaking load is told",
-    holds: |scene| {
-        let structure = scene.body.as_ref().map(|body| &body.structure);
-        structure.is_some_and(|structure| tape_strengths_n(structure).flatten().next().is_some())
-    },
+    holds: |scene| tells_strength(scene, Carrier::Tapes),
 };
 
 pub(super) static VENT_LINES: When<Scene> = When {
@@ -75,6 +83,7 @@ rows! {
     HEIGHT: "height_m", "m", "height of the canopy; its extent along the wind";
     LINE_TENSION_MAX: "line_tension_max_n", "N", "largest tension of a suspension line";
     BELT_TENSION_MAX: "belt_tension_max_n", "N", "largest tension of a reinforcing belt";
+    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load of the line or riser nearest to breaking";
     TAPE_LOAD_SHARE: "belt_load_over_breaking_load_max", "1", "load over breaking load of the reinforcing belt or band nearest to breaking";
     VENT_LINE_TENSION_MAX: "vent_line_tension_max_n", "N", "largest tension of a vent line";
     RISER_TENSION_MAX: "riser_tension_max_n", "N", "largest tension of a riser";
@@ -92,7 +101,6 @@ results! {
     BLOCKAGE_RATIO: "blockage_ratio", "1", "nominal area of a canopy, frontal area of bodies, over the section of the tunnel";
     CORRECTED_DRAG: "{body}drag_coefficient_blockage_corrected", "1", "drag coefficient without the walls of the tunnel";
     PRESSURE_RATIO: "{body}dynamic_pressure_ratio_of_blockage", "1", "ratio of dynamic pressures that walls make; what the correction divides the drag by";
-    LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load; of the suspension line of a canopy, or the line, riser or tape of a wing, nearest to breaking";
     FILL_TIME: "fill_time_s", "s", "time until a canopy or wing is full";
     STROUHAL_NUMBER: "{body}strouhal_number", "1", "frequency times length over speed; of the lift or the side force, whichever swings more, or of a plate's tip";
 }

@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::read_out::results;
-use super::shared::LINE_LOAD_SHARE;
+use super::shared::{LINE_LOAD_SHARE, TAPE_LOAD_SHARE};
 use super::statistics::largest;
 use crate::case::wing::Wing;
-use crate::frame::{FabricState, StructureFrame};
+use crate::frame::{CableKind, FabricState, StructureFrame};
 use crate::geometry::wing::{LineKind, Part, Tag};
 use crate::output::{Quantity, Results};
 use crate::statics::Trim;
@@ -182,14 +182,21 @@ fn lines(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
     margins(results, wing, structure);
 }
 
-/// Largest load of a line over its breaking load.
+/// Largest load of a line or riser over its breaking load, and of a tape.
 pub(super) fn margins(results: &mut Results, wing: &Wing, structure: &StructureFrame) {
-    let margins = structure
-        .cable_tensions_n
-        .iter()
-        .zip(&wing.breaking_loads_n)
-        .enumerate()
-        .filter_map(|(cable, (tension, breaking))| Some((cable, tension / (*breaking)?)));
+    let shares = |are_tapes: bool| {
+        let tensions = structure.cable_tensions_n.iter();
+        let kinds = structure.cable_kinds.iter().zip(&wing.breaking_loads_n);
+        let cables = tensions.zip(kinds).enumerate();
+        cables.filter_map(move |(cable, (tension, (kind, breaking)))| {
+            let is_asked = (*kind == CableKind::Belt) == are_tapes;
+            Some((cable, tension / breaking.filter(|_| is_asked)?))
+        })
+    };
+    if let Some(share) = shares(true).map(|(_, share)| share).reduce(f64::max) {
+        results.tell(&TAPE_LOAD_SHARE, share);
+    }
+    let margins = shares(false);
     let nearest = margins.max_by(|a, b| a.1.total_cmp(&b.1));
     let used = nearest.map_or(f64::NAN, |(_, share)| share);
     results.insert(

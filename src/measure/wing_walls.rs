@@ -6,7 +6,6 @@
 //! the curvature of the stream along the chord, the arc of the wing, inlet and outlet.
 
 use super::air_around_wing::InWind;
-use super::blockage::section_m2;
 use super::read_out::{ReadOut, results};
 use super::shared::{CORRECTED_DRAG, PRESSURE_RATIO};
 use super::statistics::Mean;
@@ -160,7 +159,7 @@ fn walls(scene: &Scene, known: &InWind) -> Result<Walls, &'static str> {
         span_m,
         middle_m: [across_m - 0.5 * section_m[0], height_m - 0.5 * section_m[1]],
     };
-    let section_m2 = section_m2(known.air);
+    let section_m2 = known.air.section_m2();
     Ok(Walls {
         blockage: frontal_area_m2(known) / section_m2,
         upwash: line.interference() * wing.measures.flat_area_m2 / section_m2,

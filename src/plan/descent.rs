@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::case::Scene;
 use crate::case::scene::Carrier;
+use crate::lines::drag::LineDrag;
 
 /// Writes what falls and with what the box follows it.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -58,16 +59,22 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
             )?;
         }
     }
-    let drag = scene
-        .body
-        .as_ref()
-        .and_then(|body| body.structure.line_drag);
-    if let Some(drag) = drag {
+    let cables = scene.body.iter().flat_map(|body| &body.structure.cables);
+    let drags: Vec<LineDrag> = cables.filter_map(|cable| cable.drag).collect();
+    if let Some(drag) = drags.first() {
+        let diameters_mm = drags.iter().map(|drag| 1e3 * drag.diameter_m);
+        let thinnest = diameters_mm.clone().fold(f64::INFINITY, f64::min);
+        let thickest = diameters_mm.fold(0.0, f64::max);
+        let diameters = if thickest - thinnest < 1e-6 {
+            format!("{thickest:.2}")
+        } else {
+            format!("{thinnest:.2} to {thickest:.2}")
+        };
         writeln!(out, "\ndrag of lines")?;
         writeln!(
             out,
-            "  C_d, d              {}, {} m across the lines, undisturbed wind, not given to the air",
-            drag.coefficient, drag.diameter_m
+            "  C_d, d              {}, {diameters} mm across the lines, undisturbed wind, not given to the air",
+            drag.coefficient
         )?;
     }
     Ok(())

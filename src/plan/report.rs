@@ -51,7 +51,7 @@ fn write_plate(out: &mut String, plate: &Plate, air: &Air, areal_kg_m2: f64) -> 
     let length_m = plate.size_m[0];
     let speed_m_s = air.wind_or_reference_m_s();
     let density_kg_m3 = air.units.density_kg_m3;
-    let section_m2 = air.cells[1] as f64 * air.cells[2] as f64 * air.units.cell_size_m.powi(2);
+    let section_m2 = air.section_m2();
     let stiffness_nm = density_kg_m3 * speed_m_s.powi(2) * length_m.powi(3);
     writeln!(
         out,
@@ -404,7 +404,7 @@ impl Plan {
                 released * diameter / cell,
                 0.7 * diameter / cell
             )?;
-            let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
+            let section = air.section_m2();
             writeln!(
                 out,
                 "  blockage            S_0/section = {:.1} %",
@@ -453,7 +453,7 @@ impl Plan {
         };
         let cell = air.units.cell_size_m;
         let spacing_m = coupling.marker_spacing_m(air);
-        let section = air.cells[1] as f64 * air.cells[2] as f64 * cell * cell;
+        let section = air.section_m2();
         writeln!(out, "\nrigid bodies")?;
         if scene.body.is_none() {
             self.write_scheme(out, coupling)?;

@@ -143,7 +143,7 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
     if scene.coupling.is_some() && scene.descent.is_none() {
         skip("a fall (accelerated box)", "no [air.descent]".into());
     }
-    let has_line_drag = fabric.is_some_and(|body| body.structure.line_drag.is_some());
+    let has_line_drag = fabric.is_some_and(|body| body.structure.has_line_drag());
     if let Some(BodyKind::Canopy(_)) = fabric.map(|body| &body.kind)
         && !has_line_drag
     {
@@ -153,6 +153,9 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
             "no lines.drag_coefficient"
         };
         skip("drag of lines", why.into());
+    }
+    if scene.wing().is_some() && !has_line_drag {
+        skip("drag of lines", "line_drag_coefficient is 0".into());
     }
     match air.flow {
         Flow::TaylorGreen { .. } => skip("inlet, outlet, walls", "the box is periodic".into()),

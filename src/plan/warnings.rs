@@ -94,7 +94,7 @@ fn blockage(scene: &Scene) -> Option<String> {
     let Flow::WindTunnel { .. } = air.flow else {
         return None;
     };
-    let section = air.units.cell_size_m.powi(2) * (air.cells[1] * air.cells[2]) as f64;
+    let section = air.section_m2();
     let canopy = scene.body.as_ref().and_then(|body| match &body.kind {
         BodyKind::Canopy(canopy) => Some(canopy.nominal_area_m2),
         _ => None,

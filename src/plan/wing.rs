@@ -184,7 +184,7 @@ fn write_tunnel(
         thickness * rib.chord_m / cell,
         width / cell
     )?;
-    let section = (air.cells[1] * air.cells[2]) as f64 * cell * cell;
+    let section = air.section_m2();
     writeln!(
         out,
         "  blockage            flat area/section = {:.1} %, span/width = {:.1} %",

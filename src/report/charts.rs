@@ -22,14 +22,31 @@ fn chart(runs: &[Finished], column: &ReadOut) -> Option<String> {
     chart.svg().map(|svg| scalable(&svg))
 }
 
-/// The column of every run that has it, each followed by its mean; of several runs both have the colour of the run, which is the same in all charts.
+/// The column of every run that has it, of each rigid body where bodies have it, each followed by its mean. Where there are several, both have the colour
+/// of their owner, which is the same in all charts.
 fn curves(runs: &[Finished], column: &ReadOut) -> Vec<Series> {
-    let several = runs.len() > 1;
+    let of_run = |(run, name): (_, String)| {
+        let owners = Finished::owners(run).into_iter();
+        owners.map(move |owner| (run, name.clone(), owner))
+    };
+    let owners: Vec<(&Finished, String, String)> =
+        runs.iter().zip(names(runs)).flat_map(of_run).collect();
+    let drawn: Vec<_> = (owners.iter().enumerate())
+        .filter_map(|(number, (run, name, owner))| {
+            let column = format!("{owner}{}", column.name);
+            let samples = run.column(TIME).zip(run.column(&column))?;
+            let of_body = owner.strip_suffix('_').map(str::to_owned);
+            let name = match (runs.len() > 1, of_body) {
+                (true, None) => name.clone(),
+                (true, Some(body)) => format!("{name}, {body}"),
+                (false, body) => body.unwrap_or_else(|| "fabric".to_owned()),
+            };
+            Some((number, *run, name, column, samples))
+        })
+        .collect();
+    let several = drawn.len() > 1;
     let mut series = Vec::new();
-    for (number, (run, name)) in runs.iter().zip(names(runs)).enumerate() {
-        let (Some(times), Some(values)) = (run.column(TIME), run.column(&column.name)) else {
-            continue;
-        };
+    for (number, run, name, column, (times, values)) in drawn {
         let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
         let colour = several.then_some(number);
         series.push(Series {
@@ -39,7 +56,7 @@ fn curves(runs: &[Finished], column: &ReadOut) -> Vec<Series> {
             markers: false,
             colour,
         });
-        let mean = mean(run, column, several);
+        let mean = mean(run, &column, several);
         series.extend(mean.map(|mean| Series { colour, ..mean }));
     }
     series
@@ -63,13 +80,9 @@ pub(super) fn scalable(svg: &str) -> String {
 }
 
 /// The mean of a column over the window of the run's means.
-fn mean(run: &Finished, column: &ReadOut, named: bool) -> Option<Series> {
+fn mean(run: &Finished, column: &str, named: bool) -> Option<Series> {
     let [first, last] = run.summary.averaging_window_s?;
-    let found = run
-        .summary
-        .results
-        .iter()
-        .find(|(name, _)| *name == column.name);
+    let found = run.summary.results.iter().find(|(name, _)| *name == column);
     let (_, quantity) = found?;
     // The largest or last value of a column under its name is no mean.
     let is_mean = quantity.confidence.is_some();

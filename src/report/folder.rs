@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::ledger::Ledger;
 use crate::measure::CHARTS;
-use crate::output::Summary;
+use crate::measure::shared::{DRAG_COEFFICIENT, FORCE_X};
+use crate::output::{ReadOut, Summary};
 
 /// Name of the column with the time.
 pub(super) const TIME: &str = "time_s";
@@ -68,6 +69,21 @@ impl Finished {
         let found = self.history.iter().find(|(known, _)| known == name);
         found.map(|(_, samples)| &samples[..])
     }
+
+    /// What names of columns begin with: nothing, and each rigid body's own where there are several, or fabric beside one.
+    pub(super) fn owners(&self) -> Vec<String> {
+        let has = |owner: &str, column: &ReadOut| {
+            let name = format!("{owner}{}", column.name);
+            self.column(&name).is_some()
+        };
+        let bodies = self.history.iter().filter_map(|(name, _)| {
+            let owner = name.strip_suffix(&*DRAG_COEFFICIENT.name)?;
+            // Bodies alone have both.
+            let is_body = owner.ends_with('_') && has(owner, &FORCE_X);
+            is_body.then(|| owner.to_owned())
+        });
+        std::iter::once(String::new()).chain(bodies).collect()
+    }
 }
 
 /// What tells runs from each other: the last parts of their folders' paths, or where these agree the whole paths.
@@ -92,7 +108,8 @@ fn history(path: &Path) -> Vec<(String, Vec<f64>)> {
     let Ok(headers) = reader.headers().cloned() else {
         return Vec::new();
     };
-    let is_wanted = |name: &str| name == TIME || CHARTS.iter().any(|column| column.name == name);
+    let is_wanted =
+        |name: &str| name == TIME || CHARTS.iter().any(|column| name.ends_with(&*column.name));
     let mut columns: Vec<(usize, String, Vec<f64>)> = (headers.iter().enumerate())
         .filter(|(_, name)| is_wanted(name))
         .map(|(place, name)| (place, name.to_owned(), Vec::new()))

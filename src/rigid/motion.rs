@@ -98,6 +98,20 @@ impl PrescribedMotion {
         self.motion != Motion::Held
     }
 
+    /// Instants up to `end_s` that show the whole way, so many and one more: of what repeats those of one period, since looks at many periods might all
+    /// meet the same phase. One instant of a body that does not move.
+    pub fn looks_s(&self, end_s: f64, looks: u32) -> impl Iterator<Item = f64> {
+        let span_s = match self.motion {
+            Motion::Oscillation { frequency_hz, .. } => end_s.min(frequency_hz.recip()),
+            Motion::ConstantRotation { rate_rad_s, rise_s } if rate_rad_s != 0.0 => {
+                end_s.min(rise_s + std::f64::consts::TAU / rate_rad_s.abs())
+            }
+            _ => end_s,
+        };
+        let looks = if self.moves() { looks } else { 0 };
+        (0..=looks).map(move |look| span_s * f64::from(look) / f64::from(looks.max(1)))
+    }
+
     /// Where the body is at `time_s`; before t = 0 it rests where it is at t = 0.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Placement {
@@ -313,6 +327,36 @@ mod tests {
                 moved.at(0.0).position_m(point)
             );
         }
+    }
+
+    /// Looks at what repeats see all of its way, however many whole periods a run has.
+    #[test]
+    fn looks_see_the_whole_way() {
+        let point = DVec3::new(0.0, 1.0, 0.0);
+        let turning = Motion::ConstantRotation {
+            rate_rad_s: std::f64::consts::TAU,
+            rise_s: 0.0,
+        };
+        let heaving = Motion::Oscillation {
+            frequency_hz: 5.0,
+            phase_rad: 0.0,
+            displacement_m: DVec3::new(0.0, -1.0, 0.0),
+            angle_rad: 0.0,
+        };
+        for (motion, end_s) in [(turning, 400.0), (heaving, 40.0)] {
+            let moved = PrescribedMotion {
+                motion,
+                centre_m: DVec3::ZERO,
+                axis: DVec3::X,
+            };
+            let heights = moved
+                .looks_s(end_s, 200)
+                .map(|time_s| moved.at(time_s).position_m(point).y);
+            let lowest = heights.fold(f64::INFINITY, f64::min);
+            let expected = if end_s > 100.0 { -1.0 } else { 0.0 };
+            assert!((lowest - expected).abs() < 1e-3, "{lowest}");
+        }
+        assert_eq!(PrescribedMotion::held().looks_s(9.0, 200).count(), 1);
     }
 
     /// A spline goes through its rows and follows a smooth function between them.

@@ -105,6 +105,10 @@ impl<'a> Log<'a> {
 }
 
 impl Observer for Log<'_> {
+    fn phase_begins(&mut self) {
+        self.observer.phase_begins();
+    }
+
     fn progress(&mut self, done: u64, planned: u64, status: &str) {
         if self.last_progress.elapsed() >= PROGRESS_INTERVAL {
             self.last_progress = Instant::now();

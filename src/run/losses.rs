@@ -2,6 +2,7 @@
 //! last checkpoint.
 
 use super::error::RunError;
+use super::has_room;
 use super::order::{Observer, Order};
 use crate::checkpoint;
 use crate::gpu::{Device, DeviceError};
@@ -46,13 +47,13 @@ impl Losses {
                     ..order.going_on()
                 },
             ),
-            (Err(refused), Some(plan)) => (
+            (Err(refused), Some(plan)) if has_room(plan) => (
                 format!(
                     "{lost}, and did not open again ({refused}); the CPU went on from the last checkpoint"
                 ),
                 order.on_cpu(plan).going_on(),
             ),
-            (Err(_), None) => return Err(error),
+            (Err(_), _) => return Err(error),
         };
         observer.note(&note);
         self.notes.push(note);

@@ -42,7 +42,7 @@ use crate::ledger::{Holder, Ledger, Lock};
 use crate::measure::steady::Detector;
 use crate::measure::{Record, SAMPLES_FILE};
 use crate::output::{HistoryWriter, OutputError, prepare_directory, remove_leftovers};
-use crate::plan::{Plan, steps_per};
+use crate::plan::{Plan, free_memory, steps_per};
 use crate::simulation::{Failure, Simulation};
 use crate::statics::Statics;
 pub use error::RunError;
@@ -167,6 +167,11 @@ fn run_locked(
 }
 
 /// Admits a run to its folder and reads what it begins from; on the CPU where a device that the program chose by itself turns out too small.
+/// True if the host has the memory that a plan needs: where a device was to hold the air, this was not asked before.
+fn has_room(plan: &Plan) -> bool {
+    plan.sizes.fit_into(free_memory()).is_ok()
+}
+
 fn begin<'a>(
     order: &Order<'a>,
     requests: &Requests,
@@ -178,7 +183,7 @@ fn begin<'a>(
         Run::prepare(order.clone(), earlier.clone(), observer),
         &order.fallback,
     ) {
-        (Err(RunError::Device(error)), Some(plan)) => {
+        (Err(RunError::Device(error)), Some(plan)) if has_room(plan) => {
             observer.note(&format!("the CPU computes, since {error}"));
             Run::prepare(order.on_cpu(plan), earlier, observer)?
         }

@@ -11,6 +11,8 @@ use crate::plan::Plan;
 
 /// Who watches a run.
 pub trait Observer {
+    /// Called where another phase begins, or one of its parts whose progress counts from nothing again.
+    fn phase_begins(&mut self) {}
     /// Called now and then with parts done, parts planned and a short status. What is planned stays the same until another phase begins.
     fn progress(&mut self, done: u64, planned: u64, status: &str);
     /// Called with single events worth a line.

@@ -22,7 +22,7 @@ pub(super) fn reserve(folder: &Path) -> Option<File> {
 }
 
 /// What there is no room for.
-enum Lacking {
+pub(super) enum Lacking {
     /// A file that is left out, by its kind.
     File(&'static str),
     /// Rows of the history.
@@ -41,7 +41,7 @@ pub(super) fn no_room(error: &RunError) -> Option<&OutputError> {
 
 impl Run<'_> {
     /// Passes over an error for want of room, which it tells once; true without any error.
-    fn spare(
+    pub(super) fn spare(
         &mut self,
         lacking: &Lacking,
         written: Result<(), RunError>,

@@ -18,8 +18,9 @@ impl Simulation {
         if let Some(descent) = &self.descent {
             self.drags.extend_from_slice(descent.drags());
         }
-        let wind = DVec3::X * self.wind_speed_at(self.step + 1);
+        let speed_m_s = self.wind_speed_at(self.step + 1);
         if let (Some(cloth), Some(air)) = (&self.cloth, &self.scene.air) {
+            let wind = |place_m| DVec3::X * (speed_m_s * air.wind_ratio_at(place_m));
             add_line_drags(
                 &cloth.structure,
                 &cloth.positions_m,
@@ -34,7 +35,9 @@ impl Simulation {
     #[must_use]
     pub fn line_drag_n(&self) -> Option<DVec3> {
         let cloth = self.cloth.as_ref()?;
-        cloth.structure.line_drag?;
+        if !cloth.structure.has_line_drag() {
+            return None;
+        }
         let payload = self.descent.as_ref().map_or(0, |d| d.drags().len());
         let of_lines = self.drags.get(payload..).unwrap_or_default();
         Some(
@@ -68,7 +71,7 @@ impl Simulation {
 
     /// True if payload or lines have drag of their own.
     pub(super) fn has_drags(&self) -> bool {
-        let of_lines = |cloth: &Cloth| cloth.structure.line_drag.is_some();
+        let of_lines = |cloth: &Cloth| cloth.structure.has_line_drag();
         self.descent.is_some() || self.cloth.as_ref().is_some_and(of_lines)
     }
 

@@ -410,12 +410,9 @@ impl Impulses {
 fn body_reach(body: &RigidBody, end_s: f64, cell_m: f64) -> (DVec3, DVec3) {
     let (low, high) = body.surface.bounds_m();
     let margin = (0.5 * (high - low).max_element()).max(BODY_MARGIN_CELLS * cell_m);
-    let looks = if body.motion.moves() { LOOKS } else { 0 };
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for look in 0..=looks {
-        let placement = body
-            .motion
-            .at(end_s * f64::from(look) / f64::from(looks.max(1)));
+    for time_s in body.motion.looks_s(end_s, LOOKS) {
+        let placement = body.motion.at(time_s);
         for &point in &body.surface.positions_m {
             let place = placement.position_m(point);
             (low, high) = (low.min(place), high.max(place));

@@ -192,6 +192,11 @@ pub(crate) const REMAINDER: f64 = 16.0;
 /// [`STAGNATION_LIMIT`] in a time step, where what is left of the objective, half the square of the norm, lies within its round-off.
 pub(crate) const ROUND_OFF_LIMIT: usize = 100;
 
+/// Root of its square: 0 of a negative one, which an indefinite H₀ gives, and no number of what is none.
+pub(crate) fn energy_norm(square: f64) -> f64 {
+    if square < 0.0 { 0.0 } else { square.sqrt() }
+}
+
 /// Minimises the objective of `space` from `point`, in place.
 pub fn minimise<S: VectorSpace>(
     space: &mut S,
@@ -214,7 +219,7 @@ pub fn minimise_watched<S: VectorSpace>(
     let mut objective = start.objective;
     let mut round_off = start.round_off;
     let mut indefinite = start.norm_square < 0.0;
-    let mut norm = start.norm_square.max(0.0).sqrt();
+    let mut norm = energy_norm(start.norm_square);
     let mut longest_m = start.longest_m;
     let norm_at_start = norm;
     let mut scale = options.scale(start.reference, norm_at_start);
@@ -242,6 +247,11 @@ pub fn minimise_watched<S: VectorSpace>(
     let mut stagnant = 0;
 
     loop {
+        // Of an H₀ that was taken anew, too.
+        if !norm.is_finite() || !longest_m.is_finite() {
+            outcome.stop = Stop::NotFinite;
+            return Ok(outcome);
+        }
         outcome.energy_norm = norm;
         outcome.relative_norm = relative(norm, scale);
         outcome.objective = objective;
@@ -268,7 +278,7 @@ pub fn minimise_watched<S: VectorSpace>(
                 &mut products,
             )?;
             indefinite = renewed.norm_square < 0.0;
-            norm = renewed.norm_square.max(0.0).sqrt();
+            norm = energy_norm(renewed.norm_square);
             longest_m = renewed.longest_m;
             scale = options.scale(renewed.reference, norm_at_start);
             continue;
@@ -413,7 +423,7 @@ pub fn minimise_watched<S: VectorSpace>(
             scale = options.scale(renewed.reference, norm_at_start);
         }
         indefinite = norm_square < 0.0;
-        norm = norm_square.max(0.0).sqrt();
+        norm = energy_norm(norm_square);
         if !products.newest_curves() {
             products.remove(pairs.len() - 1);
             spare.extend(pairs.pop_back());

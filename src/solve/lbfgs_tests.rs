@@ -12,6 +12,8 @@ pub(in crate::solve) struct Quadratic {
     /// H₀ = `inverse` · 1; halved or doubled at every refresh where `drifting`.
     pub(in crate::solve) inverse: f64,
     drifting: bool,
+    /// H₀ is no number after a refresh.
+    spoilt: bool,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -39,6 +41,7 @@ impl Quadratic {
             quartic,
             inverse: 0.5,
             drifting: false,
+            spoilt: false,
         }
     }
 
@@ -126,6 +129,9 @@ impl VectorSpace for Quadratic {
         h: &mut Vec<f64>,
         pairs: &mut [(&Vec<f64>, &mut Vec<f64>)],
     ) -> Result<Refreshed, Infallible> {
+        if self.spoilt {
+            self.inverse = f64::NAN;
+        }
         if self.drifting {
             self.inverse = if self.inverse > 0.3 { 0.25 } else { 0.5 };
         }
@@ -363,4 +369,21 @@ fn a_start_that_is_not_finite_is_refused() {
     let mut x = vec![0.0, f64::NAN, 0.0];
     let Ok(outcome) = minimise(&mut Quadratic::new(3, 0.0), &mut x, &options(3, 1e-9));
     assert_eq!(outcome.stop, Stop::NotFinite);
+}
+
+/// An H₀ that a refresh spoils is no convergence, whether the refresh is due or the end is looked at again.
+#[test]
+fn a_refresh_that_is_not_finite_is_refused() {
+    for every in [1, 1000] {
+        let space = Quadratic {
+            spoilt: true,
+            ..Quadratic::new(20, 0.1)
+        };
+        let refreshed = Options {
+            refresh_every: Some(every),
+            ..options(6, 1e-6)
+        };
+        let (_, outcome) = solved(space, &refreshed);
+        assert_eq!(outcome.stop, Stop::NotFinite, "{every}");
+    }
 }

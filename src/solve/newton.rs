@@ -8,7 +8,7 @@
 //! Where elements switch between taut and slack, the Hessian changes with every step and the pairs of [`super::lbfgs`] remember what no
 //! longer holds; there this driver needs fewer cycles. Where the projection leaves much out (springs that push), it needs more.
 
-use super::lbfgs::{Options, Outcome, Progress, Stop, Watch, relative};
+use super::lbfgs::{Options, Outcome, Progress, Stop, Watch, energy_norm, relative};
 use super::{Step, VectorSpace};
 
 /// Each step's equations are solved to this share of the energy norm.
@@ -107,7 +107,11 @@ pub fn minimise_watched<S: Curvature>(
     let mut lowest_norm = f64::INFINITY;
     let mut stagnant = 0;
     loop {
-        let norm = norm_square.max(0.0).sqrt();
+        if !norm_square.is_finite() || !longest_m.is_finite() {
+            outcome.stop = Stop::NotFinite;
+            return Ok(outcome);
+        }
+        let norm = energy_norm(norm_square);
         outcome.energy_norm = norm;
         outcome.relative_norm = relative(norm, scale);
         outcome.objective = objective;

@@ -53,7 +53,7 @@ impl LoadStep {
     /// True if the solve reached its tolerance, and the risers carry what acts.
     #[must_use]
     pub fn is_balanced(&self) -> bool {
-        let converged = self.outcome.is_none_or(|o| o.stop == Stop::Converged);
+        let converged = self.outcome.is_none_or(|o| o.stop.reached());
         converged && self.balance_error <= BALANCE
     }
 }

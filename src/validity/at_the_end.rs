@@ -6,8 +6,8 @@ use crate::frame::CableKind;
 use crate::frame::StructureFrame;
 use crate::measure::Record;
 use crate::measure::canopy_shape::PRINCIPAL_STRAIN_1_MAX;
-use crate::measure::shared::{LINE_TENSION_MAX, TAPE_LOAD_SHARE, VON_MISES_MAX};
-use crate::measure::tapes::tape_load_shares;
+use crate::measure::shared::{LINE_LOAD_SHARE, LINE_TENSION_MAX, TAPE_LOAD_SHARE, VON_MISES_MAX};
+use crate::measure::strengths::{Carrier, load_shares};
 use crate::output::{Bound, ReadOut, Supports, ValidityRow, When};
 
 /// A structure at the end of its run, and what was recorded.
@@ -23,6 +23,14 @@ impl Ended<'_> {
         let recorded = self.record.column(column);
         recorded.into_iter().chain(last).fold(f64::NAN, f64::max)
     }
+
+    /// The largest load over breaking load of cables of a kind; `None` where no breaking load is told.
+    fn largest_share(&self, column: &ReadOut, of: Carrier) -> Option<f64> {
+        let structure = &self.scene.body.as_ref()?.structure;
+        let mut last = load_shares(structure, of, &self.structure.cable_tensions_n).peekable();
+        last.peek()?;
+        Some(self.largest(column, last))
+    }
 }
 
 const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
@@ -36,6 +44,8 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
             supports: Supports::Everything,
             remedy: "check fabric.youngs_modulus_pa, fabric.thickness_m and the loads: such fabric would tear or creep",
             value: |ended| {
+                // A network of springs has no strains.
+                ended.scene.body.as_ref()?.structure.membrane.as_ref()?;
                 let strains = &ended.structure.principal_strains;
                 let last = strains.iter().map(|strains| strains[0]);
                 (!strains.is_empty()).then(|| ended.largest(&PRINCIPAL_STRAIN_1_MAX, last))
@@ -50,6 +60,7 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
             supports: Supports::Everything,
             remedy: "take stronger fabric: this one would yield",
             value: |ended| {
+                ended.scene.body.as_ref()?.structure.membrane.as_ref()?;
                 let strength_pa = ended.structure.yield_stress_pa?;
                 let last = ended.structure.von_mises_pa.iter().copied();
                 Some(ended.largest(&VON_MISES_MAX, last) / strength_pa)
@@ -58,26 +69,12 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
         Rule {
             name: "line tension over breaking load",
             unit: "1",
-            meaning: "largest tension of a suspension line of a canopy of all samples, or of a wing's line or riser in the last state, over its breaking load",
+            meaning: "largest tension of a line or riser of a canopy of all samples and in the last state, or of a wing's in the last state, over its breaking load",
             bound: Bound::AtMost,
             limit: 1.0,
             supports: Supports::Everything,
             remedy: "take stronger lines: this one would break",
-            value: |ended| {
-                if let Some(breaking_n) = ended.scene.line_breaking_load_n {
-                    let last = ended.structure.tensions_n(&[CableKind::SuspensionLine]);
-                    let largest_n = ended.largest(&LINE_TENSION_MAX, last);
-                    return largest_n.is_finite().then(|| largest_n / breaking_n);
-                }
-                let loads = &ended.scene.wing()?.breaking_loads_n;
-                let kinds = ended.structure.cable_kinds.iter().zip(loads);
-                let tensions = ended.structure.cable_tensions_n.iter();
-                let lines = tensions
-                    .zip(kinds)
-                    .filter(|(_, (kind, _))| **kind != CableKind::Belt);
-                let shares = lines.filter_map(|(tension, (_, load))| Some(tension / (*load)?));
-                shares.reduce(f64::max)
-            },
+            value: |ended| ended.largest_share(&LINE_LOAD_SHARE, Carrier::Lines),
         },
         Rule {
             name: "tape tension over breaking load",
@@ -87,13 +84,7 @@ const fn rules<'a>() -> [Rule<Ended<'a>>; 5] {
             limit: 1.0,
             supports: Supports::Everything,
             remedy: "take stronger tapes: this one would break",
-            value: |ended| {
-                let structure = &ended.scene.body.as_ref()?.structure;
-                let mut last =
-                    tape_load_shares(structure, &ended.structure.cable_tensions_n).peekable();
-                last.peek()?;
-                Some(ended.largest(&TAPE_LOAD_SHARE, last))
-            },
+            value: |ended| ended.largest_share(&TAPE_LOAD_SHARE, Carrier::Tapes),
         },
         Rule {
             name: "largest strain of a suspension line",

@@ -10,7 +10,8 @@ use super::handbook::{Published, SOURCE};
 use super::materials;
 use super::scales::Scales;
 use super::shape;
-use super::units::{GRAVITY_M_S2, rounded};
+use super::units::rounded;
+use crate::case::scene::STANDARD_GRAVITY_M_S2;
 use crate::lines::named::Cord;
 
 /// The table of the design.
@@ -189,7 +190,7 @@ fn flow(design: &CanopyDesign, scales: &Scales, keys: &mut Keys) -> Result<(), P
     }
     if scales.falls {
         keys.set(of("altitude_m"), scales.altitude_m, "altitude");
-        let down = [-GRAVITY_M_S2, 0.0, 0.0].map(Value::from).to_vec();
+        let down = [-STANDARD_GRAVITY_M_S2, 0.0, 0.0].map(Value::from).to_vec();
         keys.set("gravity.acceleration_m_s2", down, "the air comes along +x");
     }
     Ok(())

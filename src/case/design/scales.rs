@@ -12,7 +12,8 @@ use super::super::problem::Problem;
 use super::super::text::{lookup, number};
 use super::super::values::absent;
 use super::handbook::Published;
-use super::units::{GRAVITY_M_S2, altitude_m, length, mass, speed_m_s};
+use super::units::{altitude_m, length, mass, speed_m_s};
+use crate::case::scene::STANDARD_GRAVITY_M_S2;
 
 /// The table of the design.
 const TABLE: &str = "canopy";
@@ -98,7 +99,7 @@ impl Scales {
         let payload_area_m2 = payload_area_m2.unwrap_or(0.0);
         let density_kg_m3 = written(case, "air.density_kg_m3")
             .unwrap_or_else(|| standard_density_kg_m3(altitude_m));
-        let gravity_m_s2 = written_gravity_m_s2(case).unwrap_or(GRAVITY_M_S2);
+        let gravity_m_s2 = written_gravity_m_s2(case).unwrap_or(STANDARD_GRAVITY_M_S2);
         let area_m2 = 0.25 * PI * diameter_m * diameter_m;
         let drag_coefficient = Published::of(design.kind).mean_drag_coefficient();
         let balance_m_s = payload_kg.map(|mass| {

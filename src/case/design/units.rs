@@ -13,9 +13,6 @@ const KNOT_M_S: f64 = 1852.0 / 3600.0;
 /// kg of a pound.
 const POUND_KG: f64 = 0.453_592_37;
 
-/// Standard acceleration of gravity [m/s²].
-pub(super) const GRAVITY_M_S2: f64 = 9.80665;
-
 /// Units that keys name, and what one of each is in SI units.
 const UNITS: [(&str, f64); 8] = [
     ("m", 1.0),

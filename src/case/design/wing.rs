@@ -9,7 +9,8 @@ use super::super::file::{Quality, WingClass, WingDesign};
 use super::super::problem::Problem;
 use super::super::values::{absent, positive, within};
 use super::derived::Keys;
-use super::units::{GRAVITY_M_S2, altitude_m, length, mass, rounded};
+use super::units::{altitude_m, length, mass, rounded};
+use crate::case::scene::STANDARD_GRAVITY_M_S2;
 use crate::geometry::wing::rib_spans_m;
 
 /// The table of the design.
@@ -224,7 +225,7 @@ pub(in crate::case) fn trim_of(
     let ([along, across], tolerance, panels) = fineness(quality);
     keys.set("structure.wing.mesh.along_chord", along as i64, "quality");
     keys.set("structure.wing.mesh.across_cell", across as i64, "quality");
-    let down = [0.0, 0.0, -GRAVITY_M_S2].map(Value::from).to_vec();
+    let down = [0.0, 0.0, -STANDARD_GRAVITY_M_S2].map(Value::from).to_vec();
     keys.set("gravity.acceleration_m_s2", down, "standard gravity");
     keys.set("equilibrium.tolerance", tolerance, "quality");
     keys.set("equilibrium.evaluation_limit", 6000, "usual");

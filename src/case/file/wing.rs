@@ -75,6 +75,8 @@ pub struct WingTunnel {
     pub start_thickness_ratio: Option<f64>,
     /// What is held; `hang_points` if absent.
     pub held: Option<HeldName>,
+    /// C_d of lines and risers across the undisturbed wind, with the diameters of their materials; 1.1 if absent, 0 for none.
+    pub line_drag_coefficient: Option<f64>,
     /// How the air passes along panels and the ribs at the tips, what the wind outside meets; `none` if absent.
     pub friction: Option<Friction>,
     /// How the air passes along ribs inside, mini-ribs and diagonals; `none` if absent.

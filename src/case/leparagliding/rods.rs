@@ -3,7 +3,7 @@
 use toml::Value;
 
 use super::super::design::Keys;
-use super::sections::{ReadFault, Sections};
+use super::sections::{MOST_RIBS, ReadFault, Sections};
 
 /// What the file does not tell of its rods: nylon of 2.4 mm.
 const DIAMETER_M: f64 = 0.0024;
@@ -41,7 +41,7 @@ pub(super) fn read(sections: &Sections) -> Result<Vec<RodGroup>, ReadFault> {
         };
         for _ in 0..section.count()? {
             let ribs = section.numbers(3)?;
-            let ribs = [ribs[1] as usize, ribs[2] as usize];
+            let ribs = [ribs[1], ribs[2]].map(|rib| rib.clamp(0.0, MOST_RIBS) as usize);
             // Of both sides the place where the rod leaves the outline to be slid in, and where it ends.
             let ends = match kind {
                 ARC => {

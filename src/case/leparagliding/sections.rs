@@ -1,5 +1,8 @@
 //! Sections of the input file of LEparagliding: numbered, of plain lines.
 
+/// Most ribs of a wing: larger numbers of ribs in a file are taken for this.
+pub(super) const MOST_RIBS: f64 = 1000.0;
+
 /// Why a file cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ReadFault {

@@ -8,7 +8,7 @@ use toml::Value;
 
 use super::super::design::Keys;
 use super::super::design::wing::usual_ballooning;
-use super::sections::{ReadFault, Section, Sections};
+use super::sections::{MOST_RIBS, ReadFault, Section, Sections};
 use crate::geometry::profile::Profile;
 
 /// Points of section 5.
@@ -19,9 +19,6 @@ const POINTS_PER_SIDE: usize = 200;
 
 /// Largest share of the width at either edge [%]: panels one and a half times as wide as the distance of their ribs.
 const MOST_SHARE: f64 = 25.0;
-
-/// Most ribs of a group.
-const MOST_RIBS: f64 = 1000.0;
 
 /// Upper and lower panels: points (place along the outline, share of the width at either edge), both per cent, places growing.
 type Law = [Vec<[f64; 2]>; 2];

@@ -120,18 +120,16 @@ fn of_fabric(body: &Body) -> Option<Standing> {
 
 fn of_rigid(body: &RigidBody, end_s: f64) -> Standing {
     let (low, high) = body.surface.bounds_m();
-    let looks = if body.motion.moves() { LOOKS } else { 0 };
-    let placements = (0..=looks).map(|look| {
-        let share = f64::from(look) / f64::from(looks.max(1));
-        body.motion.at(end_s * share)
-    });
-    let way = placements.fold(EMPTY, |way, placement| {
-        let points = body.surface.positions_m.iter();
-        joined(
-            way,
-            corners(points.map(|point| placement.position_m(*point))),
-        )
-    });
+    let looks_s = body.motion.looks_s(end_s, LOOKS);
+    let way = looks_s
+        .map(|time_s| body.motion.at(time_s))
+        .fold(EMPTY, |way, placement| {
+            let points = body.surface.positions_m.iter();
+            joined(
+                way,
+                corners(points.map(|point| placement.position_m(*point))),
+            )
+        });
     Standing {
         length_m: (high - low).max_element(),
         start: way,

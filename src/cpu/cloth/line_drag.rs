@@ -7,30 +7,24 @@ use glam::DVec3;
 
 use super::loads::NodalDrag;
 use crate::cloth::Structure;
-use crate::frame::CableKind;
 
-/// Appends the drag of all suspension lines in a uniform wind.
+/// Appends the drag of all lines that feel the wind; `wind_m_s` tells it at a place.
 pub fn add_line_drags(
     structure: &Structure,
     positions_m: &[DVec3],
     velocities_m_s: &[DVec3],
-    (density_kg_m3, wind_m_s): (f64, DVec3),
+    (density_kg_m3, wind_m_s): (f64, impl Fn(DVec3) -> DVec3),
     drags: &mut Vec<NodalDrag>,
 ) {
-    let Some(drag) = structure.line_drag else {
-        return;
-    };
-    let lines = structure
-        .cables
-        .iter()
-        .filter(|cable| cable.kind == CableKind::SuspensionLine);
-    for line in lines {
+    for line in &structure.cables {
+        let Some(drag) = line.drag else { continue };
         let [a, b] = line.nodes.map(|n| positions_m[n as usize]);
         let along = (b - a).normalize_or_zero();
         let length = a.distance(b);
+        let wind = wind_m_s(a.midpoint(b));
         for node in line.nodes {
             let own = velocities_m_s[node as usize];
-            let slip = wind_m_s - own;
+            let slip = wind - own;
             let across = slip - along * along.dot(slip);
             drags.push(NodalDrag {
                 node,

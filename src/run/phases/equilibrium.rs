@@ -62,7 +62,7 @@ impl Run<'_> {
         );
         let on_device = self.simulation.plan().placement.cloth_on_device();
         let remedy = match outcome.stop {
-            Stop::Converged => None,
+            Stop::Converged | Stop::RoundOff => None,
             Stop::Stalled if on_device => Some(
                 "a device computes forces in f32, which may not reach equilibrium.tolerance: use --cloth host, or raise it",
             ),

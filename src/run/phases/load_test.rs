@@ -4,6 +4,7 @@ use super::stand::Next;
 use crate::case::wing::Wing;
 use crate::measure::{self, LineName};
 use crate::run::keeping::Sought;
+use crate::run::outputs::Lacking;
 use crate::run::{Observer, Run, RunError};
 use crate::solve::lbfgs::Progress;
 use crate::statics::{LoadStep, LoadTestPart};
@@ -51,7 +52,8 @@ impl Run<'_> {
                     if let Some(step) = test.steps.last() {
                         observer.note(&line(wing, &names, step));
                         if step.load_factor == last {
-                            self.files.loaded_wing(&self.simulation, last)?;
+                            let drawn = self.files.loaded_wing(&self.simulation, last);
+                            self.spare(&Lacking::File("the loaded wing"), drawn, observer)?;
                         }
                     }
                 }

@@ -39,6 +39,7 @@ impl Run<'_> {
             detector.skip_looks(&self.record);
         }
         while let Some(&phase) = phases.get(self.stand.phase) {
+            observer.phase_begins();
             let next = match phase {
                 Phase::OpenCanopy => self.open_canopy(observer)?,
                 Phase::RaiseWind => self.raise_wind(observer)?,
@@ -93,6 +94,7 @@ impl Run<'_> {
 
     /// Seeks the trim, or the equilibrium, that the case asks for.
     fn balance(&mut self, observer: &mut dyn Observer) -> Result<Next, RunError> {
+        observer.phase_begins();
         let wing = self.case.scene.wing();
         if wing.is_some_and(|wing| wing.trim.is_some()) {
             self.seek_trim(observer)

@@ -1,7 +1,6 @@
 //! What of a trim moves from one outer iteration to the next, and what is allowed.
 
 use super::iteration::TrimIteration;
-use crate::solve::lbfgs::Stop;
 use crate::trim::Settings;
 
 /// What has not come to rest, in words.
@@ -71,7 +70,7 @@ pub(super) fn changes(
             ),
         },
     ];
-    if now.outcome.stop != Stop::Converged {
+    if !now.outcome.stop.reached() {
         changes.push(Change {
             value: f64::NAN,
             allowed: 0.0,
