@@ -83,7 +83,7 @@ impl Body for Couette {
             let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
             let mut velocities = vec![DVec3::ZERO; 8];
             velocities[4..].fill(DVec3::X * SPEED);
-            let mut surface = CutSurface::new(&air, triangles, 8, (0, false));
+            let mut surface = CutSurface::new(&air, triangles, 8, (0, None));
             for _ in 0..1500 {
                 step(&mut air, &mut surface, &positions, &velocities);
             }
@@ -143,7 +143,7 @@ impl Body for Shifted {
             let middle = DVec3::new(5.25, 4.875, 5.125) + DVec3::splat(shift as f64);
             let (mut positions, triangles) = octahedron(middle, 2.5);
             let velocities = [DVec3::new(0.03, -0.02, 0.01); 6];
-            let mut surface = CutSurface::new(&air, triangles, 6, (0, false));
+            let mut surface = CutSurface::new(&air, triangles, 6, (0, None));
             let mut forces = Vec::new();
             for _ in 0..8 {
                 for (position, velocity) in positions.iter_mut().zip(velocities) {
@@ -195,7 +195,7 @@ impl Body for ShutIn {
                 (excess, [0.0; 3])
             };
             let mut air = engine.air(periodic(cells, 0.7), &initial);
-            let mut surface = CutSurface::new(&air, triangles.clone(), 6, (0, false));
+            let mut surface = CutSurface::new(&air, triangles.clone(), 6, (0, None));
             let before_steps = mass_and_momentum(&air)[0];
             for _ in 0..60 {
                 step(&mut air, &mut surface, &positions, &velocities);
@@ -235,7 +235,7 @@ impl Body for Closed {
             triangles.extend([[a, b, c], [a, c, d]]);
         }
         triangles.extend([[8, 9, 10], [8, 10, 11], [12, 14, 13], [12, 15, 14]]);
-        let mut surface = CutSurface::new(&air, triangles, 16, (0, false));
+        let mut surface = CutSurface::new(&air, triangles, 16, (0, None));
         let place = |time: f64| -> Vec<DVec3> {
             let turn =
                 glam::DQuat::from_rotation_x(0.01 * time) * glam::DQuat::from_rotation_z(0.4);
@@ -332,7 +332,7 @@ impl Body for Slides {
             let still = vec![DVec3::ZERO; positions.len()];
             let drag = [Friction::None, Friction::NoSlip].map(|friction| {
                 let mut air = engine.air(setup.clone(), &initial);
-                let mut surface = CutSurface::new(&air, triangles.clone(), 4, (0, false))
+                let mut surface = CutSurface::new(&air, triangles.clone(), 4, (0, None))
                     .with_friction(vec![friction; triangles.len()], 0.0, &positions);
                 let mass = mass_and_momentum(&air)[0];
                 let taken: f64 = (0..STEPS)

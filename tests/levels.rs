@@ -22,6 +22,7 @@ pub fn trials() -> Vec<Trial> {
     [
         on_every_engine("levels::a_canopy_opens_alike", Opens),
         on_every_engine("levels::a_box_elsewhere_changes_little", Elsewhere),
+        on_every_engine("levels::boxes_rise_as_the_inlet_has_it", Rises),
         plain("levels::a_box_spans_sides_that_repeat", spans),
         on_every_engine("levels::cells_below_a_box_influence_nothing", Idle),
         plain("levels::what_is_not_there_costs_nothing", absent),
@@ -31,6 +32,42 @@ pub fn trials() -> Vec<Trial> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+#[derive(Clone, Copy)]
+struct Rises;
+
+impl Body for Rises {
+    /// The wind rises everywhere as the inlet has it: cells of a box as fast as those around it.
+    fn run(self, engine: Engine) {
+        let case = canopy(&[
+            "air.refinement.around=\"structure\"",
+            "air.faces.inlet.boundary_layer.thickness_m=3.99",
+            "air.faces.inlet.boundary_layer.exponent=0.5",
+            "air.faces.inlet.boundary_layer.sides=[\"z_lower\"]",
+        ]);
+        let plan = Plan::new(&case.scene, engine.plan_placement());
+        let start = plan.start_steps;
+        let mut simulation = Simulation::new(case.scene, plan, engine.device()).unwrap();
+        while simulation.step_count() < start {
+            simulation.advance().unwrap();
+        }
+        let frame = simulation.frame(true).unwrap();
+        let outer = frame.fluid.unwrap();
+        for air in [&outer, &outer.finer[0]] {
+            let [nx, ny, nz] = air.cells;
+            // The plane farthest upstream that belongs to this lattice alone, over all of its height.
+            let worst = (2..nz - 2)
+                .map(|k| {
+                    let height = (air.origin_m.z + k as f64 * air.cell_size_m) / 3.99;
+                    let cell = 2 + nx * (ny / 2 + ny * k);
+                    let speed = f64::from(air.velocity_m_s[cell][0]) / 30.0;
+                    (speed - height.sqrt()).abs()
+                })
+                .fold(0.0, f64::max);
+            assert!(worst < tolerances::RISING_WIND, "{nx}: {worst}");
+        }
+    }
 }
 
 fn parsed(name: &str, source: &str, changes: &[&str]) -> Case {

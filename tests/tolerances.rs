@@ -423,6 +423,10 @@ pub const BENCH_NETWORK: f64 = 0.05;
 /// Impulses of tethers over those that the motion of their masses asks for: the tolerance of a step, 1e-3, over some hundred steps.
 pub const TETHERS: f64 = 1e-2;
 
+/// Speed of a wind that rises with a boundary layer against that of the inlet, over the wind: cells of the outermost lattice are a twelfth of the layer,
+/// and the canopy stands downstream. A box without the profile was off by a half.
+pub const RISING_WIND: f64 = 0.08;
+
 pub mod ram_air {
     /// Volume of cells with flat panels over section times width: round-off.
     pub const VOLUME: f64 = 1e-9;

@@ -76,7 +76,7 @@ impl Body for TurnedPlate {
             triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
         let friction = vec![Friction::Model; triangles.len()];
-        let mut surface = CutSurface::new(&air, triangles, positions.len(), (0, false))
+        let mut surface = CutSurface::new(&air, triangles, positions.len(), (0, None))
             .with_friction(friction, 0.0, &positions);
         let velocities = vec![motion; positions.len()];
         let before = mass_and_momentum(&air);

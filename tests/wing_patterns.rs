@@ -125,7 +125,7 @@ fn a_cylinder_unrolls_exactly() {
                 .collect()
         })
         .collect();
-    let flat = unroll(&rows);
+    let flat = unroll(&rows, 0);
     assert!(flat.strain < 1e-9, "{}", flat.strain);
     widths_and_seams_hold(&rows, &flat);
     // A rectangle.
@@ -144,7 +144,7 @@ fn a_cylinder_unrolls_exactly() {
                 .collect()
         })
         .collect();
-    let cone = unroll(&generators);
+    let cone = unroll(&generators, 0);
     assert!(cone.strain < 1e-9, "{}", cone.strain);
     widths_and_seams_hold(&generators, &cone);
 }
@@ -166,14 +166,14 @@ fn a_sphere_is_strained() {
                 .collect()
         })
         .collect();
-    let flat = unroll(&rows);
+    let flat = unroll(&rows, 0);
     widths_and_seams_hold(&rows, &flat);
     assert!((1e-4..0.05).contains(&flat.strain), "{}", flat.strain);
 }
 
 /// The shape as it is drawn gives back the ballooning of the plan, from the heights of the panels' middles.
 fn drawn_ballooning() {
-    use ripstop::geometry::wing::section::lookup;
+    use ripstop::geometry::table::lookup;
     use ripstop::measure::{ballooning_differences, cell_width_ratios, flown_ballooning};
     let scene = school();
     let (wing, body) = (scene.wing().unwrap(), scene.body.as_ref().unwrap());

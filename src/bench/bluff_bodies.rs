@@ -18,6 +18,7 @@ use crate::geometry::profile::Profile;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::stability::Body;
+use crate::measure::extremes::largest;
 use crate::output::write_atomically;
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};
@@ -451,10 +452,8 @@ pub fn table(rows: &[Row]) -> String {
         };
         let stands = alike().filter(|other| other.stands).count();
         let worst = |value: fn(&Row) -> f64| {
-            alike()
-                .map(value)
-                .filter(|v| !v.is_nan())
-                .fold(0.0, f64::max)
+            // A flow that broke down has no number, and makes that of them all none.
+            largest(alike().map(value))
         };
         let least = alike().map(|row| row.energy_trend).fold(f64::NAN, f64::min);
         let most = alike().map(|row| row.energy_trend).fold(f64::NAN, f64::max);

@@ -7,14 +7,7 @@ use kuva::prelude::{Layout, LinePlot, MarkerShape, Plot, ScatterPlot};
 use super::{Stop, measurement};
 use crate::lattice::stability::Point;
 use crate::output::write_atomically;
-
-/// Colours that differ also in grey and for colour-blind readers (Okabe & Ito).
-pub(super) const COLOURS: [&str; 8] = [
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442",
-];
-
-/// Resolution of the pictures against the plot's own units.
-pub(super) const SCALE: f32 = 1.5;
+pub(super) use crate::output::{COLOURS, SCALE};
 
 pub(super) fn write(path: &Path, plots: Vec<Plot>, layout: Layout) -> Result<(), Stop> {
     let bytes = kuva::render_to_png(plots, layout, SCALE).map_err(Stop::Plot)?;

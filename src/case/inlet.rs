@@ -4,6 +4,7 @@ use super::file::{self, BoxSide, Inlet};
 use super::problem::Problem;
 use super::usual;
 use super::values::{at_once, positive, readable, within};
+use crate::geometry::table::lookup;
 use crate::lattice::grid::{Faces, InletProfile, Sides, Wall};
 
 /// Exponent of the power law of a turbulent boundary layer (Prandtl; Schlichting).
@@ -80,7 +81,7 @@ pub(super) fn check_inlet(
                     file::Across::Y => middle_m(y),
                     file::Across::Z => middle_m(z),
                 };
-                interpolated(points, place_m)
+                lookup(points, place_m)
             })
         }
     };
@@ -133,31 +134,4 @@ fn sticky(sides: Sides) -> Vec<BoxSide> {
         }
     }
     found
-}
-
-/// The value of a table of `[place, value]` between its points; the first or last one's beyond them.
-fn interpolated(points: &[[f64; 2]], place: f64) -> f64 {
-    let after = points.partition_point(|point| point[0] <= place);
-    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
-        (Some(below), Some(above)) => {
-            let share = (place - below[0]) / (above[0] - below[0]);
-            below[1] + share * (above[1] - below[1])
-        }
-        (Some(last), None) => last[1],
-        (None, Some(first)) => first[1],
-        (None, None) => 1.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tables_are_straight_between_their_points() {
-        let points = [[1.0, 0.2], [2.0, 0.6], [4.0, 1.0]];
-        for (place, value) in [(0.0, 0.2), (1.5, 0.4), (3.0, 0.8), (9.0, 1.0)] {
-            assert!((interpolated(&points, place) - value).abs() < 1e-15);
-        }
-    }
 }

@@ -208,6 +208,11 @@ fn refused(fault: WingFault) -> Problem {
             message,
             "thicken the profile, make holes smaller, or raise mesh.along_chord",
         ),
+        WingFault::MiniRib { .. } => Problem::new(
+            key("mini_ribs"),
+            message,
+            "make mini-ribs longer, thicken the profile, or raise mesh.along_chord",
+        ),
         WingFault::Degenerate { .. } => Problem::new(
             key("stations"),
             message,

@@ -6,6 +6,7 @@ use super::file::{self, File, Friction, HalfName, HeldName};
 use super::problem::Problem;
 use super::usual;
 use super::values::{vector, wing_key as key, within};
+use crate::geometry::table::lookup;
 use crate::geometry::wing::{self, LineKind};
 use crate::lines::drag::LineDrag;
 
@@ -45,14 +46,7 @@ impl Pull {
     /// Length that the risers are shortened by at a time [m].
     #[must_use]
     pub fn at(&self, time_s: f64) -> f64 {
-        let next = self.points.partition_point(|[time, _]| *time <= time_s);
-        if next == 0 {
-            return self.points[0][1];
-        }
-        let [from, a] = self.points[next - 1];
-        self.points
-            .get(next)
-            .map_or(a, |[to, b]| a + (b - a) * ((time_s - from) / (to - from)))
+        lookup(&self.points, time_s)
     }
 
     /// Time after which nothing is hauled any more [s].

@@ -126,7 +126,8 @@ impl Structure {
         }
     }
 
-    /// Gives suspension lines the drag that `of` tells of each, by its number among all cables. Belts, which lie on the fabric, have none.
+    /// Gives suspension lines the drag that `of` tells of each, by its number among all cables. Belts, which lie on the fabric, have none, nor have risers of
+    /// parachutes, which are short.
     pub fn give_lines_drag(&mut self, of: impl Fn(usize) -> LineDrag) {
         for (number, cable) in self.cables.iter_mut().enumerate() {
             if cable.kind == CableKind::SuspensionLine {

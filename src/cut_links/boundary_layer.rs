@@ -277,6 +277,17 @@ impl BoundaryLayers {
         self.layers.iter().map(numbers).collect()
     }
 
+    /// The same on a lattice whose speeds and lengths are so many times as large in numbers.
+    #[must_use]
+    pub fn saved_for(&self, [speed, length]: [f64; 2]) -> Vec<Saved> {
+        let stress = speed * speed;
+        let scales = [
+            speed, speed, speed, speed, length, length, length, stress, stress, stress,
+        ];
+        let scaled = |numbers: Saved| std::array::from_fn(|i| numbers[i] * scales[i]);
+        self.saved().into_iter().map(scaled).collect()
+    }
+
     /// Steps of the air until the layers march again.
     #[must_use]
     pub const fn steps_left(&self) -> u64 {

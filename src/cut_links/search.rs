@@ -35,8 +35,8 @@ pub struct Domain {
     pub repeats: [bool; 3],
     /// Cells at faces that the surface keeps off: those that a box of finer cells exchanges with the lattice around it.
     pub kept: usize,
-    /// The surface may go on beyond faces that do not repeat, where it cuts nothing.
-    pub open: bool,
+    /// Triangles from this one on may go on beyond faces that do not repeat, where they cut nothing; `None`: none may.
+    pub open_from: Option<usize>,
 }
 
 /// A node of the surface outside the air.
@@ -190,11 +190,9 @@ impl Domain {
 
     /// Refuses nodes that stand where the surface may not.
     fn holds(&self, positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), OutOfAir> {
-        if self.open {
-            return Ok(());
-        }
+        let closed = self.open_from.unwrap_or(triangles.len());
         let kept = self.kept as f64;
-        for &node in triangles.iter().flatten() {
+        for &node in triangles[..closed.min(triangles.len())].iter().flatten() {
             let position = positions[node as usize].to_array();
             let outside = |a: usize| {
                 let bounds = if self.kept > 0 {

@@ -38,7 +38,7 @@ const DOMAIN: Domain = Domain {
     cells: [20, 20, 20],
     repeats: [false; 3],
     kept: 0,
-    open: false,
+    open_from: None,
 };
 
 fn found(positions: &[DVec3], triangles: &[[u32; 3]], domain: &Domain) -> CutLinks {
@@ -131,7 +131,7 @@ fn a_closed_surface_is_tight() {
 #[test]
 fn a_sheet_on_cell_centres_is_cut_once() {
     let domain = Domain {
-        open: true,
+        open_from: Some(0),
         ..DOMAIN
     };
     let mut positions = Vec::new();
@@ -191,7 +191,7 @@ fn sides_that_repeat_have_links_over_them() {
         cells: [20, 6, 6],
         repeats: [false, true, true],
         kept: 0,
-        open: false,
+        open_from: None,
     };
     let corners = [[-0.5, -0.5], [5.5, -0.5], [5.5, 5.5], [-0.5, 5.5]];
     let positions = corners.map(|[y, z]| DVec3::new(9.3, y, z));

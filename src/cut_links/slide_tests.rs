@@ -8,7 +8,7 @@ const fn a_box(cells: [usize; 3]) -> Domain {
         cells,
         repeats: [false; 3],
         kept: 0,
-        open: false,
+        open_from: None,
     }
 }
 

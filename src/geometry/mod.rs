@@ -12,4 +12,5 @@ pub mod profile;
 pub mod sheet;
 pub mod spline;
 pub mod surfaces;
+pub mod table;
 pub mod wing;

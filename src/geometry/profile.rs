@@ -117,8 +117,10 @@ impl Profile {
             .collect();
         let digits = digits.ok_or_else(unknown)?;
         let (camber, thickness) = match *digits.as_slice() {
+            // A camber without a place, or a place without camber.
+            [m, p, _, _] if (m > 0.0) != (p > 0.0) => return Err(unknown()),
             [m, p, t1, t2] => (
-                if m == 0.0 || p == 0.0 {
+                if m == 0.0 {
                     Camber::None
                 } else {
                     Camber::FourDigit {
@@ -386,7 +388,9 @@ mod tests {
 
     #[test]
     fn faults_are_named() {
-        for designation in ["", "24", "241x", "23115", "29015", "2400", "2300"] {
+        for designation in [
+            "", "24", "241x", "23115", "29015", "2400", "2300", "4012", "0412",
+        ] {
             assert!(
                 matches!(
                     Profile::naca(designation),

@@ -90,7 +90,15 @@ fn crossing(
         |cell: [i64; 3]| (0..3).all(|a| cell[a] >= first[a] as i64 && cell[a] < end[a] as i64);
     for z in first[2]..end[2] {
         for y in first[1]..end[1] {
-            for x in first[0]..end[0] {
+            // Of rows inside only the ends lie beside a face.
+            let between = |a: usize, i: usize| i > first[a] && i + 1 < end[a];
+            let whole = !(between(1, y) && between(2, z));
+            let step = if whole {
+                1
+            } else {
+                (end[0] - 1 - first[0]).max(1)
+            };
+            for x in (first[0]..end[0]).step_by(step) {
                 let cell = [x as i64, y as i64, z as i64];
                 let next: [i64; 3] = std::array::from_fn(|a| cell[a] + i64::from(c[a]));
                 if !inside(next) {

@@ -9,7 +9,8 @@ use glam::DVec3;
 use super::read_out::results;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
-use crate::geometry::wing::section::{Side, lookup};
+use crate::geometry::table::lookup;
+use crate::geometry::wing::section::Side;
 use crate::output::{Quantity, Results};
 use crate::statics::ShapingStep;
 

@@ -11,6 +11,7 @@ pub mod catenary;
 mod comparison;
 mod contact;
 mod energy;
+pub(crate) mod extremes;
 mod fabric;
 pub(crate) mod falling;
 mod filling;

@@ -32,14 +32,14 @@ impl AccountRow {
     /// A row whose value may be `limit` at most.
     #[must_use]
     pub fn at_most(name: &str, meaning: &str, unit: &str, value: f64, limit: f64) -> Self {
-        let value = Some(value).filter(|value| value.is_finite());
         Self {
             name: name.to_owned(),
             meaning: meaning.to_owned(),
             unit: unit.to_owned(),
-            value,
+            value: Some(value).filter(|value| value.is_finite()),
             limit: Some(limit),
-            reached: value.map(|value| value <= limit),
+            // What is no number is not met.
+            reached: Some(value <= limit),
             detail: String::new(),
         }
     }

@@ -9,12 +9,12 @@ use super::atomic::{OutputError, write_atomically};
 use super::provenance::Provenance;
 
 /// Colours that differ also in grey and for colour-blind readers (Okabe & Ito).
-const COLOURS: [&str; 8] = [
+pub(crate) const COLOURS: [&str; 8] = [
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442",
 ];
 
 /// Resolution of PNG files against the chart's own units.
-const SCALE: f32 = 1.5;
+pub(crate) const SCALE: f32 = 1.5;
 
 /// Largest over smallest x of markers from which the axis is logarithmic.
 const WIDE: f64 = 30.0;

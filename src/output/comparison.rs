@@ -8,6 +8,7 @@ use super::aligned::aligned;
 use super::atomic::{OutputError, write_atomically};
 use super::digits::{NOTHING, UNRESOLVED, significant, with_interval};
 use super::quantity::Quantity;
+use super::table::field;
 
 /// Cells of the nominal diameter within which nothing that air does to a sheet is resolved: half the width of the kernel through
 /// which the two meet.
@@ -277,19 +278,18 @@ pub fn write_comparison(folder: &Path, rows: &[ComparisonRow]) -> Result<(), Out
             "why",
             "note",
         ])?;
-        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
         for row in rows {
             csv.write_record([
                 row.quantity.clone(),
                 row.unit.clone(),
                 row.source.clone(),
-                number(Some(row.reference[0])),
-                number(Some(row.reference[1])),
-                number(row.value),
-                number(row.confidence),
-                number(row.sampling_error),
-                number(row.difference),
-                number(row.relative_difference),
+                field(Some(row.reference[0])),
+                field(Some(row.reference[1])),
+                field(row.value),
+                field(row.confidence),
+                field(row.sampling_error),
+                field(row.difference),
+                field(row.relative_difference),
                 row.resolved.map_or_else(String::new, |r| r.to_string()),
                 row.why.clone(),
                 row.note.clone().unwrap_or_default(),

@@ -30,6 +30,7 @@ mod xml;
 pub use account::AccountRow;
 pub use aligned::aligned;
 pub use atomic::{OutputError, prepare_directory, remove_leftovers, write_atomically};
+pub(crate) use chart::{COLOURS, SCALE};
 pub use chart::{Chart, Series};
 pub use comparison::{
     ComparisonRow, LatticeError, UNRESOLVED_CELLS, comparison_markdown, comparison_text,
@@ -50,6 +51,7 @@ pub use summary::{
     CaseInfo, LatticeSize, MillisecondsPerStep, Processor, SCHEMA_VERSION, StageTime, StopInfo,
     StructureEvery, Summary, write_summary,
 };
+pub(crate) use table::field;
 pub use table::{write_table, write_text_table};
 pub use validity::{Bound, ExpectedError, Supports, ValidityRow, When, mark};
 pub use vtk::{write_bodies_vtp, write_canopy_vtp, write_flow, write_flow_vti};

@@ -4,6 +4,11 @@ use std::path::Path;
 
 use super::atomic::{OutputError, write_atomically};
 
+/// A number as a field of a table, with all its digits; nothing where there is none.
+pub(crate) fn field(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| format!("{value:?}"))
+}
+
 /// Writes a table of words with a header, whole or not at all.
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::report::megabytes;
 use super::{Plan, Sizes};
 use crate::case::Scene;
 use crate::lattice::DIRECTION_COUNT;
@@ -103,7 +104,6 @@ impl Disk {
 /// Writes it for `ripstop check`.
 pub(super) fn write(out: &mut impl Write, plan: &Plan, scene: &Scene) -> std::fmt::Result {
     let disk = Disk::new(scene, &plan.sizes);
-    let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
     let stays = if scene.time.is_some() && scene.equilibrium.is_none() {
         "one stays as final.checkpoint"
     } else {

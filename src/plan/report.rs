@@ -15,7 +15,7 @@ use crate::cloth::{Structure, TimeIntegration};
 use crate::geometry::plate::Plate;
 use crate::immersed::markers;
 
-fn megabytes(bytes: u64) -> String {
+pub(super) fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
 

@@ -306,11 +306,14 @@ fn coefficients(
         .pressure_forces(surface, case.density_kg_m3, case.moment_point_m);
     let sections_n_m = moment_of_sections(case, sections, surface, viscous);
     let moment = (near.moment_n_m + sections_n_m) / (area * case.reference_chord_m);
+    let profile_drag = halves * half_m2 / case.reference_area_m2;
     Coefficients {
         lift: far.lift_n / area,
         induced_drag: far.induced_drag_n / area,
-        profile_drag: halves * half_m2 / case.reference_area_m2,
-        side_force: near.force_n.y / area,
+        profile_drag,
+        // The drag of sections acts along the stream, which comes from the side in sideslip.
+        side_force: near.force_n.y / area
+            + profile_drag * viscous.flow.stream_m_s.normalize_or_zero().y,
         rolling_moment: -moment.x,
         pitching_moment: moment.y,
         yawing_moment: -moment.z,

@@ -1,7 +1,7 @@
 //! Where markers stand: a little inside the surface, because the kernel of a marker reaches beyond it and makes a body act larger
 //! than it is drawn.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DMat3, DVec3};
 
@@ -19,6 +19,9 @@ const SMALLEST_SHARE: f64 = 0.05;
 #[must_use]
 pub fn inset(surface: &Surface, closed_m: f64, rim_m: f64) -> Option<Surface> {
     let mut result = surface.clone();
+    if closed_m == 0.0 && rim_m == 0.0 {
+        return Some(result);
+    }
     let parts = parts(surface);
     for part in &parts {
         let part_surface = Surface {
@@ -107,6 +110,7 @@ fn move_inwards(part: &Surface, distance_m: f64, result: &mut Surface) {
 fn draw_rim_in(part: &Surface, rim: &[[u32; 2]], distance_m: f64, result: &mut Surface) {
     // Sum of the inward normals of the two rim edges of every rim node.
     let mut inward: HashMap<u32, DVec3> = HashMap::new();
+    let rim: HashSet<[u32; 2]> = rim.iter().copied().collect();
     for (&nodes, area) in part.triangles.iter().zip(part.area_vectors_m2()) {
         let normal = area.normalize_or_zero();
         for k in 0..3 {

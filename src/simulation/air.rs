@@ -11,7 +11,7 @@ use crate::gpu::{self, Device, DeviceError};
 use crate::lattice::control_volume::{ControlVolume, MassMomentum};
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::lattice::grid::{
-    CellState, Extremes, Faces, Grid, Initial, Setup, Sides, StreamwiseEnds, Wall,
+    CellState, Extremes, Faces, Grid, Initial, InletProfile, Setup, Sides, StreamwiseEnds, Wall,
 };
 use crate::lattice::nest::Level;
 use crate::lattice::start::{Start, Stress};
@@ -230,7 +230,17 @@ pub(super) fn inner_setup(outermost: &Setup, air: &Air, level: &Level) -> Setup 
         } else {
             StreamwiseEnds::Walls([Wall::OfBox; 2])
         },
-        inlet_profile: None,
+        // While the wind rises cells gain what that of the outermost lattice gains that they lie in.
+        inlet_profile: outermost.inlet_profile.as_ref().map(|outer| {
+            let across = (1_u32 << (air.depth() - level.depth)) as f64;
+            let share = |axis: usize, cell: usize| {
+                let place = level.corner[axis] as f64 + across * (cell as f64 + 0.5);
+                place / air.cells[axis] as f64
+            };
+            InletProfile::new(level.cells, |y, z| {
+                outer.ratio_at([share(1, y), share(2, z)])
+            })
+        }),
         sides: Sides::Each(sides.map(|spans| match spans {
             true => Faces::Periodic,
             false => Faces::Walls([Wall::OfBox; 2]),

@@ -53,6 +53,11 @@ impl Cadence {
         self.every
     }
 
+    /// Step that the span under way at `step` ends with.
+    pub(super) fn end_of_span(&self, step: u64) -> u64 {
+        self.next.max(step)
+    }
+
     /// Steps of the present span that are gone before `step`.
     pub(super) fn gone(&self, step: u64) -> u32 {
         let left = self.next.saturating_sub(step);

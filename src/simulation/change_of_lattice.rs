@@ -7,8 +7,8 @@
 //! `spread` owes the air are owed on, in newtons: to the same markers, or by area to those of the same triangle. Since the bare velocity
 //! of forced air is u − F/2ρ in each lattice's own units (Guo forcing), that shift is exchanged, too: without that, the layer of air
 //! at the sheet starts with a jolt. What slip one pass leaves is proportional to the force and to the time step: after a longer step the drag is
-//! lower for a while, which callers keep small by changing it little at a time. Impulses since release go on; the mass balance of the
-//! momentum box begins anew.
+//! lower for a while, which callers keep small by changing it little at a time. At cut links the pressures on both faces of the sheet, boundary layers
+//! and the loads of the last step go on. Impulses since release go on; the mass balance of the momentum box begins anew.
 //!
 //! *Not kept*: moments beyond the stress, and the held eddy viscosity, which is evaluated anew; mass and momentum of the air to more than the
 //! error of interpolation; and of the exchange with the structure the difference of one step's length times the force.
@@ -235,9 +235,11 @@ impl Simulation {
             None => None,
         };
         let mut owed = Vec::new();
+        let mut links = None;
         if let Some(coupled) = self.coupled.take() {
             fields[old.depth()].add_half(&coupled.pending_forces());
             owed = on_lattice(&coupled, &scene, &new.units, self.cloth.as_ref());
+            links = coupled.into_links();
         }
         let finest = new.finest();
         let shifts = half_steps(&owed, finest.cells);
@@ -281,7 +283,8 @@ impl Simulation {
         };
         self.count_steps();
         if let (Some(coupled), Some(air)) = (&mut self.coupled, &self.air) {
-            let left = coupled.go_on(air.finest(), self.cloth.as_ref(), time_s, &owed)?;
+            let surfaces = (self.cloth.as_ref(), time_s);
+            let left = coupled.go_on(air.finest(), surfaces, &owed, links.as_deref())?;
             self.still_inside(left)?;
         }
         self.start_impulses()?;

@@ -116,10 +116,12 @@ impl Simulation {
             self.energy = EnergyAccount::restore(from)?;
         }
         self.opening = Opening::restore(from)?;
-        self.haul_risers(self.time_s());
+        let mut hauled_to = self.step;
         if let Some(cadence) = &mut self.cadence {
             cadence.restore(from)?;
+            hauled_to = cadence.end_of_span(self.step);
         }
+        self.haul_risers(self.time_at(hauled_to));
         if let Some(adaptive) = &mut self.adaptive {
             adaptive.restore(from)?;
         }

@@ -150,17 +150,24 @@ impl Simulation {
     /// Gathers what the next solve needs to know.
     fn begin_solve(&mut self) {
         self.begin_energy();
-        self.place_supports_at_work(self.time_at(self.step + 1));
+        self.begin_span();
+        self.haul_to_the_end_of_the_span();
         if let Some(coupled) = &mut self.coupled {
             coupled.gather_reactions();
         }
-        self.begin_span();
+    }
+
+    /// Supports and risers are where they are when the span ends, which one solve covers.
+    fn haul_to_the_end_of_the_span(&mut self) {
+        let end = self.step + u64::from(self.every());
+        self.place_supports_at_work(self.time_at(end));
     }
 
     /// Solves anew over fewer steps where the fabric moves too far; then the solution stands.
     fn end_solve(&mut self, before: Option<StructureState>) -> Result<(), Failure> {
         if let Some(before) = before {
             while self.take_back(&before) {
+                self.haul_to_the_end_of_the_span();
                 let solved = self.with_fabric(|engine, cloth, input, settings| {
                     engine.solve(cloth, input, settings)
                 });

@@ -158,17 +158,32 @@ impl Coupled {
             .map_or_else(Vec::new, |kernel| kernel.pending_forces().collect())
     }
 
-    /// Goes on on another lattice at `time_s`, owing the air the forces of its first markers [cells, lattice units].
+    /// Goes on on another lattice at `time_s`: with a kernel owing the air the forces of its first markers [cells, lattice units], at cut links from
+    /// what was known `before`.
     pub(super) fn go_on(
         &mut self,
         air: &AirEngine,
-        cloth: Option<&Cloth>,
-        time_s: f64,
+        (cloth, time_s): (Option<&Cloth>, f64),
         owed: &[([f64; 3], [f64; 3])],
+        before: Option<&LinkCoupling>,
     ) -> Result<Result<(), LeftTheAir>, DeviceError> {
+        match (self, before) {
+            (Self::Kernel(kernel), _) => left(kernel.go_on(air, cloth, time_s, owed)),
+            (Self::Links(links), Some(before)) => {
+                let gone_on = links.go_on(before, cloth, time_s);
+                Ok(gone_on.map_err(LeftTheAir::from))
+            }
+            (Self::Links(links), None) => {
+                Ok(links.find_links(cloth, time_s).map_err(LeftTheAir::from))
+            }
+        }
+    }
+
+    /// What cut links know of the air; nothing with a kernel.
+    pub(super) fn into_links(self) -> Option<Box<LinkCoupling>> {
         match self {
-            Self::Kernel(kernel) => left(kernel.go_on(air, cloth, time_s, owed)),
-            Self::Links(links) => Ok(links.go_on(cloth, time_s).map_err(LeftTheAir::from)),
+            Self::Kernel(_) => None,
+            Self::Links(links) => Some(links),
         }
     }
 

@@ -80,14 +80,14 @@ pub struct CutReaction {
 }
 
 impl CutSurface {
-    /// A surface in the air of `engine` whose triangles have these nodes, of `count`. It keeps off `kept` cells at all faces; where it is `open`
-    /// it goes on beyond them.
+    /// A surface in the air of `engine` whose triangles have these nodes, of `count`. It keeps off `kept` cells at all faces; triangles
+    /// from `open_from` on may go on beyond them.
     #[must_use]
     pub fn new(
         engine: &AirEngine,
         triangles: Vec<[u32; 3]>,
         count: usize,
-        (kept, open): (usize, bool),
+        (kept, open_from): (usize, Option<usize>),
     ) -> Self {
         let setup = engine.setup();
         Self {
@@ -95,7 +95,7 @@ impl CutSurface {
                 cells: setup.cells,
                 repeats: setup.repeats(),
                 kept,
-                open,
+                open_from,
             },
             viscosity: (setup.relaxation_time - 0.5) / 3.0,
             positions: vec![DVec3::ZERO; count],

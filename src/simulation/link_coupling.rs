@@ -116,7 +116,8 @@ impl LinkCoupling {
             0 => 0,
             _ => EXCHANGED_CELLS + if modelled { CHANGED_BY_LAYERS } else { 0 },
         };
-        let open = scene.passes_through_a_face();
+        // Fabric stays inside; bodies may pass.
+        let open_from = scene.passes_through_a_face().then_some(fabric_triangles);
         let mean_m2 = areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64;
         // Of an equilateral triangle.
         let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
@@ -124,7 +125,7 @@ impl LinkCoupling {
         let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
         place_bodies(&bodies, 0.0, lattice, &mut positions);
-        let surface = CutSurface::new(engine, triangles, nodes, (kept, open));
+        let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from));
         let surface = match &scene.friction {
             Some(friction) => {
                 let bodies = scene.rigid_bodies.iter().zip(&friction.bodies);
@@ -228,8 +229,33 @@ impl LinkCoupling {
         self.surface.find_links(&self.positions)
     }
 
-    /// Goes on on another lattice.
-    pub(super) fn go_on(&mut self, cloth: Option<&Cloth>, time_s: f64) -> Result<(), OutOfAir> {
+    /// Goes on on another lattice, with what was known of the air and of the loads on the one `before`, in SI units.
+    pub(super) fn go_on(
+        &mut self,
+        before: &Self,
+        cloth: Option<&Cloth>,
+        time_s: f64,
+    ) -> Result<(), OutOfAir> {
+        let scale = |of: fn(&Units) -> f64| of(&before.units) / of(&self.units);
+        let [pressure, force] = [scale(Units::pressure_pa), scale(Units::force_n)];
+        let [speed, length] = [scale(Units::speed_m_s), scale(|units| units.cell_size_m)];
+        let excess = before.surface.face_pressures().iter();
+        let excess = excess.map(|faces| faces.map(|face| face * pressure));
+        let layers = before.surface.boundary_layers();
+        let (layers, steps_left) = layers.map_or_else(Default::default, |layers| {
+            (layers.saved_for([speed, length]), layers.steps_left())
+        });
+        self.place(cloth, time_s);
+        let places = self.positions.clone();
+        self.surface
+            .go_on(excess.collect(), (&layers, steps_left), places);
+        let scaled = |vector: [f64; 3], by: f64| vector.map(|component| component * by);
+        self.force_on_air = scaled(before.force_on_air, force);
+        self.fabric_force_on_air = scaled(before.fabric_force_on_air, force);
+        for (load, old) in self.loads.iter_mut().zip(&before.loads) {
+            load.force = scaled(old.force, force);
+            load.moment = scaled(old.moment, force * length);
+        }
         self.take_velocities(cloth, time_s, true);
         self.find_links(cloth, time_s)
     }

@@ -78,6 +78,8 @@ impl Simulation {
             if let (Verdict::Refused(halvings), Some(cloth)) = (verdict, &mut self.cloth) {
                 before.put_back(cloth);
                 self.energy = held_still;
+                // Risers, too, are as long as where the part began.
+                self.place_supports(start_s + step_s * (done as f64 / smallest as f64));
                 adaptive.halvings += halvings;
                 adaptive.most_halvings = adaptive.most_halvings.max(adaptive.halvings);
                 continue;

@@ -8,7 +8,7 @@ use super::order::{OnLattice, SAME, convergence};
 use super::vary::{LATTICE_KEYS, SHIFT_KEY};
 use crate::measure::statistics::student;
 use crate::output::{
-    ComparisonRow, LatticeError, OutputError, Quantity, comparison_markdown, significant,
+    ComparisonRow, LatticeError, OutputError, Quantity, comparison_markdown, field, significant,
     value_and_uncertainty, write_atomically,
 };
 
@@ -444,7 +444,6 @@ pub(super) fn write_ladders(folder: &Path, ladders: &[Ladder]) -> Result<(), Out
             .map(str::to_owned),
         );
         csv.write_record(&header)?;
-        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
         for ladder in ladders {
             for rung in &ladder.rungs {
                 let mut cells = vec![
@@ -455,18 +454,18 @@ pub(super) fn write_ladders(folder: &Path, ladders: &[Ladder]) -> Result<(), Out
                 for k in 0..most {
                     cells.extend([
                         ladder.lattices.get(k).cloned().unwrap_or_default(),
-                        number(ladder.cell_sizes_m.get(k).copied()),
+                        field(ladder.cell_sizes_m.get(k).copied()),
                         (ladder.starts.get(k)).map_or_else(String::new, usize::to_string),
-                        number(rung.values.get(k).copied().flatten()),
-                        number(rung.intervals.get(k).copied().flatten()),
+                        field(rung.values.get(k).copied().flatten()),
+                        field(rung.intervals.get(k).copied().flatten()),
                     ]);
                 }
                 cells.extend([
                     rung.interval_of.clone(),
-                    number(rung.order),
-                    number(rung.tends_to),
-                    number(rung.lattice_error),
-                    number(rung.error),
+                    field(rung.order),
+                    field(rung.tends_to),
+                    field(rung.lattice_error),
+                    field(rung.error),
                     rung.resolved.map_or_else(String::new, |r| r.to_string()),
                     rung.verdict.clone(),
                 ]);

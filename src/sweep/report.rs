@@ -6,7 +6,7 @@ use super::contents::{Outcome, Status, Sweep, last};
 use super::ladder::{ladder_markdown, ladders, write_ladders};
 use crate::measure::shared::TIME;
 use crate::output::{
-    Chart, OutputError, Provenance, Quantity, ReadOut, Series, value_and_uncertainty,
+    Chart, OutputError, Provenance, Quantity, ReadOut, Series, field, value_and_uncertainty,
     write_atomically,
 };
 
@@ -148,7 +148,6 @@ fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {
             header.extend([name.clone(), format!("{name}_uncertainty")]);
         }
         csv.write_record(&header)?;
-        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
         for run in &sweep.runs {
             let mut cells: Vec<String> = keys
                 .iter()
@@ -157,8 +156,8 @@ fn write_csv(folder: &Path, sweep: &Sweep) -> Result<(), OutputError> {
             cells.extend([run.folder.clone(), run.status.name().to_owned()]);
             for name in &names {
                 let quantity = run.results.get(name);
-                cells.push(number(quantity.and_then(|q| q.value)));
-                cells.push(number(
+                cells.push(field(quantity.and_then(|q| q.value)));
+                cells.push(field(
                     quantity.and_then(|q| q.confidence.or(q.sampling_error)),
                 ));
             }

@@ -61,6 +61,11 @@ const RANGE_RAD: [f64; 2] = [-0.35, 0.7];
 /// Width of the bracket at which it is done [rad].
 const ANGLE_TOLERANCE_RAD: f64 = 1e-7;
 
+/// Largest arm of the weight whose moment counts as balance [m], and the largest turn of the wing's centre of mass that moves it as far [rad]: what
+/// is left at a root that is one is a thousandth of it.
+const LARGEST_ARM_M: f64 = 1e-3;
+const LARGEST_TURN_RAD: f64 = 1e-3;
+
 /// Most evaluations within a bracket.
 const LIMIT: usize = 60;
 
@@ -177,7 +182,15 @@ pub fn find(
             break;
         }
     }
-    Ok(best)
+    let weight_n = weights.gravity_m_s2 * (weights.wing_kg + weights.pilot_kg);
+    let allowed_n_m = weight_n * LARGEST_ARM_M.max(LARGEST_TURN_RAD * weights.centre_m.length());
+    if best.moment_n_m.abs() <= allowed_n_m {
+        return Ok(best);
+    }
+    Err(TrimError::Jump {
+        angle_deg: best.stream_rad.to_degrees(),
+        moment_n_m: best.moment_n_m,
+    })
 }
 
 #[cfg(test)]

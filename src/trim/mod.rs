@@ -103,6 +103,16 @@ pub enum TrimError {
         /// Angle [°].
         angle_deg: f64,
     },
+    /// Moments jump over their balance.
+    #[error(
+        "moments about the hang points are in balance at no angle between stream and wing: at {angle_deg:.1} degrees they jump, to {moment_n_m:.0} N m on one side. The wing is at its stall there, or the stream stagnates at the lip of a mouth"
+    )]
+    Jump {
+        /// Where they jump [°].
+        angle_deg: f64,
+        /// The smaller of the moments on both sides, nose up [N m].
+        moment_n_m: f64,
+    },
     /// Sections and wing do not agree on their lift.
     #[error(
         "at {angle_deg:.1} degrees between stream and wing the sections have no lift that agrees with the wing's (C_l differs by {residual:.1e}): the wing is beyond its stall or has collapsed, or a polar of [equilibrium.trim.polars] jumps"

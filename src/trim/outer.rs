@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::skin::Skin;
 use crate::aero::surface::PanelSurface;
-use crate::geometry::wing::section::lookup;
+use crate::geometry::table::lookup;
 
 /// Coefficients of pressure over the skin of the half wing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -6,12 +6,12 @@
 
 use std::f64::consts::TAU;
 
-use super::extremes::largest;
 use super::flows::states;
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
 use crate::lattice::{Operator, SOUND_SPEED_SQUARED};
+use crate::measure::extremes::largest;
 
 /// Largest density excess of the packet.
 const AMPLITUDE: f64 = 1e-3;
@@ -141,7 +141,13 @@ impl Packet {
         };
         endless.cells[axis] *= 3;
         let left = self.largest_at_the_end(session, tunnel, 0)?;
-        Ok(left / self.largest_at_the_end(session, endless, cells[axis])?)
+        let endless = self.largest_at_the_end(session, endless, cells[axis])?;
+        // A packet that grows where it meets nothing is no measure.
+        Ok(if endless <= AMPLITUDE {
+            left / endless
+        } else {
+            f64::NAN
+        })
     }
 
     /// Largest density excess when what came back is where the packet began; `before` cells lie before the box.

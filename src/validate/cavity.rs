@@ -1,11 +1,11 @@
 //! Cubic cavity under a moving lid at Re 1000, steady: velocity on two centre lines against the tables of Albensoeder & Kuhlmann 2005.
 
-use super::extremes::largest;
 use super::flows::{relaxation_time, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::{Faces, Setup, Sides, StreamwiseEnds, Wall};
+use crate::measure::extremes::largest;
 use crate::simulation::AirEngine;
 
 const REFERENCE: &str = include_str!("data/cavity_re1000.csv");

@@ -1,13 +1,13 @@
 //! Boxes of finer cells inside a lattice ([`crate::simulation::Levels`]): uniform streams, uniform acceleration, vortices that pass, sound that
 //! meets a box.
 
-use super::extremes::largest;
 use super::flows::{periodic, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::grid::Setup;
 use crate::lattice::nest::Nest;
+use crate::measure::extremes::largest;
 use crate::simulation::Levels;
 
 /// Density excess and velocity by place and time, in cells and steps of the coarsest lattice.

@@ -1,7 +1,7 @@
 //! Validation: problems with known answers, computed through the public interface of the crate, one file per problem.
 //!
 //! Each problem computes a few flows and adds rows to a [`Report`]: a quantity, its reference, its error, and the gate that it must pass.
-//! The quick set takes about a minute on two CPU cores; coarse grids have gates of their own there, which the row says. `--full` takes
+//! The quick set takes about a minute and a half on two CPU cores; coarse grids have gates of their own there, which the row says. `--full` takes
 //! the sizes for which the reference gates are meant.
 
 mod acoustic_pulse;
@@ -13,7 +13,6 @@ mod couette;
 mod coupling;
 mod disk;
 mod drag;
-mod extremes;
 mod falling_disk;
 mod flows;
 mod levels;

@@ -366,7 +366,7 @@ fn cut_plate(
     }
     Ok(CutPlate {
         at_rest: vec![DVec3::ZERO; positions.len()],
-        surface: CutSurface::new(air, triangles, positions.len(), (0, true)),
+        surface: CutSurface::new(air, triangles, positions.len(), (0, Some(0))),
         positions,
     })
 }

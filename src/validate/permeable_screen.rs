@@ -130,7 +130,7 @@ impl CutScreen {
         let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
         let law = Some([LAW.viscous_pa_s_m, LAW.inertial_kg_m3]);
         let laws = vec![law; triangles.len()];
-        let surface = CutSurface::new(air, triangles, structure.node_count(), (0, false));
+        let surface = CutSurface::new(air, triangles, structure.node_count(), (0, None));
         Ok(Self {
             surface: surface.permeable(&laws, 1.0),
             cloth: Cloth::new(structure),

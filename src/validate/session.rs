@@ -4,11 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::extremes::largest;
 use super::flows::slope;
 use super::report::{Gate, Report, Row};
 use crate::gpu::{Device, DeviceError};
 use crate::lattice::grid::{Initial, Setup};
+use crate::measure::extremes::largest;
 use crate::plan::AirPlacement;
 use crate::run::Observer;
 use crate::simulation::{AirEngine, MarkerEngine};

@@ -2,12 +2,12 @@
 //! U tanh(80 (¾ − y)) above, v = 0.05 U sin(2π(x + ¼)). Layers of a cell or less must roll up without breaking down at any Reynolds
 //! number, with the settings of high-Reynolds cases: regularised operator, Smagorinsky constant 0.15.
 
-use super::extremes::larger;
 use super::flows::{periodic, relaxation_time};
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
+use crate::measure::extremes::larger;
 
 const SPEED: f64 = 0.05;
 

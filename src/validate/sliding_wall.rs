@@ -82,11 +82,20 @@ fn planes(session: &mut Session) -> Result<(), Stop> {
             .row(
                 cells,
                 format!("plane at {angle} degrees: drag over that where the air sticks"),
-                (drag[0] / drag[1]).abs(),
+                share_of_drag(drag),
             )
             .gate(Gate::AtMost(BAND_OF_DRAG));
     }
     Ok(())
+}
+
+/// Drag where the air slides over that where it sticks; not a number where that is none: a stream has no more to lose than it has.
+fn share_of_drag([slides, sticks]: [f64; 2]) -> f64 {
+    if sticks > 0.0 && sticks < 1.0 {
+        (slides / sticks).abs()
+    } else {
+        f64::NAN
+    }
 }
 
 /// What a disturbed stream along walls loses where it slides and where it sticks, summed over all steps.
@@ -103,7 +112,7 @@ fn drags(
     {
         let setup = periodic(cells, 0.5001, Operator::StabilisedRegularised);
         let mut air = session.air(setup, &|cell| (0.0, disturbed(along * SPEED, cell)))?;
-        let surface = CutSurface::new(&air, triangles.to_vec(), positions.len(), (0, false));
+        let surface = CutSurface::new(&air, triangles.to_vec(), positions.len(), (0, None));
         let mut surface = surface.with_friction(vec![friction; triangles.len()], 0.0, positions);
         for _ in 0..STEPS {
             *drag -= step(session, &mut air, &mut surface, positions)?.dot(along);
@@ -203,7 +212,7 @@ fn coefficients(
     let mut air = session.air(setup, &|_| (0.0, [SPEED, 0.0, 0.0]))?;
     air.set_inlet_velocity([SPEED, 0.0, 0.0]);
     let (count, friction) = (positions.len(), vec![friction; triangles.len()]);
-    let surface = CutSurface::new(&air, triangles, count, (0, false));
+    let surface = CutSurface::new(&air, triangles, count, (0, None));
     let mut surface = surface.with_friction(friction, 0.0, &positions);
     let steps = |chords: f64| (chords * chord / SPEED) as usize;
     let mut sum = DVec3::ZERO;

@@ -7,12 +7,12 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use super::extremes::largest;
 use super::flows::{periodic, relaxation_time};
 use super::report::Gate;
 use super::session::{Session, Stop};
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
+use crate::measure::extremes::largest;
 
 /// (t U/L, kinetic energy per mass / U²) of the reference.
 const ENERGY: [(f64, f64); 4] = [

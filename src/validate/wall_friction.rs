@@ -142,7 +142,7 @@ impl Plate {
         let mut air = session.air(setup, &|_| (0.0, (along * SPEED).to_array()))?;
         let (positions, triangles) = self.mesh(along);
         let count = triangles.len();
-        let mut surface = CutSurface::new(&air, triangles, positions.len(), (0, false))
+        let mut surface = CutSurface::new(&air, triangles, positions.len(), (0, None))
             .with_friction(vec![friction; count], transition_reynolds, &positions);
         let steps = |lengths: f64| (lengths * length / SPEED) as usize;
         let (all, judged) = (steps(LENGTHS), steps(JUDGED));

@@ -52,6 +52,7 @@ pub struct Outcome {
 /// Brings layers to a solution.
 pub fn solve(setting: &Setting<'_>, layers: &mut Layers) -> Outcome {
     let mut residual = f64::INFINITY;
+    let mut done = 0;
     for steps in 0..STEPS {
         let (step, largest) = linearised(setting, layers);
         residual = largest;
@@ -62,15 +63,17 @@ pub fn solve(setting: &Setting<'_>, layers: &mut Layers) -> Outcome {
                 steps,
             };
         }
+        done = steps;
         let Some(step) = step else { break };
         if !apply(setting, layers, &step) {
             break;
         }
+        done += 1;
     }
     Outcome {
         is_solved: false,
         residual,
-        steps: STEPS,
+        steps: done,
     }
 }
 

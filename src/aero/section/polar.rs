@@ -186,7 +186,7 @@ impl Section {
                 None => first_guess(&setting),
             };
             let outcome = newton::solve(&setting, &mut layers);
-            if angle == angle_rad && !outcome.is_solved && outcome.residual < worst.residual {
+            if angle == angle_rad && !outcome.is_solved && outcome.residual <= worst.residual {
                 worst = outcome;
             }
             outcome

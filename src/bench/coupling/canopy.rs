@@ -9,6 +9,7 @@ use crate::case::scene::BodyKind;
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
 use crate::measure::canopy::IMPULSE_LINES;
+use crate::measure::extremes::larger;
 use crate::measure::shared::{
     IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, PROJECTED_DIAMETER_RATIO, SLIP_RATIO, TIME,
 };
@@ -164,7 +165,7 @@ pub(super) fn run(
         record.add(&mut simulation)?;
         let frame = simulation.structure_frame();
         let speeds = frame.structure.iter().flat_map(|s| &s.velocities_m_s);
-        fastest = speeds.map(|v| v.length()).fold(fastest, f64::max);
+        fastest = speeds.map(|v| v.length()).fold(fastest, larger);
         if let (true, Some(coupled)) = (step > half, simulation.coupled()) {
             leakages.extend(coupled.leakage_m_s(simulation.cloth(), simulation.time_s())?);
         }

@@ -372,6 +372,10 @@ impl Sewing<'_> {
         let mut has_above = vec![false; knots.len()];
         let mut has_below = vec![false; knots.len()];
         for &[a, b] in &ends {
+            // Shorter than a knot: no line, and nothing above or below it.
+            if a == b {
+                continue;
+            }
             let (up, down) = if knots[a].0.z > knots[b].0.z {
                 (a, b)
             } else {

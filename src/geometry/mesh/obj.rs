@@ -177,6 +177,13 @@ pub(super) fn cover(
     while corners.len() > 3 && corners.first() == corners.last() {
         corners.pop();
     }
+    if let [first, .., last] = corners[..]
+        && corners.len() < 3
+    {
+        // It has no area, which is refused where triangles are looked at.
+        triangles.push([first, first, last]);
+        return Some(());
+    }
     let places: Vec<DVec3> = corners.iter().map(|n| positions_m[*n as usize]).collect();
     let numbers = polygon::triangles(&places)?;
     triangles.extend(numbers.iter().map(|t| t.map(|k| corners[k])));

@@ -212,7 +212,7 @@ fn joins_of(
                     let distance = from_m.distance(group.target_m);
                     let length = way_below.unwrap_or(distance) - way;
                     if length < LEAST_LINE_M {
-                        return Err((way, distance));
+                        return Err((way, way_below.unwrap_or(distance)));
                     }
                     let along = (group.target_m - from_m).normalize_or(DVec3::Z);
                     (from_m + along * length, Some(way))

@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::builder::Builder;
 use super::parts::{Part, Tag};
 use super::plan::WingFault;
-use super::section::{Side, lookup};
+use super::section::Side;
+use crate::geometry::table::lookup;
 
 /// Point at share `t` of a circular arc of length w (1 + extra) over the distance w, as (along, out) per w.
 #[must_use]

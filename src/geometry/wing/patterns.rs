@@ -74,9 +74,10 @@ fn diagonals(rows: [&[DVec3]; 2], number: usize) -> [f64; 2] {
     [starts[0].distance(high), starts[1].distance(low)]
 }
 
-/// Lays a strip flat; rows have the same number of nodes, at least two, from left to right, and go on to the left of their direction.
+/// Lays a strip flat; rows have the same number of nodes, at least two, from left to right, and go on to the left of their direction. `first_place` is
+/// the place of the first row on the outline: diagonals of the mesh take turns by it.
 #[must_use]
-pub fn unroll(rows: &[Vec<DVec3>]) -> Flat {
+pub fn unroll(rows: &[Vec<DVec3>], first_place: usize) -> Flat {
     let width = |row: &[DVec3]| -> f64 { row.windows(2).map(|p| p[0].distance(p[1])).sum() };
     let mut flat = Flat {
         left: vec![DVec2::ZERO],
@@ -88,7 +89,7 @@ pub fn unroll(rows: &[Vec<DVec3>]) -> Flat {
         let last = row.len() - 1;
         let seams = [row[0].distance(next[0]), row[last].distance(next[last])];
         let across = width(next);
-        let [rising, falling] = diagonals([row, next], number);
+        let [rising, falling] = diagonals([row, next], first_place + number);
         let (a, b) = (flat.left[number], flat.right[number]);
         // One diagonal exact, then the other.
         let by_falling = third(a, b, seams[0], falling);
@@ -221,7 +222,7 @@ pub fn patterns(wing: &BuiltWing, positions_m: &[DVec3]) -> Vec<Pattern> {
                 chord_places: places.iter().map(|k| chord_place(k % count)).collect(),
                 seams_m: [seam(|row| row.first()), seam(|row| row.last())],
                 width_m: widths.fold(0.0, f64::max),
-                flat: unroll(&rows),
+                flat: unroll(&rows, places[0]),
             });
         }
     }

@@ -263,6 +263,14 @@ pub enum WingFault {
         /// Counted from the middle.
         rib: usize,
     },
+    /// The outline of a mini-rib crosses itself.
+    #[error(
+        "the mini-rib of cell {cell} (from the left tip, from 0) cannot be filled with triangles: its outline crosses itself"
+    )]
+    MiniRib {
+        /// From the left tip, from 0.
+        cell: usize,
+    },
     /// Triangles without area.
     #[error(
         "a triangle of the {part} of cell or rib {number} (from the left tip, from 0) has no area"
@@ -275,14 +283,14 @@ pub enum WingFault {
     },
     /// A node of lines would stand at the riser or below it.
     #[error(
-        "lines of row {row} join {to_sail_m} m below the sail, but the riser ends {way_m:.2} m below it, and lines are {LEAST_LINE_M} m long at least"
+        "lines of row {row} join {to_sail_m} m below the sail, but the node below, or the end of the riser, is {way_m:.2} m below it, and lines are {LEAST_LINE_M} m long at least"
     )]
     BelowRiser {
         /// Name of the row.
         row: String,
         /// Way from the node to the sail [m].
         to_sail_m: f64,
-        /// Way from the end of the riser to the mean of the attachments [m].
+        /// Way from the node below it, or from the end of the riser, to the sail [m].
         way_m: f64,
     },
 }

@@ -4,8 +4,8 @@
 //! point), C_o(x/c) outside, f(η) its share along the half span. On a rib it is the difference of its two cells; at a tip C_o is the mean
 //! of both sides. Diagonals and mini-ribs have the same pressure on both sides.
 
-use super::section::lookup;
 use super::{BuiltWing, Part};
+use crate::geometry::table::lookup;
 
 /// A prescribed distribution of pressure.
 #[derive(Debug, Clone, PartialEq)]

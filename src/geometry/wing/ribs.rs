@@ -183,10 +183,7 @@ impl Builder<'_> {
         }
         // Counter-clockwise.
         outline.reverse();
-        let refused = WingFault::Rib {
-            rib: self.count_of(cell),
-        };
-        let filled = planar::fill(&outline, &[], &[]).ok_or(refused)?;
+        let filled = planar::fill(&outline, &[], &[]).ok_or(WingFault::MiniRib { cell })?;
         let frames = [self.frames[cell], self.frames[cell + 1]];
         let place = |p: DVec2| 0.5 * (frames[0].point(p.x, p.y) + frames[1].point(p.x, p.y));
         for i in 1..count {

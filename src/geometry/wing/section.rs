@@ -168,23 +168,6 @@ fn between(points: &[[f64; 2]], x: f64) -> f64 {
     z0 + (z1 - z0) * share
 }
 
-/// Linear interpolation in a table of (place, value) with growing places; constant beyond its ends.
-#[must_use]
-pub fn lookup(table: &[[f64; 2]], at: f64) -> f64 {
-    let (Some(first), Some(last)) = (table.first(), table.last()) else {
-        return 0.0;
-    };
-    if at <= first[0] {
-        return first[1];
-    }
-    if at >= last[0] {
-        return last[1];
-    }
-    let next = table.partition_point(|p| p[0] <= at);
-    let ([x0, y0], [x1, y1]) = (table[next - 1], table[next]);
-    y0 + (y1 - y0) * (at - x0) / (x1 - x0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

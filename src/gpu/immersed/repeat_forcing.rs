@@ -36,7 +36,15 @@ impl Immersed {
     pub fn fetch_marker_forces(&mut self) -> Result<[f64; 3], DeviceError> {
         let count = self.order.len();
         if count > 0 {
-            self.forces = self.device.read(&self.marker_forces, 0, count)?;
+            let bytes = 16 * count as u64;
+            let mut commands = self.device.record("marker forces");
+            self.staging
+                .copy(&mut commands, &self.marker_forces, 0, 0, bytes);
+            self.device.submit(commands);
+            let forces = &mut self.forces;
+            self.staging.read_first(&self.device, bytes, |view| {
+                *forces = bytemuck::pod_collect_to_vec(view);
+            })?;
         }
         Ok(self.forces.iter().fold([0.0; 3], |sum, force| {
             std::array::from_fn(|a| sum[a] + f64::from(force[a]))

@@ -8,7 +8,8 @@
 use super::stand::Next;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
-use crate::geometry::wing::section::{Side, lookup};
+use crate::geometry::table::lookup;
+use crate::geometry::wing::section::Side;
 use crate::measure;
 use crate::run::{Observer, Run, RunError};
 use crate::simulation::Simulation;

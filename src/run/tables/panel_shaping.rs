@@ -3,8 +3,8 @@
 use crate::case::scene::Scene;
 use crate::case::wing::Wing;
 use crate::case::wing_design::Ballooning;
+use crate::geometry::table::lookup;
 use crate::geometry::wing::patterns::{self, Pattern};
-use crate::geometry::wing::section::lookup;
 use crate::output::{
     Chart, OutputError, PatternPiece, Series, write_atomically, write_patterns, write_table,
 };

@@ -5,13 +5,13 @@
 
 use glam::{DVec2, DVec3};
 
-use super::super::extremes::larger;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::flows;
 use crate::aero::AeroError;
 use crate::aero::surface::PanelSurface;
 use crate::geometry::profile::Profile;
+use crate::measure::extremes::larger;
 
 /// Centre of the circle: thickness by −x, camber by y.
 const CENTRE: DVec2 = DVec2::new(-0.1, 0.08);

@@ -5,12 +5,12 @@
 
 use glam::DVec3;
 
-use super::super::extremes::larger;
 use super::super::flows::slope;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::aero::potential_flow::{MEMORY_LIMIT, PotentialFlow};
 use crate::aero::surface::ellipsoid;
+use crate::measure::extremes::larger;
 
 /// Largest error of the pressure coefficient on the finest surface; the coefficient spans 2.25 and 3.1.
 const LARGEST: f64 = 0.05;

@@ -3,13 +3,13 @@
 //! Measured: NACA TR 824 (Abbott, von Doenhoff & Stivers 1945), smooth, at a Reynolds number of 6e6, read off the digitisation by G. Siemens (1994): slopes fitted from −4° to 6°, and the largest
 //! point of each curve. Highest lift has no gate: methods of this kind carry a layer on beyond where it lets go in the tunnel (XFOIL's is as high).
 
-use super::super::extremes::{largest, smallest};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::aero::AeroError;
 use crate::aero::section::Conditions;
 use crate::aero::viscous_polar::viscous_polar;
 use crate::geometry::profile::Profile;
+use crate::measure::extremes::{largest, smallest};
 
 /// Slope [1/°], least drag coefficient, highest lift coefficient; slopes of the first [`THIN`] are judged.
 const MEASURED: [(&str, f64, f64, f64); 5] = [

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::{SETTINGS, built};
@@ -10,6 +9,7 @@ use crate::cpu::cloth::{Cloth, StepInput};
 use crate::geometry::cable;
 use crate::lines::Cable;
 use crate::measure::catenary;
+use crate::measure::extremes::largest;
 
 const LENGTH_OVER_SPAN: f64 = 1.2;
 
@@ -29,7 +29,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             gravity_m_s2: -9.81 * DVec3::Z,
             ..StepInput::default()
         };
-        session.solve(&mut sheet, &input, &SETTINGS)?;
+        session.solve_to_rest(&mut sheet, &input, &SETTINGS)?;
         let sag = largest(sheet.cloth.positions_m.iter().map(|x| -x.z));
         let reactions = sheet.cloth.reactions_n(&input);
         let (_, pull) = reactions[0];

@@ -3,13 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::{SETTINGS, built};
+use super::{SETTINGS, built, crossings};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::geometry::{fabric_surface, surfaces};
+use crate::measure::extremes::largest;
 
 const RADIUS_M: f64 = 0.5;
 
@@ -72,12 +72,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             let share = sheet.cloth.positions_m.iter().zip(&shape).zip(&masses);
             amplitudes.push(share.map(|((x, s), m)| m * s * x.x).sum::<f64>() / norm);
         }
-        let crossings: Vec<f64> = amplitudes
-            .windows(2)
-            .enumerate()
-            .filter(|(_, pair)| pair[0].signum() != pair[1].signum())
-            .map(|(i, pair)| i as f64 + pair[0] / (pair[0] - pair[1]))
-            .collect();
+        let crossings = crossings(&amplitudes);
         // Backward Euler turns by atan(ω dt) per step. One that does not swing has no number, and fails its gates.
         let phase = match &crossings[..] {
             [first, .., last] => PI * (crossings.len() - 1) as f64 / (last - first),

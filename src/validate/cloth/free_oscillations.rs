@@ -8,14 +8,14 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
-use super::{SETTINGS, Sheet, built, isotropic};
+use super::{SETTINGS, Sheet, built, crossings, isotropic};
 use crate::cloth::{Spring, Structure, TimeIntegration};
 use crate::cpu::cloth::integration::FIRST_PARTS;
 use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use crate::geometry::sheet::{self, FabricModel, SheetShape};
+use crate::measure::extremes::largest;
 
 /// Both ways, by their names in cases.
 const WAYS: [(TimeIntegration, &str); 2] = [
@@ -119,12 +119,7 @@ fn mass_on_springs(session: &mut Session) -> Result<(), Stop> {
             if steps == STEPS && integration == TimeIntegration::Bdf2 {
                 row.gate(Gate::AtMost(0.01));
             }
-            let crossings: Vec<f64> = ways
-                .windows(2)
-                .enumerate()
-                .filter(|(_, pair)| pair[0].signum() != pair[1].signum())
-                .map(|(i, pair)| i as f64 + pair[0] / (pair[0] - pair[1]))
-                .collect();
+            let crossings = crossings(&ways);
             // One that does not swing has no period, and fails its gate.
             let longer = match &crossings[..] {
                 [first, .., last] => {

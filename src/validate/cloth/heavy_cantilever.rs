@@ -49,7 +49,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 gravity_m_s2: -weight / fabric.areal_density_kg_m2() * DVec3::Z,
                 ..StepInput::default()
             };
-            session.solve(&mut sheet, &input, &SETTINGS)?;
+            session.solve_to_rest(&mut sheet, &input, &SETTINGS)?;
             let free: Vec<f64> = sheet
                 .cloth
                 .positions_m

@@ -44,7 +44,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
             gravity_m_s2: acceleration * DVec3::X,
             ..StepInput::default()
         };
-        session.solve(&mut sheet, &input, &SETTINGS)?;
+        session.solve_to_rest(&mut sheet, &input, &SETTINGS)?;
         engine = Some(sheet.engine());
         let found = sheet.cloth.positions_m[0].x;
         let row = session

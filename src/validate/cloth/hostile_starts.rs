@@ -5,7 +5,6 @@
 
 use glam::DVec3;
 
-use super::super::extremes::larger;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::{SETTINGS, built};
@@ -14,6 +13,7 @@ use crate::cpu::cloth::nodal_forces::{Pulls, elastic_gradient};
 use crate::cpu::cloth::{Cloth, InitialHessian, SolverSettings, StepInput};
 use crate::fabric::Fabric;
 use crate::geometry::sheet::{self, FabricModel, SheetShape};
+use crate::measure::extremes::larger;
 use crate::solve::lbfgs::Stop as Ended;
 
 /// Membrane stiffnesses E h [N/m].

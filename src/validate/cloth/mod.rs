@@ -37,6 +37,15 @@ fn built<T>(made: Option<T>, what: &str) -> Result<T, Stop> {
     made.ok_or_else(|| Stop::Refused(format!("{what} cannot be built")))
 }
 
+/// Where values in a row change their sign, straight between them.
+fn crossings(values: &[f64]) -> Vec<f64> {
+    let pairs = values.windows(2).enumerate();
+    let pairs = pairs.filter(|(_, pair)| pair[0].signum() != pair[1].signum());
+    pairs
+        .map(|(i, pair)| i as f64 + pair[0] / (pair[0] - pair[1]))
+        .collect()
+}
+
 /// An isotropic fabric without compressive stiffness.
 fn isotropic(youngs_modulus_pa: f64, poisson_ratio: f64, thickness_m: f64) -> Fabric {
     Fabric {
@@ -113,6 +122,23 @@ impl Session<'_> {
             return Err(Stop::Interrupted);
         }
         Ok(outcome)
+    }
+
+    /// The equilibrium; refused where it is not reached, since a state before it may lie within any band. A device is not asked for as much.
+    fn solve_to_rest(
+        &self,
+        sheet: &mut Sheet,
+        input: &StepInput,
+        settings: &SolverSettings,
+    ) -> Result<(), Stop> {
+        let outcome = self.solve(sheet, input, settings)?;
+        if outcome.stop.reached() || sheet.device.is_some() {
+            return Ok(());
+        }
+        Err(Stop::Refused(format!(
+            "no equilibrium after {} evaluations ({:?}): energy norm {:.1e} of the loads'",
+            outcome.evaluations, outcome.stop, outcome.relative_norm
+        )))
     }
 
     /// Adds a row about a sheet.

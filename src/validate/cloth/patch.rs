@@ -3,13 +3,13 @@
 
 use glam::{DVec2, DVec3};
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::{SETTINGS, built};
 use crate::cloth::{Structure, Triangle};
 use crate::cpu::cloth::{Cloth, SolverSettings, StepInput};
 use crate::fabric::Fabric;
+use crate::measure::extremes::largest;
 
 /// An orthotropic fabric whose shear modulus is independent of the others.
 fn fabric() -> Fabric {
@@ -94,7 +94,7 @@ pub(in super::super) fn compute(session: &mut Session) -> Result<(), Stop> {
         let n = session.size(10, 40);
         let (structure, flat) = built(square(n, jitter), "the patch")?;
         let mut sheet = session.sheet(Cloth::new(structure), false)?;
-        session.solve(&mut sheet, &StepInput::default(), &settings)?;
+        session.solve_to_rest(&mut sheet, &StepInput::default(), &settings)?;
         let places = flat.iter().zip(&sheet.cloth.positions_m);
         let error = largest(places.map(|(p, x)| x.distance(affine(*p))));
         session

@@ -133,7 +133,7 @@ fn inflate(session: &Session, surface: &Surface) -> Result<Sheet, Stop> {
         pressure: Pressure::Uniform(PRESSURE_PA),
         ..StepInput::default()
     };
-    session.solve(&mut sheet, &input, &SETTINGS)?;
+    session.solve_to_rest(&mut sheet, &input, &SETTINGS)?;
     Ok(sheet)
 }
 

@@ -51,7 +51,7 @@ fn wagner(session: &mut Session) -> Result<(), Stop> {
         evaluation_limit: 2000,
         ..SETTINGS
     };
-    session.solve(&mut sheet, &StepInput::default(), &settings)?;
+    session.solve_to_rest(&mut sheet, &StepInput::default(), &settings)?;
     let loads = triangle_loads(&sheet.cloth.structure, &sheet.cloth.positions_m);
     let count = loads.len() as f64;
     let larger = loads
@@ -122,7 +122,7 @@ fn bias(session: &mut Session) -> Result<(), Stop> {
         evaluation_limit: 5000,
         ..SETTINGS
     };
-    session.solve(&mut sheet, &input, &settings)?;
+    session.solve_to_rest(&mut sheet, &input, &settings)?;
     let force: f64 = sheet
         .cloth
         .reactions_n(&input)

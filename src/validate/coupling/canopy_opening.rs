@@ -5,10 +5,10 @@
 //! (D_p/D_0 = 0.35), so that the coarsest lattice holds the lobes. `--full` adds the start of the case (0.2), and the filling of a permeable
 //! canopy (`cases/slotted-drop.toml`).
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::case_runs;
+use crate::measure::extremes::largest;
 use crate::measure::shared::{DRAG_COEFFICIENT, PROJECTED_DIAMETER_RATIO, TIME};
 
 const TUNNEL: &str = include_str!("../../../cases/flat-circular-tunnel.toml");

@@ -4,13 +4,13 @@
 //! air receives. A pass of direct forcing of strength a over a flat sheet with one marker per cell leaves 1 − 3a/8 of its slip: (5/8)^N after N
 //! plain passes, nothing after one of strength 8/3.
 
-use super::super::extremes::larger;
 use super::super::flows::{periodic, states};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::exchange;
 use crate::immersed::kernel;
 use crate::lattice::Operator;
+use crate::measure::extremes::larger;
 use crate::simulation::{AirEngine, MarkerEngine};
 
 const CELLS: [usize; 3] = [16, 40, 40];

@@ -6,11 +6,11 @@
 
 use std::path::Path;
 
-use super::super::extremes::largest;
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use crate::case::{self, Case, Choices};
 use crate::measure::Record;
+use crate::measure::extremes::largest;
 use crate::measure::shared::{MASS_DEFECT, SLIP_RATIO};
 use crate::plan::{Placement, Plan, Precision};
 use crate::simulation::{Failure, Simulation};

@@ -7,13 +7,13 @@
 
 use glam::{DQuat, DVec3};
 
-use super::super::extremes::{larger, largest};
 use super::super::flows::{periodic, relaxation_time, states};
 use super::super::report::Gate;
 use super::super::session::{Session, Stop};
 use super::exchange;
 use crate::immersed::kernel;
 use crate::lattice::Operator;
+use crate::measure::extremes::{larger, largest};
 use crate::simulation::{AirEngine, MarkerEngine};
 
 /// Cells along a side of the box, of the quick and of the full set. Its images belong to what a plate feels, and lie elsewhere for every rotation: of

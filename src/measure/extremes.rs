@@ -1,17 +1,17 @@
-//! Extremes in which a value that is not a number counts: `f64::max` and `f64::min` pass over it, and the gate on them would hold.
+//! Extremes in which a value that is not a number counts: `f64::max` and `f64::min` pass over it, and a gate on them would hold.
 
 /// The larger of two numbers; not a number where one of them is not.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
 /// The largest of numbers; not a number where one of them is not, or where there is none.
-pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
 /// The smallest of numbers, by the same rule.
-pub(super) fn smallest(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn smallest(values: impl IntoIterator<Item = f64>) -> f64 {
     -largest(values.into_iter().map(|value| -value))
 }
 
