@@ -449,7 +449,7 @@ pub mod ram_air {
     pub const LAID_TOGETHER: f64 = 0.02;
     /// A step solved to 1e-9 of its loads [m/s].
     pub const ACROSS_M_S: f64 = 1e-6;
-    /// Drag of lines in a wind that changes with the height, each taken where its middle is in a cell of 8 cm; 2e-3 was seen.
+    /// Drag of lines in a wind that changes with the height, each line's taken where its middle is, in a cell of 8 cm.
     pub const LINE_DRAG: f64 = 0.01;
 }
 

@@ -1,6 +1,6 @@
 //! `ripstop sweep CASE.toml --vary key.path=a,b,c`, `ripstop sweep CASE.toml --ensemble N`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -13,7 +13,6 @@ use super::progress::Progress;
 use super::run::seconds;
 use super::signals::requests;
 use crate::case::{Case, Problem};
-use crate::ledger::{Ledger, Program};
 use crate::measure;
 use crate::output::{OutputError, Summary, prepare_directory};
 use crate::report;
@@ -115,7 +114,7 @@ pub(super) fn sweep_of(arguments: &SweepArguments, chosen: Option<Chosen>) -> Re
     for (number, (point, case)) in points.iter().zip(cases).enumerate() {
         let heading = format!("run {} of {}: {}", number + 1, points.len(), point.folder);
         if sweep.runs[number].status == Status::Done {
-            let by = if of_this_build(&arguments.out.join(&point.folder)) {
+            let by = if run::is_of_this_build(&arguments.out.join(&point.folder)) {
                 ""
             } else {
                 of_others.push(point.folder.as_str());
@@ -271,13 +270,6 @@ fn known(
         outcome.status = Status::Interrupted;
     }
     outcome
-}
-
-/// True unless the ledger in `folder` tells that another build of the program ended the run.
-fn of_this_build(folder: &Path) -> bool {
-    let ledger = Ledger::read(folder).ok().flatten();
-    let last = ledger.and_then(|ledger| ledger.sessions.into_iter().next_back());
-    last.is_none_or(|session| session.program == Program::this())
 }
 
 /// Refuses a sweep that would replace runs of another case.

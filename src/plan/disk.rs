@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::report::megabytes;
 use super::{Plan, Sizes};
 use crate::case::Scene;
 use crate::lattice::DIRECTION_COUNT;
@@ -99,6 +98,11 @@ impl Disk {
             most,
         }
     }
+}
+
+/// So many bytes, in words.
+pub(super) fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
 }
 
 /// Writes it for `ripstop check`.

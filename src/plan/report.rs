@@ -4,6 +4,7 @@ use std::fmt::{self, Write};
 
 use glam::DVec3;
 
+use super::disk::megabytes;
 use super::{
     AirPlacement, ClothPlacement, Evaluations, Plan, cadence, descent, disk, friction, levels,
     meshes, openings, permeability, phases, wing,
@@ -14,10 +15,6 @@ use crate::case::scene::{Air, BodyKind, Carrier, Flow};
 use crate::cloth::{Structure, TimeIntegration};
 use crate::geometry::plate::Plate;
 use crate::immersed::markers;
-
-pub(super) fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1e6)
-}
 
 /// Loads and velocities of single nodes, where the case gives any.
 fn write_loads(out: &mut String, structure: &Structure) -> fmt::Result {

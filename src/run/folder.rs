@@ -242,6 +242,16 @@ pub fn holds_another(folder: &Path, case: &Case) -> bool {
     }
 }
 
+/// True unless the ledger in `folder` tells that another build of the program ended the run.
+#[must_use]
+pub fn is_of_this_build(folder: &Path) -> bool {
+    let ledger = Ledger::read(folder).ok().flatten();
+    ledger
+        .as_ref()
+        .and_then(Ledger::session)
+        .is_none_or(|session| session.program == Program::this())
+}
+
 /// True if `folder` holds a run of that very case that can be gone on with and is not over.
 #[must_use]
 pub fn is_unfinished_run(folder: &Path, case: &Case) -> bool {

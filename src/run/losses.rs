@@ -2,10 +2,15 @@
 //! last checkpoint.
 
 use super::error::RunError;
-use super::has_room;
 use super::order::{Observer, Order};
 use crate::checkpoint;
 use crate::gpu::{Device, DeviceError};
+use crate::plan::{Plan, free_memory};
+
+/// True if the host has the memory that a plan needs: where a device was to hold the air, this was not asked before.
+pub(super) fn has_room(plan: &Plan) -> bool {
+    plan.sizes.fit_into(free_memory()).is_ok()
+}
 
 /// What the losses of a run have left.
 #[derive(Debug, Default)]

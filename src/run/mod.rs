@@ -42,17 +42,17 @@ use crate::ledger::{Holder, Ledger, Lock};
 use crate::measure::steady::Detector;
 use crate::measure::{Record, SAMPLES_FILE};
 use crate::output::{HistoryWriter, OutputError, prepare_directory, remove_leftovers};
-use crate::plan::{Plan, free_memory, steps_per};
+use crate::plan::{Plan, steps_per};
 use crate::simulation::{Failure, Simulation};
 use crate::statics::Statics;
 pub use error::RunError;
 pub use fault::{Fault, caught, record_panics};
 use files::Files;
-pub use folder::{carried_over, holds_another, is_unfinished_run};
+pub use folder::{carried_over, holds_another, is_of_this_build, is_unfinished_run};
 use guard::{OnPurpose, guarded, settle};
 use identity::{COMPUTED_BY, account};
 use log::Log;
-use losses::Losses;
+use losses::{Losses, has_room};
 pub use mesh_pictures::draw_findings;
 use missing::Missing;
 pub use order::{Observer, Order, Report, Start};
@@ -167,11 +167,6 @@ fn run_locked(
 }
 
 /// Admits a run to its folder and reads what it begins from; on the CPU where a device that the program chose by itself turns out too small.
-/// True if the host has the memory that a plan needs: where a device was to hold the air, this was not asked before.
-fn has_room(plan: &Plan) -> bool {
-    plan.sizes.fit_into(free_memory()).is_ok()
-}
-
 fn begin<'a>(
     order: &Order<'a>,
     requests: &Requests,
