@@ -9,7 +9,7 @@ use ripstop::case::{self, Case, Choices};
 use ripstop::measure::Record;
 use ripstop::plan::{Plan, Precision};
 use ripstop::run::{self, Observer, Order, Report, Requests, Start};
-use ripstop::simulation::Simulation;
+use ripstop::simulation::{Coupled, Simulation};
 
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::levels::{BOXES, ROOM};
@@ -26,6 +26,7 @@ pub fn trials() -> Vec<Trial> {
         plain("change_of_lattice::boxes_go_on_on_finer_cells", || {
             goes_on_on_finer_cells(Engine::CpuF32, &[&[BOXES], &ROOM[..]].concat());
         }),
+        plain("change_of_lattice::cut_links_know_what_they_knew", links),
         plain(
             "change_of_lattice::resumed_on_the_grid_that_it_was_on",
             on_its_grid,
@@ -107,6 +108,61 @@ fn sample(simulation: &mut Simulation, record: &mut Record, steps: usize) -> f64
     }
     record.add(simulation).unwrap();
     latest(record, "drag_coefficient").unwrap()
+}
+
+/// What cut links know of loads, of the pressures on both faces and of boundary layers is the same in SI units after a change of the time step.
+fn links() {
+    let case = canopy(&[
+        "coupling.scheme=\"links\"",
+        "fabric.friction=\"model\"",
+        "resolution.operator=\"stabilised_regularised\"",
+    ]);
+    let (mut simulation, _) = opening(&case, Engine::CpuF32, 0.004);
+    let known = |simulation: &Simulation| -> [Vec<f64>; 4] {
+        let Some(Coupled::Links(links)) = simulation.coupled() else {
+            panic!("no links");
+        };
+        let (units, surface) = (links.units(), links.surface());
+        let layers = surface.boundary_layers().unwrap().saved();
+        let pressures = surface.face_pressures().iter().flatten();
+        [
+            links
+                .force_on_air()
+                .map(|force| force * units.force_n())
+                .into(),
+            pressures
+                .map(|excess| excess * units.pressure_pa())
+                .collect(),
+            layers
+                .iter()
+                .map(|layer| layer[3] * units.speed_m_s())
+                .collect(),
+            layers
+                .iter()
+                .map(|layer| layer[6] * units.cell_size_m)
+                .collect(),
+        ]
+    };
+    let before = known(&simulation);
+    let mut scene = case.scene.clone();
+    let air = scene.air.as_mut().unwrap();
+    air.units = air.units.with_step_factor(0.8);
+    scene.time.as_mut().unwrap().step_s = air.units.time_step_s;
+    let plan = Plan::new(&scene, Engine::CpuF32.plan_placement());
+    simulation.change_lattice(scene, plan).unwrap();
+    for (before, after) in before.iter().zip(known(&simulation)) {
+        let largest = before
+            .iter()
+            .fold(0.0_f64, |most, value| most.max(value.abs()));
+        assert!(largest > 0.0);
+        for (before, after) in before.iter().zip(after) {
+            assert!(
+                (before - after).abs() <= 1e-12 * largest,
+                "{before} {after}"
+            );
+        }
+    }
+    simulation.advance().unwrap();
 }
 
 #[derive(Clone, Copy)]

@@ -57,15 +57,13 @@ impl Body for Rises {
         for air in [&outer, &outer.finer[0]] {
             let [nx, ny, nz] = air.cells;
             // The plane farthest upstream that belongs to this lattice alone, over all of its height.
-            let worst = (2..nz - 2)
-                .map(|k| {
-                    let height = (air.origin_m.z + k as f64 * air.cell_size_m) / 3.99;
-                    let cell = 2 + nx * (ny / 2 + ny * k);
-                    let speed = f64::from(air.velocity_m_s[cell][0]) / 30.0;
-                    (speed - height.sqrt()).abs()
-                })
-                .fold(0.0, f64::max);
-            assert!(worst < tolerances::RISING_WIND, "{nx}: {worst}");
+            for k in 2..nz - 2 {
+                let height = (air.origin_m.z + k as f64 * air.cell_size_m) / 3.99;
+                let cell = 2 + nx * (ny / 2 + ny * k);
+                let speed = f64::from(air.velocity_m_s[cell][0]) / 30.0;
+                let error = (speed - height.sqrt()).abs();
+                assert!(error < tolerances::RISING_WIND, "{nx}, {k}: {error}");
+            }
         }
     }
 }

@@ -451,6 +451,8 @@ pub mod ram_air {
     pub const ACROSS_M_S: f64 = 1e-6;
     /// Drag of lines in a wind that changes with the height, each line's taken where its middle is, in a cell of 8 cm.
     pub const LINE_DRAG: f64 = 0.01;
+    /// The same in an even wind: round-off.
+    pub const LINE_DRAG_IN_EVEN_WIND: f64 = 1e-9;
 }
 
 /// Speed and way of what falls, period of what swings, over the steps of 1e-2 to 1e-6 s (1e-7 s on the host): asked for. Measured: 1e-6 on the

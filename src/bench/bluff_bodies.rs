@@ -451,10 +451,7 @@ pub fn table(rows: &[Row]) -> String {
                 .filter(|other| (other.body, other.cells, other.lattice_speed) == key)
         };
         let stands = alike().filter(|other| other.stands).count();
-        let worst = |value: fn(&Row) -> f64| {
-            // A flow that broke down has no number, and makes that of them all none.
-            largest(alike().map(value))
-        };
+        let worst = |value: fn(&Row) -> f64| largest(alike().map(value));
         let least = alike().map(|row| row.energy_trend).fold(f64::NAN, f64::min);
         let most = alike().map(|row| row.energy_trend).fold(f64::NAN, f64::max);
         let _ = writeln!(

@@ -221,7 +221,7 @@ fn refused(fault: WingFault) -> Problem {
         WingFault::BelowRiser { row, .. } => Problem::new(
             key(&format!("rows.{row}.levels")),
             message,
-            "shorten `to_sail_m` of its lowest nodes, or the riser, or hang the wing lower (`hang_point_m`); in a drawing of LEparagliding these are sections 11, 8 and 10",
+            "shorten `to_sail_m` to less than that of the node below, or the riser, or hang the wing lower (`hang_point_m`); in a drawing of LEparagliding these are sections 11, 8 and 10",
         ),
     }
 }

@@ -19,7 +19,7 @@ use crate::validate::{self, Order, PROBLEMS, Report, Stop};
 pub(super) struct ValidateArguments {
     /// Compute only the problem of this name, or those whose name contains this text.
     filter: Option<String>,
-    /// Real sizes and the gates meant for them, instead of the quick set of about a minute.
+    /// Real sizes and the gates meant for them, instead of the quick set of about a minute and a half.
     #[arg(long)]
     full: bool,
     /// Engine for the air.

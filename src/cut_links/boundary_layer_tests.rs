@@ -268,3 +268,15 @@ fn far_from_the_edge_of_a_thick_layer_the_law_of_the_wall_holds() {
     let slow = turbulent_stress(&layer, 0.01);
     assert!((slow / (0.01 * 1e-4 / 2.5) - 1.0).abs() < 0.02, "{slow:e}");
 }
+
+#[test]
+fn layers_go_on_on_another_lattice() {
+    let mut layers = BoundaryLayers::new(vec![true; 2], 1e-3, 0.0).unwrap();
+    let one = [0.1, 0.2, -0.1, 0.3, 2.5, 5.5, 0.4, 1e-3, 2e-3, -1e-3];
+    layers.go_on(&[one; 4], 3);
+    let there = layers.saved_for([0.5, 2.0]);
+    // Speeds, lengths, stresses.
+    assert_eq!([there[3][3], there[3][6], there[3][8]], [0.15, 0.8, 5e-4]);
+    layers.go_on(&there, 3);
+    assert_eq!(layers.saved_for([2.0, 0.5]), [one; 4]);
+}

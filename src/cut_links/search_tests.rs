@@ -207,6 +207,14 @@ fn a_node_outside_is_told() {
     let (positions, triangles) = ball(DVec3::new(3.0, 9.0, 9.0), 5.0);
     let mut links = CutLinks::default();
     assert!(links.find(&positions, &triangles, &DOMAIN).is_err());
+    // Triangles from one on may go on beyond a face, those before may not.
+    let open = |from| Domain {
+        open_from: Some(from),
+        ..DOMAIN
+    };
+    assert!(links.find(&positions, &triangles, &open(0)).is_ok());
+    let last = triangles.len();
+    assert!(links.find(&positions, &triangles, &open(last)).is_err());
     let kept = Domain { kept: 6, ..DOMAIN };
     let (positions, triangles) = ball(DVec3::new(9.5, 9.5, 9.5), 5.0);
     assert!(links.find(&positions, &triangles, &kept).is_err());

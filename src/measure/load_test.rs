@@ -208,8 +208,8 @@ results! {
     /// Of the last load, but for the first failure.
     RESULTS: "Load tests of wings";
     LOAD_FACTOR_MAX: "load_test_load_factor_max", "1", "largest multiple of the loads in flight";
-    FIRST_FAILURE: "load_test_first_failure_load_factor", "1", "multiple at which a line first reaches its breaking load; EN 926-1 asks for 8 on the test rig";
-    NEAREST: "load_test_line_load_over_breaking_load_max", "1", "load over breaking load of the line nearest to breaking";
+    FIRST_FAILURE: "load_test_first_failure_load_factor", "1", "multiple at which a line or tape first reaches its breaking load; EN 926-1 asks for 8 on the test rig";
+    NEAREST: "load_test_line_load_over_breaking_load_max", "1", "load over breaking load of the line or tape nearest to breaking";
     ROW_NEAREST: "load_test_row_{row}_load_over_breaking_load_max", "1", "the same of a row";
     RISER_FORCE: "load_test_riser_force_n", "N", "force of the risers, both halves";
     PART_STRESS: "load_test_{part}_stress_max_pa", "Pa", "largest stress of the part";

@@ -83,7 +83,7 @@ columns! {
 results! {
     /// What follows from them.
     RESULTS: "Wings in air";
-    LIFT_TO_DRAG: "lift_to_drag_ratio", "1", "lift over drag; fabric alone: lines have no drag in the wind";
+    LIFT_TO_DRAG: "lift_to_drag_ratio", "1", "lift over drag; fabric alone, without the drag of lines";
     PRESSURE_MEAN: "internal_pressure_coefficient_mean", "1", "mean pressure coefficient inside the cells; of all cells, each counted once";
     PRESSURE_SPREAD: "internal_pressure_coefficient_spread", "1", "spread of the pressure coefficient inside the cells; largest less smallest mean of a cell";
     VOLUME_RATIO_MIN: "volume_ratio_min", "1", "smallest volume over that of the design; once filled, or of the whole run";

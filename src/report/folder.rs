@@ -70,7 +70,8 @@ impl Finished {
         found.map(|(_, samples)| &samples[..])
     }
 
-    /// What names of columns begin with: nothing, and each rigid body's own where there are several, or fabric beside one.
+    /// What names of columns begin with: nothing where columns have no owner, or none is known, and each rigid body's own where there are several, or
+    /// fabric beside one.
     pub(super) fn owners(&self) -> Vec<String> {
         let has = |owner: &str, column: &ReadOut| {
             let name = format!("{owner}{}", column.name);
@@ -82,7 +83,10 @@ impl Finished {
             let is_body = owner.ends_with('_') && has(owner, &FORCE_X);
             is_body.then(|| owner.to_owned())
         });
-        std::iter::once(String::new()).chain(bodies).collect()
+        let bodies: Vec<String> = bodies.collect();
+        let has_own = CHARTS.iter().any(|column| has("", column));
+        let own = (has_own || bodies.is_empty()).then(String::new);
+        own.into_iter().chain(bodies).collect()
     }
 }
 

@@ -98,8 +98,8 @@ impl PrescribedMotion {
         self.motion != Motion::Held
     }
 
-    /// Instants up to `end_s` that show the whole way, so many and one more: of what repeats those of one period, since looks at many periods might all
-    /// meet the same phase. One instant of a body that does not move.
+    /// Instants up to `end_s` that show the whole way, so many and one more. Of what repeats they are those of one period: looks over many might all meet
+    /// the same phase. A body that does not move has one instant.
     pub fn looks_s(&self, end_s: f64, looks: u32) -> impl Iterator<Item = f64> {
         let span_s = match self.motion {
             Motion::Oscillation { frequency_hz, .. } => end_s.min(frequency_hz.recip()),

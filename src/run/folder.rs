@@ -242,14 +242,14 @@ pub fn holds_another(folder: &Path, case: &Case) -> bool {
     }
 }
 
-/// True unless the ledger in `folder` tells that another build of the program ended the run.
+/// True unless the ledger in `folder` tells that another build of the program worked on the run.
 #[must_use]
 pub fn is_of_this_build(folder: &Path) -> bool {
     let ledger = Ledger::read(folder).ok().flatten();
-    ledger
-        .as_ref()
-        .and_then(Ledger::session)
-        .is_none_or(|session| session.program == Program::this())
+    ledger.is_none_or(|ledger| {
+        let mut sessions = ledger.sessions.iter();
+        sessions.all(|session| session.program == Program::this())
+    })
 }
 
 /// True if `folder` holds a run of that very case that can be gone on with and is not over.

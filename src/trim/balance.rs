@@ -61,9 +61,10 @@ const RANGE_RAD: [f64; 2] = [-0.35, 0.7];
 /// Width of the bracket at which it is done [rad].
 const ANGLE_TOLERANCE_RAD: f64 = 1e-7;
 
-/// Largest arm of the weight whose moment counts as balance [m], and the largest turn of the wing's centre of mass that moves it as far [rad]: what
-/// is left at a root that is one is a thousandth of it.
+/// Largest arm of all weight whose moment counts as balance [m].
 const LARGEST_ARM_M: f64 = 1e-3;
+
+/// The same as a turn of the wing's own centre of mass [rad].
 const LARGEST_TURN_RAD: f64 = 1e-3;
 
 /// Most evaluations within a bracket.
@@ -182,8 +183,9 @@ pub fn find(
             break;
         }
     }
-    let weight_n = weights.gravity_m_s2 * (weights.wing_kg + weights.pilot_kg);
-    let allowed_n_m = weight_n * LARGEST_ARM_M.max(LARGEST_TURN_RAD * weights.centre_m.length());
+    let of_all = (weights.wing_kg + weights.pilot_kg) * LARGEST_ARM_M;
+    let of_wing = weights.wing_kg * LARGEST_TURN_RAD * weights.centre_m.length();
+    let allowed_n_m = weights.gravity_m_s2 * of_all.max(of_wing);
     if best.moment_n_m.abs() <= allowed_n_m {
         return Ok(best);
     }
@@ -257,6 +259,20 @@ mod tests {
         assert!(
             matches!(behind, Err(TrimError::NoAngle { .. })),
             "{behind:?}"
+        );
+        // A moment that jumps over nothing is in balance nowhere.
+        let jumps = find(0.02, &weights, |angle| {
+            Ok(Sums {
+                force_m2: force(angle),
+                moment_m3: if angle < 0.1 { 1.0 } else { -0.5 },
+            })
+        });
+        let Err(TrimError::Jump { angle_deg, .. }) = jumps else {
+            panic!("{jumps:?}");
+        };
+        assert!(
+            (angle_deg - 0.1_f64.to_degrees()).abs() < 1e-3,
+            "{angle_deg}"
         );
     }
 }

@@ -82,16 +82,16 @@ fn planes(session: &mut Session) -> Result<(), Stop> {
             .row(
                 cells,
                 format!("plane at {angle} degrees: drag over that where the air sticks"),
-                share_of_drag(drag),
+                share_of_drag(drag, SPEED * cells.iter().product::<usize>() as f64),
             )
             .gate(Gate::AtMost(BAND_OF_DRAG));
     }
     Ok(())
 }
 
-/// Drag where the air slides over that where it sticks; not a number where that is none: a stream has no more to lose than it has.
-fn share_of_drag([slides, sticks]: [f64; 2]) -> f64 {
-    if sticks > 0.0 && sticks < 1.0 {
+/// What is lost where the air slides over what is lost where it sticks; not a number where that is none: a stream loses no more than its momentum.
+fn share_of_drag([slides, sticks]: [f64; 2], momentum: f64) -> f64 {
+    if sticks > 0.0 && sticks < momentum {
         (slides / sticks).abs()
     } else {
         f64::NAN

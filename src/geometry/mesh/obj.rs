@@ -177,10 +177,9 @@ pub(super) fn cover(
     while corners.len() > 3 && corners.first() == corners.last() {
         corners.pop();
     }
-    if let [first, .., last] = corners[..]
-        && corners.len() < 3
-    {
+    if let [first] | [first, _] = corners[..] {
         // It has no area, which is refused where triangles are looked at.
+        let last = corners[corners.len() - 1];
         triangles.push([first, first, last]);
         return Some(());
     }
@@ -214,6 +213,14 @@ mod tests {
         assert_eq!(mesh.positions_m[1], DVec3::new(2.0, 0.0, 1.8));
         // The quad is not plane, and cut along its shorter diagonal.
         assert_eq!(mesh.triangles, [[2, 1, 0], [2, 0, 3], [2, 4, 1]]);
+    }
+
+    /// A face with one or two different corners is a triangle without area, which those who look at triangles refuse.
+    #[test]
+    fn no_face_vanishes() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2 2\nf 2 2 2 2\n";
+        let mesh = parse(text, 1.0).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 0, 1], [1, 1, 1]]);
     }
 
     #[test]
