@@ -197,7 +197,7 @@ fn cascade() {
         ),
         (
             levels("[0.5, 0.5, 0.6]", "[1.4, 9.0]"),
-            "join 9 m below the sail, but the riser ends",
+            "join 9 m below the sail, but the node below, or the end of the riser, is",
         ),
         (
             levels("[0.5, 0.5, -0.6]", "[1.4, 1.7]"),
