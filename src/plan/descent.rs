@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use crate::case::Scene;
 use crate::case::scene::Carrier;
-use crate::lines::drag::LineDrag;
 
 /// Writes what falls and with what the box follows it.
 pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -60,7 +59,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         }
     }
     let cables = scene.body.iter().flat_map(|body| &body.structure.cables);
-    let drags: Vec<LineDrag> = cables.filter_map(|cable| cable.drag).collect();
+    let drags: Vec<_> = cables.filter_map(|cable| cable.drag).collect();
     if let Some(drag) = drags.first() {
         let diameters_mm = drags.iter().map(|drag| 1e3 * drag.diameter_m);
         let thinnest = diameters_mm.clone().fold(f64::INFINITY, f64::min);
