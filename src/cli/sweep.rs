@@ -23,10 +23,10 @@ use crate::sweep::{self, Chosen, Outcome, Point, Status, Sweep, Vary, points};
 const USUAL_RESULTS: [&str; 9] = [
     "drag_coefficient",
     "drag_n",
-    "descent_rate_m_s",
-    "terminal_speed_m_s",
     "line_tension_max_n",
     "riser_force_terminal_n",
+    "descent_rate_m_s",
+    "terminal_speed_m_s",
     "projected_diameter_ratio",
     "fill_time_s",
     "largest_projected_diameter_time_s",

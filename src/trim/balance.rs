@@ -190,7 +190,7 @@ pub fn find(
         return Ok(best);
     }
     Err(TrimError::Jump {
-        angle_deg: best.stream_rad.to_degrees(),
+        angle_deg: low.stream_rad.midpoint(high.stream_rad).to_degrees(),
         moment_n_m: best.moment_n_m,
     })
 }
