@@ -16,6 +16,7 @@ pub fn trials() -> Vec<Trial> {
         plain("contract::no_orphan_shader", orphans),
         plain("contract::every_shader_validates", every_shader),
         plain("contract::structs_match_by_offset", structs),
+        plain("contract::the_readme_names_all", told),
         plain("contract::operators_match_by_number", operators),
         plain("contract::bindings_match_by_name", names),
         plain("contract::adapters_are_asked_for_enough", storage_buffers),
@@ -23,6 +24,18 @@ pub fn trials() -> Vec<Trial> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The README of `shaders/` names every shader.
+fn told() {
+    let readme = std::fs::read_to_string(root().join("shaders/README.md")).unwrap();
+    for shader in shaders::all() {
+        let name = shader
+            .name
+            .trim_end_matches("_f32")
+            .trim_end_matches("_f16");
+        assert!(readme.contains(&format!("`{name}`")), "{name}");
+    }
 }
 
 fn orphans() {

@@ -5,6 +5,8 @@ use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
+use super::stock::checksum;
+
 /// The program.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
@@ -40,10 +42,7 @@ impl Program {
 /// Checksum of the file that runs, read once.
 fn executable_crc32() -> &'static Option<String> {
     static CHECKSUM: OnceLock<Option<String>> = OnceLock::new();
-    CHECKSUM.get_or_init(|| {
-        let program = std::fs::read(std::env::current_exe().ok()?).ok()?;
-        Some(format!("{:08x}", crc32fast::hash(&program)))
-    })
+    CHECKSUM.get_or_init(|| checksum(&std::env::current_exe().ok()?).ok())
 }
 
 impl std::fmt::Display for Program {

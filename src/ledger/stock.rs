@@ -50,7 +50,7 @@ impl FileEntry {
 }
 
 /// CRC-32 of a file, in hexadecimal.
-fn checksum(path: &Path) -> io::Result<String> {
+pub(super) fn checksum(path: &Path) -> io::Result<String> {
     let mut file = File::open(path)?;
     let mut hasher = crc32fast::Hasher::new();
     let mut block = vec![0; BLOCK_BYTES];

@@ -84,7 +84,7 @@ rows! {
     LINE_TENSION_MAX: "line_tension_max_n", "N", "largest tension of a suspension line";
     BELT_TENSION_MAX: "belt_tension_max_n", "N", "largest tension of a reinforcing belt";
     LINE_LOAD_SHARE: "line_load_over_breaking_load_max", "1", "load over breaking load of the line or riser nearest to breaking";
-    TAPE_LOAD_SHARE: "belt_load_over_breaking_load_max", "1", "load over breaking load of the reinforcing belt or band nearest to breaking";
+    TAPE_LOAD_SHARE: "belt_load_over_breaking_load_max", "1", "load over breaking load of the reinforcing belt, band or tape nearest to breaking";
     VENT_LINE_TENSION_MAX: "vent_line_tension_max_n", "N", "largest tension of a vent line";
     RISER_TENSION_MAX: "riser_tension_max_n", "N", "largest tension of a riser";
     CABLE_TENSION_MAX: "cable_tension_max_n", "N", "largest tension of a free-standing cable";

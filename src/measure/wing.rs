@@ -21,6 +21,8 @@ results! {
     RISER_FORCE_LEFT: "riser_force_left_n", "N", "force of all risers of the left half together";
     PITCH_GUIDE_FORCE: "pitch_guide_force_n", "N", "force of the pitch guide along x on the nose in the middle";
     RISER_BALANCE_ERROR: "riser_balance_error", "1", "error of the balance of forces; pressure, weight, pitch guide and reactions of the risers, over the larger of the first two";
+    LINE_LOAD_SHARE;
+    TAPE_LOAD_SHARE;
     ROW_LOAD: "row_{row}_load_n", "N", "load of the row; tension of its risers, both halves";
     ROW_SHARE: "row_{row}_load_share", "1", "load of the row over that of all rows";
     ROW_ATTACHMENT_MAX: "row_{row}_attachment_load_max_n", "N", "largest tension of a line of the row at an attachment";
