@@ -9,6 +9,8 @@ use super::problem::Problem;
 use super::values::{at_once, positive, readable, within};
 use super::{plate, rims, usual};
 use crate::cloth::Structure;
+use crate::cloth::covers::{self, Cover};
+use crate::cloth::openings::{Opening, OpeningKind};
 use crate::cloth::rims::RimInsets;
 use crate::immersed::markers::{RIM_INSET_CELLS, SPACING_CELLS, SPACING_RANGE_CELLS};
 
@@ -18,10 +20,13 @@ const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 /// Usual over-relaxation of the force.
 const OVER_RELAXATION: f64 = 1.6;
 
+/// Cells across an opening below which it passes air by a law; from there on the cells let pass what they should within 15 % (`ripstop validate openings`).
+const NARROW_CELLS: f64 = 2.0;
+
 /// Most passes of forcing.
 const PASSES_LIMIT: u32 = 20;
 
-pub use super::file::{Friction, Scheme};
+pub use super::file::{Friction, NarrowOpenings, Scheme};
 
 /// Coupling of air with fabric and rigid bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,9 +45,34 @@ pub struct Coupling {
     pub rim_inset_cells: f64,
     /// Steps over which a running mean of u* is taken before the fabric feels it; 1 unless schemes are compared.
     pub averaging_steps: u32,
+    /// How narrow openings pass air; `None` with markers.
+    pub narrow_openings: Option<NarrowOpenings>,
 }
 
 impl Coupling {
+    /// Triangles that shut openings because air passes these by a law, where cells are so large [m]; nothing of openings that it passes through cells.
+    #[must_use]
+    pub fn covers(&self, structure: &Structure, cell_size_m: f64) -> Vec<Option<Vec<Cover>>> {
+        let is_narrow = |opening: &Opening| {
+            let by_kind = matches!(
+                opening.kind,
+                OpeningKind::Vent | OpeningKind::Gap | OpeningKind::Slot
+            );
+            by_kind && opening.width_m < NARROW_CELLS * cell_size_m
+        };
+        let openings = structure.openings.iter();
+        if self.narrow_openings != Some(NarrowOpenings::Law) || !openings.clone().any(is_narrow) {
+            return vec![None; structure.openings.len()];
+        }
+        let mut covers = covers::covers(structure, openings.clone());
+        for (covers, opening) in covers.iter_mut().zip(openings) {
+            if !is_narrow(opening) {
+                *covers = None;
+            }
+        }
+        covers
+    }
+
     /// Largest spacing of markers on a triangle [m].
     #[must_use]
     pub fn marker_spacing_m(&self, air: &Air) -> f64 {
@@ -192,6 +222,7 @@ pub(super) fn check(
         marker_spacing_cells: check_marker_spacing(written)?,
         rim_inset_cells,
         averaging_steps: 1,
+        narrow_openings: check_narrow_openings(written, scheme, has_fabric)?,
     }))
 }
 
@@ -227,6 +258,29 @@ fn refuse_keys_of_markers(written: &file::Coupling) -> Result<(), Problem> {
         ));
     }
     Ok(())
+}
+
+fn check_narrow_openings(
+    written: &file::Coupling,
+    scheme: Scheme,
+    has_fabric: bool,
+) -> Result<Option<NarrowOpenings>, Problem> {
+    const KEY: &str = "coupling.narrow_openings";
+    if scheme == Scheme::Links && has_fabric {
+        return Ok(Some(usual::or(
+            KEY,
+            written.narrow_openings,
+            NarrowOpenings::Law,
+        )));
+    }
+    match written.narrow_openings {
+        None => Ok(None),
+        Some(_) => Err(Problem::new(
+            KEY,
+            format!("{KEY} has no effect: it needs [structure] and scheme = \"links\""),
+            format!("remove {KEY}"),
+        )),
+    }
 }
 
 fn check_marker_spacing(written: &file::Coupling) -> Result<f64, Problem> {

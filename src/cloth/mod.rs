@@ -3,6 +3,7 @@
 //! Geometry modules build a [`Structure`]; engines read it. Nothing here moves.
 
 pub mod contact;
+pub mod covers;
 pub mod curvature;
 pub mod elements;
 pub mod fabrics;

@@ -27,7 +27,8 @@
 //! * [`bounce`]: what comes back;
 //! * [`places`]: where it lies in memory;
 //! * [`pockets`]: air shut in by folds;
-//! * [`faces`]: pressures on both faces, and air through them, as fields on nodes;
+//! * [`faces`]: pressures on both faces, as fields on nodes;
+//! * [`through`]: air through the fabric, and through openings narrower than the cells;
 //! * [`slide`]: what comes back where the air slides along the surface;
 //! * [`energy`]: what of that the wall may give the air;
 //! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
@@ -49,12 +50,14 @@ pub mod search;
 pub mod slide;
 pub mod spaces;
 pub mod stress;
+pub mod through;
 
 pub use bounce::{Return, SIDES, Side};
 pub use boundary_layer::BoundaryLayers;
 pub use by_triangle::CutsByTriangle;
-pub use faces::{FacePressures, Through};
+pub use faces::FacePressures;
 pub use pockets::Pockets;
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
 pub use slide::{Images, Leaving};
 pub use stress::{Changed, ChangedByPair, Stress};
+pub use through::{Passage, Through};

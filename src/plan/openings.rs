@@ -76,7 +76,16 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let inset = of_rims * markers::opening_inset_cells(width_m / cell);
         Some((width_m / cell, inset))
     };
-    for group in groups(&body.structure.openings) {
+    let openings = &body.structure.openings;
+    let covers = match (&scene.air, &scene.coupling) {
+        (Some(air), Some(coupling)) => coupling.covers(&body.structure, air.units.cell_size_m),
+        _ => vec![None; openings.len()],
+    };
+    let has_law = |opening: &Opening| {
+        let mut all = openings.iter().zip(&covers);
+        all.any(|(known, covers)| std::ptr::eq(known, opening) && covers.is_some())
+    };
+    for group in groups(openings) {
         let opening = group.narrowest;
         let what = if is_counted(opening.kind) {
             format!("{} {}s", group.count, opening.kind.name())
@@ -88,7 +97,15 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let cells = match inset(opening.width_m) {
             None => String::new(),
             Some(_) if by_links && opening.width_m == 0.0 => {
-                ": cuts along seams, which open under load".to_owned()
+                let law = if has_law(opening) {
+                    "; air passes by the law of a sharp edge"
+                } else {
+                    ""
+                };
+                format!(": cuts along seams, which open under load{law}")
+            }
+            Some((cells, _)) if has_law(opening) => {
+                format!(",{narrowest} {cells:.1} cells: air passes by the law of a sharp edge")
             }
             Some((cells, _)) if by_links => {
                 let is_slot = !matches!(opening.kind, OpeningKind::Vent | OpeningKind::RibHole);

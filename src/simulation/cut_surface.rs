@@ -8,10 +8,10 @@ use super::bodies::normal_of;
 use super::sliding::{LayersIn, NOTHING, Sliding};
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Saved;
-use crate::cut_links::faces::Seen;
+use crate::cut_links::faces::{self, Seen};
 use crate::cut_links::{
     BoundaryLayers, ChangedByPair, Cut, CutLink, CutLinks, CutsByTriangle, Domain, FacePressures,
-    Leaving, OutOfAir, Pockets, Return, SIDES, Through,
+    Leaving, OutOfAir, Passage, Pockets, Return, SIDES, Through,
 };
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
@@ -118,11 +118,11 @@ impl CutSurface {
         }
     }
 
-    /// The same where air passes triangles by these laws [lattice units], its edges so many cells long in the mean.
+    /// The same where air passes triangles of these areas so [cells²].
     #[must_use]
-    pub fn permeable(mut self, laws: &[Option<[f64; 2]>], edge_cells: f64) -> Self {
+    pub fn permeable(mut self, passages: &[Passage], areas: &[f64]) -> Self {
         let count = self.positions.len();
-        self.through = Through::new(&self.triangles, laws, count, edge_cells);
+        self.through = Through::new(&self.triangles, passages, count, areas);
         self
     }
 
@@ -333,10 +333,22 @@ impl CutSurface {
         })
     }
 
-    /// Mean velocity of the air through what is permeable; `None` where nothing is.
+    /// What the air behind gets beside it, at one side of a link: momentum of jets that its cells do not carry.
+    fn jet(&self, link: &CutLink, side: usize) -> DVec3 {
+        let jets = self.through.as_ref().filter(|t| t.has_openings());
+        jets.map_or(DVec3::ZERO, |through| {
+            let cut = &link.cuts[side];
+            let nodes = self.triangles[cut.triangle as usize];
+            let normal = self.normals[cut.triangle as usize];
+            let face = faces::face(normal, link, side);
+            normal * through.jet(face, nodes, cut.weights)
+        })
+    }
+
+    /// Mean velocity of the air through permeable fabric; `None` where nothing is.
     #[must_use]
     pub fn mean_through(&self) -> Option<f64> {
-        self.through.as_ref().map(Through::mean)
+        self.through.as_ref().and_then(Through::mean)
     }
 
     /// What the air does to the surface by what was read, cut by cut.
@@ -356,7 +368,7 @@ impl CutSurface {
         let returned = &self.returns[number][side];
         let stiffness = 6.0 * weight * returned.strength * length * length;
         let push = (returned.push() - 2.0 * weight * self.inside[number]) * length
-            - stiffness * leaving.dot(self.through(cut));
+            - stiffness * leaving.dot(self.through(cut) + self.jet(link, side));
         let reaction = CutReaction {
             leaving,
             stiffness,
@@ -426,7 +438,8 @@ impl CutSurface {
                 for side in SIDES {
                     let sign = if side == 0 { 1.0 } else { -1.0 };
                     let returned = &returns[side];
-                    r[side] = returned.back(weight, sign * along[side]);
+                    let along = along[side] + c.dot(self.jet(link, side));
+                    r[side] = returned.back(weight, sign * along);
                     left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
                     force[side] = c * (-sign * (returned.out + r[side]));
                 }

@@ -8,6 +8,7 @@
 //! 4. the fabric minimises inertia, elastic energy and the reactions of its cuts, which are affine in its velocity ([`crate::cpu::cloth::TriangleReaction`]);
 //! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -20,8 +21,9 @@ use crate::case::Scene;
 use crate::case::coupling::Friction;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
+use crate::cloth::covers::Cover;
 use crate::cpu::cloth::{Cloth, TriangleReaction};
-use crate::cut_links::{Cut, OutOfAir};
+use crate::cut_links::{Cut, OutOfAir, Passage};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
@@ -38,12 +40,15 @@ struct Body {
     nodes: Range<usize>,
 }
 
-/// Surfaces that cut the lattice: first that of the fabric, then those of the rigid bodies.
+/// Surfaces that cut the lattice: first that of the fabric, then what shuts its narrow openings, then those of the rigid bodies.
 #[derive(Debug)]
 pub struct LinkCoupling {
     units: Units,
     surface: CutSurface,
+    /// Triangles of the fabric, and with those in its openings.
+    woven_triangles: usize,
     fabric_triangles: usize,
+    covers: Vec<Cover>,
     bodies: Vec<Body>,
     /// Which body every triangle behind the fabric's belongs to.
     body_of: Vec<u32>,
@@ -55,6 +60,16 @@ pub struct LinkCoupling {
     fabric_force_on_air: [f64; 3],
     loads: Vec<Load>,
     fastest: f64,
+}
+
+/// Triangles that shut openings through which air passes by a law.
+fn covers_of(scene: &Scene, units: &Units) -> Vec<Cover> {
+    let (Some(body), Some(coupling)) = (&scene.body, &scene.coupling) else {
+        return Vec::new();
+    };
+    let structure = &body.structure;
+    let covers = coupling.covers(structure, units.cell_size_m);
+    covers.into_iter().flatten().flatten().collect()
 }
 
 /// Triangles that one task works on.
@@ -79,21 +94,29 @@ fn place_bodies(
 impl LinkCoupling {
     pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
         let units = air.units;
-        let lattice = |permeability: Permeability| {
-            [
-                permeability.viscous_pa_s_m / (units.density_kg_m3 * units.speed_m_s()),
-                permeability.inertial_kg_m3 / units.density_kg_m3,
-            ]
+        let passage = |permeability: Option<Permeability>| {
+            permeability.map_or(Passage::Shut, |permeability| {
+                Passage::Fabric([
+                    permeability.viscous_pa_s_m / (units.density_kg_m3 * units.speed_m_s()),
+                    permeability.inertial_kg_m3 / units.density_kg_m3,
+                ])
+            })
         };
-        let (mut triangles, mut laws) = (Vec::new(), Vec::new());
+        let (mut triangles, mut passages) = (Vec::new(), Vec::new());
         let (mut positions_m, mut areas_m2) = (Vec::new(), Vec::new());
         if let Some(body) = &scene.body {
             let structure = &body.structure;
             triangles.extend(structure.triangles.iter().map(|t| t.nodes));
             areas_m2.extend(structure.triangles.iter().map(|t| t.rest_area_m2));
-            laws.resize(triangles.len(), structure.permeability.map(lattice));
+            passages.resize(triangles.len(), passage(structure.permeability));
             positions_m.clone_from(&structure.positions_m);
         }
+        let woven_triangles = triangles.len();
+        let covers = covers_of(scene, &units);
+        triangles.extend(covers.iter().map(|cover| cover.nodes));
+        passages.resize(triangles.len(), Passage::Opening);
+        // They have no area that they were cut with.
+        areas_m2.resize(triangles.len(), 0.0);
         let fabric_triangles = triangles.len();
         let (mut bodies, mut body_of) = (Vec::new(), Vec::new());
         for (number, body) in scene.rigid_bodies.iter().enumerate() {
@@ -101,7 +124,7 @@ impl LinkCoupling {
             let first = positions_m.len() as u32;
             triangles.extend(surface.triangles.iter().map(|t| t.map(|n| n + first)));
             areas_m2.extend(surface.area_vectors_m2().map(DVec3::length));
-            laws.resize(triangles.len(), body.permeability.map(lattice));
+            passages.resize(triangles.len(), passage(body.permeability));
             body_of.resize(triangles.len() - fabric_triangles, number as u32);
             positions_m.extend_from_slice(&surface.positions_m);
             bodies.push(Body {
@@ -118,9 +141,8 @@ impl LinkCoupling {
         };
         // Fabric stays inside; bodies may pass.
         let open_from = scene.passes_through_a_face().then_some(fabric_triangles);
-        let mean_m2 = areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64;
-        // Of an equilateral triangle.
-        let edge_cells = (mean_m2 * 4.0 / 3f64.sqrt()).sqrt() / units.cell_size_m;
+        let cell_m2 = units.cell_size_m.powi(2);
+        let areas: Vec<f64> = areas_m2.iter().map(|area_m2| area_m2 / cell_m2).collect();
         let nodes = positions_m.len();
         let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
@@ -131,15 +153,19 @@ impl LinkCoupling {
                 let bodies = scene.rigid_bodies.iter().zip(&friction.bodies);
                 let of_bodies =
                     bodies.flat_map(|(body, own)| vec![*own; body.surface.triangles.len()]);
-                let all = (friction.fabric.iter().copied()).chain(of_bodies);
+                let of_covers = vec![Friction::NoSlip; covers.len()];
+                let of_fabric = friction.fabric.iter().copied().chain(of_covers);
+                let all = of_fabric.chain(of_bodies);
                 surface.with_friction(all.collect(), friction.transition_reynolds, &positions)
             }
             None => surface,
         };
         Self {
             units,
-            surface: surface.permeable(&laws, edge_cells),
+            surface: surface.permeable(&passages, &areas),
+            woven_triangles,
             fabric_triangles,
+            covers,
             bodies,
             body_of,
             positions,
@@ -243,7 +269,8 @@ impl LinkCoupling {
         let excess = excess.map(|faces| faces.map(|face| face * pressure));
         let layers = before.surface.boundary_layers();
         let (layers, steps_left) = layers.map_or_else(Default::default, |layers| {
-            (layers.saved_for([speed, length]), layers.steps_left())
+            let saved = layers.saved_for([speed, length]);
+            (self.of_own_triangles(before, saved), layers.steps_left())
         });
         self.place(cloth, time_s);
         let places = self.positions.clone();
@@ -258,6 +285,13 @@ impl LinkCoupling {
         }
         self.take_velocities(cloth, time_s, true);
         self.find_links(cloth, time_s)
+    }
+
+    /// What triangles had on another lattice, with other openings shut.
+    fn of_own_triangles<T: Default + Clone>(&self, before: &Self, mut of: Vec<T>) -> Vec<T> {
+        let covers = vec![T::default(); self.covers.len()];
+        of.splice(before.woven_triangles..before.fabric_triangles, covers);
+        of
     }
 
     /// Stage `read_links`.
@@ -275,7 +309,7 @@ impl LinkCoupling {
         self.surface.sort_cuts();
         let (stiffness_kg_s, force_n) = (self.units.stiffness_kg_s(), self.units.force_n());
         let (surface, cuts) = (&self.surface, self.surface.sorted_cuts());
-        let of_fabric = |triangle: &u32| (*triangle as usize) < self.fabric_triangles;
+        let of_fabric = |triangle: &u32| (*triangle as usize) < self.woven_triangles;
         let count = cuts.triangles().partition_point(of_fabric);
         (cuts.triangles()[..count].par_iter())
             .with_min_len(TRIANGLES_AT_ONCE)
@@ -295,6 +329,37 @@ impl LinkCoupling {
                 sum
             })
             .collect_into_vec(&mut self.reactions);
+        self.hand_on([stiffness_kg_s, force_n]);
+    }
+
+    /// Hands what the air does in openings on to the fabric at their rims.
+    fn hand_on(&mut self, [stiffness_kg_s, force_n]: [f64; 2]) {
+        let (surface, cuts) = (&self.surface, self.surface.sorted_cuts());
+        let mut handed: BTreeMap<u32, TriangleReaction> = BTreeMap::new();
+        for (number, cover) in (self.woven_triangles as u32..).zip(&self.covers) {
+            for &(link, side) in cuts.of(number) {
+                let (cut, reaction) = surface.reaction(link as usize, usize::from(side));
+                // Its corners take their shares of it one by one.
+                for ((triangle, corner), share) in cover.at.into_iter().zip(cut.weights) {
+                    if share == 0.0 {
+                        continue;
+                    }
+                    let mut weights = [0.0; 3];
+                    weights[usize::from(corner)] = 1.0;
+                    let scales = [reaction.stiffness * stiffness_kg_s, reaction.push * force_n];
+                    (handed.entry(triangle))
+                        .or_insert_with(|| TriangleReaction::none(triangle))
+                        .add(weights, reaction.leaving, scales.map(|of| of * share));
+                }
+            }
+        }
+        for (triangle, reaction) in handed {
+            let known = (self.reactions).binary_search_by_key(&triangle, |known| known.triangle);
+            match known {
+                Ok(place) => self.reactions[place].add_reaction(&reaction),
+                Err(place) => self.reactions.insert(place, reaction),
+            }
+        }
     }
 
     /// Velocities of a step that ends at `time_s`; before release all is held.

@@ -15,10 +15,22 @@ use glam::DVec3;
 use super::flows::{periodic, states};
 use super::report::Gate;
 use super::session::{Session, Stop};
+use crate::cut_links::Passage;
 use crate::immersed::markers;
 use crate::lattice::Operator;
 use crate::lattice::eddy_viscosity::EddyViscosity;
 use crate::simulation::{AirEngine, CutSurface, MarkerEngine};
+
+/// How a plate meets the air.
+#[derive(Clone, Copy, PartialEq)]
+enum Wall {
+    /// By markers, which stand so far inside the rim [cells].
+    Markers(f64),
+    /// It cuts links.
+    Cut,
+    /// It cuts links, and its openings have the law of narrow ones.
+    CutWithLaw,
+}
 
 /// A square hole or a slot in a plate.
 #[derive(Clone, Copy)]
@@ -26,8 +38,7 @@ struct Opening {
     /// [cells]
     width: f64,
     is_slot: bool,
-    /// How far inside the rim markers stand [cells]; `None` of a plate that cuts links.
-    inset: Option<f64>,
+    wall: Wall,
     /// Where it begins, in cells of the duct, between two of the lattice.
     offset: f64,
 }
@@ -40,6 +51,10 @@ const DUCT_OF_SLOT: f64 = 4.0;
 const HOLES_CELLS: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
 const SLOTS_CELLS: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 
+/// Widths that have the law of narrow openings [cells], those of the quick set first, and the least width of their duct [cells].
+const NARROW_CELLS: [f64; 4] = [0.5, 1.0, 0.25, 1.5];
+const DUCT_OF_NARROW_CELLS: f64 = 8.0;
+
 /// Cells along a slot: the jet may sway in three dimensions.
 const ALONG_SLOT: usize = 12;
 
@@ -50,6 +65,12 @@ const BAND_OF_LINKS: f64 = 0.15;
 
 /// Those of the quick set.
 const CUT_QUICK_CELLS: [f64; 2] = [2.0, 4.0];
+
+/// Longest edge of triangles of a plate whose openings have a law [cells].
+const EDGE_CELLS: f64 = 1.0;
+
+/// Area of an equilateral triangle of edge 1.
+const EQUILATERAL: f64 = 0.433;
 
 /// Speed in the hole that the force is chosen for [cells per step].
 const SPEED: f64 = 0.06;
@@ -66,33 +87,34 @@ impl Opening {
         Self {
             width,
             is_slot,
-            inset: Some(markers::opening_inset_cells(width)),
+            wall: Wall::Markers(markers::opening_inset_cells(width)),
             offset,
         }
     }
 
     /// From one opening to the next [cells].
     fn pitch(self) -> f64 {
-        self.widths_of_duct() * self.width
+        let widths = if self.is_slot {
+            DUCT_OF_SLOT
+        } else {
+            DUCT_OF_HOLE
+        };
+        let least = match self.wall {
+            Wall::CutWithLaw => DUCT_OF_NARROW_CELLS,
+            _ => 0.0,
+        };
+        (widths * self.width).max(least)
     }
 
     /// Openings in the duct along an axis, which is never narrower than a kernel.
     fn repeated(self) -> i32 {
-        if self.width < 2.0 { 2 } else { 1 }
-    }
-
-    fn widths_of_duct(self) -> f64 {
-        if self.is_slot {
-            DUCT_OF_SLOT
-        } else {
-            DUCT_OF_HOLE
-        }
+        if self.pitch() < 6.0 { 2 } else { 1 }
     }
 
     /// Open share of the plate.
     fn open(self) -> f64 {
-        self.widths_of_duct()
-            .powi(if self.is_slot { -1 } else { -2 })
+        let widths = self.pitch() / self.width;
+        widths.powi(if self.is_slot { -1 } else { -2 })
     }
 
     fn reference(self) -> f64 {
@@ -143,7 +165,7 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
                 continue;
             }
             let cut = Opening {
-                inset: None,
+                wall: Wall::Cut,
                 ..opening
             };
             let (cells, coefficient) = discharge(session, cut)?;
@@ -159,10 +181,32 @@ pub(super) fn compute(session: &mut Session) -> Result<(), Stop> {
             }
         }
     }
+    let narrow = session.size(&NARROW_CELLS[..2], &NARROW_CELLS);
+    for (is_slot, &width) in [false, true]
+        .iter()
+        .flat_map(|is_slot| narrow.iter().map(move |w| (*is_slot, w)))
+    {
+        for offset in &OFFSETS[..offsets] {
+            let opening = Opening {
+                wall: Wall::CutWithLaw,
+                ..Opening::ours(width, is_slot, *offset)
+            };
+            let (cells, coefficient) = discharge(session, opening)?;
+            let name = opening.name();
+            session
+                .row(
+                    cells,
+                    format!("{name} at {offset}, law of narrow openings: discharge coefficient"),
+                    coefficient,
+                )
+                .reference(opening.reference(), "Idelchik, diagram 8-1")
+                .gate(Gate::Within(BAND_OF_LINKS));
+        }
+    }
     let hole = Opening::ours(4.0, false, OFFSETS[0]);
     let mut shown = vec![(
         Opening {
-            inset: Some(0.0),
+            wall: Wall::Markers(0.0),
             ..hole
         },
         "markers up to the rim",
@@ -209,9 +253,11 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
     let mut setup = periodic(cells, 0.5 + 3e-4, Operator::RecursiveRegularised);
     setup.eddy_viscosity = Some(EddyViscosity::smagorinsky(0.15));
     let mut air = session.air(setup, &|_| (0.0, [SPEED * open, 0.0, 0.0]))?;
-    let mut plate = match opening.inset {
-        Some(inset) => Plate::Markers(Box::new(marked_plate(&air, opening, inset, [side, depth])?)),
-        None => Plate::Cut(Box::new(cut_plate(&air, opening, [side, depth])?)),
+    let mut plate = match opening.wall {
+        Wall::Markers(inset) => {
+            Plate::Markers(Box::new(marked_plate(&air, opening, inset, [side, depth])?))
+        }
+        _ => Plate::Cut(Box::new(cut_plate(&air, opening, [side, depth]))),
     };
     let acceleration = Some([pressure / cells[0] as f64, 0.0, 0.0]);
     // The jet goes around so many times; the mean is taken over the second half. That of a slot sways slowly from one side to the other.
@@ -328,45 +374,77 @@ fn marked_plate(
     })
 }
 
-/// A plate of triangles in such a duct.
-fn cut_plate(
-    air: &AirEngine,
-    opening: Opening,
-    [side, depth]: [usize; 2],
-) -> Result<CutPlate, Stop> {
-    let (repeated, pitch) = (opening.repeated(), opening.pitch());
-    let mut lines = Vec::new();
-    for number in 0..repeated {
-        let from = pitch * f64::from(number);
-        lines.extend([from, from + opening.width]);
-    }
-    lines.push(side as f64);
+/// A plate of triangles in such a duct, no longer than [`EDGE_CELLS`] where openings have a law.
+fn cut_plate(air: &AirEngine, opening: Opening, [side, depth]: [usize; 2]) -> CutPlate {
+    let has_law = opening.wall == Wall::CutWithLaw;
+    let edge = if has_law { EDGE_CELLS } else { f64::INFINITY };
+    let across = lines(opening, side, edge);
     let along = if opening.is_slot {
-        vec![0.0, depth as f64]
+        between(0.0, depth as f64, edge)
+            .map(|from| (from, false))
+            .chain([(depth as f64, false)])
+            .collect()
     } else {
-        lines.clone()
+        across.clone()
     };
     let x = PLATE * side as f64;
     let place = |at: f64| at + opening.offset - 0.5;
     let positions: Vec<DVec3> = (along.iter())
-        .flat_map(|z| lines.iter().map(|y| DVec3::new(x, place(*y), place(*z))))
+        .flat_map(|(z, _)| (across.iter()).map(|(y, _)| DVec3::new(x, place(*y), place(*z))))
         .collect();
-    let mut triangles = Vec::new();
-    let (columns, rows) = (lines.len(), along.len());
+    let (mut triangles, mut passages) = (Vec::new(), Vec::new());
+    let (columns, rows) = (across.len(), along.len());
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
-            let is_open = |number: usize| number.is_multiple_of(2);
-            if is_open(column) && (opening.is_slot || is_open(row)) {
+            let is_open = across[column].1 && (opening.is_slot || along[row].1);
+            if is_open && !has_law {
                 continue;
             }
             let corner = |r: usize, c: usize| ((row + r) * columns + column + c) as u32;
             let (a, b, c, d) = (corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
             triangles.extend([[a, b, c], [a, c, d]]);
+            let passage = if is_open {
+                Passage::Opening
+            } else {
+                Passage::Shut
+            };
+            passages.extend([passage; 2]);
         }
     }
-    Ok(CutPlate {
+    let areas = vec![EQUILATERAL * EDGE_CELLS * EDGE_CELLS; triangles.len()];
+    let surface = CutSurface::new(air, triangles, positions.len(), (0, Some(0)));
+    CutPlate {
         at_rest: vec![DVec3::ZERO; positions.len()],
-        surface: CutSurface::new(air, triangles, positions.len(), (0, Some(0))),
+        surface: surface.permeable(&passages, &areas),
         positions,
-    })
+    }
+}
+
+/// Where equal parts of `from..to`, no longer than `edge`, begin.
+fn between(from: f64, to: f64, edge: f64) -> impl Iterator<Item = f64> {
+    let count = ((to - from) / edge).ceil().max(1.0);
+    (0..count as usize).map(move |k| from + (to - from) * k as f64 / count)
+}
+
+/// Lines of nodes across the plate, and whether an opening begins there; the last one ends the plate. An opening with a law lies in the middle of fabric.
+fn lines(opening: Opening, side: usize, edge: f64) -> Vec<(f64, bool)> {
+    let mut lines = Vec::new();
+    let before = match opening.wall {
+        Wall::CutWithLaw => (0.5 * (opening.pitch() - opening.width)).floor(),
+        _ => 0.0,
+    };
+    let fabric = |from: f64, to: f64, lines: &mut Vec<(f64, bool)>| {
+        if to > from {
+            lines.extend(between(from, to, edge).map(|at| (at, false)));
+        }
+    };
+    for number in 0..opening.repeated() {
+        let from = opening.pitch() * f64::from(number);
+        let rim = from + before;
+        fabric(from, rim, &mut lines);
+        lines.push((rim, true));
+        fabric(rim + opening.width, from + opening.pitch(), &mut lines);
+    }
+    lines.push((side as f64, false));
+    lines
 }

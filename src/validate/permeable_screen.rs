@@ -15,6 +15,7 @@ use crate::cloth::rims::RimInsets;
 use crate::cpu::cloth::{
     Cloth, InitialHessian, MarkerReaction, SolverSettings, StepInput, TriangleReaction,
 };
+use crate::cut_links::Passage;
 use crate::fabric::Fabric;
 use crate::fabric::permeability::Permeability;
 use crate::geometry::sheet::{self, FabricModel, SheetShape};
@@ -128,11 +129,12 @@ impl CutScreen {
     fn new(air: &AirEngine, free: bool) -> Result<Self, Stop> {
         let structure = screen()?;
         let triangles: Vec<[u32; 3]> = structure.triangles.iter().map(|t| t.nodes).collect();
-        let law = Some([LAW.viscous_pa_s_m, LAW.inertial_kg_m3]);
-        let laws = vec![law; triangles.len()];
+        let passage = Passage::Fabric([LAW.viscous_pa_s_m, LAW.inertial_kg_m3]);
+        let passages = vec![passage; triangles.len()];
+        let areas: Vec<f64> = structure.triangles.iter().map(|t| t.rest_area_m2).collect();
         let surface = CutSurface::new(air, triangles, structure.node_count(), (0, None));
         Ok(Self {
-            surface: surface.permeable(&laws, 1.0),
+            surface: surface.permeable(&passages, &areas),
             cloth: Cloth::new(structure),
             free,
         })

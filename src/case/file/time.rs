@@ -35,6 +35,8 @@ pub struct Coupling {
     /// Largest distance of neighbouring markers, 0.25 to 1.5 [cells]; 1 if absent. Insets were calibrated with 1; the farther apart, the
     /// lower the drag (`ripstop validate marker-spacing`).
     pub marker_spacing_cells: Option<f64>,
+    /// How vents, gaps and slots narrower than two cells pass air, only with `scheme = "links"`; `"law"` if absent (docs/cut-links.md#narrow-openings).
+    pub narrow_openings: Option<NarrowOpenings>,
     /// Multiplies the masses of the structure, to study light and heavy sheets; 1 if absent.
     pub mass_factor: Option<f64>,
     /// Reynolds number of the length of run at which boundary layers of surfaces with `friction = "model"` turn from laminar to turbulent, 0 to 1e9; 0 if absent: they are
@@ -50,6 +52,16 @@ pub enum Scheme {
     Kernel,
     /// Links of the lattice that the surface cuts: what leaves along them comes back.
     Links,
+}
+
+/// How openings narrower than two cells pass air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NarrowOpenings {
+    /// By the law of a sharp edge.
+    Law,
+    /// As the cells let them, which is too little.
+    Cells,
 }
 
 /// Solver of the fabric (docs/case-files.md#when-a-solve-of-the-fabric-ends).

@@ -64,6 +64,17 @@ impl TriangleReaction {
         }
     }
 
+    /// Adds what else the air does to the same triangle.
+    pub fn add_reaction(&mut self, other: &Self) {
+        for (sum, block) in self.stiffness_kg_s.iter_mut().zip(other.stiffness_kg_s) {
+            *sum += block;
+        }
+        for (sum, pull) in self.pull_n.iter_mut().zip(other.pull_n) {
+            *sum += pull;
+        }
+        self.rest_w += other.rest_w;
+    }
+
     /// Stiffness between two corners [kg/s].
     #[must_use]
     pub const fn between(&self, a: usize, b: usize) -> DMat3 {

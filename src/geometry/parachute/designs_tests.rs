@@ -10,6 +10,7 @@ use super::pattern::PatternMesh;
 use super::sewn::{self, Cut, Folding, LinePlaces};
 use super::{pleats, shape};
 use crate::cloth::openings::OpeningKind;
+use crate::cloth::{Structure, Triangle, covers};
 
 fn design(shape: Shape, gores: usize, vent_diameter_m: Option<f64>) -> Design {
     Design {
@@ -370,4 +371,66 @@ fn impossible_designs_are_refused() {
         fault(Shape::Annular, Some(50.0)),
         DesignFault::Vent(_)
     ));
+}
+
+/// Covers shut every opening but the mouth: with them each edge of a rim lies between two triangles that are turned alike.
+#[test]
+fn covers_shut_openings() {
+    for (name, design, ..) in designs() {
+        let cut = Cut::Gores(design, design.pattern().unwrap());
+        let lines = match design.shape {
+            Shape::Cruciform { .. } => LinePlaces::Ends(4),
+            _ => LinePlaces::Seams,
+        };
+        let folding = Folding {
+            diameter_ratio: 0.6,
+            asymmetry: 0.0,
+        };
+        let sewn = sewn::sew(&cut, lines, &folding).unwrap();
+        let triangle = |(nodes, rest_m): (&[u32; 3], &[DVec3; 3])| {
+            Triangle::new(*nodes, rest_m.map(|corner| corner.truncate())).unwrap()
+        };
+        let mut structure = Structure {
+            triangles: sewn
+                .triangles
+                .iter()
+                .zip(&sewn.rest_m)
+                .map(triangle)
+                .collect(),
+            positions_m: sewn.positions_m.clone(),
+            ..Structure::default()
+        };
+        structure.openings.clone_from(&sewn.openings);
+        let mut edges: HashMap<[u32; 2], usize> = HashMap::new();
+        let mut add = |nodes: [u32; 3]| {
+            for k in 0..3 {
+                *edges.entry([nodes[k], nodes[(k + 1) % 3]]).or_default() += 1;
+            }
+        };
+        sewn.triangles.iter().for_each(|nodes| add(*nodes));
+        let all = covers::covers(&structure, structure.openings.iter());
+        for (opening, covers) in structure.openings.iter().zip(all) {
+            let covers = covers.unwrap();
+            let loops = if opening.kind == OpeningKind::Gap {
+                2
+            } else {
+                1
+            };
+            let less = if loops == 2 { 0 } else { 2 };
+            assert_eq!(covers.len(), opening.rim.len() - less, "{name}");
+            for cover in covers {
+                add(cover.nodes);
+                for (node, (triangle, corner)) in cover.nodes.into_iter().zip(cover.at) {
+                    let of = structure.triangles[triangle as usize].nodes;
+                    assert_eq!(of[usize::from(corner)], node);
+                }
+            }
+        }
+        for opening in &structure.openings {
+            for [a, b] in &opening.rim {
+                let both = [[*a, *b], [*b, *a]].map(|edge| edges.get(&edge));
+                assert_eq!(both, [Some(&1); 2], "{name}, {:?}", opening.kind);
+            }
+        }
+    }
 }
