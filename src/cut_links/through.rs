@@ -25,6 +25,10 @@ pub const CONTRACTION: f64 = 1.0 / 1.707;
 /// Most smoothing steps.
 const MOST_SMOOTHING: f64 = 12.0;
 
+/// Smoothing steps of edges of a cell that spread the flow of an opening so far that the links along the lattice's lines tell its sum. Of a square hole of half a cell with one such step they
+/// passed 0.7 of it.
+const FLOW_OF_OPENINGS: f64 = 2.0;
+
 /// Area below which nothing is spread to a node [cells²].
 const NO_AREA: f64 = 1e-12;
 
@@ -118,29 +122,25 @@ impl Through {
             return None;
         }
         let neighbours = Neighbours::new(triangles, count);
-        // Steps that smooth over a cell: all fabric, or what lies around openings.
-        let steps = |wanted: &dyn Fn(&[u32; 3]) -> bool| {
-            let (mut sum, mut found) = (0.0, 0.0);
-            for ((nodes, passage), area) in triangles.iter().zip(passages).zip(areas) {
-                if *passage != Passage::Opening && wanted(nodes) {
-                    sum += area;
-                    found += 1.0;
-                }
-            }
-            // Edges of equilateral triangles.
-            let square: f64 = sum / f64::max(found, 1.0) * 4.0 / 3f64.sqrt();
-            (1.0 / square).ceil().clamp(1.0, MOST_SMOOTHING) as usize
-        };
         let at_a_rim = |nodes: &[u32; 3]| nodes.iter().any(|node| is_rim[*node as usize]);
-        let smoothing = [
-            if permeable { steps(&|_| true) } else { 1 },
-            if openings.is_empty() {
-                1
-            } else {
-                steps(&at_a_rim)
-            },
-        ];
-        let smoothing = smoothing[0].max(smoothing[1]);
+        // Square of the mean edge of fabric, all of it or at rims, as if it were of equilateral triangles.
+        let edge_squared = |all: bool| {
+            let fabric = (triangles.iter().zip(passages).zip(areas))
+                .filter(|((nodes, passage), _)| {
+                    **passage != Passage::Opening && (all || at_a_rim(nodes))
+                })
+                .map(|(_, area)| area);
+            let (sum, count) = fabric.fold((0.0, 0.0), |(sum, n), area| (sum + area, n + 1.0));
+            sum / f64::max(count, 1.0) * 4.0 / 3f64.sqrt()
+        };
+        let steps = |squared: f64| squared.ceil().clamp(1.0, MOST_SMOOTHING) as usize;
+        let smoothing = match (permeable, openings.is_empty()) {
+            (true, true) => steps(1.0 / edge_squared(true)),
+            (false, _) => steps(FLOW_OF_OPENINGS / edge_squared(false)),
+            (true, false) => {
+                steps(1.0 / edge_squared(true)).max(steps(FLOW_OF_OPENINGS / edge_squared(false)))
+            }
+        };
         let mut reached = if permeable {
             vec![true; count]
         } else {

@@ -83,7 +83,7 @@ pub const PROBLEMS: [Problem; 45] = [
     },
     Problem {
         name: "openings",
-        updates: [200.0, 9_000.0],
+        updates: [240.0, 9_600.0],
         compute: openings::compute,
     },
     Problem {

@@ -58,6 +58,9 @@ const DUCT_OF_NARROW_CELLS: f64 = 8.0;
 /// Cells along a slot: the jet may sway in three dimensions.
 const ALONG_SLOT: usize = 12;
 
+/// The same where the cells do not see its jet.
+const ALONG_NARROW_SLOT: usize = 4;
+
 /// Widths from which on holes and slots in a plate that cuts links pass what they should, and within which band: no inset, nothing fitted. The jets of a slot of two
 /// cells lean to one side or the other, for as long as the flow was followed: +4 to +29 % were measured.
 const RESOLVED_BY_LINKS_CELLS: [f64; 2] = [2.0, 3.0];
@@ -68,9 +71,6 @@ const CUT_QUICK_CELLS: [f64; 2] = [2.0, 4.0];
 
 /// Longest edge of triangles of a plate whose openings have a law [cells].
 const EDGE_CELLS: f64 = 1.0;
-
-/// Area of an equilateral triangle of edge 1.
-const EQUILATERAL: f64 = 0.433;
 
 /// Speed in the hole that the force is chosen for [cells per step].
 const SPEED: f64 = 0.06;
@@ -247,7 +247,11 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
     let is_slot = opening.is_slot;
     let (open, wanted) = (opening.open(), opening.reference());
     let side = (opening.pitch() * f64::from(opening.repeated())).round() as usize;
-    let depth = if is_slot { ALONG_SLOT } else { side };
+    let depth = match (is_slot, opening.wall) {
+        (false, _) => side,
+        (true, Wall::CutWithLaw) => ALONG_NARROW_SLOT,
+        (true, _) => ALONG_SLOT,
+    };
     let cells = [4 * side, side, depth];
     let pressure = 0.5 * (SPEED / wanted).powi(2);
     let mut setup = periodic(cells, 0.5 + 3e-4, Operator::RecursiveRegularised);
@@ -261,7 +265,8 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
     };
     let acceleration = Some([pressure / cells[0] as f64, 0.0, 0.0]);
     // The jet goes around so many times; the mean is taken over the second half. That of a slot sways slowly from one side to the other.
-    let passes = session.size(12.0, 30.0) * if is_slot { 4.0 } else { 1.0 };
+    let sways = is_slot && opening.wall != Wall::CutWithLaw;
+    let passes = session.size(12.0, 30.0) * if sways { 4.0 } else { 1.0 };
     let steps = (passes * cells[0] as f64 / SPEED) as usize;
     let (mut sum, mut samples) = (0.0, 0.0);
     for step in 0..steps {
@@ -411,7 +416,12 @@ fn cut_plate(air: &AirEngine, opening: Opening, [side, depth]: [usize; 2]) -> Cu
             passages.extend([passage; 2]);
         }
     }
-    let areas = vec![EQUILATERAL * EDGE_CELLS * EDGE_CELLS; triangles.len()];
+    let areas: Vec<f64> = (triangles.iter())
+        .map(|nodes| {
+            let [a, b, c] = nodes.map(|node: u32| positions[node as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        })
+        .collect();
     let surface = CutSurface::new(air, triangles, positions.len(), (0, Some(0)));
     CutPlate {
         at_rest: vec![DVec3::ZERO; positions.len()],
