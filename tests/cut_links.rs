@@ -401,6 +401,7 @@ fn disk_gap_band() -> Case {
     let changes = [
         "coupling.scheme=links",
         "coupling.structure_every=absent",
+        "coupling.narrow_openings=law",
         "structure.disk_gap_band.vent_diameter_m=0.25",
         "time.end_s=0.02",
     ];

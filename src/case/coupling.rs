@@ -270,7 +270,7 @@ fn check_narrow_openings(
         return Ok(Some(usual::or(
             KEY,
             written.narrow_openings,
-            NarrowOpenings::Law,
+            NarrowOpenings::Cells,
         )));
     }
     match written.narrow_openings {

@@ -16,6 +16,7 @@ use glam::DVec3;
 
 use super::bounce::SIDES;
 use super::faces::{self, Neighbours, Seen};
+use super::search::CutLink;
 use crate::immersed::permeable::Resistance;
 use crate::lattice::WEIGHTS;
 
@@ -67,6 +68,8 @@ pub struct Through {
     area: Vec<f64>,
     open: Vec<f64>,
     of_faces: [Vec<f64>; 2],
+    /// Σ K of links between two layers, which let nothing pass where there are openings.
+    shut: Vec<f64>,
     /// A and O.
     own_area: Vec<f64>,
     own_open: Vec<f64>,
@@ -175,6 +178,7 @@ impl Through {
             area: zero(),
             open: zero(),
             of_faces: [zero(), zero()],
+            shut: zero(),
             own_area: zero(),
             own_open: zero(),
             through_fabric: zero(),
@@ -335,6 +339,7 @@ impl Through {
         self.push.fill(0.0);
         self.stiffness.fill(0.0);
         self.of_faces.iter_mut().for_each(|face| face.fill(0.0));
+        self.shut.fill(0.0);
         let mut all = Vec::new();
         for ((link, returns), inside) in seen.links.iter().zip(seen.returns).zip(inside) {
             let weight = WEIGHTS[link.leaving(0)];
@@ -357,6 +362,12 @@ impl Through {
                     weights: cut.weights,
                     across: across * across * stiffness,
                 };
+                if self.shuts(link) {
+                    for (node, share) in nodes.into_iter().zip(cut.weights) {
+                        self.shut[node as usize] += share * held.across;
+                    }
+                    continue;
+                }
                 for (node, share) in nodes.into_iter().zip(cut.weights) {
                     self.push[node as usize] += share * across * push;
                     self.stiffness[node as usize] += share * across * across * stiffness;
@@ -373,7 +384,13 @@ impl Through {
         all
     }
 
-    /// Areas that nodes stand for, all and in openings.
+    /// True if a link lets nothing pass: there is no air between two layers, as in a pleat, that could come through an opening.
+    #[must_use]
+    pub fn shuts(&self, link: &CutLink) -> bool {
+        link.layers > 1 && self.has_openings()
+    }
+
+    /// Areas that nodes stand for, all and in openings, but for the share that lies in pleats.
     fn measure(&mut self, triangles: &[[u32; 3]], areas: &[f64]) {
         self.own_area.fill(0.0);
         self.own_open.fill(0.0);
@@ -385,6 +402,17 @@ impl Through {
         for &number in &self.openings {
             for node in triangles[number as usize] {
                 self.own_open[node as usize] += areas[number as usize] / 3.0;
+            }
+        }
+        if !self.rims.is_empty() {
+            for &node in &self.nodes {
+                let node = node as usize;
+                let all = self.stiffness[node] + self.shut[node];
+                if all > 0.0 {
+                    let passes = self.stiffness[node] / all;
+                    self.own_area[node] *= passes;
+                    self.own_open[node] *= passes;
+                }
             }
         }
         self.area.copy_from_slice(&self.own_area);

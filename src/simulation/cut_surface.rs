@@ -325,9 +325,11 @@ impl CutSurface {
         read
     }
 
-    /// Velocity of the air through the surface at a cut.
-    fn through(&self, cut: &Cut) -> DVec3 {
-        self.through.as_ref().map_or(DVec3::ZERO, |through| {
+    /// Velocity of the air through the surface at one side of a link.
+    fn through(&self, link: &CutLink, side: usize) -> DVec3 {
+        let through = self.through.as_ref().filter(|t| !t.shuts(link));
+        through.map_or(DVec3::ZERO, |through| {
+            let cut = &link.cuts[side];
             let nodes = self.triangles[cut.triangle as usize];
             self.normals[cut.triangle as usize] * through.at(nodes, cut.weights)
         })
@@ -335,7 +337,7 @@ impl CutSurface {
 
     /// What the air behind gets beside it, at one side of a link: momentum of jets that its cells do not carry.
     fn jet(&self, link: &CutLink, side: usize) -> DVec3 {
-        let jets = self.through.as_ref().filter(|t| t.has_openings());
+        let jets = (self.through.as_ref()).filter(|t| t.has_openings() && !t.shuts(link));
         jets.map_or(DVec3::ZERO, |through| {
             let cut = &link.cuts[side];
             let nodes = self.triangles[cut.triangle as usize];
@@ -368,7 +370,7 @@ impl CutSurface {
         let returned = &self.returns[number][side];
         let stiffness = 6.0 * weight * returned.strength * length * length;
         let push = (returned.push() - 2.0 * weight * self.inside[number]) * length
-            - stiffness * leaving.dot(self.through(cut) + self.jet(link, side));
+            - stiffness * leaving.dot(self.through(link, side) + self.jet(link, side));
         let reaction = CutReaction {
             leaving,
             stiffness,
@@ -428,10 +430,12 @@ impl CutSurface {
             .for_each(|(number, ((((r, left), force), link), returns))| {
                 let c = link.direction();
                 let weight = WEIGHTS[link.leaving(0)];
-                let of = |cut: &Cut| c.dot(self.at(cut, velocities) + self.through(cut));
-                let mut along = [of(&link.cuts[0]); 2];
+                let of = |side: usize| {
+                    c.dot(self.at(&link.cuts[side], velocities) + self.through(link, side))
+                };
+                let mut along = [of(0); 2];
                 if link.layers > 1 {
-                    along[1] = of(&link.cuts[1]);
+                    along[1] = of(1);
                 }
                 // Both sides at one velocity: what one loses the other gains.
                 let mean = 0.5 * (along[0] + along[1]);

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use crate::case::Scene;
-use crate::case::coupling::{Coupling, Friction, Scheme};
+use crate::case::coupling::{Friction, Scheme};
 use crate::case::scene::{Air, BodyKind, Flow, RigidBody, Shape};
 use crate::cloth::openings::OpeningKind;
 use crate::geometry::plate::Plate;
@@ -70,9 +70,9 @@ pub struct Subject<'a> {
     pub passed: [[bool; 2]; 3],
     /// Thickness, if it has an inside: of a body the median over its surface, of a wing of fabric the largest at its root [m].
     pub thickness_m: Option<f64>,
-    /// Narrowest hole whose air the cells let pass [m].
+    /// Narrowest hole that air is meant to pass [m].
     pub hole_m: Option<f64>,
-    /// Narrowest gap or slot whose air the cells let pass [m].
+    /// Narrowest gap or slot that air is meant to pass [m].
     pub slot_m: Option<f64>,
     /// Diameter of a canopy's mouth at release [m].
     pub mouth_m: Option<f64>,
@@ -149,13 +149,9 @@ fn faces_met(air: &Air, plate: Option<&Plate>, [low, high]: [DVec3; 2]) -> [[boo
 fn fabric<'a>(scene: &'a Scene, air: &'a Air) -> Option<Subject<'a>> {
     let body = scene.body.as_ref()?;
     let positions = &body.structure.positions_m;
-    let openings = &body.structure.openings;
-    let covers = |c: &Coupling| c.covers(&body.structure, air.units.cell_size_m);
-    let covers = (scene.coupling.as_ref()).map_or_else(|| vec![None; openings.len()], covers);
     let narrowest_m = |is_hole: bool| {
-        let by_cells = openings.iter().zip(&covers);
-        let by_cells = by_cells.filter_map(|(opening, covers)| covers.is_none().then_some(opening));
-        by_cells
+        let openings = body.structure.openings.iter();
+        openings
             .filter(|opening| opening.width_m > 0.0 && opening.kind != OpeningKind::RibHole)
             .filter(|opening| (opening.kind == OpeningKind::Vent) == is_hole)
             .map(|opening| opening.width_m)
