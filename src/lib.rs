@@ -83,7 +83,7 @@
 //! | [`run`] | a whole run into one folder, its log and its faults | all |
 //! | [`sweep`] | which runs a sweep has, its tables and charts, what its lattices tell | measure, output |
 //! | [`bluff_body`] | drag of a sphere or a disk in a stream, for the next two | case, lattice, simulation, plan, measure, output, gpu |
-//! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, immersed, lattice, simulation, plan, polar, gpu, output, run |
+//! | [`validate`] | problems with known answers, through the public interface | bluff_body, case, cut_links, immersed, lattice, simulation, plan, polar, gpu, output, run |
 //! | [`bench`] | error against seconds, the map of stability, schemes of coupling, what a device does | bluff_body, case, cpu, geometry, immersed, lattice, simulation, measure, plan, gpu, output, run |
 //! | [`cli`] | the commands and exit codes | all |
 //!

@@ -198,6 +198,7 @@ const ALLOWED: [(&str, &[&str]); 35] = [
             "case",
             "cloth",
             "cpu",
+            "cut_links",
             "fabric",
             "frame",
             "geometry",
