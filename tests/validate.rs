@@ -71,7 +71,7 @@ const GATES: [(&str, usize); 36] = [
     ("levels", 8),
     ("shear-layer", 2),
     ("permeable-screen", 18),
-    ("openings", 7),
+    ("openings", 11),
     ("falling-disk", 2),
     ("sliding-wall", 6),
     ("wall-friction", 7),

@@ -20,7 +20,7 @@ const SMALLEST_COUPLED_AXIS_CELLS: usize = 12;
 /// Usual over-relaxation of the force.
 const OVER_RELAXATION: f64 = 1.6;
 
-/// Cells across an opening below which it passes air by a law; from there on the cells let pass what they should within 15 % (`ripstop validate openings`).
+/// Cells across an opening below which air passes it by a law. From there on holes pass what they should within 15 %, slots up to 30 % more (`ripstop validate openings`).
 const NARROW_CELLS: f64 = 2.0;
 
 /// Most passes of forcing.
@@ -45,7 +45,7 @@ pub struct Coupling {
     pub rim_inset_cells: f64,
     /// Steps over which a running mean of u* is taken before the fabric feels it; 1 unless schemes are compared.
     pub averaging_steps: u32,
-    /// How narrow openings pass air; `None` with markers.
+    /// How narrow openings pass air; `None` with markers, and without fabric.
     pub narrow_openings: Option<NarrowOpenings>,
 }
 

@@ -10,7 +10,9 @@
 //!
 //! Δp = ½ ρ v_o² (1/C² − φ²), and the momentum ρ O v_o² (1/C − φ) for the air behind.
 //!
-//! The sheet feels the opposite of what the air gets. Of an opening far narrower than a cell that is (1 − 2C) Δp O, less than nothing: its rim lies in the suction of the flow towards it.
+//! The sheet feels the opposite of what the air gets. Of an opening far narrower than a cell that is (1 − 2C) Δp O, less than nothing. Its rim lies in the suction of the flow towards it.
+//!
+//! Links between two layers let nothing pass where there are openings: a pleat has no air of its own.
 
 use glam::DVec3;
 
@@ -26,8 +28,7 @@ pub const CONTRACTION: f64 = 1.0 / 1.707;
 /// Most smoothing steps.
 const MOST_SMOOTHING: f64 = 12.0;
 
-/// Smoothing steps of edges of a cell that spread the flow of an opening so far that the links along the lattice's lines tell its sum. Of a square hole of half a cell with one such step they
-/// passed 0.7 of it.
+/// Smoothing steps that the flow of an opening takes along edges of a cell; along others, over the square of the edge.
 const FLOW_OF_OPENINGS: f64 = 2.0;
 
 /// Area below which nothing is spread to a node [cells²].
@@ -149,7 +150,7 @@ impl Through {
         } else {
             is_rim.clone()
         };
-        // What is spread from rims comes as far, and as far again lies what it is smoothed of.
+        // Flow is spread over so many edges; areas there are smoothed over as many again.
         for _ in 0..2 * smoothing {
             let last = reached.clone();
             for (node, reached) in reached.iter_mut().enumerate() {
@@ -204,7 +205,7 @@ impl Through {
         }
     }
 
-    /// What of the nodes is smoothed, over the area that each stands for.
+    /// What rims give, smoothed along the sheet, over the area that each node stands for.
     fn spread(&self, of_rims: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut field = vec![0.0; self.laws.len()];
         for &rim in &self.rims {
@@ -469,7 +470,7 @@ impl Through {
                     whole += self.area[node];
                 }
             }
-            *mean = flow / whole;
+            *mean = if whole > 0.0 { flow / whole } else { 0.0 };
         }
     }
 

@@ -114,7 +114,7 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 } else if cells >= SMALLEST_CUT_CELLS[0] {
                     "its jets lean to one side: it passes up to 30 % more than it should"
                 } else {
-                    "too narrow: it passes less than it should (coupling.narrow_openings)"
+                    "too narrow: it passes less than it should"
                 };
                 format!(",{narrowest} {cells:.1} cells: {judged}")
             }

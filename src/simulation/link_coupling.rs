@@ -270,7 +270,7 @@ impl LinkCoupling {
         let layers = before.surface.boundary_layers();
         let (layers, steps_left) = layers.map_or_else(Default::default, |layers| {
             let saved = layers.saved_for([speed, length]);
-            (self.of_own_triangles(before, saved), layers.steps_left())
+            (self.of_own_faces(before, saved), layers.steps_left())
         });
         self.place(cloth, time_s);
         let places = self.positions.clone();
@@ -287,10 +287,13 @@ impl LinkCoupling {
         self.find_links(cloth, time_s)
     }
 
-    /// What triangles had on another lattice, with other openings shut.
-    fn of_own_triangles<T: Default + Clone>(&self, before: &Self, mut of: Vec<T>) -> Vec<T> {
-        let covers = vec![T::default(); self.covers.len()];
-        of.splice(before.woven_triangles..before.fabric_triangles, covers);
+    /// What both faces of every triangle had on another lattice, with other openings shut.
+    fn of_own_faces<T: Default + Clone>(&self, before: &Self, mut of: Vec<T>) -> Vec<T> {
+        let covers = vec![T::default(); 2 * self.covers.len()];
+        of.splice(
+            2 * before.woven_triangles..2 * before.fabric_triangles,
+            covers,
+        );
         of
     }
 

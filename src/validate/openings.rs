@@ -10,7 +10,7 @@
 //! ([`markers::opening_inset_cells`]), holes of one to six cells pass the right amount. Wider ones pass more, as rounded holes do: the kernel
 //! smooths the edge that the jet would leave, and narrows it less.
 //!
-//! A plate that cuts links has no insets. Its openings below two cells are computed once more with the law of narrow ones ([`crate::cut_links::through`]), in a duct of eight cells.
+//! A plate that cuts links has no insets. Openings below two cells are also computed with the law of narrow ones ([`crate::cut_links::through`]), in a duct of eight cells.
 
 use glam::DVec3;
 
@@ -71,7 +71,7 @@ const BAND_OF_LINKS: f64 = 0.15;
 /// Those of the quick set.
 const CUT_QUICK_CELLS: [f64; 2] = [2.0, 4.0];
 
-/// Longest edge of triangles of a plate whose openings have a law [cells].
+/// Longest side of the rectangles that two triangles make, in a plate whose openings have a law [cells].
 const EDGE_CELLS: f64 = 1.0;
 
 /// Speed in the hole that the force is chosen for [cells per step].
@@ -293,8 +293,12 @@ fn discharge(session: &mut Session, opening: Opening) -> Result<([usize; 3], f64
         }
     }
     session.progress_to(session.done + 1e-6 * (steps * cells.iter().product::<usize>()) as f64);
-    // States are those between a step and the next: half of a step's force is in neither.
-    let mean = sum / samples + 0.5 * pressure / length;
+    // The bare velocity lacks half of a step's force. Markers act as the uniform force does, and take as much in the mean; walls that cut links do not.
+    let half = match opening.wall {
+        Wall::Markers(_) => 0.0,
+        Wall::Cut | Wall::CutWithLaw => 0.5 * pressure / length,
+    };
+    let mean = sum / samples + half;
     Ok((cells, mean / open / (2.0 * pressure).sqrt()))
 }
 

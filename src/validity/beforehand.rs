@@ -197,7 +197,7 @@ const fn of_subjects<'a>() -> [Rule<Subject<'a>>; 30] {
             bound: Bound::AtLeast,
             limit: 3.0,
             supports: Supports::Everything,
-            remedy: "raise the resolution; coupling.narrow_openings = \"law\" lets pass what a sharp edge does, but was checked on plates alone",
+            remedy: "raise the resolution, or give a permeability with a discharge_coefficient",
             value: |of| of.slot_cells().filter(|_| of.cuts_links()),
         },
         Rule {
