@@ -34,6 +34,9 @@ const FLOW_OF_OPENINGS: f64 = 2.0;
 /// Area below which nothing is spread to a node [cells²].
 const NO_AREA: f64 = 1e-12;
 
+/// Share of a node's links, outside of pleats, below which nothing passes about it.
+const LEAST_SHARE: f64 = 0.1;
+
 /// Passes in which the flow through openings and the force on the sheet find each other.
 const PASSES: usize = 4;
 
@@ -410,7 +413,9 @@ impl Through {
                 let node = node as usize;
                 let all = self.stiffness[node] + self.shut[node];
                 if all > 0.0 {
-                    let passes = self.stiffness[node] / all;
+                    let share = self.stiffness[node] / all;
+                    // The flow of all would else go through the last link.
+                    let passes = if share < LEAST_SHARE { 0.0 } else { share };
                     self.own_area[node] *= passes;
                     self.own_open[node] *= passes;
                 }
