@@ -28,6 +28,7 @@
 //! * [`places`]: where it lies in memory;
 //! * [`pockets`]: air shut in by folds;
 //! * [`faces`]: pressures on both faces, as fields on nodes;
+//! * `smoothing`: fields smoothed along the sheet;
 //! * [`through`]: air through the fabric, and through openings narrower than the cells;
 //! * [`slide`]: what comes back where the air slides along the surface;
 //! * [`energy`]: what of that the wall may give the air;
@@ -48,6 +49,7 @@ pub mod places;
 pub mod pockets;
 pub mod search;
 pub mod slide;
+mod smoothing;
 pub mod spaces;
 pub mod stress;
 pub mod through;

@@ -17,16 +17,14 @@
 use glam::DVec3;
 
 use super::bounce::SIDES;
-use super::faces::{self, Neighbours, Seen};
+use super::faces::{self, Seen};
 use super::search::CutLink;
+use super::smoothing::{self, Smoothing};
 use crate::immersed::permeable::Resistance;
 use crate::lattice::WEIGHTS;
 
 /// Share of a sharp-edged opening that its jet contracts to, far from other openings: 1/(1 + 0.707) (Idelchik, Handbook of Hydraulic Resistance, diagram 8-1, thin grids with little open area).
 pub const CONTRACTION: f64 = 1.0 / 1.707;
-
-/// Most smoothing steps.
-const MOST_SMOOTHING: f64 = 12.0;
 
 /// Smoothing steps that the flow of an opening takes along edges of a cell; along others, over the square of the edge.
 const FLOW_OF_OPENINGS: f64 = 2.0;
@@ -54,15 +52,13 @@ pub enum Passage {
 /// Velocity of the air through the sheet along its normals, at every node.
 #[derive(Debug, Clone)]
 pub struct Through {
-    neighbours: Neighbours,
+    /// About the nodes that air may pass at.
+    smoothing: Smoothing,
     /// r and s of the fabric at every node [lattice units]; `None` where nothing passes it.
     laws: Vec<Option<[f64; 2]>>,
-    /// Smoothing steps.
-    smoothing: usize,
     /// Triangles in openings.
     openings: Vec<u32>,
-    /// Nodes that air may pass about, and the triangles that touch any.
-    nodes: Vec<u32>,
+    /// Triangles that touch nodes that air may pass at.
     touched: Vec<bool>,
     /// Corners of openings.
     rims: Vec<u32>,
@@ -128,7 +124,6 @@ impl Through {
         if !permeable && openings.is_empty() {
             return None;
         }
-        let neighbours = Neighbours::new(triangles, count);
         let at_a_rim = |nodes: &[u32; 3]| nodes.iter().any(|node| is_rim[*node as usize]);
         // Square of the mean edge of fabric, all of it or at rims, as if it were of equilateral triangles.
         let edge_squared = |all: bool| {
@@ -140,43 +135,30 @@ impl Through {
             let (sum, count) = fabric.fold((0.0, 0.0), |(sum, n), area| (sum + area, n + 1.0));
             sum / f64::max(count, 1.0) * 4.0 / 3f64.sqrt()
         };
-        let steps = |squared: f64| squared.ceil().clamp(1.0, MOST_SMOOTHING) as usize;
-        let smoothing = match (permeable, openings.is_empty()) {
-            (true, true) => steps(1.0 / edge_squared(true)),
-            (false, _) => steps(FLOW_OF_OPENINGS / edge_squared(false)),
-            (true, false) => {
-                steps(1.0 / edge_squared(true)).max(steps(FLOW_OF_OPENINGS / edge_squared(false)))
-            }
+        let of_fabric = || Smoothing::steps(1.0 / edge_squared(true));
+        let of_openings = || Smoothing::steps(FLOW_OF_OPENINGS / edge_squared(false));
+        let steps = match (permeable, openings.is_empty()) {
+            (true, true) => of_fabric(),
+            (false, _) => of_openings(),
+            (true, false) => of_fabric().max(of_openings()),
         };
-        let mut reached = if permeable {
-            vec![true; count]
-        } else {
-            is_rim.clone()
-        };
-        // Flow is spread over so many edges; areas there are smoothed over as many again.
-        for _ in 0..2 * smoothing {
-            let last = reached.clone();
-            for (node, reached) in reached.iter_mut().enumerate() {
-                *reached |= (neighbours.of(node).iter()).any(|other| last[*other as usize]);
-            }
+        let rims = smoothing::numbers(&is_rim);
+        let from = if permeable { vec![true; count] } else { is_rim };
+        let smoothing = Smoothing::new(triangles, from, steps);
+        let mut reached = vec![false; count];
+        for node in smoothing.nodes() {
+            reached[node] = true;
         }
-        let of = |flags: &[bool]| -> Vec<u32> {
-            (0..count as u32)
-                .filter(|node| flags[*node as usize])
-                .collect()
-        };
         let touched = (triangles.iter())
             .map(|nodes| nodes.iter().any(|node| reached[*node as usize]))
             .collect();
         let zero = || vec![0.0; count];
         Some(Self {
-            neighbours,
-            laws,
             smoothing,
+            laws,
             openings,
-            nodes: of(&reached),
             touched,
-            rims: of(&is_rim),
+            rims,
             push: zero(),
             stiffness: zero(),
             area: zero(),
@@ -192,31 +174,14 @@ impl Through {
         })
     }
 
-    /// A field smoothed along the sheet. Every node gives half of its own away, in equal parts: nothing is lost.
-    fn smooth(&self, field: &mut [f64]) {
-        for _ in 0..self.smoothing {
-            let old = field.to_vec();
-            for &node in &self.nodes {
-                let node = node as usize;
-                let mut sum = 0.5 * field[node];
-                for other in self.neighbours.of(node) {
-                    let other = *other as usize;
-                    sum += old[other] / (2.0 * self.neighbours.of(other).len() as f64);
-                }
-                field[node] = sum;
-            }
-        }
-    }
-
     /// What rims give, smoothed along the sheet, over the area that each node stands for.
     fn spread(&self, of_rims: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut field = vec![0.0; self.laws.len()];
         for &rim in &self.rims {
             field[rim as usize] = of_rims(rim as usize);
         }
-        self.smooth(&mut field);
-        for &node in &self.nodes {
-            let node = node as usize;
+        self.smoothing.smooth(&mut field);
+        for node in self.smoothing.nodes() {
             field[node] = match self.own_area[node] {
                 area if area > NO_AREA => field[node] / area,
                 _ => 0.0,
@@ -236,7 +201,7 @@ impl Through {
                 field[node as usize] += share * held.across * passing;
             }
         }
-        self.smooth(&mut field);
+        self.smoothing.smooth(&mut field);
         field
     }
 
@@ -250,12 +215,7 @@ impl Through {
     ) {
         let held = self.sum(seen, inside, velocities);
         self.measure(seen.triangles, areas);
-        let fields = if self.rims.is_empty() { 3 } else { 6 };
-        for field in 0..fields {
-            let mut taken = std::mem::take(self.smoothed(field));
-            self.smooth(&mut taken);
-            *self.smoothed(field) = taken;
-        }
+        self.smooth();
         let mut in_openings = vec![
             0.0;
             if self.rims.is_empty() {
@@ -313,8 +273,7 @@ impl Through {
     /// What passes the fabric, on its own area, and what passes the openings.
     fn all(&self, of_openings: &[f64]) -> Vec<f64> {
         let mut all = of_openings.to_vec();
-        for &node in &self.nodes {
-            let node = node as usize;
+        for node in self.smoothing.nodes() {
             let woven = (self.own_area[node] - self.own_open[node]).max(0.0);
             if self.own_area[node] > NO_AREA {
                 all[node] += self.through_fabric[node] * woven / self.own_area[node];
@@ -328,13 +287,17 @@ impl Through {
         (self.open[rim] / self.area[rim]).min(1.0)
     }
 
-    const fn smoothed(&mut self, field: usize) -> &mut Vec<f64> {
-        match field {
-            0 => &mut self.push,
-            1 => &mut self.stiffness,
-            2 => &mut self.area,
-            3 => &mut self.open,
-            face => &mut self.of_faces[face - 4],
+    /// Smooths what was summed, and the areas.
+    fn smooth(&mut self) {
+        let of_all = [&mut self.push, &mut self.stiffness, &mut self.area];
+        for field in of_all {
+            self.smoothing.smooth(field);
+        }
+        if !self.rims.is_empty() {
+            self.smoothing.smooth(&mut self.open);
+            for field in &mut self.of_faces {
+                self.smoothing.smooth(field);
+            }
         }
     }
 
@@ -409,8 +372,7 @@ impl Through {
             }
         }
         if !self.rims.is_empty() {
-            for &node in &self.nodes {
-                let node = node as usize;
+            for node in self.smoothing.nodes() {
                 let all = self.stiffness[node] + self.shut[node];
                 if all > 0.0 {
                     let share = self.stiffness[node] / all;
@@ -455,8 +417,7 @@ impl Through {
             let speed = in_openings[rim];
             self.own_open[rim] * speed * speed.abs() * (1.0 / CONTRACTION - self.share(rim))
         });
-        for &node in &self.nodes {
-            let node = node as usize;
+        for node in self.smoothing.nodes() {
             let momentum = momenta[node];
             let behind = self.of_faces[usize::from(momentum < 0.0)][node];
             self.jets[node] = match behind {
