@@ -212,19 +212,19 @@ pub enum Asked {
 }
 
 impl Images {
-    /// Lays them out for `links`; `slides` tells how the air slides along a triangle, if it does.
+    /// Lays them out for `links`; `slides` tells how the air slides along the triangle that a side of a link meets, if it does.
     pub fn find(
         &mut self,
         links: &CutLinks,
         domain: &Domain,
-        slides: impl Fn(usize) -> Option<Slides> + Sync,
+        slides: impl Fn(&CutLink, usize) -> Option<Slides> + Sync,
     ) {
         let air = Surroundings { links, domain };
         let look = |(task, some): (usize, &[CutLink])| -> Vec<Found> {
             let sides = (some.iter().enumerate())
                 .flat_map(|(number, link)| super::SIDES.map(|side| (number, link, side)));
             let found = sides.filter_map(|(number, link, side)| {
-                let slides = slides(link.cuts[side].triangle as usize)?;
+                let slides = slides(link, side)?;
                 let away = away(link, side, slides.normal);
                 let off = air.off(link, side, (away, slides.modelled))?;
                 let (cells, closer) = air.cells_of_image(link, side, away);

@@ -28,7 +28,7 @@ fn air_sticks_in_narrow_gaps() {
         links.find(&positions, &triangles, &domain).unwrap();
         for modelled in [false, true] {
             let mut images = Images::default();
-            images.find(&links, &domain, |_| {
+            images.find(&links, &domain, |_, _| {
                 Some(Slides {
                     normal: DVec3::Z,
                     modelled,
@@ -59,9 +59,9 @@ fn air_sticks_in_creases() {
     let mut links = CutLinks::default();
     links.find(&positions, &triangles, &domain).unwrap();
     let mut images = Images::default();
-    images.find(&links, &domain, |triangle| {
+    images.find(&links, &domain, |link, side| {
         Some(Slides {
-            normal: normals[triangle],
+            normal: normals[link.cuts[side].triangle as usize],
             modelled: false,
         })
     });
@@ -81,7 +81,7 @@ fn along_a_plane(corners: &[DVec3; 4], normal: DVec3, domain: &Domain) -> (CutLi
     links
         .find(corners, &[[0, 1, 2], [2, 3, 0]], domain)
         .unwrap();
-    images.find(&links, domain, |_| {
+    images.find(&links, domain, |_, _| {
         Some(Slides {
             normal,
             modelled: false,

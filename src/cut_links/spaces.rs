@@ -113,6 +113,27 @@ impl Spaces {
         self.of[face] as usize
     }
 
+    /// Which of them faces shut in on all sides, by number: those whose faces meet others along all edges, around a volume that is positive.
+    #[must_use]
+    pub fn shut_in(&self, triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<bool> {
+        let mut closed = vec![true; self.count];
+        let mut volumes = vec![0.0; self.count];
+        let Some(origin) = positions.first() else {
+            return closed;
+        };
+        for (face, beside) in self.beside.iter().enumerate() {
+            let space = self.of(face);
+            closed[space] &= beside.iter().all(Option::is_some);
+            let [a, b, c] = triangles[face / 2].map(|node| positions[node as usize] - *origin);
+            // The air lies where the normal of a face's triangle points, or behind it.
+            let sign = if face.is_multiple_of(2) { -1.0 } else { 1.0 };
+            volumes[space] += sign * a.dot(b.cross(c));
+        }
+        (closed.into_iter().zip(volumes))
+            .map(|(closed, volume)| closed && volume > 0.0)
+            .collect()
+    }
+
     /// How many there are.
     #[must_use]
     pub const fn count(&self) -> usize {
@@ -175,12 +196,19 @@ mod tests {
                 assert!(all.beside(other).contains(&Some(face as u32)));
             }
         }
+        // Both insides are shut in, the outside is not.
+        let shut_in = all.shut_in(&triangles(&quads), &positions);
+        assert_eq!(shut_in.iter().filter(|is| **is).count(), 2);
+        assert!(!shut_in[*end.iter().find(|space| !middle.contains(space)).unwrap()]);
         // Open at one end: the air inside and that outside are one; without the wall between them, all of it.
         quads.remove(10);
         let count = |quads: &[[u32; 4]], open: bool| {
             Spaces::new(&triangles(quads), &positions, |_| open).count()
         };
         assert_eq!([true, false].map(|open| count(&quads, open)), [2, 3]);
+        let open = Spaces::new(&triangles(&quads), &positions, |_| true);
+        let shut_in = open.shut_in(&triangles(&quads), &positions);
+        assert_eq!(shut_in.iter().filter(|is| **is).count(), 1);
         quads.remove(9);
         assert_eq!([true, false].map(|open| count(&quads, open)), [1, 2]);
     }

@@ -1,5 +1,7 @@
 //! A surface of triangles that cuts links of the air's lattice, in lattice units ([`crate::cut_links`]): stages `find_links`, `read_links` and `bounce`.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -140,6 +142,15 @@ impl CutSurface {
             transition_reynolds,
         };
         self.sliding = Sliding::new(friction, layers, (&self.triangles, positions), &self.domain);
+        self
+    }
+
+    /// The same where the air sticks inside of `bodies`, whose triangles these are: closed ones at rest, with nothing else inside, their nodes at `positions` [cells].
+    #[must_use]
+    pub fn sticking_inside(mut self, bodies: &[Range<usize>], positions: &[DVec3]) -> Self {
+        if let Some(sliding) = &mut self.sliding {
+            sliding.stick_inside(bodies, (&self.triangles, positions));
+        }
         self
     }
 

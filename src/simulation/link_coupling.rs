@@ -9,13 +9,13 @@
 //! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::air::AirEngine;
 use super::bodies::Load;
+use super::cut_bodies::{self, Body};
 use super::cut_surface::CutSurface;
 use crate::case::Scene;
 use crate::case::coupling::Friction;
@@ -27,18 +27,7 @@ use crate::cut_links::{Cut, OutOfAir, Passage};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
-use crate::rigid::PrescribedMotion;
 use crate::units::Units;
-
-/// A rigid body's part of the surface.
-#[derive(Debug)]
-struct Body {
-    motion: PrescribedMotion,
-    /// Places of its nodes before it moves [m].
-    positions_m: Vec<DVec3>,
-    moment_point_m: DVec3,
-    nodes: Range<usize>,
-}
 
 /// Surfaces that cut the lattice: first that of the fabric, then what shuts its narrow openings, then those of the rigid bodies.
 #[derive(Debug)]
@@ -74,22 +63,6 @@ fn covers_of(scene: &Scene, units: &Units) -> Vec<Cover> {
 
 /// Triangles that one task works on.
 const TRIANGLES_AT_ONCE: usize = 128;
-
-/// Puts the nodes of bodies where they are at `time_s`; `lattice` converts from metres.
-fn place_bodies(
-    bodies: &[Body],
-    time_s: f64,
-    lattice: impl Fn(DVec3) -> DVec3,
-    positions: &mut [DVec3],
-) {
-    for body in bodies {
-        let placement = body.motion.at(time_s);
-        let nodes = &mut positions[body.nodes.clone()];
-        for (position, &place_m) in nodes.iter_mut().zip(&body.positions_m) {
-            *position = lattice(placement.position_m(place_m));
-        }
-    }
-}
 
 impl LinkCoupling {
     pub(super) fn new(scene: &Scene, air: &Air, engine: &AirEngine) -> Self {
@@ -146,17 +119,20 @@ impl LinkCoupling {
         let nodes = positions_m.len();
         let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
-        place_bodies(&bodies, 0.0, lattice, &mut positions);
+        cut_bodies::place(&bodies, 0.0, lattice, &mut positions);
         let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from));
         let surface = match &scene.friction {
             Some(friction) => {
-                let bodies = scene.rigid_bodies.iter().zip(&friction.bodies);
+                let of_each = scene.rigid_bodies.iter().zip(&friction.bodies);
                 let of_bodies =
-                    bodies.flat_map(|(body, own)| vec![*own; body.surface.triangles.len()]);
+                    of_each.flat_map(|(body, own)| vec![*own; body.surface.triangles.len()]);
                 let of_covers = vec![Friction::NoSlip; covers.len()];
                 let of_fabric = friction.fabric.iter().copied().chain(of_covers);
                 let all = of_fabric.chain(of_bodies);
-                surface.with_friction(all.collect(), friction.transition_reynolds, &positions)
+                let stand = cut_bodies::standing(&bodies, &body_of, fabric_triangles, &positions);
+                surface
+                    .with_friction(all.collect(), friction.transition_reynolds, &positions)
+                    .sticking_inside(&stand, &positions)
             }
             None => surface,
         };
@@ -242,7 +218,7 @@ impl LinkCoupling {
                 *position = lattice(*place_m);
             }
         }
-        place_bodies(&self.bodies, time_s, lattice, &mut self.positions);
+        cut_bodies::place(&self.bodies, time_s, lattice, &mut self.positions);
     }
 
     /// Stage `find_links`, for fabric where it stands, and bodies where they are at `time_s`.

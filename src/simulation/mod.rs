@@ -12,6 +12,7 @@ mod cloth;
 mod cloth_engine;
 mod cost;
 mod coupled;
+mod cut_bodies;
 mod cut_surface;
 mod descent;
 mod drags;

@@ -1,5 +1,7 @@
 //! Parts of a surface that cuts links along which the air slides, and the mass that it owes the air there ([`crate::cut_links::slide`]).
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -29,6 +31,8 @@ const CROWDED: u32 = 9;
 pub(super) struct Sliding {
     /// Of the triangles.
     friction: Vec<Friction>,
+    /// By face, whether it looks at air that a body at rest shuts in; empty where none does.
+    shut_in: Vec<bool>,
     images: Images,
     /// What left the cells of the images.
     leaving: Vec<Leaving>,
@@ -125,6 +129,7 @@ impl Sliding {
                     taken: false,
                 }),
             friction,
+            shut_in: Vec::new(),
             of_blocks: Vec::new(),
             blocks: Vec::new(),
             shares: Vec::new(),
@@ -133,15 +138,33 @@ impl Sliding {
         })
     }
 
+    /// The air that bodies at rest shut in stands, whether it slides or not: it sticks, which asks for no images. These are `triangles` of closed bodies, with nothing else inside.
+    pub(super) fn stick_inside(
+        &mut self,
+        bodies: &[Range<usize>],
+        (triangles, positions): (&[[u32; 3]], &[DVec3]),
+    ) {
+        if bodies.is_empty() {
+            return;
+        }
+        let shut_in = self.spaces.shut_in(triangles, positions);
+        self.shut_in = vec![false; 2 * triangles.len()];
+        for face in bodies.iter().flat_map(|body| 2 * body.start..2 * body.end) {
+            self.shut_in[face] = shut_in[self.spaces.of(face)];
+        }
+    }
+
     /// Lays the images out for what the surface cuts.
     pub(super) fn find(&mut self, links: &CutLinks, domain: &Domain, normals: &[DVec3]) {
-        let friction = &self.friction;
-        self.images.find(links, domain, |triangle| {
-            let slides = Slides {
-                normal: normals[triangle],
+        let (friction, shut_in) = (&self.friction, &self.shut_in);
+        self.images.find(links, domain, |link, side| {
+            let triangle = link.cuts[side].triangle as usize;
+            let normal = normals[triangle];
+            let is_inside = || !shut_in.is_empty() && shut_in[slide::face(link, side, normal)];
+            (friction[triangle] != Friction::NoSlip && !is_inside()).then(|| Slides {
+                normal,
                 modelled: friction[triangle] == Friction::Model,
-            };
-            (friction[triangle] != Friction::NoSlip).then_some(slides)
+            })
         });
         if let Some(modelled) = &mut self.modelled {
             modelled.stress.find(links, domain, &self.images);
