@@ -1,5 +1,6 @@
 //! Openings of a canopy that is read from a file: closed borders beside that of its mouth.
 
+use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -7,19 +8,26 @@ use glam::DVec3;
 use super::doctor::Border;
 use crate::cloth::openings::{Opening, OpeningKind};
 use crate::rigid::Surface;
+use crate::sets::Sets;
 
 /// 4π times area over length squared from which a border counts as round: 1 of a circle, 0.79 of a square, 0.55 of a rectangle of 4 : 1.
 const ROUND: f64 = 0.7;
 
-/// Openings of a surface whose borders come longest first: the first closed one is the mouth. A round one is as wide as the circle of its area, a
+/// Openings of a surface whose borders come longest first: of each of its pieces the first closed one is its own edge, a canopy's mouth. A round one is as wide as the circle of its area, a
 /// longer one as the strip of its area and length.
 #[must_use]
 pub fn openings(surface: &Surface, borders: &[Border]) -> Vec<Opening> {
     let closed = borders
         .iter()
         .filter(|border| border.nodes.len() > 3 && border.nodes.first() == border.nodes.last());
+    let mut pieces = Sets::new(surface.positions_m.len());
+    for [a, b, c] in &surface.triangles {
+        pieces.join(*a, *b);
+        pieces.join(*a, *c);
+    }
+    let mut edged = HashSet::new();
     closed
-        .skip(1)
+        .filter(|border| !edged.insert(pieces.first(border.nodes[0])))
         .map(|border| {
             let rim: Vec<[u32; 2]> = border.nodes.windows(2).map(|p| [p[0], p[1]]).collect();
             let at = |node: u32| surface.positions_m[node as usize];
@@ -66,9 +74,15 @@ mod tests {
             (0..=count).map(|k| first + k % count).collect()
         };
         let borders = [ring(0, 48), ring(96, 4), ring(48, 48)].map(|nodes| border(&nodes, &places));
+        let in_pieces = Surface {
+            positions_m: places.clone(),
+            triangles: vec![[48, 49, 96]],
+        };
+        // The larger circle, and the slot as the edge of a piece of its own with the smaller one in it.
+        assert_eq!(openings(&in_pieces, &borders).len(), 1);
         let surface = Surface {
             positions_m: places,
-            triangles: Vec::new(),
+            triangles: vec![[0, 48, 96]],
         };
         let found = openings(&surface, &borders);
         let kinds: Vec<OpeningKind> = found.iter().map(|opening| opening.kind).collect();
