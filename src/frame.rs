@@ -131,7 +131,7 @@ impl FlowQuantity {
 pub enum CableKind {
     /// Suspension line from the skirt to the confluence.
     SuspensionLine,
-    /// Reinforcing belt sewn on the fabric, sharing its nodes.
+    /// Reinforcing belt sewn on the fabric, sharing its nodes, or tape across a slot.
     Belt,
     /// Line across a vent.
     VentLine,

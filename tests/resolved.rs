@@ -95,6 +95,11 @@ const ABSENT_IS_NOTHING: &[&str] = &[
 const FURTHER: &[(&str, Option<&str>, &[&str])] = &[
     ("flat-circular-tunnel", None, &["fabric.friction=model"]),
     (
+        "ringslot-drop",
+        None,
+        &["structure.ringslot.tapes_per_gore=absent"],
+    ),
+    (
         "slung-weight",
         None,
         &["springs.tie={ nodes = [1, 10], stiffness_n_m = 100.0 }"],

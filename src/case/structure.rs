@@ -363,6 +363,28 @@ fn disk_gap_band(file: &File, t: &file::DiskGapBand) -> Result<Body, Problem> {
 /// Most slots around a canopy.
 const RINGSLOT_LIMIT: usize = 50;
 
+/// Most tapes across a slot between two seams.
+const TAPE_LIMIT: usize = 9;
+
+fn tapes_per_gore(file: &File, key: &str, tapes: usize) -> Result<usize, Problem> {
+    let key = format!("{key}.tapes_per_gore");
+    if tapes > TAPE_LIMIT {
+        return Err(Problem::new(
+            key.as_str(),
+            format!("{key} = {tapes} is out of range"),
+            format!("across a slot lie 0 to {TAPE_LIMIT} tapes from seam to seam"),
+        ));
+    }
+    if tapes > 0 && file.belts.is_none() {
+        return Err(Problem::new(
+            key.as_str(),
+            format!("{key} = {tapes}, but the case has no [belts], of whose material tapes are"),
+            format!("give [belts], or remove {key}"),
+        ));
+    }
+    Ok(tapes)
+}
+
 fn ringslot(file: &File, t: &file::Ringslot) -> Result<Body, Problem> {
     let key = "structure.ringslot";
     let of = |name: &str| format!("{key}.{name}");
@@ -381,6 +403,10 @@ fn ringslot(file: &File, t: &file::Ringslot) -> Result<Body, Problem> {
         shape: Shape::Ringslot {
             slots: t.slots,
             slot_width_m: positive(&of("slot_width_m"), t.slot_width_m)?,
+            tapes_per_gore: {
+                let tapes = usual::or(of("tapes_per_gore"), t.tapes_per_gore, 0);
+                tapes_per_gore(file, key, tapes)?
+            },
         },
     };
     let canopy = Written {

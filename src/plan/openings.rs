@@ -113,8 +113,10 @@ pub(super) fn write(out: &mut String, scene: &Scene) -> std::fmt::Result {
                     "passes what it should within 15 %"
                 } else if cells >= SMALLEST_CUT_CELLS[0] {
                     "its jets lean to one side: it passes up to 30 % more than it should"
-                } else {
+                } else if matches!(opening.kind, OpeningKind::Intake | OpeningKind::RibHole) {
                     "too narrow: it passes less than it should"
+                } else {
+                    "too narrow for cells: it passes less than it should (coupling.narrow_openings)"
                 };
                 format!(",{narrowest} {cells:.1} cells: {judged}")
             }

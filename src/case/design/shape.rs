@@ -163,6 +163,7 @@ pub(super) fn derive(
             keys.set(of("slots"), slots as i64, "slots");
             let width_m = slot_width_m(scales, gores, slots, vent_m, share);
             keys.set(of("slot_width_m"), width_m, "slot_percent of S_0");
+            keys.set(of("tapes_per_gore"), TAPES_PER_GORE, "usual");
             let least = 2 * (slots + 1);
             if least > rings {
                 (rings, why_rings) = (
@@ -176,6 +177,9 @@ pub(super) fn derive(
     keys.set(of("rings"), rings as i64, why_rings);
     Ok(())
 }
+
+/// Tapes across a slot from seam to seam. *Our choice*: slots of 15 % of the area then open to 1.2 times their width, without any to twice (docs/results/2026-11-29-narrow-openings.md).
+const TAPES_PER_GORE: i64 = 3;
 
 /// Width of slots that together have a share of the nominal area. The middles of evenly spaced slots lie, in the mean, halfway between vent and
 /// skirt.

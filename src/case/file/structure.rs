@@ -294,6 +294,8 @@ canopy_table! {
         slots: usize,
         /// Width of a slot along the gores' centre lines [m], less than that of a ring.
         slot_width_m: f64,
+        /// Tapes across every slot between two seams, 0 to 9, of the material of `[belts]`; 0 if absent. They begin and end at the nodes nearest to even distances, so that gores of few nodes have fewer. Without any, slots stretch.
+        tapes_per_gore: Option<usize>,
     }
 }
 

@@ -57,6 +57,8 @@ pub enum Shape {
         slots: usize,
         /// Width of a slot, along the gores' centre lines [m].
         slot_width_m: f64,
+        /// Tapes across every slot between two seams.
+        tapes_per_gore: usize,
     },
     /// Two crossed rectangles, sewn on each other where they cross (one layer of fabric there).
     Cruciform {
@@ -186,6 +188,7 @@ impl Design {
             Shape::Ringslot {
                 slots,
                 slot_width_m,
+                ..
             } => {
                 let end = full(self.nominal_area_m2);
                 let ring = (end - vent - slots as f64 * slot_width_m) / (slots + 1) as f64;
@@ -236,6 +239,10 @@ impl Design {
             gores: self.gores,
             sections: shared_out(pieces, self.rings),
             skirt_multiple,
+            tapes_per_gore: match self.shape {
+                Shape::Ringslot { tapes_per_gore, .. } => tapes_per_gore,
+                _ => 0,
+            },
         })
     }
 

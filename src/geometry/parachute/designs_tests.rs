@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::designs::{Design, DesignFault, RadialSlots, Shape};
 use super::pattern::PatternMesh;
 use super::sewn::{self, Cut, Folding, LinePlaces};
-use super::{pleats, shape};
+use super::{crossings, pleats, shape};
 use crate::cloth::openings::OpeningKind;
 use crate::cloth::{Structure, Triangle, covers};
 
@@ -55,6 +55,7 @@ const BAND: Shape = Shape::DiskGapBand {
 const RINGS: Shape = Shape::Ringslot {
     slots: 4,
     slot_width_m: 0.02,
+    tapes_per_gore: 3,
 };
 
 const CROSS: Shape = Shape::Cruciform {
@@ -129,6 +130,7 @@ fn areas_are_those_of_the_constructed_canopies() {
             Shape::Ringslot {
                 slots,
                 slot_width_m,
+                ..
             } => {
                 // Trapezoids, as long as the slots' middles are around the apex.
                 let slope = (PI / 16.0).tan();
@@ -361,7 +363,8 @@ fn impossible_designs_are_refused() {
         fault(
             Shape::Ringslot {
                 slots: 8,
-                slot_width_m: 0.04
+                slot_width_m: 0.04,
+                tapes_per_gore: 0,
             },
             Some(0.1)
         ),
@@ -371,6 +374,56 @@ fn impossible_designs_are_refused() {
         fault(Shape::Annular, Some(50.0)),
         DesignFault::Vent(_)
     ));
+}
+
+/// Tapes lie over every slot between the seams, alike in both halves of a gore, and none twice; they hardly slant.
+#[test]
+fn tapes_cross_slots() {
+    for (rings, wanted) in [(20, 1), (20, 2), (20, 3), (26, 3), (31, 3), (40, 9)] {
+        let shape = Shape::Ringslot {
+            slots: 4,
+            slot_width_m: 0.02,
+            tapes_per_gore: wanted,
+        };
+        let design = Design {
+            rings,
+            ..design(shape, 16, Some(0.1))
+        };
+        let mesh = mesh_of(&design);
+        let gaps = mesh.rows.iter().skip(1).filter(|row| row.begins).count();
+        assert_eq!(gaps, 4);
+        let mut most = 0;
+        for gore in 0..16 {
+            let tapes = crossings::tapes(&mesh, gore, wanted);
+            let mut by_gap: Vec<Vec<[f64; 2]>> = vec![Vec::new(); mesh.rows.len()];
+            for tape in &tapes {
+                let [from, to] = [0, 1].map(|end| mesh.places[tape.nodes[end] as usize]);
+                assert!(mesh.rows[to.row].begins && to.row == from.row + 1);
+                let across = [from.across, to.across];
+                assert!(across.iter().all(|place| place.abs() < 1.0 - 1e-9));
+                let row = mesh.rows[to.row];
+                assert!((across[0] - across[1]).abs() <= 0.5 / row.segments as f64 + 1e-9);
+                assert!(tape.rest_m[0] > 0.02 - 1e-12);
+                by_gap[to.row].push(across);
+            }
+            for mut places in by_gap {
+                most = most.max(places.len());
+                assert!(places.len() <= wanted);
+                let sort = |places: &mut Vec<[f64; 2]>| {
+                    places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+                };
+                let mut mirrored: Vec<[f64; 2]> =
+                    places.iter().map(|ends| ends.map(|place| -place)).collect();
+                sort(&mut places);
+                sort(&mut mirrored);
+                for (place, other) in places.iter().zip(&mirrored) {
+                    assert!((0..2).all(|end| (place[end] - other[end]).abs() < 1e-12));
+                }
+                assert!(places.windows(2).all(|pair| pair[0] != pair[1]));
+            }
+        }
+        assert!(most + 1 >= wanted.min(3), "{rings} {wanted}: {most}");
+    }
 }
 
 /// Covers shut every opening but the mouth: with them each edge of a rim lies between two triangles that are turned alike.

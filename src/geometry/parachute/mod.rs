@@ -1,5 +1,6 @@
 //! Parachute canopies: patterns of gores, their folding, and the complete rigged canopy.
 
+pub mod crossings;
 pub mod designs;
 #[cfg(test)]
 mod designs_tests;
@@ -30,7 +31,7 @@ pub struct Rigging {
     pub cut: Cut,
     /// Fabric.
     pub fabric: Fabric,
-    /// Belts along every seam, and along every centre line that carries a suspension line, if any.
+    /// Belts along every seam, and along every centre line that carries a suspension line, if any; tapes across slots are of the same material.
     pub belts: Option<Cable>,
     /// Band along the lower edge, if any.
     pub skirt_band: Option<Cable>,
@@ -136,7 +137,7 @@ pub fn build(rigging: &Rigging) -> Result<Rigged, BuildFault> {
     let several = rigging.risers.filter(|risers| risers.count > 1);
     for radial in &sewn.radials {
         if let Some(belt) = &rigging.belts {
-            for path in &radial.belts {
+            for path in radial.belts.iter().chain(&radial.tapes) {
                 structure.add_cable(&path.nodes, &path.rest_m, belt, CableKind::Belt);
             }
         }

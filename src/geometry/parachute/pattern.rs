@@ -106,6 +106,8 @@ pub struct Pattern {
     pub sections: Vec<Section>,
     /// Segments of the last section's rows per half gore are a multiple of this.
     pub skirt_multiple: usize,
+    /// Tapes across every gap between two seams ([`super::crossings`]).
+    pub tapes_per_gore: usize,
 }
 
 /// A row of nodes across all gores.
@@ -162,10 +164,6 @@ pub struct PatternMesh {
     pub vent: Option<Path>,
     /// The lower edge; closed unless slots reach it.
     pub skirt: Vec<Path>,
-    /// Nodes on either side of gaps, along seams and along centre lines, and the gap's width [m].
-    pub seam_gaps: Vec<Vec<Path>>,
-    /// The same along centre lines.
-    pub centre_gaps: Vec<Vec<Path>>,
     /// Openings.
     pub openings: Vec<Opening>,
     ids: Vec<Vec<u32>>,
@@ -402,9 +400,6 @@ impl Pattern {
             mesh.seams.push(seams);
             let centres = self.along(mesh, gore, |row| row.segments, |_| true);
             mesh.centres.push(centres);
-            let (seam_gaps, centre_gaps) = self.across_gaps(mesh, gore);
-            mesh.seam_gaps.push(seam_gaps);
-            mesh.centre_gaps.push(centre_gaps);
         }
         if mesh.rows[0].segments > 0 {
             let vent = self.around(mesh, 0).remove(0);
@@ -504,28 +499,6 @@ impl Pattern {
             connected = taken;
         }
         paths
-    }
-
-    /// Nodes over and under every gap, along a seam and along a centre line.
-    fn across_gaps(&self, mesh: &PatternMesh, gore: usize) -> (Vec<Path>, Vec<Path>) {
-        let (mut seams, mut centres) = (Vec::new(), Vec::new());
-        for number in 1..mesh.rows.len() {
-            let [upper, lower] = [mesh.rows[number - 1], mesh.rows[number]];
-            if !lower.begins {
-                continue;
-            }
-            let down = lower.at.distance_m - upper.at.distance_m;
-            let path = |j: [usize; 2], across: f64| Path {
-                nodes: vec![
-                    mesh.node(number - 1, gore, j[0]),
-                    mesh.node(number, gore, j[1]),
-                ],
-                rest_m: vec![down.hypot(across)],
-            };
-            seams.push(path([0, 0], lower.at.half_width_m - upper.at.half_width_m));
-            centres.push(path([upper.segments, lower.segments], 0.0));
-        }
-        (seams, centres)
     }
 
     /// Paths around the canopy along a row: one closed path, or one per piece between open seams.

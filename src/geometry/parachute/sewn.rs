@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::designs::{Design, Shape};
 use super::gores::{self, FlatCircular};
 use super::pattern::{Path, Pattern, PatternMesh};
-use super::{folding, pleats};
+use super::{crossings, folding, pleats};
 use crate::cloth::openings::Opening;
 use crate::geometry::mesh::quality::{self, Quality};
 
@@ -72,6 +72,8 @@ pub struct Radial {
     pub belts: Vec<Path>,
     /// Where a line runs over a gap.
     pub gaps: Vec<Path>,
+    /// Where tapes run over gaps, between this seam and the next.
+    pub tapes: Vec<Path>,
     /// Where a suspension line begins, if one does.
     pub line: Option<u32>,
 }
@@ -131,8 +133,8 @@ fn sew_circle(circle: &FlatCircular, lines: LinePlaces, folding: &Folding) -> Op
     };
     let radial = |nodes: &Vec<u32>| Radial {
         belts: vec![along(nodes)],
-        gaps: Vec::new(),
         line: nodes.last().copied(),
+        ..Radial::default()
     };
     let with_centres = lines == LinePlaces::SeamsAndCentres;
     let radials = (mesh.seams.iter().zip(&mesh.centres))
@@ -208,7 +210,8 @@ fn radials(mesh: &PatternMesh, pattern: &Pattern, lines: LinePlaces) -> Vec<Radi
     for gore in 0..pattern.gores {
         let seam = Radial {
             belts: mesh.seams[gore].clone(),
-            gaps: mesh.seam_gaps[gore].clone(),
+            gaps: crossings::along_seam(mesh, gore),
+            tapes: crossings::tapes(mesh, gore, pattern.tapes_per_gore),
             line: Some(mesh.node(last, gore, 0)),
         };
         match lines {
@@ -217,7 +220,8 @@ fn radials(mesh: &PatternMesh, pattern: &Pattern, lines: LinePlaces) -> Vec<Radi
                 found.push(seam);
                 found.push(Radial {
                     belts: mesh.centres[gore].clone(),
-                    gaps: mesh.centre_gaps[gore].clone(),
+                    gaps: crossings::along_centre(mesh, gore),
+                    tapes: Vec::new(),
                     line: Some(mesh.node(last, gore, row.segments)),
                 });
             }
