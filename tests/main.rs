@@ -31,6 +31,7 @@ mod contact;
 mod contact_sheets;
 mod contract;
 mod coupling;
+mod cut_canopies;
 mod cut_links;
 mod descent;
 mod design;
@@ -136,6 +137,7 @@ fn main() -> std::process::ExitCode {
         sail_support::trials(),
         trim::trials(),
         coupling::trials(),
+        cut_canopies::trials(),
         cut_links::trials(),
         device::trials(),
         device_cloth::trials(),

@@ -9,7 +9,8 @@ use ripstop::plan::Plan;
 use ripstop::run::without_files;
 use ripstop::simulation::CutSurface;
 
-use crate::cut_links::{canopy, goes_on_alike, periodic, step};
+use crate::cut_canopies::{canopy, goes_on_alike};
+use crate::cut_links::{periodic, step};
 use crate::engines::{Body, Engine, mass_and_momentum, on_every_engine, plain};
 use crate::read_outs::latest;
 use crate::tolerances;
