@@ -4,7 +4,7 @@
 //!
 //! A uniform stream comes back from a plane as it left. All its links together gain nothing, though single ones do. So a wall gives what its images would give if the air at the wall were
 //! as it is at the image, as far as bounds allow. Less comes back of what slides where it would give more, and more where it would give less. Energies are taken in the frame of the wall, since one that moves may do
-//! work. Mass that is given back (`src/simulation/sliding.rs`) is not in it.
+//! work. Mass that is given back ([`super::reflections`]) is not in it.
 
 /// Largest share of what slides that comes back: what left comes back less a quarter of itself.
 ///

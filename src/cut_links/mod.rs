@@ -31,12 +31,17 @@
 //! * `smoothing`: fields smoothed along the sheet;
 //! * [`through`]: air through the fabric, and through openings narrower than the cells;
 //! * [`slide`]: what comes back where the air slides along the surface;
+//! * [`images`]: for all sides where it does, and the cells that it is taken from;
 //! * [`energy`]: what of that the wall may give the air;
+//! * `blocks`: which sides hold their energy together, and share what they lose;
+//! * [`reflections`]: what comes back in all, and the mass that the wall owes the air;
 //! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
+//! * `surroundings`: the cells around a cut link;
 //! * `modelled`: what it needs to know of the air;
 //! * [`stress`]: where that is taken from the air;
 //! * [`spaces`]: which faces look at the same air.
 
+mod blocks;
 pub mod bounce;
 pub mod boundary_layer;
 pub mod by_triangle;
@@ -44,22 +49,27 @@ mod cell_box;
 pub mod cell_numbers;
 pub mod energy;
 pub mod faces;
+pub mod images;
 mod modelled;
 pub mod places;
 pub mod pockets;
+pub mod reflections;
 pub mod search;
 pub mod slide;
 mod smoothing;
 pub mod spaces;
 pub mod stress;
+mod surroundings;
 pub mod through;
 
 pub use bounce::{Return, SIDES, Side};
 pub use boundary_layer::BoundaryLayers;
 pub use by_triangle::CutsByTriangle;
 pub use faces::FacePressures;
+pub use images::Images;
 pub use pockets::Pockets;
+pub use reflections::Reflections;
 pub use search::{Cut, CutLink, CutLinks, Domain, OutOfAir};
-pub use slide::{Images, Leaving};
+pub use slide::Leaving;
 pub use stress::{Changed, ChangedByPair, Stress};
 pub use through::{Passage, Through};

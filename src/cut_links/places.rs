@@ -79,16 +79,29 @@ impl Places {
     /// What left a cell, by direction.
     #[inline]
     pub fn leaving(&self, cell: [i32; 3]) -> impl Fn(usize) -> Place {
-        let index = self.grid.index(cell.map(i64::from));
+        let between = self.between(cell);
+        move |direction| match between {
+            Some(index) => {
+                let (array, by) = self.leaving[direction];
+                (array, index.wrapping_add_signed(by))
+            }
+            None => self.of(self.beside(cell, DIRECTIONS[direction]), direction),
+        }
+    }
+
+    /// Index of a cell, unless a side next to it repeats.
+    #[inline(always)]
+    #[must_use]
+    pub fn between(&self, cell: [i32; 3]) -> Option<usize> {
         let at_a_side = (0..3)
             .any(|a| self.repeats[a] && (cell[a] == 0 || cell[a] + 1 == self.grid.cells[a] as i32));
-        move |direction| {
-            if at_a_side {
-                return self.of(self.beside(cell, DIRECTIONS[direction]), direction);
-            }
-            let (array, by) = self.leaving[direction];
-            (array, index.wrapping_add_signed(by))
-        }
+        (!at_a_side).then(|| self.grid.index(cell.map(i64::from)))
+    }
+
+    /// By direction, the array of what left a cell there, and how far its element lies from the cell's index.
+    #[must_use]
+    pub const fn offsets(&self) -> &[(usize, isize); DIRECTION_COUNT] {
+        &self.leaving
     }
 
     /// What comes back to a side's cell.

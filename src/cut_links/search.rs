@@ -114,6 +114,8 @@ pub struct CutLinks {
     starts: Vec<u32>,
     /// By cell of a box, the pairs of links from there that are cut.
     mask: Mask,
+    /// Those with more than one layer on them.
+    doubled: Vec<u32>,
 }
 
 /// A cut of a link.
@@ -261,6 +263,14 @@ impl CutLinks {
             .with_min_len(LINKS_AT_ONCE)
             .map(|bounds| link_of(hit(bounds[0]), (bounds[0]..bounds[1]).map(hit)))
             .collect_into_vec(&mut self.links);
+        let links = &self.links;
+        self.doubled.clear();
+        self.doubled.par_extend(
+            (0..links.len() as u32)
+                .into_par_iter()
+                .with_min_len(LINKS_AT_ONCE)
+                .filter(|link| links[*link as usize].layers > 1),
+        );
         self.mask.lay(&self.links);
         let mask = &self.mask;
         self.links
@@ -318,10 +328,10 @@ impl CutLinks {
         (mask.cells.place(cell)).is_some_and(|place| mask.pairs[place] & mask.arriving[place] != 0)
     }
 
-    /// Links with more than one layer on them.
+    /// Numbers of the links with more than one layer on them.
     #[must_use]
-    pub fn doubled(&self) -> usize {
-        self.links.iter().filter(|link| link.layers > 1).count()
+    pub fn doubled(&self) -> &[u32] {
+        &self.doubled
     }
 }
 

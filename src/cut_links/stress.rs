@@ -10,9 +10,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::boundary_layer::BoundaryLayers;
+use super::images::{Asked, Images};
 use super::modelled::Off;
 use super::search::{CutLink, CutLinks, Domain};
-use super::slide::{Asked, CELLS_OF_AN_IMAGE, Image, Images, Next, Surroundings};
+use super::slide::{CELLS_OF_AN_IMAGE, Image};
+use super::surroundings::{Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 
 /// Share of a model's stress that is taken two cells off, the rest from the cells of the image. By 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
@@ -66,7 +68,7 @@ pub struct Stress {
 /// Cells that lose at an image.
 fn losers(image: &Image, off: &Off) -> [u32; LOSERS] {
     let [near, _] = off.cells;
-    let [a, b, c] = image.cells.map(|(_, cell)| cell);
+    let [a, b, c] = image.cells;
     [a, b, c, near]
 }
 
@@ -80,9 +82,9 @@ impl Stress {
             .collect_into_vec(&mut self.loses);
         let loses = &self.loses;
         let areas = |off: &Off| {
-            let image = images.image(off.image);
+            let image = &images.all()[off.image as usize];
             let mut shares = [TAKEN_OFF; LOSERS];
-            for (to, (share, _)) in shares.iter_mut().zip(image.cells) {
+            for (to, share) in shares.iter_mut().zip(image.shares) {
                 *to = (1.0 - TAKEN_OFF) * share;
             }
             for (share, cell) in shares.iter_mut().zip(losers(image, off)) {
@@ -106,7 +108,10 @@ impl Stress {
     fn lay(&mut self, images: &Images) {
         let mut lose = vec![false; self.loses.len()];
         for (off, areas) in images.modelled().iter().zip(&self.areas) {
-            for (cell, area) in losers(images.image(off.image), off).into_iter().zip(areas) {
+            for (cell, area) in losers(&images.all()[off.image as usize], off)
+                .into_iter()
+                .zip(areas)
+            {
                 lose[cell as usize] |= *area > 0.0;
             }
         }
@@ -150,7 +155,7 @@ impl Stress {
         self.taken.resize(links, [DVec3::ZERO; 2]);
         for (off, areas) in images.modelled().iter().zip(&self.areas) {
             let stress = layers.stress(off.face as usize);
-            let cells = losers(images.image(off.image), off);
+            let cells = losers(&images.all()[off.image as usize], off);
             for (cell, area) in cells.into_iter().zip(areas) {
                 self.lost[cell as usize] += stress * *area;
             }

@@ -27,12 +27,22 @@ const NOWHERE: [[i32; 3]; 2] = [[i32::MAX; 3], [i32::MIN + 1; 3]];
 /// Links whose forces are summed together; part of the result, since sums are rounded part by part.
 const LINKS_OF_A_PART: usize = 4096;
 
-fn of_links<'a>(
-    links: &'a [CutLink],
-    forces: &'a [[DVec3; 2]],
-) -> impl Iterator<Item = (&'a Cut, DVec3)> {
-    (links.iter().zip(forces))
-        .flat_map(|(link, forces)| SIDES.map(|side| (&link.cuts[side], forces[side])))
+/// True if nothing moves.
+fn stand(velocities: &[DVec3]) -> bool {
+    velocities.iter().all(|velocity| *velocity == DVec3::ZERO)
+}
+
+/// Forces on the air at the cuts of a link, both sides' at one where it has one layer; how many these are.
+#[inline(always)]
+fn of_link(link: &CutLink, along: [f64; 2], taken: [DVec3; 2]) -> ([(&Cut, DVec3); 2], usize) {
+    let c = link.direction();
+    let [first, other] = SIDES.map(|side| c * along[side] - taken[side]);
+    let [cut, last] = &link.cuts;
+    if link.layers > 1 {
+        ([(cut, first), (last, other)], 2)
+    } else {
+        ([(cut, first + other), (last, DVec3::ZERO)], 1)
+    }
 }
 
 /// A surface in the air; what it is made of, its owner knows.
@@ -60,14 +70,16 @@ pub struct CutSurface {
     /// Density excess between the layers of every link; zero with one.
     inside: Vec<f64>,
     faces: FacePressures,
+    /// It never moves.
+    at_rest: bool,
     through: Option<Through>,
     /// `None` where the air sticks to all of it.
     sliding: Option<Sliding>,
     /// What comes back, and what goes to the population at rest.
     back: Vec<[f64; 2]>,
     rest: Vec<[f64; 2]>,
-    /// Force on the air by every side of every link.
-    forces: Vec<[DVec3; 2]>,
+    /// Force on the air by every side of every link over its direction, beside the stress of modelled boundary layers.
+    forces: Vec<[f64; 2]>,
 }
 
 /// What the air does to the surface at one cut, in a step: along `leaving` the force `push` − `stiffness` leaving·v.
@@ -111,6 +123,7 @@ impl CutSurface {
             returns: Vec::new(),
             inside: Vec::new(),
             faces: FacePressures::new(&triangles, count),
+            at_rest: false,
             through: None,
             sliding: None,
             back: Vec::new(),
@@ -154,6 +167,13 @@ impl CutSurface {
         self
     }
 
+    /// The same where nothing of it ever moves, if so it is.
+    #[must_use]
+    pub const fn at_rest(mut self, at_rest: bool) -> Self {
+        self.at_rest = at_rest;
+        self
+    }
+
     /// Boundary layers that are modelled, in lattice units; `None` where none are.
     #[must_use]
     pub fn boundary_layers(&self) -> Option<&BoundaryLayers> {
@@ -194,20 +214,45 @@ impl CutSurface {
         &self.cuts
     }
 
-    /// Force on the air by both sides of every link in the last `bounce`.
+    /// Force on the air by the surface in the last `bounce`, cut by cut.
     pub fn forces(&self) -> impl Iterator<Item = (&Cut, DVec3)> {
-        of_links(self.links(), &self.forces)
+        (0..self.links().len()).flat_map(|number| {
+            let (forces, count) = self.forces_at(number);
+            forces.into_iter().take(count)
+        })
     }
 
-    /// What `of` makes of the forces of some links each, in their order.
-    pub(super) fn parts_of_forces<R: Send>(
-        &self,
-        of: impl Fn(&mut dyn Iterator<Item = (&Cut, DVec3)>) -> R + Sync,
-    ) -> Vec<R> {
-        (self.links().par_chunks(LINKS_OF_A_PART))
-            .zip(self.forces.par_chunks(LINKS_OF_A_PART))
-            .map(|(links, forces)| of(&mut of_links(links, forces)))
-            .collect()
+    #[inline(always)]
+    fn forces_at(&self, number: usize) -> ([(&Cut, DVec3); 2], usize) {
+        let taken = self.taken().get(number).copied().unwrap_or_default();
+        of_link(&self.links()[number], self.forces[number], taken)
+    }
+
+    /// Those of some links.
+    #[inline(always)]
+    pub(super) fn each_force(&self, links: Range<usize>, mut of: impl FnMut(&Cut, DVec3)) {
+        for number in links {
+            let (forces, count) = self.forces_at(number);
+            for (cut, force) in forces.into_iter().take(count) {
+                of(cut, force);
+            }
+        }
+    }
+
+    /// Parts of the links, whose forces are summed together.
+    pub(super) fn parts(&self) -> impl IndexedParallelIterator<Item = Range<usize>> {
+        let count = self.links().len();
+        (0..count.div_ceil(LINKS_OF_A_PART))
+            .into_par_iter()
+            .map(move |part| {
+                let first = part * LINKS_OF_A_PART;
+                first..(first + LINKS_OF_A_PART).min(count)
+            })
+    }
+
+    /// What every side of every link takes of the air's momentum by modelled boundary layers; empty without any.
+    fn taken(&self) -> &[[DVec3; 2]] {
+        self.sliding.as_ref().map_or(&[][..], Sliding::taken)
     }
 
     /// True if the cells of all links, those behind them, and those that lose the stress of boundary layers, lie in the box of cells `first..end`.
@@ -247,6 +292,7 @@ impl CutSurface {
             self.areas[k] = 0.5 * (b - a).cross(c - a).length();
         }
         self.links.find(positions, &self.triangles, &self.domain)?;
+        self.faces.widen();
         self.pockets.find(&self.links);
         if let Some(sliding) = &mut self.sliding {
             sliding.find(&self.links, &self.domain, &self.normals);
@@ -263,10 +309,11 @@ impl CutSurface {
         velocities: &[DVec3],
     ) -> Result<(), DeviceError> {
         let mut returns = std::mem::take(&mut self.returns);
+        let stick = self.sliding.as_ref().map_or(&[][..], Sliding::stick);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.read_links(self.links.links(), &mut returns),
-            AirEngine::CpuF16(fluid) => fluid.read_links(self.links.links(), &mut returns),
-            AirEngine::CpuF64(fluid) => fluid.read_links(self.links.links(), &mut returns),
+            AirEngine::CpuF32(fluid) => fluid.read_links(&self.links, stick, &mut returns),
+            AirEngine::CpuF16(fluid) => fluid.read_links(&self.links, stick, &mut returns),
+            AirEngine::CpuF64(fluid) => fluid.read_links(&self.links, stick, &mut returns),
             AirEngine::Gpu(fluid) => {
                 fluid.read_links(&self.links, self.changed().1, &mut returns)?;
             }
@@ -279,18 +326,21 @@ impl CutSurface {
             links: self.links.links(),
             returns: &self.returns,
         };
+        self.inside.clear();
+        self.inside.resize(seen.links.len(), 0.0);
         // Pressures of faces are asked for between two layers alone.
-        if self.links.doubled() > 0 {
+        let doubled = self.links.doubled();
+        if !doubled.is_empty() {
             self.cuts.sort(&self.links, self.triangles.len());
             self.faces.take(&seen, &self.cuts);
+            if self.at_rest && !self.faces.is_narrow() {
+                self.faces.narrow(&seen, &self.cuts, doubled);
+            }
         }
-        (seen.links.par_iter())
-            .with_min_len(LINKS_AT_ONCE)
-            .map(|link| match link.layers {
-                1 => 0.0,
-                _ => self.faces.between(&seen, link),
-            })
-            .collect_into_vec(&mut self.inside);
+        for link in doubled {
+            let link = *link as usize;
+            self.inside[link] = self.faces.between(&seen, &seen.links[link]);
+        }
         if let Some(through) = &mut self.through {
             through.take(&seen, &self.inside, (velocities, &self.areas));
         }
@@ -321,7 +371,7 @@ impl CutSurface {
             }
         };
         let mut returns = std::mem::take(&mut self.returns);
-        let stands = velocities.iter().all(|velocity| *velocity == DVec3::ZERO);
+        let stands = stand(velocities);
         let velocity = |link: usize, side: usize| {
             if stands {
                 DVec3::ZERO
@@ -393,7 +443,7 @@ impl CutSurface {
     /// Force by the stress of a modelled boundary layer at one side of a link; `None` where no layer is.
     #[must_use]
     pub fn friction(&self, number: usize, side: usize) -> Option<DVec3> {
-        let taken = self.sliding.as_ref()?.taken().get(number)?[side];
+        let taken = self.taken().get(number)?[side];
         (taken != DVec3::ZERO).then_some(taken)
     }
 
@@ -413,13 +463,12 @@ impl CutSurface {
     /// Stage `bounce`, for nodes that move with `velocities` [cells per step].
     pub fn bounce(&mut self, air: &mut AirEngine, velocities: &[DVec3]) -> Result<(), DeviceError> {
         self.form_returns(velocities);
-        let links = self.links.links();
         let changed = self.changed();
         let (back, rest) = (&self.back, &self.rest);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.bounce(links, back, rest, changed.1),
-            AirEngine::CpuF16(fluid) => fluid.bounce(links, back, rest, changed.1),
-            AirEngine::CpuF64(fluid) => fluid.bounce(links, back, rest, changed.1),
+            AirEngine::CpuF32(fluid) => fluid.bounce(back, rest, changed.1),
+            AirEngine::CpuF16(fluid) => fluid.bounce(back, rest, changed.1),
+            AirEngine::CpuF64(fluid) => fluid.bounce(back, rest, changed.1),
             AirEngine::Gpu(fluid) => fluid.bounce(&self.links, back, rest, changed)?,
         }
         Ok(())
@@ -433,16 +482,21 @@ impl CutSurface {
         let count = self.links().len();
         back.resize(count, [0.0; 2]);
         rest.resize(count, [0.0; 2]);
-        forces.resize(count, [DVec3::ZERO; 2]);
+        forces.resize(count, [0.0; 2]);
         let formed = (back.par_iter_mut().zip(&mut rest)).zip(&mut forces);
-        let taken = self.sliding.as_ref().map_or(&[][..], Sliding::taken);
-        (formed.zip(self.links()).zip(&self.returns).enumerate())
+        let stands = stand(velocities);
+        (formed.zip(self.links()).zip(&self.returns))
             .with_min_len(LINKS_AT_ONCE)
-            .for_each(|(number, ((((r, left), force), link), returns))| {
+            .for_each(|((((r, left), force), link), returns)| {
                 let c = link.direction();
                 let weight = WEIGHTS[link.leaving(0)];
                 let of = |side: usize| {
-                    c.dot(self.at(&link.cuts[side], velocities) + self.through(link, side))
+                    let through = self.through(link, side);
+                    if stands {
+                        c.dot(through)
+                    } else {
+                        c.dot(self.at(&link.cuts[side], velocities) + through)
+                    }
                 };
                 let mut along = [of(0); 2];
                 if link.layers > 1 {
@@ -456,12 +510,7 @@ impl CutSurface {
                     let along = along[side] + c.dot(self.jet(link, side));
                     r[side] = returned.back(weight, sign * along);
                     left[side] = returned.out - 6.0 * weight * sign * mean - r[side];
-                    force[side] = c * (-sign * (returned.out + r[side]));
-                }
-                if let Some(taken) = taken.get(number) {
-                    for side in SIDES {
-                        force[side] -= taken[side];
-                    }
+                    force[side] = -sign * (returned.out + r[side]);
                 }
             });
         if let Some(sliding) = &mut self.sliding {

@@ -9,6 +9,7 @@
 //! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,7 +24,7 @@ use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::covers::Cover;
 use crate::cpu::cloth::{Cloth, TriangleReaction};
-use crate::cut_links::{Cut, OutOfAir, Passage};
+use crate::cut_links::{OutOfAir, Passage};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
 use crate::lattice::nest::{CHANGED_BY_LAYERS, EXCHANGED_CELLS};
@@ -120,7 +121,8 @@ impl LinkCoupling {
         let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
         cut_bodies::place(&bodies, 0.0, lattice, &mut positions);
-        let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from));
+        let at_rest = scene.body.is_none() && !bodies.iter().any(|body| body.motion.moves());
+        let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from)).at_rest(at_rest);
         let surface = match &scene.friction {
             Some(friction) => {
                 let of_each = scene.rigid_bodies.iter().zip(&friction.bodies);
@@ -389,15 +391,15 @@ impl LinkCoupling {
                 DVec3::from_array(self.units.position_to_lattice(place_m))
             })
             .collect();
-        let of_part = |forces: &mut dyn Iterator<Item = (&Cut, DVec3)>| {
+        let of_part = |links: Range<usize>| {
             let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
             let mut loads = vec![Load::default(); points.len()];
-            for (cut, force) in forces {
+            self.surface.each_force(links, |cut, force| {
                 total += force;
                 let Some(of_body) = (cut.triangle as usize).checked_sub(self.fabric_triangles)
                 else {
                     of_fabric += force;
-                    continue;
+                    return;
                 };
                 let body = self.body_of[of_body] as usize;
                 let arm = self.surface.at(cut, &self.positions) - points[body];
@@ -405,10 +407,10 @@ impl LinkCoupling {
                     force: (-force).to_array(),
                     moment: (-arm.cross(force)).to_array(),
                 });
-            }
+            });
             (total, of_fabric, loads)
         };
-        let parts = self.surface.parts_of_forces(of_part);
+        let parts: Vec<_> = self.surface.parts().map(of_part).collect();
         self.loads.fill(Load::default());
         let (mut total, mut of_fabric) = (DVec3::ZERO, DVec3::ZERO);
         for (part, part_of_fabric, loads) in parts {

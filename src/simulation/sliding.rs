@@ -1,30 +1,17 @@
-//! Parts of a surface that cuts links along which the air slides, and the mass that it owes the air there ([`crate::cut_links::slide`]).
+//! Parts of a surface that cuts links along which the air slides ([`crate::cut_links::slide`]), and boundary layers that are modelled there.
 
 use std::ops::Range;
 
 use glam::DVec3;
-use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 
 use crate::case::coupling::Friction;
 use crate::cut_links::boundary_layer::Shape;
-use crate::cut_links::cell_numbers::CellNumbers;
-use crate::cut_links::energy::Energy;
-use crate::cut_links::slide::{self, Asked, Loss, Slides};
+use crate::cut_links::images::Asked;
+use crate::cut_links::slide::{self, Slides};
 use crate::cut_links::spaces::Spaces;
 use crate::cut_links::{
-    BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Return, Stress,
+    BoundaryLayers, ChangedByPair, CutLinks, Domain, Images, Leaving, Reflections, Return, Stress,
 };
-use crate::lattice::WEIGHTS;
-
-/// Edge of the blocks of cells whose links share among them what they lose beyond what passes along a plane, and which give the air as much energy as along one [cells].
-///
-/// A link that gets its own loss back is rough, the whole wall is too far off. Of a section of 24 cells lift was 7, 4, 2 % too low with blocks of 1, 2, 4 cells
-/// before energy was held; it had a thrust of 0.000, 0.004 and 0.010 (docs/results/2026-11-27-thrust-of-sliding-walls.md).
-const BLOCK: i32 = 4;
-
-/// Cut links of a cell from which on it shares with no other, half of all: in tight folds it would fill up (docs/results/2026-11-26-sliding-in-creases.md).
-const CROWDED: u32 = 9;
 
 /// How the air slides along the surface.
 #[derive(Debug)]
@@ -36,49 +23,10 @@ pub(super) struct Sliding {
     images: Images,
     /// What left the cells of the images.
     leaving: Vec<Leaving>,
-    /// By link and side.
-    losses: Vec<[Loss; 2]>,
-    /// By space, what passes along planes there, and by which weight in all.
-    of_spaces: Vec<[f64; 2]>,
+    reflections: Reflections,
     spaces: Spaces,
-    /// Sides that slide, in the order of links.
-    sides: Vec<Side>,
-    /// How many links are cut at every cell, less one.
-    cut: CellNumbers,
     /// `None` where no boundary layer is modelled.
     modelled: Option<Modelled>,
-    /// Numbers of sides in the order of their blocks, and where those of a block begin; one more at the end.
-    of_blocks: Vec<u32>,
-    blocks: Vec<u32>,
-    /// By block, by which share what slides comes back.
-    shares: Vec<f64>,
-    /// What every side gives back.
-    given: Vec<f64>,
-    returned: f64,
-}
-
-/// Sides that one task works on; part of the result, since sums are rounded part by part.
-const SIDES_AT_ONCE: usize = 2048;
-
-/// Blocks that one task works on.
-const BLOCKS_AT_ONCE: usize = 64;
-
-/// A side of a link along which the air slides.
-#[derive(Debug, Clone, Copy)]
-struct Side {
-    link: u32,
-    side: u8,
-    /// Numbers of the space that it looks at, and of its block.
-    groups: [u32; 2],
-    /// Of the direction.
-    weight: f64,
-}
-
-impl Side {
-    /// Its link, and which side of it this is.
-    fn place(&self) -> (usize, usize) {
-        (self.link as usize, usize::from(self.side))
-    }
 }
 
 /// Boundary layers that are modelled, and what they take from the air.
@@ -116,11 +64,8 @@ impl Sliding {
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
             leaving: Vec::new(),
-            losses: Vec::new(),
-            of_spaces: Vec::new(),
+            reflections: Reflections::default(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
-            sides: Vec::new(),
-            cut: CellNumbers::default(),
             modelled: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds)
                 .map(|layers| Modelled {
                     layers,
@@ -130,11 +75,6 @@ impl Sliding {
                 }),
             friction,
             shut_in: Vec::new(),
-            of_blocks: Vec::new(),
-            blocks: Vec::new(),
-            shares: Vec::new(),
-            given: Vec::new(),
-            returned: 0.0,
         })
     }
 
@@ -156,13 +96,18 @@ impl Sliding {
 
     /// Lays the images out for what the surface cuts.
     pub(super) fn find(&mut self, links: &CutLinks, domain: &Domain, normals: &[DVec3]) {
-        let (friction, shut_in) = (&self.friction, &self.shut_in);
+        let (friction, shut_in, spaces) = (&self.friction, &self.shut_in, &self.spaces);
         self.images.find(links, domain, |link, side| {
             let triangle = link.cuts[side].triangle as usize;
+            if friction[triangle] == Friction::NoSlip {
+                return None;
+            }
             let normal = normals[triangle];
-            let is_inside = || !shut_in.is_empty() && shut_in[slide::face(link, side, normal)];
-            (friction[triangle] != Friction::NoSlip && !is_inside()).then(|| Slides {
+            let face = slide::face(link, side, normal);
+            let is_inside = !shut_in.is_empty() && shut_in[face];
+            (!is_inside).then(|| Slides {
                 normal,
+                space: spaces.of(face) as u32,
                 modelled: friction[triangle] == Friction::Model,
             })
         });
@@ -170,52 +115,11 @@ impl Sliding {
             modelled.stress.find(links, domain, &self.images);
             modelled.taken = false;
         }
-        let (links, spaces) = (links.links(), &self.spaces);
-        let cut = &mut self.cut;
-        cut.lay(links.iter().flat_map(|link| link.cells));
-        for cell in links.iter().flat_map(|link| link.cells) {
-            if let Some(count) = cut.entry(cell) {
-                *count = count.wrapping_add(1);
-            }
-        }
-        let mut blocks: FxHashMap<(u32, [i32; 3]), u32> = FxHashMap::default();
-        let side = |(number, side): (usize, usize)| {
-            let link = &links[number];
-            let normal = normals[link.cuts[side].triangle as usize];
-            let space = spaces.of(slide::face(link, side, normal)) as u32;
-            let cell = link.cells[side];
-            let block = if cut.get(cell).is_some_and(|cut| cut + 1 >= CROWDED) {
-                (u32::MAX, cell)
-            } else {
-                (space, cell.map(|place| place.div_euclid(BLOCK)))
-            };
-            let next = blocks.len() as u32;
-            Side {
-                link: number as u32,
-                side: side as u8,
-                groups: [space, *blocks.entry(block).or_insert(next)],
-                weight: WEIGHTS[link.leaving(side)],
-            }
-        };
-        self.sides.clear();
-        self.sides.extend(self.images.sides().map(side));
-        // Sides by blocks, within one in their order.
-        self.blocks.clear();
-        self.blocks.resize(blocks.len() + 1, 0);
-        for side in &self.sides {
-            self.blocks[side.groups[1] as usize + 1] += 1;
-        }
-        for number in 0..blocks.len() {
-            self.blocks[number + 1] += self.blocks[number];
-        }
-        self.of_blocks.clear();
-        self.of_blocks.resize(self.sides.len(), 0);
-        let mut next = self.blocks.clone();
-        for (number, side) in (0..).zip(&self.sides) {
-            let next = &mut next[side.groups[1] as usize];
-            self.of_blocks[*next as usize] = number;
-            *next += 1;
-        }
+    }
+
+    /// At which sides of every link the air sticks.
+    pub(super) fn stick(&self) -> &[[bool; 2]] {
+        self.images.stick()
     }
 
     /// Begins a step. Returns the cells that are asked what left them, how many of them (from the first on) are asked in this step, and room for the answers. With `on_device` a
@@ -262,49 +166,7 @@ impl Sliding {
                 modelled.taken = true;
             }
         }
-        images.returned(leaving, velocity, returns, &mut self.losses);
-        self.hold_energy(returns);
-        self.sum_spaces();
-        self.carry(returns);
-    }
-
-    /// Lets less slide in blocks where the wall would give the air more energy than along a plane, and more where it would give less.
-    ///
-    /// Populations of images are copies: where the air at the image has more energy than at the wall, energy comes from nowhere. Round a nose that was a thrust
-    /// (docs/results/2026-11-28-energy-of-sliding-walls.md). Where it has less, walls brake
-    /// (docs/results/2026-11-28-walls-that-take-no-energy.md).
-    fn hold_energy(&mut self, returns: &mut [[Return; 2]]) {
-        let (sides, losses) = (&self.sides, &self.losses);
-        (self.blocks.par_windows(2))
-            .with_min_len(BLOCKS_AT_ONCE)
-            .map(|bounds| {
-                let mut energy = Energy::default();
-                for side in &self.of_blocks[bounds[0] as usize..bounds[1] as usize] {
-                    let (link, of_link) = sides[*side as usize].place();
-                    energy += losses[link][of_link].energy;
-                }
-                energy.share()
-            })
-            .collect_into_vec(&mut self.shares);
-        let shares = &self.shares;
-        self.images
-            .change((returns, &mut self.losses), |side, back, loss| {
-                let share = shares[sides[side].groups[1] as usize];
-                if share != 1.0 {
-                    back.blend(share);
-                    loss.blend(share);
-                }
-            });
-    }
-
-    /// What is given back arrives with the velocity u of the air along the wall: of a mass m, −3 m d·u comes along −d, the rest of it at rest. It follows from what links lose where the wall
-    /// goes on as it moves, so that the fabric knows of it in its step.
-    fn carry(&mut self, returns: &mut [[Return; 2]]) {
-        self.share(|_, loss| loss.all);
-        for (side, given) in self.sides.iter().zip(&self.given) {
-            let (link, of_link) = side.place();
-            returns[link][of_link].further -= 3.0 * given * self.losses[link][of_link].velocity;
-        }
+        (self.reflections).put(images, leaving, velocity, returns);
     }
 
     /// What left the cells of the images, and the populations that lose the stress of modelled layers in this step.
@@ -330,73 +192,11 @@ impl Sliding {
 
     /// Mass given back to the air since this was made, loss and gain alike.
     pub(super) const fn returned(&self) -> f64 {
-        self.returned
+        self.reflections.returned()
     }
 
-    /// Gives back what the air lost in the step at the sides where it slides, `rest` of each: what leaves along a plane in equal parts, by weight, to all sides that look at the same space, what is lost
-    /// beyond it to those of the same block.
-    ///
-    /// Along a plane wall in a uniform stream some sides lose what others gain. That must not come back to the side itself: the wall would be rough.
+    /// Gives back what the air lost in the step at the sides where it slides, `rest` of each.
     pub(super) fn keep_mass(&mut self, rest: &mut [[f64; 2]]) {
-        self.share(|(link, side), _| rest[link][side]);
-        self.returned += (self.of_spaces.iter())
-            .map(|[lost, _]| lost.abs())
-            .sum::<f64>();
-        for (side, given) in self.sides.iter().zip(&self.given) {
-            let (link, of_link) = side.place();
-            rest[link][of_link] = *given;
-        }
-    }
-
-    /// Sums up what passes along planes.
-    fn sum_spaces(&mut self) {
-        let (sides, losses) = (&self.sides, &self.losses);
-        let parts: Vec<Vec<[f64; 2]>> = (sides.par_chunks(SIDES_AT_ONCE))
-            .map(|sides| {
-                let mut sums = vec![[0.0; 2]; self.spaces.count()];
-                for side in sides {
-                    let (link, of_link) = side.place();
-                    let sum = &mut sums[side.groups[0] as usize];
-                    sum[0] += losses[link][of_link].along;
-                    sum[1] += side.weight;
-                }
-                sums
-            })
-            .collect();
-        self.of_spaces.clear();
-        self.of_spaces.resize(self.spaces.count(), [0.0; 2]);
-        for part in &parts {
-            for (sum, part) in self.of_spaces.iter_mut().zip(part) {
-                sum[0] += part[0];
-                sum[1] += part[1];
-            }
-        }
-    }
-
-    /// Lays out what every side gets of what all have `lost`.
-    fn share(&mut self, lost: impl Fn((usize, usize), &Loss) -> f64 + Sync) {
-        let (sides, losses, of_spaces) = (&self.sides, &self.losses, &self.of_spaces);
-        let share = |[lost, weight]: [f64; 2]| lost / weight.max(f64::MIN_POSITIVE);
-        let of_blocks: Vec<f64> = (self.blocks.par_windows(2))
-            .with_min_len(BLOCKS_AT_ONCE)
-            .map(|bounds| {
-                let mut sum = [0.0; 2];
-                for side in &self.of_blocks[bounds[0] as usize..bounds[1] as usize] {
-                    let side = &sides[*side as usize];
-                    let (link, of_link) = side.place();
-                    let loss = &losses[link][of_link];
-                    sum[0] += lost((link, of_link), loss) - loss.along;
-                    sum[1] += side.weight;
-                }
-                share(sum)
-            })
-            .collect();
-        (sides.par_iter())
-            .with_min_len(SIDES_AT_ONCE)
-            .map(|side| {
-                let [space, block] = side.groups.map(|number| number as usize);
-                (share(of_spaces[space]) + of_blocks[block]) * side.weight
-            })
-            .collect_into_vec(&mut self.given);
+        self.reflections.keep_mass(&self.images, rest);
     }
 }

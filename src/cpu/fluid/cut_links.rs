@@ -1,34 +1,136 @@
 //! Stages `read_links` and `bounce`: what leaves along cut links, and what comes back ([`crate::cut_links`]).
 //!
 //! The two populations of a link lie at one place in memory, and no other link touches them. A cut is a swap with a term of the wall, and the order of
-//! links does not matter. Those of one pair of directions are a task. The share of the population at rest is added in their order.
+//! links does not matter. Those of one pair of directions are a task. The share of the population at rest is added in their order, pair after pair.
 
 use rayon::prelude::*;
 
+use super::prefetch::prefetch_behind;
 use super::{Fluid, Stored};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{ChangedByPair, CutLink, Leaving, Return, SIDES};
-use crate::lattice::{DIRECTION_COUNT, Real};
+use crate::cut_links::{Changed, ChangedByPair, CutLink, CutLinks, Leaving, Return, SIDES, Side};
+use crate::lattice::{DIRECTION_COUNT, Real, opposite};
 
 /// Links that one task reads.
 const LINKS_AT_ONCE: usize = 512;
 
-impl<T: Real, P: Stored<Real = T>> Fluid<P> {
-    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest.
-    pub fn read_links(&self, links: &[CutLink], returns: &mut Vec<[Return; 2]>) {
-        let places = Places::new(self.grid, &self.setup, self.odd);
-        let arrays = self.arrays();
-        let read = |(array, element): Place| arrays[array][element].unpacked().to_f64();
-        returns.resize(links.len(), [Return::default(); 2]);
-        returns
-            .par_iter_mut()
-            .zip(links)
+/// Links, and cells, between one that is read and the one whose populations are asked for: they lie far apart, and the CPU would wait for each.
+const LINKS_AHEAD: usize = 16;
+const CELLS_AHEAD: usize = 3;
+
+/// Where the populations of links lie, in either parity.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LinkPlaces {
+    /// Number of the search that found the links.
+    search: u64,
+    /// By link, elements that its sides read.
+    read: Vec<[Read; 2]>,
+    pairs: Vec<u8>,
+    /// By pair of directions, the links of it.
+    of_pair: [Vec<u32>; DIRECTION_COUNT / 2],
+}
+
+/// Elements that a side of a link reads.
+#[derive(Debug, Clone, Copy, Default)]
+struct Read {
+    /// Of what leaves its cell. What comes back to the other cell is put there, in the other array of the pair.
+    out: usize,
+    /// Of the further population; `out` without one.
+    further: usize,
+}
+
+impl Read {
+    /// What the side needs, and where it is before a step of a parity.
+    #[inline(always)]
+    fn places(self, link: &CutLink, side: usize, odd: bool) -> (Place, Option<Place>) {
+        let leaving = link.leaving(side);
+        let further = match link.side(side) {
+            Side::HalfWay => None,
+            Side::Near => Some((array(leaving, odd), self.further)),
+            Side::Far => Some((array(opposite(leaving), odd), self.further)),
+        };
+        ((array(leaving, odd), self.out), further)
+    }
+}
+
+impl LinkPlaces {
+    /// Lays them out, anew where the links are others.
+    fn lay(&mut self, links: &CutLinks, places: &Places) {
+        if self.search == links.search() {
+            return;
+        }
+        self.search = links.search();
+        let read = |link: &CutLink| {
+            SIDES.map(|side| {
+                let (_, out) = places.out(link, side);
+                let further = places.further(link, side);
+                Read {
+                    out,
+                    further: further.map_or(out, |(_, element)| element),
+                }
+            })
+        };
+        (links.links().par_iter())
             .with_min_len(LINKS_AT_ONCE)
-            .for_each(|(returns, link)| {
-                for side in SIDES {
-                    let out = read(places.out(link, side));
-                    let further = places.further(link, side).map_or(0.0, read);
-                    returns[side] = link.returned(side, out, further);
+            .map(|link| (read(link), link.pair))
+            .unzip_into_vecs(&mut self.read, &mut self.pairs);
+        let pairs = &self.pairs;
+        (self.of_pair.par_iter_mut().enumerate()).for_each(|(pair, of_pair)| {
+            let is_of_pair = |number: &u32| usize::from(pairs[*number as usize]) == pair;
+            of_pair.clear();
+            of_pair.extend((0..pairs.len() as u32).filter(is_of_pair));
+        });
+    }
+}
+
+/// Array that holds what leaves in a direction (not 0), before a step of a parity.
+const fn array(direction: usize, odd: bool) -> usize {
+    if odd { direction } else { opposite(direction) }
+}
+
+/// Asks for one of the populations, if it is one.
+#[inline(always)]
+fn ask_for<P>(populations: &[P], element: usize) {
+    if let Some(population) = populations.get(element) {
+        prefetch_behind(population, 0);
+    }
+}
+
+impl<T: Real, P: Stored<Real = T>> Fluid<P> {
+    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest; of each link those sides alone at which the air sticks, if `stick` tells of them.
+    pub fn read_links(
+        &mut self,
+        links: &CutLinks,
+        stick: &[[bool; 2]],
+        returns: &mut Vec<[Return; 2]>,
+    ) {
+        let places = Places::new(self.grid, &self.setup, self.odd);
+        self.link_places.lay(links, &places);
+        let (arrays, odd) = (self.arrays(), self.odd);
+        let read = |(array, element): Place| arrays[array][element].unpacked().to_f64();
+        let (links, elements) = (links.links(), &*self.link_places.read);
+        let sticks = |number: usize, side: usize| stick.get(number).is_none_or(|at| at[side]);
+        let ask = |number: usize| {
+            let Some(link) = links.get(number) else {
+                return;
+            };
+            for side in SIDES.into_iter().filter(|side| sticks(number, *side)) {
+                let (out, further) = elements[number][side].places(link, side, odd);
+                ask_for(arrays[out.0], out.1);
+                if let Some((array, element)) = further {
+                    ask_for(arrays[array], element);
+                }
+            }
+        };
+        returns.resize(links.len(), [Return::default(); 2]);
+        (returns.par_iter_mut().enumerate())
+            .with_min_len(LINKS_AT_ONCE)
+            .for_each(|(number, returns)| {
+                ask(number + LINKS_AHEAD);
+                for side in SIDES.into_iter().filter(|side| sticks(number, *side)) {
+                    let link = &links[number];
+                    let (out, further) = elements[number][side].places(link, side, odd);
+                    returns[side] = link.returned(side, read(out), further.map_or(0.0, read));
                 }
             });
     }
@@ -42,71 +144,103 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
         let places = Places::new(self.grid, &self.setup, self.odd);
         let arrays = self.arrays();
         let ends = self.exchanged_ends.as_ref();
-        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
-        (leaving.par_iter_mut().zip(cells))
-            .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
-            .for_each(|(leaving, cell)| {
-                let place = places.leaving(*cell);
-                // Next to an end of a row what left may have arrived where populations wait.
-                let ends = ends.filter(|ends| ends.is_near(*cell));
-                *leaving = std::array::from_fn(|direction| {
-                    let arrived = ends.and_then(|ends| ends.waiting_beside(*cell, direction));
-                    arrived.map_or_else(
-                        || {
-                            let (array, element) = place(direction);
-                            arrays[array][element].unpacked().to_f64()
-                        },
-                        T::to_f64,
-                    )
-                });
-            });
-    }
-
-    /// Stage `bounce`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open links.
-    pub fn bounce(
-        &mut self,
-        links: &[CutLink],
-        back: &[[f64; 2]],
-        rest: &[[f64; 2]],
-        changed: &ChangedByPair,
-    ) {
-        let places = Places::new(self.grid, &self.setup, self.odd);
-        let mut of_pair: [Vec<u32>; DIRECTION_COUNT / 2] = Default::default();
-        for (number, link) in links.iter().enumerate() {
-            of_pair[usize::from(link.pair)].push(number as u32);
-        }
-        let [at_rest, moving @ ..] = self.populations.arrays_mut();
-        // The links of a pair of directions write to its two arrays alone.
-        let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [P]], &Vec<u32>))| {
-            for change in changed.get(1 + pair).into_iter().flatten() {
-                let (array, element) = places.leaving(change.cell)(usize::from(change.direction));
-                let population = &mut arrays[array - 1 - 2 * pair][element];
-                *population = P::packed(T::of(population.unpacked().to_f64() + change.change));
-            }
-            for number in of_pair {
-                let number = *number as usize;
-                for side in SIDES {
-                    let (array, element) = places.back(&links[number], side);
-                    arrays[array - 1 - 2 * pair][element] = P::packed(T::of(back[number][side]));
+        let by_direction = places.offsets().map(|(array, by)| (arrays[array], by));
+        let ask = |cell: [i32; 3]| {
+            if let Some(index) = places.between(cell) {
+                for (populations, by) in by_direction {
+                    ask_for(populations, index.wrapping_add_signed(by));
                 }
             }
         };
-        let (mut moving, of_pair) = (moving, of_pair);
+        let read = |population: &P| population.unpacked().to_f64();
+        leaving.resize(cells.len(), [0.0; DIRECTION_COUNT]);
+        (leaving.par_iter_mut().enumerate())
+            .with_min_len(LINKS_AT_ONCE / DIRECTION_COUNT)
+            .for_each(|(number, leaving)| {
+                cells.get(number + CELLS_AHEAD).copied().map(ask);
+                let cell = cells[number];
+                // Next to an end of a row what left may have arrived where populations wait.
+                let ends = ends.filter(|ends| ends.is_near(cell));
+                if let (Some(index), None) = (places.between(cell), ends) {
+                    for (to, (populations, by)) in leaving.iter_mut().zip(by_direction) {
+                        *to = read(&populations[index.wrapping_add_signed(by)]);
+                    }
+                    return;
+                }
+                let place = places.leaving(cell);
+                for (direction, to) in leaving.iter_mut().enumerate() {
+                    let arrived = ends.and_then(|ends| ends.waiting_beside(cell, direction));
+                    let (array, element) = place(direction);
+                    *to = arrived.map_or_else(|| read(&arrays[array][element]), T::to_f64);
+                }
+            });
+    }
+
+    /// Stage `bounce`, for the links of the last `read_links`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open
+    /// links.
+    pub fn bounce(&mut self, back: &[[f64; 2]], rest: &[[f64; 2]], changed: &ChangedByPair) {
+        let places = Places::new(self.grid, &self.setup, self.odd);
+        let shifts = self.grid.pair_shifts();
+        let LinkPlaces { read, of_pair, .. } = &self.link_places;
+        let [at_rest, moving @ ..] = self.populations.arrays_mut();
+        // The links of a pair of directions write to its two arrays alone.
+        let along = |(pair, (arrays, of_pair)): (usize, (&mut [&mut [P]], &Vec<u32>))| {
+            let first = 2 * pair + 1;
+            let changed = changed.get(1 + pair).map_or(&[][..], |changed| &**changed);
+            let place = |change: &Changed| {
+                let (array, element) = places.leaving(change.cell)(usize::from(change.direction));
+                (array - first, element)
+            };
+            for (number, change) in changed.iter().enumerate() {
+                if let Some(change) = changed.get(number + LINKS_AHEAD) {
+                    let (array, element) = place(change);
+                    ask_for(arrays[array], element);
+                }
+                let (array, element) = place(change);
+                let population = &mut arrays[array][element];
+                *population = P::packed(T::of(population.unpacked().to_f64() + change.change));
+            }
+            let [to_a, to_b] = [first + 1, first].map(|from| array(from, self.odd) - first);
+            for (place, number) in of_pair.iter().enumerate() {
+                if let Some(number) = of_pair.get(place + LINKS_AHEAD) {
+                    let [of_a, of_b] = read[*number as usize].map(|read| read.out);
+                    ask_for(arrays[to_a], of_b);
+                    ask_for(arrays[to_b], of_a);
+                }
+                let number = *number as usize;
+                let ([of_a, of_b], back) = (read[number].map(|read| read.out), back[number]);
+                arrays[to_a][of_b] = P::packed(T::of(back[0]));
+                arrays[to_b][of_a] = P::packed(T::of(back[1]));
+            }
+        };
+        let mut moving = moving;
         rayon::join(
             || {
                 for change in &changed[0] {
                     let at_rest = &mut at_rest[self.grid.index(change.cell.map(i64::from))];
                     *at_rest = P::packed(T::of(at_rest.unpacked().to_f64() + change.change));
                 }
-                for (link, rest) in links.iter().zip(rest) {
-                    for side in SIDES {
-                        let at_rest = &mut at_rest[places.rest(link, side)];
-                        *at_rest = P::packed(T::of(at_rest.unpacked().to_f64() + rest[side]));
+                for (of_pair, shift) in of_pair.iter().zip(shifts) {
+                    // What leaves a cell has arrived at the other one.
+                    let cells = |number: u32| {
+                        let [cell_b, next_to_a] = read[number as usize].map(|read| read.out);
+                        [next_to_a.wrapping_add_signed(-shift), cell_b]
+                    };
+                    for (place, number) in of_pair.iter().enumerate() {
+                        if let Some(number) = of_pair.get(place + LINKS_AHEAD) {
+                            for cell in cells(*number) {
+                                ask_for(at_rest, cell);
+                            }
+                        }
+                        for (cell, rest) in cells(*number).into_iter().zip(rest[*number as usize]) {
+                            let at_rest = &mut at_rest[cell];
+                            *at_rest = P::packed(T::of(at_rest.unpacked().to_f64() + rest));
+                        }
                     }
                 }
             },
             || {
-                (moving.par_chunks_mut(2).zip(&of_pair))
+                (moving.par_chunks_mut(2).zip(of_pair))
                     .enumerate()
                     .for_each(along);
             },

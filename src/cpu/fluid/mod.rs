@@ -28,6 +28,7 @@ use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, Real, operators};
 pub use collide_stream::{BodyForce, ForcedCells};
+use cut_links::LinkPlaces;
 use exchanged_ends::ExchangedEnds;
 use held_eddy_viscosity::HeldEddyViscosity;
 use sides::Sides;
@@ -51,6 +52,8 @@ pub struct Fluid<P: Stored> {
     held_eddy_viscosity: Option<HeldEddyViscosity<P::Real>>,
     /// `None` but in boxes of finer cells.
     exchanged_ends: Option<ExchangedEnds<P>>,
+    /// Of the links that were read last.
+    link_places: LinkPlaces,
     inlet_velocity: [f64; 3],
     /// Uniform acceleration of the last step.
     last_acceleration: [f64; 3],
@@ -92,6 +95,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
             relaxation_times: relaxation_times.into_iter().map(T::of).collect(),
             held_eddy_viscosity: HeldEddyViscosity::new(&setup),
             exchanged_ends: None,
+            link_places: LinkPlaces::default(),
             inlet_velocity: [0.0; 3],
             last_acceleration: [0.0; 3],
             odd: false,

@@ -1,6 +1,10 @@
 //! Where air slides, and where it sticks.
 
 use super::*;
+use crate::cut_links::Return;
+use crate::cut_links::energy::Energy;
+use crate::cut_links::slide::{Loss, vector};
+use crate::lattice::{WEIGHTS, opposite};
 
 /// A box whose sides do not repeat.
 const fn a_box(cells: [usize; 3]) -> Domain {
@@ -31,6 +35,7 @@ fn air_sticks_in_narrow_gaps() {
             images.find(&links, &domain, |_, _| {
                 Some(Slides {
                     normal: DVec3::Z,
+                    space: 0,
                     modelled,
                 })
             });
@@ -62,6 +67,7 @@ fn air_sticks_in_creases() {
     images.find(&links, &domain, |link, side| {
         Some(Slides {
             normal: normals[link.cuts[side].triangle as usize],
+            space: 0,
             modelled: false,
         })
     });
@@ -84,6 +90,7 @@ fn along_a_plane(corners: &[DVec3; 4], normal: DVec3, domain: &Domain) -> (CutLi
     images.find(&links, domain, |_, _| {
         Some(Slides {
             normal,
+            space: 0,
             modelled: false,
         })
     });
@@ -101,43 +108,13 @@ fn answered(
         .map(|cell| leaving(*cell))
         .collect();
     images.take(&all);
-    let of_link = |link: &CutLink| {
-        crate::cut_links::SIDES.map(|side| Return {
-            out: leaving(link.cells[side])[link.leaving(side)],
-            ..Return::default()
-        })
-    };
-    let mut returns: Vec<[Return; 2]> = links.links().iter().map(of_link).collect();
-    let mut losses = Vec::new();
-    images.returned(&all, |_, _| wall, &mut returns, &mut losses);
+    let mut returns = vec![[Return::default(); 2]; links.links().len()];
+    let mut losses = vec![[Loss::default(); 2]; links.links().len()];
+    for image in images.all() {
+        let (number, side) = image.place();
+        (returns[number][side], losses[number][side]) = image.returned((&all, images.air()), wall);
+    }
     (returns, losses)
-}
-
-/// Each side that slides is changed once, under its own number, and no other; more links than one task takes.
-#[test]
-fn sides_are_changed_by_their_numbers() {
-    let corners =
-        [[4.0, 4.0], [60.0, 4.0], [60.0, 60.0], [4.0, 60.0]].map(|[x, y]| DVec3::new(x, y, 32.3));
-    let (links, images) = along_a_plane(&corners, DVec3::Z, &a_box([64; 3]));
-    let count = links.links().len();
-    assert!(count > 2 * LINKS_AT_ONCE, "{count}");
-    let mut returns = vec![[Return::default(); 2]; count];
-    let mut losses = vec![[Loss::default(); 2]; count];
-    images.change((&mut returns, &mut losses), |number, back, loss| {
-        back.further += 1.0;
-        loss.all += number as f64;
-    });
-    let mut sides = vec![[None; 2]; count];
-    for (number, (link, side)) in images.sides().enumerate() {
-        sides[link][side] = Some(number as f64);
-    }
-    for (link, sides) in sides.iter().enumerate() {
-        for side in crate::cut_links::SIDES {
-            let changed = f64::from(u8::from(sides[side].is_some()));
-            assert_eq!(returns[link][side].further, changed);
-            assert_eq!(losses[link][side].all, sides[side].unwrap_or_default());
-        }
-    }
 }
 
 /// Shifted populations of air in equilibrium.
@@ -204,12 +181,14 @@ fn walls_give_as_much_energy_as_planes() {
                     returns[link][side].back(WEIGHTS[direction], 0.0),
                 );
                 given += (back * back - out * out) / (6.0 * WEIGHTS[direction]);
-                let image = images.image(images.of_link[link][side]);
+                let (image, _) = images.of_links()[link][side].get().unwrap();
+                let image = &images.all()[image];
                 let [went, came] = [direction, opposite(direction)].map(|direction| {
+                    let parts = image.shares.into_iter().zip(image.cells);
                     let of = |(share, cell): (f64, u32)| {
                         share * leaving(images.cells[cell as usize])[direction]
                     };
-                    image.cells.map(of).iter().sum::<f64>()
+                    parts.map(of).sum::<f64>()
                 });
                 of_a_plane += (came * came - went * went) / (6.0 * WEIGHTS[direction]);
             }
@@ -266,28 +245,4 @@ fn air_that_speeds_up_does_not_pass() {
     let mean = passed.iter().sum::<f64>() / passed.len() as f64;
     assert!(mean.abs() < 0.02, "{passed:?}");
     assert!(passed.iter().all(|p| p.abs() < 0.05), "{passed:?}");
-}
-
-/// Every direction of the lattice is nearest to itself. The cube's diagonal is 35.3° from three of them, and nothing is farther; of those three the last counts.
-#[test]
-fn the_straightest_direction_is_near() {
-    for direction in 1..DIRECTION_COUNT {
-        assert_eq!(straightest(vector(direction).normalize()), direction);
-    }
-    let diagonal = DVec3::ONE.normalize();
-    let last = (1..DIRECTION_COUNT).rfind(|d| vector(*d).normalize().dot(diagonal) > 0.8);
-    assert_eq!(Some(straightest(diagonal)), last);
-    let farthest = (2.0 / 3.0_f64).sqrt() - 1e-12;
-    for i in 0..20 {
-        for k in 0..40 {
-            let (z, turn) = (-1.0 + 0.1 * f64::from(i) + 0.05, 0.157 * f64::from(k));
-            let across = (1.0 - z * z).sqrt();
-            let towards = DVec3::new(across * turn.cos(), across * turn.sin(), z);
-            let own = vector(straightest(towards)).normalize().dot(towards);
-            assert!(own >= farthest, "{towards} by {own}");
-            let nearer =
-                (1..DIRECTION_COUNT).any(|d| vector(d).normalize().dot(towards) > own + 1e-12);
-            assert!(!nearer, "{towards}");
-        }
-    }
 }

@@ -1,0 +1,178 @@
+//! The cells around a cut link: what lies next to them, and which the mirror image of the one behind a wall is taken from ([`super::slide`]).
+
+use glam::DVec3;
+
+use super::search::{CutLink, CutLinks, Domain};
+use super::slide::{CELLS_OF_AN_IMAGE, vector};
+use crate::lattice::nest::CHANGED_BY_LAYERS;
+use crate::lattice::{DIRECTION_COUNT, DIRECTIONS};
+
+/// Length below which an image counts as lying on a cell's centre, to the fourth power [cells⁴].
+const ON_A_CENTRE: f64 = 1e-3;
+
+/// Cells from the one beside a wall to those whose velocities a model of the boundary layer takes. The first is two to three and a half cells off, so that the stress does not follow from
+/// what it does to the first cell. The second tells the speed outside a layer that is thicker.
+const CELLS_OFF: [usize; 2] = [CHANGED_BY_LAYERS - 1, 5];
+
+/// Free cells beyond the first that a wall needs before it for the air to slide.
+const ROOM: usize = 2;
+
+/// Cells off a wall, a near and a further one, and their distances from it [cells].
+pub(super) type CellsOff = [([i32; 3], f64); 2];
+
+/// What a cell may meet next.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Next {
+    /// A cell of the air, or the one that it repeats.
+    Cell([i32; 3]),
+    /// A wall.
+    Wall,
+    /// The end of the air.
+    End,
+}
+
+/// Links that are cut, and the air around them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    pub(super) links: &'a CutLinks,
+    pub(super) domain: &'a Domain,
+}
+
+impl Surroundings<'_> {
+    /// What lies in a direction (not 0) of a cell.
+    pub(super) fn next(&self, cell: [i32; 3], direction: usize) -> Next {
+        let c = DIRECTIONS[direction];
+        let place = std::array::from_fn(|a| i64::from(cell[a] + c[a]));
+        match self.domain.cell(place) {
+            None => Next::End,
+            Some(next) if self.links.cuts(cell, next, direction) => Next::Wall,
+            Some(next) => Next::Cell(next),
+        }
+    }
+
+    /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends. It is `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
+    pub(super) fn off(
+        &self,
+        link: &CutLink,
+        side: usize,
+        (away, modelled): (DVec3, bool),
+    ) -> Option<CellsOff> {
+        // In a crease, or a gap of one cell.
+        if self.links.cut_on_both_sides(link.cells[side]) {
+            return None;
+        }
+        let off = |direction: usize| -vector(direction).dot(away);
+        let ahead = straightest(-away);
+        let mut cell = link.cells[side];
+        let mut height = link.distance(side) * -off(link.leaving(side));
+        let mut found = [(cell, height); 2];
+        let last = if modelled { CELLS_OFF[1] } else { ROOM };
+        for done in 1..=last {
+            match self.next(cell, ahead) {
+                Next::Wall if done <= ROOM => return None,
+                Next::Cell(next) => cell = next,
+                Next::Wall | Next::End => break,
+            }
+            height += off(ahead);
+            for (found, cells) in found.iter_mut().zip(CELLS_OFF) {
+                if done <= cells {
+                    *found = (cell, height);
+                }
+            }
+        }
+        Some(found)
+    }
+
+    /// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air, with their shares, and η.
+    pub(super) fn cells_of_image(
+        &self,
+        link: &CutLink,
+        side: usize,
+        away: DVec3,
+    ) -> ([(f64, [i32; 3]); CELLS_OF_AN_IMAGE], f64) {
+        let own = link.cells[side];
+        let d = vector(link.leaving(side));
+        let across = d.dot(away);
+        let height = (1.0 - link.distance(side)) * across;
+        let image = d - away * (2.0 * height);
+        let mut nearest = [(0.0, own, 0); CELLS_OF_AN_IMAGE];
+        for direction in 0..DIRECTION_COUNT {
+            let distance = (vector(direction) - image).length_squared();
+            let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own, direction);
+            if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
+                continue;
+            }
+            if direction > 0 {
+                let Next::Cell(cell) = self.next(own, direction) else {
+                    continue;
+                };
+                new.1 = cell;
+            }
+            for held in &mut nearest {
+                if new.0 > held.0 {
+                    std::mem::swap(held, &mut new);
+                }
+            }
+        }
+        let sum: f64 = nearest.iter().map(|(share, ..)| share).sum();
+        let lower = (nearest.iter())
+            .map(|(share, _, direction)| share * vector(*direction).dot(away))
+            .sum::<f64>()
+            / sum;
+        let of_cells = link.distance(side) * across - lower;
+        let closer = if of_cells > height {
+            height / of_cells
+        } else {
+            1.0
+        };
+        (nearest.map(|(share, cell, _)| (share / sum, cell)), closer)
+    }
+}
+
+/// Direction (not 0) of the lattice nearest to a unit vector; of equally near ones the last.
+pub(super) fn straightest(towards: DVec3) -> usize {
+    let (mut best, mut nearest) = (f64::NEG_INFINITY, 1);
+    for pair in 0..DIRECTION_COUNT / 2 {
+        let direction = 2 * pair + 1;
+        let length = match DIRECTIONS[direction].map(i32::abs) {
+            [1, 0, 0] | [0, 1, 0] | [0, 0, 1] => 1.0,
+            _ => std::f64::consts::SQRT_2,
+        };
+        let along = vector(direction).dot(towards) / length;
+        for (cosine, direction) in [(along, direction), (-along, direction + 1)] {
+            if cosine >= best {
+                (best, nearest) = (cosine, direction);
+            }
+        }
+    }
+    nearest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every direction of the lattice is nearest to itself. The cube's diagonal is 35.3° from three of them, and nothing is farther; of those three the last counts.
+    #[test]
+    fn the_straightest_direction_is_near() {
+        for direction in 1..DIRECTION_COUNT {
+            assert_eq!(straightest(vector(direction).normalize()), direction);
+        }
+        let diagonal = DVec3::ONE.normalize();
+        let last = (1..DIRECTION_COUNT).rfind(|d| vector(*d).normalize().dot(diagonal) > 0.8);
+        assert_eq!(Some(straightest(diagonal)), last);
+        let farthest = (2.0 / 3.0_f64).sqrt() - 1e-12;
+        for i in 0..20 {
+            for k in 0..40 {
+                let (z, turn) = (-1.0 + 0.1 * f64::from(i) + 0.05, 0.157 * f64::from(k));
+                let across = (1.0 - z * z).sqrt();
+                let towards = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+                let own = vector(straightest(towards)).normalize().dot(towards);
+                assert!(own >= farthest, "{towards} by {own}");
+                let nearer =
+                    (1..DIRECTION_COUNT).any(|d| vector(d).normalize().dot(towards) > own + 1e-12);
+                assert!(!nearer, "{towards}");
+            }
+        }
+    }
+}
