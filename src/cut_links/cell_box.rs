@@ -34,8 +34,17 @@ impl CellBox {
         if other.count() == 0 {
             return self;
         }
-        let last = |of: Self| std::array::from_fn(|a| of.first[a] + of.size[a] as i32 - 1);
-        Self::around([self.first, last(self), other.first, last(other)].into_iter())
+        Self::around([self, other].into_iter().flat_map(Self::corners))
+    }
+
+    fn corners(self) -> [[i32; 3]; 2] {
+        let last = std::array::from_fn(|a| self.first[a] + self.size[a] as i32 - 1);
+        [self.first, last]
+    }
+
+    /// Least and largest places of its cells; `None` without any.
+    pub fn bounds(self) -> Option<[[i32; 3]; 2]> {
+        (self.count() > 0).then(|| self.corners())
     }
 
     /// Number of its cells.

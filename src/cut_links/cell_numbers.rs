@@ -28,7 +28,7 @@ impl CellNumbers {
     }
 
     /// What is noted of a cell, to be changed; `None` outside the box.
-    pub fn entry(&mut self, cell: [i32; 3]) -> Option<&mut u32> {
+    fn entry(&mut self, cell: [i32; 3]) -> Option<&mut u32> {
         let place = self.cells.place(cell)?;
         Some(&mut self.numbers[place])
     }

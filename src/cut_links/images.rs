@@ -11,7 +11,7 @@ use super::cell_numbers::CellNumbers;
 use super::modelled::{Modelled, Off};
 use super::search::{CutLink, CutLinks, Domain};
 use super::slide::{self, Air, CELLS_OF_AN_IMAGE, Image, Leaving, Slides, away};
-use super::surroundings::{CellsOff, Surroundings};
+use super::surroundings::{Around, CellsOff, Surroundings};
 
 /// Links, cells and images that one task works on.
 const AT_ONCE: usize = 512;
@@ -29,7 +29,8 @@ pub struct Images {
     of_links: Vec<[OfSide; 2]>,
     /// At which sides of every link the air sticks.
     stick: Vec<[bool; 2]>,
-    /// Cells that they are taken from; behind them the others near the wall that models of the boundary layer ask for, and last those further off. Each part is in the order of memory.
+    /// Cells that they are taken from, and those of the sides themselves. Behind them come the others near the wall that models of the boundary layer ask for, and last those further off.
+    /// Each part is in the order of memory.
     cells: Vec<[i32; 3]>,
     /// Where the first and the second part end.
     ends: [usize; 2],
@@ -75,7 +76,7 @@ struct Found {
 /// Cells of the images of which is asked what left them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
-    /// Those that the images are taken from.
+    /// Those that the images are taken from, and those of their sides.
     Images,
     /// Those near the wall, too, which lose the stress of modelled layers.
     Near,
@@ -98,10 +99,10 @@ impl Images {
             let found = sides.filter_map(|(number, link, side)| {
                 let slides = slides(link, side)?;
                 let away = away(link, side, slides.normal);
-                let off = air.off(link, side, (away, slides.modelled))?;
-                let (cells, closer) = air.cells_of_image(link, side, away);
+                let own = Around::new(&air, link.cells[side]);
+                let off = air.off((link, side), &own, (away, slides.modelled))?;
+                let (cells, closer) = air.cells_of_image((link, side), &own, away);
                 let number = (task * AT_ONCE + number) as u32;
-                let own = link.cells[side];
                 Some(Found {
                     image: Image::new(
                         (number, link, side),
@@ -109,9 +110,9 @@ impl Images {
                         cells.map(|(share, _)| share),
                         closer,
                     ),
-                    own,
+                    own: own.cell,
                     cells: cells.map(|(_, cell)| cell),
-                    key: Key::new(slides.space, own, links.count_of_cell(own)),
+                    key: Key::new(slides.space, own.cell, own.cut.count()),
                     off: (slides.modelled).then(|| (slide::face(link, side, slides.normal), off)),
                 })
             });
@@ -206,8 +207,8 @@ impl Images {
         &self.images
     }
 
-    /// The blocks.
-    pub(super) fn blocks(&self) -> &Blocks {
+    /// Which of them belong together.
+    pub(super) const fn blocks(&self) -> &Blocks {
         &self.blocks
     }
 

@@ -31,13 +31,13 @@
 //! * `smoothing`: fields smoothed along the sheet;
 //! * [`through`]: air through the fabric, and through openings narrower than the cells;
 //! * [`slide`]: what comes back where the air slides along the surface;
-//! * [`images`]: for all sides where it does, and the cells that it is taken from;
-//! * [`energy`]: what of that the wall may give the air;
-//! * `blocks`: which sides hold their energy together, and share what they lose;
-//! * [`reflections`]: what comes back in all, and the mass that the wall owes the air;
-//! * [`boundary_layer`]: the stress that it gets there from a model of layers thinner than a cell;
-//! * `surroundings`: the cells around a cut link;
-//! * `modelled`: what it needs to know of the air;
+//! * `surroundings`: the cells around a cut link, and which the mirror image of one is taken from;
+//! * [`images`]: those of all sides where it slides;
+//! * `blocks`: which of these hold their energy together, and share what they lose;
+//! * [`energy`]: what the wall may give the air;
+//! * [`reflections`]: what comes back to all of them, and the mass that the wall owes the air;
+//! * [`boundary_layer`]: the stress that a wall along which the air slides gets from a model of layers thinner than a cell;
+//! * `modelled`: what such a model needs to know of the air;
 //! * [`stress`]: where that is taken from the air;
 //! * [`spaces`]: which faces look at the same air.
 

@@ -79,8 +79,8 @@ impl Places {
     /// What left a cell, by direction.
     #[inline]
     pub fn leaving(&self, cell: [i32; 3]) -> impl Fn(usize) -> Place {
-        let between = self.between(cell);
-        move |direction| match between {
+        let index = self.index_inside(cell);
+        move |direction| match index {
             Some(index) => {
                 let (array, by) = self.leaving[direction];
                 (array, index.wrapping_add_signed(by))
@@ -92,7 +92,7 @@ impl Places {
     /// Index of a cell, unless a side next to it repeats.
     #[inline(always)]
     #[must_use]
-    pub fn between(&self, cell: [i32; 3]) -> Option<usize> {
+    pub fn index_inside(&self, cell: [i32; 3]) -> Option<usize> {
         let at_a_side = (0..3)
             .any(|a| self.repeats[a] && (cell[a] == 0 || cell[a] + 1 == self.grid.cells[a] as i32));
         (!at_a_side).then(|| self.grid.index(cell.map(i64::from)))

@@ -51,7 +51,8 @@ impl Pockets {
         self.sides
             .par_extend(sides.with_min_len(LINKS_AT_ONCE).flat_map_iter(|number| {
                 let on_link = SIDES.map(|side| (number, side));
-                let is_shut_in = |side: &OnLink| links.count_of_cell(cell_of(all, side)) >= CUT;
+                let is_shut_in =
+                    |side: &OnLink| links.cut_around(cell_of(all, side)).count() >= CUT;
                 on_link.into_iter().filter(is_shut_in)
             }));
         self.sides.sort_by_key(|side| cell_of(all, side));

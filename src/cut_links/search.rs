@@ -176,6 +176,12 @@ impl Domain {
         Some(cell.map(|c| c as i32))
     }
 
+    /// True where all neighbours of a cell are in the domain, and none of them is one that it repeats.
+    #[inline]
+    pub(super) fn is_inside(&self, cell: [i32; 3]) -> bool {
+        (0..3).all(|a| cell[a] >= 1 && cell[a] + 1 < self.cells[a] as i32)
+    }
+
     /// True where the air goes on around a place [cells]: not beyond its end, nor where it repeats, within a fiftieth of a cell.
     pub(crate) fn goes_round(&self, place: DVec3) -> bool {
         const NEAR: f64 = 0.02;
@@ -304,34 +310,63 @@ impl CutLinks {
         self.search
     }
 
-    /// True where the link from a cell to the `next` in a direction (not 0) is cut; over sides that repeat, `next` is the cell there.
+    /// Which links of a cell are cut.
+    #[inline]
     #[must_use]
-    pub fn cuts(&self, cell: [i32; 3], next: [i32; 3], direction: usize) -> bool {
-        let pair = (direction - 1) / 2;
-        let from = if direction % 2 == 1 { cell } else { next };
-        self.mask.has(from, pair as u8)
+    pub fn cut_around(&self, cell: [i32; 3]) -> CutAround {
+        let mask = &self.mask;
+        mask.cells
+            .place(cell)
+            .map_or_else(CutAround::default, |place| CutAround {
+                from: mask.pairs[place],
+                to: mask.arriving[place],
+            })
     }
 
-    /// How many links of a cell are cut.
+    /// Least and largest places of their cells; `None` where nothing is cut.
     #[must_use]
-    pub fn count_of_cell(&self, cell: [i32; 3]) -> u32 {
-        let mask = &self.mask;
-        let count =
-            |place: usize| mask.pairs[place].count_ones() + mask.arriving[place].count_ones();
-        mask.cells.place(cell).map_or(0, count)
-    }
-
-    /// True where the links on both sides of a cell are cut, along any direction.
-    #[must_use]
-    pub fn cut_on_both_sides(&self, cell: [i32; 3]) -> bool {
-        let mask = &self.mask;
-        (mask.cells.place(cell)).is_some_and(|place| mask.pairs[place] & mask.arriving[place] != 0)
+    pub fn reach(&self) -> Option<[[i32; 3]; 2]> {
+        self.mask.cells.bounds()
     }
 
     /// Numbers of the links with more than one layer on them.
     #[must_use]
     pub fn doubled(&self) -> &[u32] {
         &self.doubled
+    }
+}
+
+/// Links of a cell that are cut.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CutAround {
+    /// By pair of directions, a bit of those that begin in the cell, and of those that end there.
+    from: u16,
+    to: u16,
+}
+
+impl CutAround {
+    /// True where the link in a direction (not 0) is cut.
+    #[inline]
+    #[must_use]
+    pub const fn has(self, direction: usize) -> bool {
+        let of_pair = if direction % 2 == 1 {
+            self.from
+        } else {
+            self.to
+        };
+        of_pair >> ((direction - 1) / 2) & 1 == 1
+    }
+
+    /// How many are.
+    #[must_use]
+    pub const fn count(self) -> u32 {
+        self.from.count_ones() + self.to.count_ones()
+    }
+
+    /// True where those on both sides are cut, along any direction.
+    #[must_use]
+    pub const fn on_both_sides(self) -> bool {
+        self.from & self.to != 0
     }
 }
 

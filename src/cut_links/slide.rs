@@ -49,8 +49,21 @@ pub(super) struct Air {
     flux: [DVec3; 2],
 }
 
-pub(super) fn vector(direction: usize) -> DVec3 {
-    DVec3::from_array(DIRECTIONS[direction].map(f64::from))
+/// The directions as vectors.
+const VECTORS: [DVec3; DIRECTION_COUNT] = {
+    let mut vectors = [DVec3::ZERO; DIRECTION_COUNT];
+    let mut direction = 0;
+    while direction < DIRECTION_COUNT {
+        let [x, y, z] = DIRECTIONS[direction];
+        vectors[direction] = DVec3::new(x as f64, y as f64, z as f64);
+        direction += 1;
+    }
+    vectors
+};
+
+#[inline]
+pub(super) const fn vector(direction: usize) -> DVec3 {
+    VECTORS[direction]
 }
 
 impl Air {
@@ -148,7 +161,7 @@ pub struct Loss {
 }
 
 impl Image {
-    /// Of the cell behind the cut at a side of a link, taken from `cells` by their shares, which lie closer to the wall by η.
+    /// Of the cell behind the cut at a side of a link, taken from cells by these shares; η is `closer`. The cells have no numbers yet.
     pub(super) fn new(
         (number, link, side): (u32, &CutLink, usize),
         away: DVec3,

@@ -14,7 +14,7 @@ use super::images::{Asked, Images};
 use super::modelled::Off;
 use super::search::{CutLink, CutLinks, Domain};
 use super::slide::{CELLS_OF_AN_IMAGE, Image};
-use super::surroundings::{Next, Surroundings};
+use super::surroundings::{Around, Next, Surroundings};
 use crate::lattice::{DIRECTIONS, WEIGHTS};
 
 /// Share of a model's stress that is taken two cells off, the rest from the cells of the image. By 0 a plate at Re = 10⁶ gets 65 to 143 % of its friction, by 1 86 to 144 %, by
@@ -193,11 +193,13 @@ fn area(link: &CutLink, side: usize, away: DVec3) -> f64 {
 
 /// How a cell loses momentum; `None` where both links along an axis are cut.
 fn loses(air: &Surroundings<'_>, cell: [i32; 3]) -> Option<Loses> {
+    let around = Around::new(air, cell);
     let along = |a: usize| {
-        let open = [1 + 2 * a, 2 + 2 * a].map(|direction| match air.next(cell, direction) {
-            Next::Cell(_) => Some(direction as u8),
-            Next::Wall | Next::End => None,
-        });
+        let open =
+            [1 + 2 * a, 2 + 2 * a].map(|direction| match around.next(air.domain, direction) {
+                Next::Cell(_) => Some(direction as u8),
+                Next::Wall | Next::End => None,
+            });
         (open != [None; 2]).then_some(open)
     };
     Some([along(0)?, along(1)?, along(2)?])

@@ -1,8 +1,10 @@
 //! The cells around a cut link: what lies next to them, and which the mirror image of the one behind a wall is taken from ([`super::slide`]).
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::DVec3;
 
-use super::search::{CutLink, CutLinks, Domain};
+use super::search::{CutAround, CutLink, CutLinks, Domain};
 use super::slide::{CELLS_OF_AN_IMAGE, vector};
 use crate::lattice::nest::CHANGED_BY_LAYERS;
 use crate::lattice::{DIRECTION_COUNT, DIRECTIONS};
@@ -38,45 +40,71 @@ pub(super) struct Surroundings<'a> {
     pub(super) domain: &'a Domain,
 }
 
-impl Surroundings<'_> {
-    /// What lies in a direction (not 0) of a cell.
-    pub(super) fn next(&self, cell: [i32; 3], direction: usize) -> Next {
-        let c = DIRECTIONS[direction];
-        let place = std::array::from_fn(|a| i64::from(cell[a] + c[a]));
-        match self.domain.cell(place) {
-            None => Next::End,
-            Some(next) if self.links.cuts(cell, next, direction) => Next::Wall,
-            Some(next) => Next::Cell(next),
+/// A cell, and what is cut around it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around {
+    pub(super) cell: [i32; 3],
+    pub(super) cut: CutAround,
+    /// Its neighbours are all in the domain.
+    inside: bool,
+}
+
+impl Around {
+    #[inline]
+    pub(super) fn new(air: &Surroundings<'_>, cell: [i32; 3]) -> Self {
+        Self {
+            cell,
+            cut: air.links.cut_around(cell),
+            inside: air.domain.is_inside(cell),
         }
     }
 
+    /// What lies in a direction (not 0).
+    #[inline]
+    pub(super) fn next(&self, domain: &Domain, direction: usize) -> Next {
+        let c = DIRECTIONS[direction];
+        let next = std::array::from_fn(|a| self.cell[a] + c[a]);
+        let next = if self.inside {
+            Some(next)
+        } else {
+            domain.cell(next.map(i64::from))
+        };
+        match next {
+            None => Next::End,
+            Some(_) if self.cut.has(direction) => Next::Wall,
+            Some(next) => Next::Cell(next),
+        }
+    }
+}
+
+impl Surroundings<'_> {
     /// Cells off a wall and their distances from it, straight ahead as far as a direction of the lattice leads, fewer cells off where the way ends. It is `None` where other walls leave no room to slide. What is not `modelled` asks for that alone.
     pub(super) fn off(
         &self,
-        link: &CutLink,
-        side: usize,
+        (link, side): (&CutLink, usize),
+        own: &Around,
         (away, modelled): (DVec3, bool),
     ) -> Option<CellsOff> {
         // In a crease, or a gap of one cell.
-        if self.links.cut_on_both_sides(link.cells[side]) {
+        if own.cut.on_both_sides() {
             return None;
         }
         let off = |direction: usize| -vector(direction).dot(away);
         let ahead = straightest(-away);
-        let mut cell = link.cells[side];
+        let mut at = *own;
         let mut height = link.distance(side) * -off(link.leaving(side));
-        let mut found = [(cell, height); 2];
+        let mut found = [(at.cell, height); 2];
         let last = if modelled { CELLS_OFF[1] } else { ROOM };
         for done in 1..=last {
-            match self.next(cell, ahead) {
+            match at.next(self.domain, ahead) {
                 Next::Wall if done <= ROOM => return None,
-                Next::Cell(next) => cell = next,
+                Next::Cell(next) => at = Around::new(self, next),
                 Next::Wall | Next::End => break,
             }
             height += off(ahead);
             for (found, cells) in found.iter_mut().zip(CELLS_OFF) {
                 if done <= cells {
-                    *found = (cell, height);
+                    *found = (at.cell, height);
                 }
             }
         }
@@ -86,34 +114,37 @@ impl Surroundings<'_> {
     /// The cells nearest to the mirror image of the cell behind a cut, among the side's own and its neighbours in the air, with their shares, and η.
     pub(super) fn cells_of_image(
         &self,
-        link: &CutLink,
-        side: usize,
+        (link, side): (&CutLink, usize),
+        own: &Around,
         away: DVec3,
     ) -> ([(f64, [i32; 3]); CELLS_OF_AN_IMAGE], f64) {
-        let own = link.cells[side];
         let d = vector(link.leaving(side));
         let across = d.dot(away);
         let height = (1.0 - link.distance(side)) * across;
         let image = d - away * (2.0 * height);
-        let mut nearest = [(0.0, own, 0); CELLS_OF_AN_IMAGE];
+        // By the square of the distance.
+        let mut nearest = [(f64::INFINITY, own.cell, 0); CELLS_OF_AN_IMAGE];
         for direction in 0..DIRECTION_COUNT {
-            let distance = (vector(direction) - image).length_squared();
-            let mut new = (1.0 / (distance * distance + ON_A_CENTRE), own, direction);
-            if new.0 <= nearest[CELLS_OF_AN_IMAGE - 1].0 {
+            let square = (vector(direction) - image).length_squared();
+            if square >= nearest[CELLS_OF_AN_IMAGE - 1].0 {
                 continue;
             }
+            let mut new = (square, own.cell, direction);
             if direction > 0 {
-                let Next::Cell(cell) = self.next(own, direction) else {
+                let Next::Cell(cell) = own.next(self.domain, direction) else {
                     continue;
                 };
                 new.1 = cell;
             }
             for held in &mut nearest {
-                if new.0 > held.0 {
+                if new.0 < held.0 {
                     std::mem::swap(held, &mut new);
                 }
             }
         }
+        let nearest = nearest.map(|(square, cell, direction)| {
+            (1.0 / (square * square + ON_A_CENTRE), cell, direction)
+        });
         let sum: f64 = nearest.iter().map(|(share, ..)| share).sum();
         let lower = (nearest.iter())
             .map(|(share, _, direction)| share * vector(*direction).dot(away))
@@ -134,11 +165,9 @@ pub(super) fn straightest(towards: DVec3) -> usize {
     let (mut best, mut nearest) = (f64::NEG_INFINITY, 1);
     for pair in 0..DIRECTION_COUNT / 2 {
         let direction = 2 * pair + 1;
-        let length = match DIRECTIONS[direction].map(i32::abs) {
-            [1, 0, 0] | [0, 1, 0] | [0, 0, 1] => 1.0,
-            _ => std::f64::consts::SQRT_2,
-        };
-        let along = vector(direction).dot(towards) / length;
+        // The first three lie along the axes.
+        let over_length = if pair < 3 { 1.0 } else { FRAC_1_SQRT_2 };
+        let along = vector(direction).dot(towards) * over_length;
         for (cosine, direction) in [(along, direction), (-along, direction + 1)] {
             if cosine >= best {
                 (best, nearest) = (cosine, direction);

@@ -18,8 +18,9 @@ use crate::cut_links::{
 use crate::gpu::DeviceError;
 use crate::lattice::WEIGHTS;
 
-/// Links that one task works on.
+/// Links, and triangles, that one task works on.
 const LINKS_AT_ONCE: usize = 512;
+const TRIANGLES_AT_ONCE: usize = 512;
 
 /// Least and largest places of no cell.
 const NOWHERE: [[i32; 3]; 2] = [[i32::MAX; 3], [i32::MIN + 1; 3]];
@@ -70,8 +71,8 @@ pub struct CutSurface {
     /// Density excess between the layers of every link; zero with one.
     inside: Vec<f64>,
     faces: FacePressures,
-    /// It never moves.
-    at_rest: bool,
+    /// Reactions are asked for, and with them what stands between two layers.
+    reacts: bool,
     through: Option<Through>,
     /// `None` where the air sticks to all of it.
     sliding: Option<Sliding>,
@@ -123,7 +124,7 @@ impl CutSurface {
             returns: Vec::new(),
             inside: Vec::new(),
             faces: FacePressures::new(&triangles, count),
-            at_rest: false,
+            reacts: true,
             through: None,
             sliding: None,
             back: Vec::new(),
@@ -167,10 +168,10 @@ impl CutSurface {
         self
     }
 
-    /// The same where nothing of it ever moves, if so it is.
+    /// The same of rigid bodies alone, whose motion is prescribed: nobody asks for their reactions. Where air passes them, it still asks what stands between two layers.
     #[must_use]
-    pub const fn at_rest(mut self, at_rest: bool) -> Self {
-        self.at_rest = at_rest;
+    pub const fn rigid(mut self) -> Self {
+        self.reacts = false;
         self
     }
 
@@ -225,7 +226,8 @@ impl CutSurface {
     #[inline(always)]
     fn forces_at(&self, number: usize) -> ([(&Cut, DVec3); 2], usize) {
         let taken = self.taken().get(number).copied().unwrap_or_default();
-        of_link(&self.links()[number], self.forces[number], taken)
+        let along = self.forces.get(number).copied().unwrap_or_default();
+        of_link(&self.links()[number], along, taken)
     }
 
     /// Those of some links.
@@ -270,10 +272,7 @@ impl CutSurface {
                 std::array::from_fn(|a| one[1][a].max(other[1][a])),
             ]
         };
-        let of_links = (self.links().par_iter())
-            .with_min_len(LINKS_AT_ONCE)
-            .map(|link| both([link.cells[0]; 2], [link.cells[1]; 2]))
-            .reduce(|| NOWHERE, both);
+        let of_links = self.links.reach().unwrap_or(NOWHERE);
         let changed = self.changed().1.iter().flatten();
         (changed.map(|change| [change.cell; 2])).fold(of_links, both)
     }
@@ -285,14 +284,16 @@ impl CutSurface {
         }
         self.found = false;
         self.positions.copy_from_slice(positions);
-        for (k, nodes) in self.triangles.iter().enumerate() {
-            let corners = nodes.map(|n| positions[n as usize]);
-            let [a, b, c] = corners;
-            self.normals[k] = normal_of(corners);
-            self.areas[k] = 0.5 * (b - a).cross(c - a).length();
-        }
+        (self.normals.par_iter_mut().zip(&mut self.areas))
+            .zip(&self.triangles)
+            .with_min_len(TRIANGLES_AT_ONCE)
+            .for_each(|((normal, area), nodes)| {
+                let corners = nodes.map(|n| positions[n as usize]);
+                let [a, b, c] = corners;
+                *normal = normal_of(corners);
+                *area = 0.5 * (b - a).cross(c - a).length();
+            });
         self.links.find(positions, &self.triangles, &self.domain)?;
-        self.faces.widen();
         self.pockets.find(&self.links);
         if let Some(sliding) = &mut self.sliding {
             sliding.find(&self.links, &self.domain, &self.normals);
@@ -330,16 +331,16 @@ impl CutSurface {
         self.inside.resize(seen.links.len(), 0.0);
         // Pressures of faces are asked for between two layers alone.
         let doubled = self.links.doubled();
-        if !doubled.is_empty() {
+        if !doubled.is_empty() && (self.reacts || self.through.is_some()) {
             self.cuts.sort(&self.links, self.triangles.len());
             self.faces.take(&seen, &self.cuts);
-            if self.at_rest && !self.faces.is_narrow() {
-                self.faces.narrow(&seen, &self.cuts, doubled);
+            let between: Vec<f64> = (doubled.par_iter())
+                .with_min_len(LINKS_AT_ONCE)
+                .map(|link| self.faces.between(&seen, &seen.links[*link as usize]))
+                .collect();
+            for (link, between) in doubled.iter().zip(between) {
+                self.inside[*link as usize] = between;
             }
-        }
-        for link in doubled {
-            let link = *link as usize;
-            self.inside[link] = self.faces.between(&seen, &seen.links[link]);
         }
         if let Some(through) = &mut self.through {
             through.take(&seen, &self.inside, (velocities, &self.areas));
@@ -466,9 +467,9 @@ impl CutSurface {
         let changed = self.changed();
         let (back, rest) = (&self.back, &self.rest);
         match air {
-            AirEngine::CpuF32(fluid) => fluid.bounce(back, rest, changed.1),
-            AirEngine::CpuF16(fluid) => fluid.bounce(back, rest, changed.1),
-            AirEngine::CpuF64(fluid) => fluid.bounce(back, rest, changed.1),
+            AirEngine::CpuF32(fluid) => fluid.bounce(&self.links, back, rest, changed.1),
+            AirEngine::CpuF16(fluid) => fluid.bounce(&self.links, back, rest, changed.1),
+            AirEngine::CpuF64(fluid) => fluid.bounce(&self.links, back, rest, changed.1),
             AirEngine::Gpu(fluid) => fluid.bounce(&self.links, back, rest, changed)?,
         }
         Ok(())

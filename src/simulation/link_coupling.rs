@@ -121,8 +121,11 @@ impl LinkCoupling {
         let lattice = |place_m| DVec3::from_array(units.position_to_lattice(place_m));
         let mut positions: Vec<DVec3> = positions_m.into_iter().map(lattice).collect();
         cut_bodies::place(&bodies, 0.0, lattice, &mut positions);
-        let at_rest = scene.body.is_none() && !bodies.iter().any(|body| body.motion.moves());
-        let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from)).at_rest(at_rest);
+        let surface = CutSurface::new(engine, triangles, nodes, (kept, open_from));
+        let surface = match scene.body {
+            Some(_) => surface,
+            None => surface.rigid(),
+        };
         let surface = match &scene.friction {
             Some(friction) => {
                 let of_each = scene.rigid_bodies.iter().zip(&friction.bodies);

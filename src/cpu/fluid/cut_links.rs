@@ -5,88 +5,19 @@
 
 use rayon::prelude::*;
 
+use super::link_places::{LinkPlaces, array};
 use super::prefetch::prefetch_behind;
 use super::{Fluid, Stored};
 use crate::cut_links::places::{Place, Places};
-use crate::cut_links::{Changed, ChangedByPair, CutLink, CutLinks, Leaving, Return, SIDES, Side};
-use crate::lattice::{DIRECTION_COUNT, Real, opposite};
+use crate::cut_links::{Changed, ChangedByPair, CutLinks, Leaving, Return, SIDES};
+use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Links that one task reads.
 const LINKS_AT_ONCE: usize = 512;
 
-/// Links, and cells, between one that is read and the one whose populations are asked for: they lie far apart, and the CPU would wait for each.
+/// Links, and cells, between one that is read and the one whose populations are asked for. They lie far apart, and the CPU would wait for each.
 const LINKS_AHEAD: usize = 16;
 const CELLS_AHEAD: usize = 3;
-
-/// Where the populations of links lie, in either parity.
-#[derive(Debug, Clone, Default)]
-pub(super) struct LinkPlaces {
-    /// Number of the search that found the links.
-    search: u64,
-    /// By link, elements that its sides read.
-    read: Vec<[Read; 2]>,
-    pairs: Vec<u8>,
-    /// By pair of directions, the links of it.
-    of_pair: [Vec<u32>; DIRECTION_COUNT / 2],
-}
-
-/// Elements that a side of a link reads.
-#[derive(Debug, Clone, Copy, Default)]
-struct Read {
-    /// Of what leaves its cell. What comes back to the other cell is put there, in the other array of the pair.
-    out: usize,
-    /// Of the further population; `out` without one.
-    further: usize,
-}
-
-impl Read {
-    /// What the side needs, and where it is before a step of a parity.
-    #[inline(always)]
-    fn places(self, link: &CutLink, side: usize, odd: bool) -> (Place, Option<Place>) {
-        let leaving = link.leaving(side);
-        let further = match link.side(side) {
-            Side::HalfWay => None,
-            Side::Near => Some((array(leaving, odd), self.further)),
-            Side::Far => Some((array(opposite(leaving), odd), self.further)),
-        };
-        ((array(leaving, odd), self.out), further)
-    }
-}
-
-impl LinkPlaces {
-    /// Lays them out, anew where the links are others.
-    fn lay(&mut self, links: &CutLinks, places: &Places) {
-        if self.search == links.search() {
-            return;
-        }
-        self.search = links.search();
-        let read = |link: &CutLink| {
-            SIDES.map(|side| {
-                let (_, out) = places.out(link, side);
-                let further = places.further(link, side);
-                Read {
-                    out,
-                    further: further.map_or(out, |(_, element)| element),
-                }
-            })
-        };
-        (links.links().par_iter())
-            .with_min_len(LINKS_AT_ONCE)
-            .map(|link| (read(link), link.pair))
-            .unzip_into_vecs(&mut self.read, &mut self.pairs);
-        let pairs = &self.pairs;
-        (self.of_pair.par_iter_mut().enumerate()).for_each(|(pair, of_pair)| {
-            let is_of_pair = |number: &u32| usize::from(pairs[*number as usize]) == pair;
-            of_pair.clear();
-            of_pair.extend((0..pairs.len() as u32).filter(is_of_pair));
-        });
-    }
-}
-
-/// Array that holds what leaves in a direction (not 0), before a step of a parity.
-const fn array(direction: usize, odd: bool) -> usize {
-    if odd { direction } else { opposite(direction) }
-}
 
 /// Asks for one of the populations, if it is one.
 #[inline(always)]
@@ -97,7 +28,7 @@ fn ask_for<P>(populations: &[P], element: usize) {
 }
 
 impl<T: Real, P: Stored<Real = T>> Fluid<P> {
-    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest; of each link those sides alone at which the air sticks, if `stick` tells of them.
+    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest. If `stick` tells at which sides the air sticks, the others are left as they are.
     pub fn read_links(
         &mut self,
         links: &CutLinks,
@@ -146,7 +77,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
         let ends = self.exchanged_ends.as_ref();
         let by_direction = places.offsets().map(|(array, by)| (arrays[array], by));
         let ask = |cell: [i32; 3]| {
-            if let Some(index) = places.between(cell) {
+            if let Some(index) = places.index_inside(cell) {
                 for (populations, by) in by_direction {
                     ask_for(populations, index.wrapping_add_signed(by));
                 }
@@ -161,7 +92,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
                 let cell = cells[number];
                 // Next to an end of a row what left may have arrived where populations wait.
                 let ends = ends.filter(|ends| ends.is_near(cell));
-                if let (Some(index), None) = (places.between(cell), ends) {
+                if let (Some(index), None) = (places.index_inside(cell), ends) {
                     for (to, (populations, by)) in leaving.iter_mut().zip(by_direction) {
                         *to = read(&populations[index.wrapping_add_signed(by)]);
                     }
@@ -176,10 +107,16 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
             });
     }
 
-    /// Stage `bounce`, for the links of the last `read_links`: writes what comes `back` to both sides of every link, adds to the population at `rest` there, and what is `changed` along open
-    /// links.
-    pub fn bounce(&mut self, back: &[[f64; 2]], rest: &[[f64; 2]], changed: &ChangedByPair) {
+    /// Stage `bounce`: writes what comes `back` to both sides of every link. Adds to the population at `rest` there, and what is `changed` along open links.
+    pub fn bounce(
+        &mut self,
+        links: &CutLinks,
+        back: &[[f64; 2]],
+        rest: &[[f64; 2]],
+        changed: &ChangedByPair,
+    ) {
         let places = Places::new(self.grid, &self.setup, self.odd);
+        self.link_places.lay(links, &places);
         let shifts = self.grid.pair_shifts();
         let LinkPlaces { read, of_pair, .. } = &self.link_places;
         let [at_rest, moving @ ..] = self.populations.arrays_mut();
@@ -208,6 +145,7 @@ impl<T: Real, P: Stored<Real = T>> Fluid<P> {
                     ask_for(arrays[to_b], of_a);
                 }
                 let number = *number as usize;
+                // What comes back to a cell is put where the other cell's was read.
                 let ([of_a, of_b], back) = (read[number].map(|read| read.out), back[number]);
                 arrays[to_a][of_b] = P::packed(T::of(back[0]));
                 arrays[to_b][of_a] = P::packed(T::of(back[1]));

@@ -19,7 +19,7 @@ pub fn prefetch<V>(value: &V) {
     prefetch_behind(value, AHEAD);
 }
 
-/// The same so many bytes behind `value`: for columns, of which the hardware follows none.
+/// The same so many bytes behind `value`: for columns and cut links, of which the hardware follows none.
 #[inline(always)]
 pub fn prefetch_behind<V>(value: &V, bytes: usize) {
     #[cfg(target_arch = "x86_64")]
