@@ -1,4 +1,4 @@
-//! What comes back to all sides along which the air slides, energy held block by block ([`super::blocks`]). And the mass that the wall owes the air.
+//! What comes back to all sides along which the air slides, energy held block by block (`blocks`). And the mass that the wall owes the air.
 
 use std::ops::Range;
 
