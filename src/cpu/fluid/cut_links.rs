@@ -16,6 +16,8 @@ use crate::lattice::{DIRECTION_COUNT, Real};
 const LINKS_AT_ONCE: usize = 512;
 
 /// Links, and cells, between one that is read and the one whose populations are asked for. They lie far apart, and the CPU would wait for each.
+///
+/// Together with leaving out sides that slide, asking took `read_links` of a closed wing (48 cells, one thread) from 44 to 33 ms. These distances were chosen, not tuned.
 const LINKS_AHEAD: usize = 16;
 const CELLS_AHEAD: usize = 3;
 

@@ -20,8 +20,9 @@ const OPEN: f64 = 0.6;
 /// Largest relative change between the finest two lattices of `--full`.
 const BAND: f64 = 0.05;
 
-/// Time [s] and largest C_D that the ladder of `--full` with a wide mouth comes to on 96 cells. On 48 they are 22.2 ± 0.1 ms and 3.45 ± 0.06 (four shifted starts), on 32, the finest of
-/// the quick set, 23.7 ± 0.7 ms and 3.09 ± 0.05 (eight), on 24 25.3 ± 0.5 ms and 2.76 ± 0.06 (four).
+/// Time [s] and largest C_D that the ladder of `--full` with a wide mouth comes to on 96 cells. With shifted starts (four, standard deviations) they are 22.2 ± 0.1 ms and
+/// 3.45 ± 0.06 on 48, 23.7 ± 0.7 ms and 3.09 ± 0.05 on 32, the finest of the quick set, and 25.3 ± 0.5 ms and 2.76 ± 0.06 on 24
+/// (docs/results/2026-11-30-an-opening-from-shifted-starts.md).
 const FINEST: [f64; 2] = [0.0229, 3.43];
 /// How near to them those of the quick set are: one start is off by up to 8 and 12 %. The kernel misses them on 24 cells by 48 and 47 %.
 const BANDS_OF_QUICK: [f64; 2] = [0.10, 0.15];
