@@ -77,7 +77,6 @@ const PERMEABLE: &str = "fabric.permeability.ergun={ viscous_coefficient_pa_s_m2
 fn disk_gap_band(changes: &[&str]) -> Case {
     let own = [
         "coupling.scheme=links",
-        "coupling.structure_every=absent",
         "coupling.narrow_openings=law",
         "structure.disk_gap_band.vent_diameter_m=0.25",
         "time.end_s=0.02",

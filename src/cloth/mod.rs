@@ -10,6 +10,7 @@ pub mod fabrics;
 pub mod faults;
 pub mod integration;
 pub mod openings;
+pub mod patches;
 pub mod rims;
 mod waves;
 

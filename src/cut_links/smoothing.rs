@@ -8,9 +8,12 @@ const MOST_STEPS: f64 = 12.0;
 /// Smooths fields about some of a sheet's nodes.
 #[derive(Debug, Clone)]
 pub(super) struct Smoothing {
-    neighbours: Neighbours,
     /// Nodes about which it does.
     nodes: Vec<u32>,
+    /// Where what each of them takes begins; one more at the end.
+    starts: Vec<u32>,
+    /// From which node, and what share of it.
+    taken: Vec<(u32, f64)>,
     steps: usize,
 }
 
@@ -30,9 +33,22 @@ impl Smoothing {
                 *reached |= (neighbours.of(node).iter()).any(|other| last[*other as usize]);
             }
         }
+        let nodes = numbers(&from);
+        let (mut starts, mut taken) = (vec![0], Vec::new());
+        for &node in &nodes {
+            // A neighbour at two triangles counts twice, and gives in equal parts.
+            let mut around = neighbours.of(node as usize).to_vec();
+            around.sort_unstable();
+            for same in around.chunk_by(|one, other| one == other) {
+                let of_other = neighbours.of(same[0] as usize).len();
+                taken.push((same[0], same.len() as f64 / (2.0 * of_other as f64)));
+            }
+            starts.push(taken.len() as u32);
+        }
         Self {
-            neighbours,
-            nodes: numbers(&from),
+            nodes,
+            starts,
+            taken,
             steps,
         }
     }
@@ -44,15 +60,17 @@ impl Smoothing {
 
     /// Smooths a field. Every node gives half of its own away, in equal parts: nothing is lost.
     pub fn smooth(&self, field: &mut [f64]) {
+        let mut old = field.to_vec();
         for _ in 0..self.steps {
-            let old = field.to_vec();
-            for node in self.nodes() {
-                let mut sum = 0.5 * field[node];
-                for other in self.neighbours.of(node) {
-                    let other = *other as usize;
-                    sum += old[other] / (2.0 * self.neighbours.of(other).len() as f64);
-                }
-                field[node] = sum;
+            for (&node, range) in self.nodes.iter().zip(self.starts.windows(2)) {
+                let taken = &self.taken[range[0] as usize..range[1] as usize];
+                let taken = taken
+                    .iter()
+                    .map(|(other, share)| share * old[*other as usize]);
+                field[node as usize] = 0.5 * old[node as usize] + taken.sum::<f64>();
+            }
+            for &node in &self.nodes {
+                old[node as usize] = field[node as usize];
             }
         }
     }

@@ -12,6 +12,7 @@ use super::{
 use crate::case::Scene;
 use crate::case::coupling::{Coupling, Scheme};
 use crate::case::scene::{Air, BodyKind, Carrier, Flow};
+use crate::cloth::patches::{Patches, REACH};
 use crate::cloth::{Structure, TimeIntegration};
 use crate::geometry::plate::Plate;
 use crate::immersed::markers;
@@ -358,7 +359,7 @@ impl Plan {
         let areal_kg_m2 = mass / structure.rest_area_m2();
         let ratio = three_digits(areal_kg_m2 / (air.units.density_kg_m3 * cell));
         writeln!(out, "\ncoupling")?;
-        self.write_scheme(out, coupling)?;
+        self.write_scheme(out, scene, (air, coupling))?;
         cadence::write(out, scene)?;
         writeln!(
             out,
@@ -419,7 +420,12 @@ impl Plan {
     }
 
     /// How surfaces meet the air.
-    fn write_scheme(&self, out: &mut String, coupling: &Coupling) -> std::fmt::Result {
+    fn write_scheme(
+        &self,
+        out: &mut String,
+        scene: &Scene,
+        (air, coupling): (&Air, &Coupling),
+    ) -> std::fmt::Result {
         let bytes = megabytes(self.sizes.marker_bytes);
         match coupling.scheme {
             Scheme::Kernel => {
@@ -434,11 +440,24 @@ impl Plan {
                     coupling.over_relaxation, coupling.passes
                 )
             }
-            Scheme::Links => writeln!(
-                out,
-                "  cut links           about {} ({bytes}), found anew in every step that the surface moves",
-                self.sizes.links
-            ),
+            Scheme::Links => {
+                writeln!(
+                    out,
+                    "  cut links           about {} ({bytes}), found anew in every step that the surface moves",
+                    self.sizes.links
+                )?;
+                let structure = scene.body.as_ref().map(|body| &body.structure);
+                let patches =
+                    structure.and_then(|s| Patches::new(&s.triangles, air.units.cell_size_m));
+                match patches {
+                    Some(patches) => writeln!(
+                        out,
+                        "  shared reactions    what the air does to a triangle is shared by {:.1} in the mean, within {REACH} cells",
+                        patches.mean_size()
+                    ),
+                    None => Ok(()),
+                }
+            }
         }
     }
 
@@ -453,7 +472,7 @@ impl Plan {
         let section = air.section_m2();
         writeln!(out, "\nrigid bodies")?;
         if scene.body.is_none() {
-            self.write_scheme(out, coupling)?;
+            self.write_scheme(out, scene, (air, coupling))?;
         }
         for body in &scene.rigid_bodies {
             let markers = match coupling.scheme {

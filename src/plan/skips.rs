@@ -3,6 +3,7 @@
 use crate::case::Scene;
 use crate::case::coupling::{Friction, Scheme};
 use crate::case::scene::{Air, Body, BodyKind, Flow};
+use crate::cloth::patches::{Patches, REACH};
 
 /// Something that the scene does not need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -118,6 +119,14 @@ pub(super) fn skip_air(scene: &Scene, air: &Air, skip: &mut impl FnMut(&'static 
         skip("further passes of forcing", "no coupling.passes".into());
     }
     let fabric = scene.body.as_ref();
+    if let (true, Some(body)) = (by_links, fabric)
+        && Patches::new(&body.structure.triangles, air.units.cell_size_m).is_none()
+    {
+        skip(
+            "triangles that share what the air does to them",
+            format!("their middles lie more than {REACH} cells apart"),
+        );
+    }
     let permeable = fabric.is_some_and(|body| body.structure.permeability.is_some())
         || scene.rigid_bodies.iter().any(|b| b.permeability.is_some());
     if scene.coupling.is_some() && !permeable {

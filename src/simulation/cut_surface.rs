@@ -9,6 +9,7 @@ use super::air::AirEngine;
 use super::bodies::normal_of;
 use super::sliding::{LayersIn, NOTHING, Sliding};
 use crate::case::coupling::Friction;
+use crate::cloth::patches::Patches;
 use crate::cut_links::boundary_layer::Saved;
 use crate::cut_links::faces::{self, Seen};
 use crate::cut_links::{
@@ -71,6 +72,8 @@ pub struct CutSurface {
     /// Density excess between the layers of every link; zero with one.
     inside: Vec<f64>,
     faces: FacePressures,
+    /// Its first triangles share what the air does to them; `None` where each has it alone.
+    patches: Option<Patches>,
     /// Reactions are asked for, and with them what stands between two layers.
     reacts: bool,
     through: Option<Through>,
@@ -124,6 +127,7 @@ impl CutSurface {
             returns: Vec::new(),
             inside: Vec::new(),
             faces: FacePressures::new(&triangles, count),
+            patches: None,
             reacts: true,
             through: None,
             sliding: None,
@@ -165,6 +169,13 @@ impl CutSurface {
         if let Some(sliding) = &mut self.sliding {
             sliding.stick_inside(bodies, (&self.triangles, positions));
         }
+        self
+    }
+
+    /// The same where its first triangles share what the air does to them.
+    #[must_use]
+    pub fn sharing(mut self, patches: Option<Patches>) -> Self {
+        self.patches = patches;
         self
     }
 
@@ -293,6 +304,9 @@ impl CutSurface {
                 *normal = normal_of(corners);
                 *area = 0.5 * (b - a).cross(c - a).length();
             });
+        if let Some(patches) = &mut self.patches {
+            patches.share(&self.normals);
+        }
         self.links.find(positions, &self.triangles, &self.domain)?;
         self.pockets.find(&self.links);
         if let Some(sliding) = &mut self.sliding {
@@ -456,6 +470,37 @@ impl CutSurface {
         a * of_a + b * of_b + c * of_c
     }
 
+    /// Triangles that share what the air does to them; `None` where each has it alone.
+    #[must_use]
+    pub const fn patches(&self) -> Option<&Patches> {
+        self.patches.as_ref()
+    }
+
+    /// Share of nodes that have a flag in what the air does at a cut.
+    #[must_use]
+    pub fn share_of(&self, flags: &[bool], cut: &Cut) -> f64 {
+        let flagged = |triangle: u32, weights: [f64; 3]| -> f64 {
+            let nodes = self.triangles[triangle as usize].into_iter().zip(weights);
+            nodes
+                .map(|(node, weight)| if flags[node as usize] { weight } else { 0.0 })
+                .sum()
+        };
+        match self.shared_at(cut) {
+            None => flagged(cut.triangle, cut.weights),
+            Some(patches) => (patches.given(cut.triangle))
+                .map(|(other, share)| flagged(other, [share / 3.0; 3]))
+                .sum(),
+        }
+    }
+
+    /// Who shares what the air does at a cut; `None` where its triangle has it alone.
+    #[inline(always)]
+    fn shared_at(&self, cut: &Cut) -> Option<&Patches> {
+        let triangle = cut.triangle;
+        let shares = |p: &&Patches| (triangle as usize) < p.count() && !p.is_alone(triangle);
+        self.patches.as_ref().filter(shares)
+    }
+
     /// What left the cells of the images, and the populations that lose the stress of boundary layers.
     fn changed(&self) -> (&[Leaving], &ChangedByPair) {
         (self.sliding.as_ref()).map_or((&[], NOTHING), Sliding::changed)
@@ -486,6 +531,14 @@ impl CutSurface {
         forces.resize(count, [0.0; 2]);
         let formed = (back.par_iter_mut().zip(&mut rest)).zip(&mut forces);
         let stands = stand(velocities);
+        let of_patches = match &self.patches {
+            Some(patches) if !stands => patches.means(&self.triangles, velocities),
+            _ => Vec::new(),
+        };
+        let met = |cut: &Cut| match self.shared_at(cut) {
+            Some(_) => of_patches[cut.triangle as usize],
+            None => self.at(cut, velocities),
+        };
         (formed.zip(self.links()).zip(&self.returns))
             .with_min_len(LINKS_AT_ONCE)
             .for_each(|((((r, left), force), link), returns)| {
@@ -496,7 +549,7 @@ impl CutSurface {
                     if stands {
                         c.dot(through)
                     } else {
-                        c.dot(self.at(&link.cuts[side], velocities) + through)
+                        c.dot(met(&link.cuts[side]) + through)
                     }
                 };
                 let mut along = [of(0); 2];

@@ -23,7 +23,8 @@ use crate::case::coupling::Friction;
 use crate::case::scene::Air;
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cloth::covers::Cover;
-use crate::cpu::cloth::{Cloth, TriangleReaction};
+use crate::cloth::patches::Patches;
+use crate::cpu::cloth::{Cloth, MiddleReaction, TriangleReaction};
 use crate::cut_links::{OutOfAir, Passage};
 use crate::fabric::permeability::Permeability;
 use crate::gpu::DeviceError;
@@ -86,6 +87,8 @@ impl LinkCoupling {
             positions_m.clone_from(&structure.positions_m);
         }
         let woven_triangles = triangles.len();
+        let patches = (scene.body.as_ref())
+            .and_then(|body| Patches::new(&body.structure.triangles, units.cell_size_m));
         let covers = covers_of(scene, &units);
         triangles.extend(covers.iter().map(|cover| cover.nodes));
         passages.resize(triangles.len(), Passage::Opening);
@@ -143,7 +146,7 @@ impl LinkCoupling {
         };
         Self {
             units,
-            surface: surface.permeable(&passages, &areas),
+            surface: surface.permeable(&passages, &areas).sharing(patches),
             woven_triangles,
             fabric_triangles,
             covers,
@@ -205,12 +208,7 @@ impl LinkCoupling {
             if cut.triangle as usize >= self.fabric_triangles {
                 continue;
             }
-            let nodes = self.surface.triangles()[cut.triangle as usize].into_iter();
-            let share: f64 = (nodes.zip(cut.weights))
-                .filter(|(node, _)| held[*node as usize])
-                .map(|(_, share)| share)
-                .sum();
-            sum += force * share;
+            sum += force * self.surface.share_of(held, cut);
         }
         sum.to_array()
     }
@@ -295,25 +293,80 @@ impl LinkCoupling {
         let (surface, cuts) = (&self.surface, self.surface.sorted_cuts());
         let of_fabric = |triangle: &u32| (*triangle as usize) < self.woven_triangles;
         let count = cuts.triangles().partition_point(of_fabric);
-        (cuts.triangles()[..count].par_iter())
+        let own = |triangle: u32| {
+            let mut sum = TriangleReaction::none(triangle);
+            for &(link, side) in cuts.of(triangle) {
+                let (cut, reaction) = surface.reaction(link as usize, usize::from(side));
+                sum.add(
+                    cut.weights,
+                    reaction.leaving,
+                    [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
+                );
+                if let Some(friction) = surface.friction(link as usize, usize::from(side)) {
+                    sum.add_force(cut.weights, friction * force_n);
+                }
+            }
+            sum
+        };
+        let cut = &cuts.triangles()[..count];
+        match surface.patches() {
+            None => (cut.par_iter())
+                .with_min_len(TRIANGLES_AT_ONCE)
+                .map(|&triangle| own(triangle))
+                .collect_into_vec(&mut self.reactions),
+            Some(patches) => {
+                let middles = self.middle_reactions(cut, [stiffness_kg_s, force_n]);
+                self.reactions = (0..self.woven_triangles as u32)
+                    .into_par_iter()
+                    .with_min_len(TRIANGLES_AT_ONCE)
+                    .filter_map(|triangle| {
+                        if patches.is_alone(triangle) {
+                            let is_cut = !cuts.of(triangle).is_empty();
+                            return is_cut.then(|| own(triangle));
+                        }
+                        let mut sum = TriangleReaction::none(triangle);
+                        let mut touched = false;
+                        for (from, share) in patches.received(triangle) {
+                            if let (Some(middle), true) = (&middles[from as usize], share > 0.0) {
+                                sum.add_middle(middle, share);
+                                touched = true;
+                            }
+                        }
+                        touched.then_some(sum)
+                    })
+                    .collect();
+            }
+        }
+        self.hand_on([stiffness_kg_s, force_n]);
+    }
+
+    /// What the air does to every triangle at its middle; nothing where it has no cuts.
+    fn middle_reactions(
+        &self,
+        cut: &[u32],
+        [stiffness_kg_s, force_n]: [f64; 2],
+    ) -> Vec<Option<MiddleReaction>> {
+        let (surface, cuts) = (&self.surface, self.surface.sorted_cuts());
+        let mut middles = vec![None; self.woven_triangles];
+        let found: Vec<MiddleReaction> = (cut.par_iter())
             .with_min_len(TRIANGLES_AT_ONCE)
             .map(|&triangle| {
-                let mut sum = TriangleReaction::none(triangle);
+                let mut sum = MiddleReaction::NONE;
                 for &(link, side) in cuts.of(triangle) {
-                    let (cut, reaction) = surface.reaction(link as usize, usize::from(side));
-                    sum.add(
-                        cut.weights,
-                        reaction.leaving,
-                        [reaction.stiffness * stiffness_kg_s, reaction.push * force_n],
-                    );
+                    let (_, reaction) = surface.reaction(link as usize, usize::from(side));
+                    let scales = [reaction.stiffness * stiffness_kg_s, reaction.push * force_n];
+                    sum.add(reaction.leaving, scales);
                     if let Some(friction) = surface.friction(link as usize, usize::from(side)) {
-                        sum.add_force(cut.weights, friction * force_n);
+                        sum.pull_n += friction * force_n;
                     }
                 }
                 sum
             })
-            .collect_into_vec(&mut self.reactions);
-        self.hand_on([stiffness_kg_s, force_n]);
+            .collect();
+        for (triangle, middle) in cut.iter().zip(found) {
+            middles[*triangle as usize] = Some(middle);
+        }
+        middles
     }
 
     /// Hands what the air does in openings on to the fabric at their rims.

@@ -76,7 +76,7 @@ pub use loads::{MarkerReaction, NodalDrag, StepInput};
 pub use pressure::Pressure;
 pub use probe::Probe;
 pub use settings::SolverSettings;
-pub use triangle_reaction::TriangleReaction;
+pub use triangle_reaction::{MiddleReaction, TriangleReaction};
 
 pub use crate::solve::InitialHessian;
 

@@ -20,6 +20,33 @@ pub struct TriangleReaction {
     pub rest_w: f64,
 }
 
+/// What the air does to a triangle through its cuts where it feels them at its middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MiddleReaction {
+    /// Σ k d dᵀ [kg/s].
+    pub stiffness_kg_s: DMat3,
+    /// Σ p d [N].
+    pub pull_n: DVec3,
+    /// Σ ½ p²/k [W].
+    pub rest_w: f64,
+}
+
+impl MiddleReaction {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        stiffness_kg_s: DMat3::ZERO,
+        pull_n: DVec3::ZERO,
+        rest_w: 0.0,
+    };
+
+    /// Adds a cut along the unit vector `direction`, of stiffness k [kg/s] and push p [N].
+    pub fn add(&mut self, direction: DVec3, [k, p]: [f64; 2]) {
+        self.stiffness_kg_s += outer(direction, direction) * k;
+        self.pull_n += direction * p;
+        self.rest_w += 0.5 * p * p / k;
+    }
+}
+
 /// Pairs of corners; every block is symmetric.
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
 
@@ -75,6 +102,19 @@ impl TriangleReaction {
         self.rest_w += other.rest_w;
     }
 
+    /// Adds a share of what the air does to a triangle at its middle.
+    pub fn add_middle(&mut self, middle: &MiddleReaction, share: f64) {
+        let block = middle.stiffness_kg_s * (share / 9.0);
+        for sum in &mut self.stiffness_kg_s {
+            *sum += block;
+        }
+        let pull_n = middle.pull_n * (share / 3.0);
+        for sum in &mut self.pull_n {
+            *sum += pull_n;
+        }
+        self.rest_w += middle.rest_w * share;
+    }
+
     /// Stiffness between two corners [kg/s].
     #[must_use]
     pub const fn between(&self, a: usize, b: usize) -> DMat3 {
@@ -121,6 +161,35 @@ mod tests {
         }
         for (corner, weight) in weights.into_iter().enumerate() {
             assert!((reaction.stiffness_at(corner) - 4.0 * weight).abs() < 1e-12);
+        }
+    }
+
+    /// Cuts felt at the middle are cuts at equal weights, and shares of them add up.
+    #[test]
+    fn middles_are_cuts_at_equal_weights() {
+        let cuts = [
+            (DVec3::new(0.6, 0.0, 0.8), [2.0, 0.3]),
+            (DVec3::new(0.0, -0.6, 0.8), [1.5, -0.7]),
+        ];
+        let mut whole = TriangleReaction::none(3);
+        let mut middle = MiddleReaction::NONE;
+        for (direction, of) in cuts {
+            whole.add([1.0 / 3.0; 3], direction, of);
+            middle.add(direction, of);
+        }
+        let mut shared = TriangleReaction::none(3);
+        for share in [0.2, 0.7, 0.1] {
+            shared.add_middle(&middle, share);
+        }
+        let velocities = [
+            DVec3::new(0.3, -0.2, 0.9),
+            DVec3::new(-1.1, 0.4, 0.5),
+            DVec3::new(0.7, 0.8, -0.6),
+        ];
+        let [(power, forces), (known, known_forces)] = [shared, whole].map(|r| r.at(velocities));
+        assert!((power - known).abs() < 1e-14);
+        for (force, known) in forces.into_iter().zip(known_forces) {
+            assert!((force - known).length() < 1e-14);
         }
     }
 }

@@ -56,7 +56,8 @@ const SHIPPED: [&str; 3] = [
 ];
 
 /// Re = 193 at the speed of release, a start that 24 cells hold.
-const PERMEABLE: [&str; 4] = [
+const PERMEABLE: [&str; 5] = [
+    "coupling.narrow_openings=cells",
     "air.kinematic_viscosity_m2_s=2.62",
     "structure.slotted.folding.folded_diameter_ratio=0.25",
     "structure.slotted.folding.opened_diameter_ratio=0.3",
