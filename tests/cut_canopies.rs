@@ -8,6 +8,7 @@ use ripstop::plan::{Plan, Stage};
 use ripstop::run::without_files;
 use ripstop::simulation::{Coupled, Simulation};
 
+use crate::command_line::root;
 use crate::engines::{Body, Engine, on_every_engine, plain};
 use crate::read_outs::latest;
 use crate::resumed::{bits_of_nodes, taken_up};
@@ -28,6 +29,7 @@ pub fn trials() -> Vec<Trial> {
         ),
         plain("cut_canopies::what_is_not_there_costs_nothing", absent),
         plain("cut_canopies::a_run_taken_up_goes_on_alike", taken_up_alike),
+        plain("cut_canopies::what_leaves_the_momentum_box", leaves_the_box),
         plain(
             "cut_canopies::a_run_with_narrow_openings_goes_on_alike",
             || {
@@ -128,6 +130,33 @@ impl Body for Opens {
             "{open} against {reference}"
         );
     }
+}
+
+/// A canopy on lines of next to no stiffness drifts out of the momentum box. From then on neither the box's momentum nor its mass is told: links that cross its faces are cut.
+fn leaves_the_box() {
+    let changes = [
+        "coupling.scheme=links",
+        "structure.mesh.line_material.youngs_modulus_pa=1e3",
+        "time.end_s=0.12",
+    ];
+    let choices = Choices {
+        variant: Some("quick".to_owned()),
+        overrides: changes.map(str::to_owned).to_vec(),
+    };
+    let source = include_str!("../cases/hemispherical-mesh.toml");
+    let case = case::parse("canopy", source, &root().join("cases"), &choices).unwrap();
+    let plan = Plan::new(&case.scene, Engine::CpuF32.plan_placement());
+    let record = without_files(&case, plan, None).unwrap().1;
+    let [momentum, mass] = ["impulse_momentum_box_n_s", "mass_defect"]
+        .map(|name| record.column(record.named(name).unwrap()));
+    let left = momentum.iter().position(|of| of.is_nan()).unwrap();
+    assert!(left > 10 && left + 1 < mass.len(), "{left}");
+    assert!(mass[left..].iter().all(|defect| defect.is_nan()));
+    let limit = tolerances::cut_mass(Engine::CpuF32);
+    assert!(
+        mass[..left].iter().all(|defect| defect.abs() < limit),
+        "{mass:?}"
+    );
 }
 
 /// Markers, their stages and read-outs are not there; the number of links that `check` tells is about that of the run.

@@ -397,6 +397,7 @@ fn insert_balances(
         results.insert(&SLIP_MEAN, quantity(slip));
     }
     let defects = record.column(&MASS_DEFECT);
-    let defect = largest(defects[released..].iter().map(|d| d.abs()));
+    let known = defects[released..].iter().filter(|d| !d.is_nan());
+    let defect = largest(known.map(|d| d.abs()));
     results.tell(&MASS_DRIFT, defect);
 }

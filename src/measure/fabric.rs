@@ -154,6 +154,7 @@ pub(super) fn in_wind(results: &mut Results, record: &Record, scene: &Scene) {
         results.insert(column, mean.with_note(&part));
     }
     let defects = record.column(&MASS_DEFECT).into_iter().skip(1);
+    let defects = defects.filter(|d| !d.is_nan());
     results.insert(&MASS_DRIFT, Quantity::new(largest(defects.map(f64::abs))));
 }
 

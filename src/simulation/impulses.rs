@@ -12,6 +12,7 @@ use super::air::{AirEngine, Balance};
 use super::bodies::{Load, inner_momentum};
 use super::coupled::Coupled;
 use crate::case::Scene;
+use crate::case::coupling::Scheme;
 use crate::case::scene::{Air, BodyKind, RigidBody};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::cloth::{Cloth, NodalDrag, StepInput};
@@ -42,6 +43,8 @@ pub struct Impulses {
     balance: Balance,
     /// Cells touched by markers stayed inside the box so far; never where a body passes through a face.
     contained: bool,
+    /// The box's mass is known only while it holds the surfaces: what leaves along links that they cut across its faces comes back unseen.
+    cut_links_leave: bool,
     markers: [f64; 3],
     /// Of every rigid body.
     bodies: Vec<Load>,
@@ -130,7 +133,7 @@ pub struct ImpulseSample {
     pub momentum_box: Option<DVec3>,
     /// Route 3; `None` where fabric itself is held.
     pub supports: Option<DVec3>,
-    /// (mass in the box now − mass then + net outflow) / mass.
+    /// (mass in the box now − mass then + net outflow) / mass; NaN once a surface that cuts links has left it.
     pub mass_defect: f64,
 }
 
@@ -195,6 +198,8 @@ impl Impulses {
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
             // Markers at a face stand outside the box, which keeps three cells from all faces.
             contained: !scene.passes_through_a_face(),
+            cut_links_leave: scene.coupling.is_some_and(|c| c.scheme == Scheme::Links)
+                && !scene.passes_through_a_face(),
             markers: [0.0; 3],
             bodies: vec![Load::default(); bodies.len()],
             initial: MassMomentum::default(),
@@ -400,8 +405,11 @@ impl Impulses {
             supports: cloth
                 .filter(|_| self.support.is_some())
                 .map(|cloth| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
-            mass_defect: (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess)
-                / mass,
+            mass_defect: if self.cut_links_leave && !self.contained {
+                f64::NAN
+            } else {
+                (stored.mass_excess - self.initial.mass_excess + outflow.mass_excess) / mass
+            },
         })
     }
 }
