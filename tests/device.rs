@@ -346,7 +346,7 @@ fn placed(air: AirPlacement, cloth: ClothPlacement) -> Placement {
 }
 
 /// Coupled steps of the folded canopy from its release: the sheet is where the CPU engine puts it. Fifty through a kernel; at cut links five, for what rounding changes there grows faster:
-/// after fifty, engines and precisions lie a quarter of a cell apart. After ten the impulse passes through nothing.
+/// after fifty, engines and precisions lie a quarter of a cell apart. After ten the impulse passes through zero.
 fn first_steps() {
     first_steps_by("kernel", ("0.0111", 50), tolerances::DEVICE_CANOPY_IMPULSE);
     first_steps_by("links", ("0.0011", 5), tolerances::DEVICE_LINKS_IMPULSE);

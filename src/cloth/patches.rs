@@ -4,8 +4,8 @@
 //! their own, and light fabric between cuts has nothing but its own mass. So what the air does to a triangle is shared by those within half a cell of
 //! it, and the air meets their mean velocity. The shares are the same both ways: the air has what the fabric felt.
 //!
-//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge, and no fold where both sides are turned from each other by more than
-//! 60°. Triangles farther than that from all others are alone, and keep the points of their cuts.
+//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge. Two triangles that are turned from each other by more than 60° do not share; layers of a
+//! narrower fold that are turned alike may. Triangles farther than that from all others are alone, and keep the points of their cuts.
 
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@
 //!
 //! r = s f + e − 6 w κ d·v,
 //!
-//! v the velocity of the sheet at the cut. Half-way bounce-back has s = κ = 1 and e = 0 (Ladd 1994, doi:10.1017/S0022112094001771, density 1 in
+//! v the velocity of the sheet at the cut, or the mean of the triangles that share it (`src/cloth/patches.rs`). Half-way bounce-back has s = κ = 1 and e = 0 (Ladd 1994, doi:10.1017/S0022112094001771, density 1 in
 //! the wall's term). By the distance q of the cut in links (Bouzidi, Firdaouss & Lallemand 2001, doi:10.1063/1.1399290), linear:
 //!
 //! * q < ½: s = 2q, e = (1 − 2q) times the population that arrives at the cell along d, κ = 1;

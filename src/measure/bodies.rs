@@ -16,14 +16,14 @@ use super::impulses::{Forces, Impulses};
 use super::read_out::Reduction::Mean as MeanOf;
 use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
-use super::reduce::{mean_forces_n, quantity};
+use super::reduce::{mass_drift, mean_forces_n, quantity};
 use super::shared::{
     BLOCKAGE_RATIO, BY_MARKERS, DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, IMPULSE_MARKERS,
     IMPULSE_MOMENTUM_BOX, MASS_DEFECT, MASS_DRIFT, SLIP_MEAN, SLIP_RATIO, STROUHAL_NUMBER, TIME,
     WIND_SPEED,
 };
 use super::spectrum::frequency;
-use super::statistics::{Mean, average, batch_mean, largest, range};
+use super::statistics::{Mean, average, batch_mean, range};
 use super::steady::bodies::{BodyWindow, second_half};
 use super::steady::{self, Watched};
 use crate::case::Scene;
@@ -411,6 +411,5 @@ pub(super) fn scene_results(results: &mut Results, record: &Record, scene: &Scen
         results.insert(&SLIP_MEAN, Quantity::new(average(slip)));
     }
     let defects = record.column(&MASS_DEFECT);
-    let defect = largest(defects.into_iter().filter(|d| !d.is_nan()).map(f64::abs));
-    results.tell(&MASS_DRIFT, defect);
+    results.insert(&MASS_DRIFT, mass_drift(&defects));
 }

@@ -8,7 +8,7 @@ use super::impulses::Forces;
 use super::read_out::Reduction::{Largest, LargestAndMean, Mean as MeanOf};
 use super::read_out::{columns, results};
 use super::record::Record;
-use super::reduce::{column_max, mean_forces_n, quantity, reduce, released};
+use super::reduce::{column_max, mass_drift, mean_forces_n, quantity, reduce, released};
 use super::shared::{
     BELT_TENSION_MAX, BELTS, BLOCKAGE_RATIO, BY_MARKERS, CORRECTED_DRAG, DRAG_COEFFICIENT,
     DRAG_MARKERS, DRAG_MOMENTUM_BOX, FORCE_IMBALANCE, FORCE_Y, FORCE_Z, HEIGHT, IMPULSE_MARKERS,
@@ -397,7 +397,5 @@ fn insert_balances(
         results.insert(&SLIP_MEAN, quantity(slip));
     }
     let defects = record.column(&MASS_DEFECT);
-    let known = defects[released..].iter().filter(|d| !d.is_nan());
-    let defect = largest(known.map(|d| d.abs()));
-    results.tell(&MASS_DRIFT, defect);
+    results.insert(&MASS_DRIFT, mass_drift(&defects[released..]));
 }

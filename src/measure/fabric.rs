@@ -8,7 +8,7 @@ use super::plate;
 use super::read_out::Reduction::{Last, Mean};
 use super::read_out::{ReadOut, columns, results};
 use super::record::Record;
-use super::reduce::second_half;
+use super::reduce::{mass_drift, second_half};
 use super::shared::{
     BELT_TENSION_MAX, BY_MARKERS, CABLE_TENSION_MAX, FASTEST_NODE, FORCE_X, FORCE_Y, FORCE_Z,
     IMPULSE_MARKERS, IMPULSE_MOMENTUM_BOX, KINETIC_ENERGY, LINE_TENSION_MAX, MASS_DEFECT,
@@ -153,9 +153,9 @@ pub(super) fn in_wind(results: &mut Results, record: &Record, scene: &Scene) {
         };
         results.insert(column, mean.with_note(&part));
     }
-    let defects = record.column(&MASS_DEFECT).into_iter().skip(1);
-    let defects = defects.filter(|d| !d.is_nan());
-    results.insert(&MASS_DRIFT, Quantity::new(largest(defects.map(f64::abs))));
+    let defects = record.column(&MASS_DEFECT);
+    let since_release = defects.get(1..).unwrap_or_default();
+    results.insert(&MASS_DRIFT, mass_drift(since_release));
 }
 
 /// Fabric and cables without air; where they `rest` as the case builds them, exact values stand beside.

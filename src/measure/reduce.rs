@@ -3,7 +3,7 @@
 use super::read_out::{ReadOut, Reduction};
 use super::record::Record;
 use super::shared::TIME;
-use super::statistics::Mean;
+use super::statistics::{Mean, largest};
 use crate::output::{Quantity, Results};
 
 /// First sample of the second half of what was recorded after t = 0; `None` without any.
@@ -49,7 +49,7 @@ pub(super) fn reduce(
     let of_extreme = |column: &ReadOut| {
         mean(column).with_note("mean over the window of the extreme over the fabric")
     };
-    let largest = |column: &ReadOut| {
+    let largest_of = |column: &ReadOut| {
         let (time, value) = column_max(record, column, first);
         Quantity::new(value).with_note(&format!("largest of the run, at {time:.4} s"))
     };
@@ -57,9 +57,9 @@ pub(super) fn reduce(
         match reduction {
             Reduction::None | Reduction::Last | Reduction::Smallest | Reduction::LargestAs(_) => {}
             Reduction::Mean => results.insert(column, mean(column)),
-            Reduction::Largest => results.insert(column, largest(column)),
+            Reduction::Largest => results.insert(column, largest_of(column)),
             Reduction::LargestAndMean(steady) => {
-                results.insert(column, largest(column));
+                results.insert(column, largest_of(column));
                 results.insert(&column.named(steady), of_extreme(column));
             }
             Reduction::SmallestAndMean(steady) => {
@@ -88,4 +88,15 @@ pub(super) fn mean_forces_n<const N: usize>(
         let impulse = record.column(column);
         (impulse[last] - impulse[first]) / span_s
     })
+}
+
+/// Largest defect of the mass balance of the momentum box, of the samples that know it.
+pub(super) fn mass_drift(defects: &[f64]) -> Quantity {
+    let known: Vec<f64> = (defects.iter().copied())
+        .filter(|defect| !defect.is_nan())
+        .collect();
+    if known.is_empty() {
+        return Quantity::missing("the mass of the momentum box was not known in any sample");
+    }
+    Quantity::new(largest(known.into_iter().map(f64::abs)))
 }

@@ -67,7 +67,7 @@ rows! {
     IMPULSE_MARKERS: "impulse_markers_n_s", "N s", "impulse of the air along x by markers, or at cut links; since release, of bodies alone along the drag";
     IMPULSE_MOMENTUM_BOX: "impulse_momentum_box_n_s", "N s", "the same by the momentum of a box of air";
     SLIP_RATIO: "slip_ratio", "1", "mean slip of the air past the surface over the reference speed";
-    MASS_DEFECT: "mass_defect", "1", "defect of the mass balance of the momentum box; over its mass; blank once fabric that cuts links has left the box";
+    MASS_DEFECT: "mass_defect", "1", "defect of the mass balance of the momentum box; over its mass; blank once a surface that cuts links has left the box";
     FORCE_X: "force_x_n", "N", "force along the wind; mean since the last sample";
     FORCE_Y: "force_y_n", "N", "force along y; mean since the last sample";
     FORCE_Z: "force_z_n", "N", "force along z; mean since the last sample";
