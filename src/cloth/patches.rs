@@ -4,7 +4,7 @@
 //! their own, and light fabric between cuts has nothing but its own mass. So what the air does to a triangle is shared by those within half a cell of
 //! it, and the air meets their mean velocity. The shares are the same both ways: the air has what the fabric felt.
 //!
-//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge. Two triangles that are turned from each other by more than 60° do not share; layers of a
+//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge. The more two triangles are turned from each other the less they share, from 60° on nothing; layers of a
 //! narrower fold that are turned alike may. Triangles farther than that from all others are alone, and keep the points of their cuts.
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use super::Triangle;
 /// How far the middles of triangles that share lie apart, along the sheet [cells].
 pub const REACH: f64 = 0.5;
 
-/// Cosine of the turn between two triangles up to which they share.
+/// Cosine of the turn between two triangles from which they share nothing.
 const LEAST_COSINE: f64 = 0.5;
 
 /// Triangles that one task works on.
@@ -167,8 +167,10 @@ impl Patches {
                 let mut sum = 0.0;
                 for (share, member) in row.iter_mut().zip(members) {
                     let other = member.triangle as usize;
-                    let alike = other == triangle || normal.dot(normals[other]) > LEAST_COSINE;
-                    *share = if alike { member.area } else { 0.0 };
+                    // Fading, not ending at once: a switch would make rounding grow.
+                    let cosine = normal.dot(normals[other]);
+                    let alike = ((cosine - LEAST_COSINE) / (1.0 - LEAST_COSINE)).max(0.0);
+                    *share = member.area * if other == triangle { 1.0 } else { alike };
                     sum += *share;
                 }
                 row.iter_mut().for_each(|share| *share /= sum);
