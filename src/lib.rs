@@ -59,7 +59,7 @@
 //! | [`sets`] | numbers that belong together, told pair by pair | – |
 //! | [`cut_links`] | which links a surface cuts, and what comes back | lattice, immersed (law of permeable markers), sets |
 //! | [`fabric`], [`lines`] | material laws | – |
-//! | [`cloth`] | what a structure is made of; geometry of its contact with itself | laws, extents of triangles |
+//! | [`cloth`] | what a structure is made of; geometry of its contact with itself; which triangles share what the air does | laws, extents of triangles |
 //! | [`rigid`] | surfaces and prescribed motions of rigid bodies | extents of triangles, sets |
 //! | [`geometry`] | canopies, wings, sheets, cables, bodies, mesh files | cloth, rigid, sets |
 //! | [`aero`] | steady potential flow on wings, viscous sections, drag of lines; SI | profiles of geometry |
@@ -105,7 +105,7 @@
 //! falls (`[air.descent]`) every mass, the air's too, feels one more uniform acceleration ([`simulation::Descent`]).
 //!
 //! With `coupling.scheme = "links"` there are no markers. What leaves a cell along a link that the surface cuts comes back to it. The fabric feels at every cut a force that is
-//! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`). Where the air slides along a surface, what left the cells about the mirror image comes back
+//! affine in its velocity, inside the same step ([`cut_links`], `docs/cut-links.md`). Triangles smaller than cells share it ([`cloth::patches`]). Where the air slides along a surface, what left the cells about the mirror image comes back
 //! instead. A model of the boundary layer may give the stress on it ([`cut_links::boundary_layer`]).
 //!
 //! After release a run may go on on other cells or with another time step (`steady.grid_sequence`, falls that slow down). The state is carried

@@ -506,9 +506,8 @@ pub const fn cut_momentum_box(engine: Engine) -> f64 {
     }
 }
 
-/// Lines against cut links while the canopy gathers way, in its first hundredth of a second. Measured: 0.012 to 0.013 where triangles had their reactions alone, 0.015 to 0.022 where they share,
-/// with tolerances of the solver from 1e-2 to 1e-3 alike, so it is not the solver's. Over whole runs it is 0.0004.
-pub const CUT_LINES: f64 = 0.03;
+/// Lines against cut links while the canopy gathers way: what the solver's tolerance of 1e-2 leaves. Measured: 0.0041 with it, 0.0005 with 3e-3, 0.0003 with 1e-3.
+pub const CUT_LINES: f64 = 0.01;
 
 /// Defect of the air's mass with fabric whose pleats lie in single links, over the momentum box's. Measured: 2e-17, 6e-12, 5e-10; with each layer's own
 /// velocity in place of the mean of both 1e-3.

@@ -16,7 +16,7 @@ use crate::output::{OutputError, write_atomically};
 
 const MAGIC: [u8; 8] = *b"RIPSTOP\0";
 const TRAILER: [u8; 8] = *b"WHOLE\0\0\0";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// Name of the file in a run's folder.
 pub const FILE_NAME: &str = "checkpoint";

@@ -4,8 +4,8 @@
 //! their own, and light fabric between cuts has nothing but its own mass. So what the air does to a triangle is shared by those within half a cell of
 //! it, and the air meets their mean velocity. The shares are the same both ways: the air has what the fabric felt.
 //!
-//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge. The more two triangles are turned from each other the less they share, from 60° on nothing; layers of a
-//! narrower fold that are turned alike may. Triangles farther than that from all others are alone, and keep the points of their cuts.
+//! Ways along the sheet join the middles of triangles across their common edges, in its flat pattern. They pass no free edge. The more a triangle on the way is
+//! turned, the less is shared beyond it, from 60° on nothing: a fold ends it. Triangles farther than that from all others are alone, and keep the points of their cuts.
 
 use std::collections::BTreeMap;
 
@@ -29,6 +29,8 @@ struct Member {
     triangle: u32,
     /// Area as it was cut.
     area: f64,
+    /// Which of the members the way to it passes last; itself of the triangle that shares.
+    via: u32,
     /// Where the other one stands among its own members.
     back: u32,
 }
@@ -110,18 +112,23 @@ impl Patches {
     fn of(triangles: &[[u32; 3]], squares: &[[f64; 3]]) -> Option<Self> {
         let steps = steps(triangles, squares);
         let area = |triangle: u32| 0.5 * doubled_area(squares[triangle as usize]);
-        let reached: Vec<Vec<u32>> = (0..triangles.len() as u32)
+        let reached: Vec<Vec<Reached>> = (0..triangles.len() as u32)
             .into_par_iter()
             .with_min_len(TRIANGLES_AT_ONCE)
             .map(|triangle| within_reach(&steps, triangle))
             .collect();
         // Round-off may leave a way within reach in one direction alone.
+        let place = |members: &[Reached], triangle: u32| {
+            let mut numbers = members.iter().map(|member| member.triangle);
+            numbers.position(|number| number == triangle)
+        };
         let both = |triangle: u32| {
             let members = reached[triangle as usize].iter().copied();
-            let meets = |other: &u32| reached[*other as usize].binary_search(&triangle).is_ok();
+            let meets =
+                |other: &Reached| place(&reached[other.triangle as usize], triangle).is_some();
             members.filter(meets).collect()
         };
-        let within: Vec<Vec<u32>> = (0..triangles.len() as u32).map(both).collect();
+        let within: Vec<Vec<Reached>> = (0..triangles.len() as u32).map(both).collect();
         if within.iter().all(|members| members.len() == 1) {
             return None;
         }
@@ -131,12 +138,13 @@ impl Patches {
             shares: Vec::new(),
         };
         for (triangle, members) in within.iter().enumerate() {
-            for &member in members {
-                let own = &within[member as usize];
+            for member in members {
+                let back = place(&within[member.triangle as usize], triangle as u32);
                 patches.members.push(Member {
-                    triangle: member,
-                    area: area(member),
-                    back: own.partition_point(|other| (*other as usize) < triangle) as u32,
+                    triangle: member.triangle,
+                    area: area(member.triangle),
+                    via: place(members, member.via).unwrap_or_default() as u32,
+                    back: back.unwrap_or_default() as u32,
                 });
             }
             patches.starts.push(patches.members.len() as u32);
@@ -164,13 +172,17 @@ impl Patches {
             .for_each(|(triangle, row)| {
                 let members = &self.members[self.range(triangle)];
                 let normal = normals[triangle];
+                // First how much is shared along the way to each, itself being the first of its members.
+                row[0] = 1.0;
+                for (number, member) in members.iter().enumerate().skip(1) {
+                    // Fading, not ending at once: a switch would make rounding grow.
+                    let cosine = normal.dot(normals[member.triangle as usize]);
+                    let alike = ((cosine - LEAST_COSINE) / (1.0 - LEAST_COSINE)).max(0.0);
+                    row[number] = alike.min(row[member.via as usize]);
+                }
                 let mut sum = 0.0;
                 for (share, member) in row.iter_mut().zip(members) {
-                    let other = member.triangle as usize;
-                    // Fading, not ending at once: a switch would make rounding grow.
-                    let cosine = normal.dot(normals[other]);
-                    let alike = ((cosine - LEAST_COSINE) / (1.0 - LEAST_COSINE)).max(0.0);
-                    *share = member.area * if other == triangle { 1.0 } else { alike };
+                    *share *= member.area;
                     sum += *share;
                 }
                 row.iter_mut().for_each(|share| *share /= sum);
@@ -178,10 +190,11 @@ impl Patches {
         self.shares = shares;
     }
 
-    /// True if a triangle shares with no other, however the sheet stands.
+    /// True if a triangle is one of the sheet, and shares with another wherever the sheet is flat.
+    #[inline]
     #[must_use]
-    pub fn is_alone(&self, triangle: u32) -> bool {
-        self.range(triangle as usize).len() == 1
+    pub fn shares(&self, triangle: u32) -> bool {
+        (triangle as usize) < self.count() && self.range(triangle as usize).len() > 1
     }
 
     /// Triangles that share with one, itself among them, the mean over the sheet.
@@ -221,7 +234,7 @@ impl Patches {
             (a + b + c) / 3.0
         };
         let mean = |triangle: u32| {
-            if self.is_alone(triangle) {
+            if !self.shares(triangle) {
                 return DVec3::ZERO;
             }
             let given = self.given(triangle);
@@ -235,21 +248,34 @@ impl Patches {
     }
 }
 
-/// Triangles whose way from one is at most [`REACH`], ascending.
-fn within_reach(steps: &[Vec<(u32, f64)>], from: u32) -> Vec<u32> {
-    let mut ways = BTreeMap::from([(from, 0.0_f64)]);
+/// A triangle within reach of another.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    triangle: u32,
+    /// Length of the way to it.
+    way: f64,
+    /// The triangle before it on that way.
+    via: u32,
+}
+
+/// Triangles whose way from one is at most [`REACH`], by their ways; the one itself is the first.
+fn within_reach(steps: &[Vec<(u32, f64)>], from: u32) -> Vec<Reached> {
+    let mut ways = BTreeMap::from([(from, (0.0_f64, from))]);
     let mut next = vec![from];
     while let Some(triangle) = next.pop() {
-        let way = ways[&triangle];
+        let (way, _) = ways[&triangle];
         for &(other, step) in &steps[triangle as usize] {
             let longer = way + step;
-            if longer <= REACH && ways.get(&other).is_none_or(|known| longer < *known) {
-                ways.insert(other, longer);
+            if longer <= REACH && ways.get(&other).is_none_or(|(known, _)| longer < *known) {
+                ways.insert(other, (longer, triangle));
                 next.push(other);
             }
         }
     }
-    ways.into_keys().collect()
+    let of = |(triangle, (way, via))| Reached { triangle, way, via };
+    let mut found: Vec<Reached> = ways.into_iter().map(of).collect();
+    found.sort_by(|one, other| one.way.total_cmp(&other.way));
+    found
 }
 
 #[cfg(test)]
@@ -314,6 +340,24 @@ mod tests {
             }
         }
         assert!(got.iter().all(|sum| (sum - 1.0).abs() < 1e-14));
+    }
+
+    /// Layers of a fold narrower than half a cell: the first and the third are turned alike, but the way between them leads over the second.
+    #[test]
+    fn a_fold_ends_a_patch() {
+        let (triangles, squares) = sheet(0.12);
+        let mut patches = Patches::of(&triangles, &squares).unwrap();
+        let mut normals = vec![DVec3::Z; triangles.len()];
+        // A row of squares that is turned over.
+        normals[24..36].fill(-DVec3::Z);
+        let within = |patches: &Patches| {
+            let of_first = patches.given(20).filter(|(_, share)| *share > 0.0);
+            of_first.map(|(other, _)| other).collect::<Vec<u32>>()
+        };
+        patches.share(&vec![DVec3::Z; triangles.len()]);
+        assert!(within(&patches).iter().any(|other| *other >= 36));
+        patches.share(&normals);
+        assert!(within(&patches).iter().all(|other| *other < 24));
     }
 
     /// Over the edge of two pieces that do not meet nothing is shared.

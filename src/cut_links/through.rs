@@ -18,7 +18,7 @@ use glam::DVec3;
 
 use super::bounce::SIDES;
 use super::faces::{self, Seen};
-use super::search::CutLink;
+use super::search::{Cut, CutLink};
 use super::smoothing::{self, Smoothing};
 use crate::immersed::permeable::Resistance;
 use crate::lattice::WEIGHTS;
@@ -205,15 +205,15 @@ impl Through {
         field
     }
 
-    /// Works out what passes, from what the links of this step see and the sheet's own `velocities` and `areas` of triangles [lattice units].
+    /// Works out what passes, from what the links of this step see and the sheet's `own` velocity at a cut and `areas` of triangles [lattice units].
     /// `inside` is the density excess between the layers of every link.
     pub fn take(
         &mut self,
         seen: &Seen<'_>,
         inside: &[f64],
-        (velocities, areas): (&[DVec3], &[f64]),
+        (own, areas): (impl Fn(&Cut) -> DVec3, &[f64]),
     ) {
-        let held = self.sum(seen, inside, velocities);
+        let held = self.sum(seen, inside, own);
         self.measure(seen.triangles, areas);
         self.smooth();
         let mut in_openings = vec![
@@ -302,7 +302,7 @@ impl Through {
     }
 
     /// Sums what links see by nodes; returns what they hold.
-    fn sum(&mut self, seen: &Seen<'_>, inside: &[f64], velocities: &[DVec3]) -> Vec<Held> {
+    fn sum(&mut self, seen: &Seen<'_>, inside: &[f64], own: impl Fn(&Cut) -> DVec3) -> Vec<Held> {
         self.push.fill(0.0);
         self.stiffness.fill(0.0);
         self.of_faces.iter_mut().for_each(|face| face.fill(0.0));
@@ -318,12 +318,10 @@ impl Through {
                 let nodes = seen.triangles[cut.triangle as usize];
                 let leaving = link.direction() * if side == 0 { 1.0 } else { -1.0 };
                 let across = leaving.dot(seen.normals[cut.triangle as usize]);
-                let own: DVec3 = (nodes.iter().zip(cut.weights))
-                    .map(|(node, share)| velocities[*node as usize] * share)
-                    .sum();
                 let stiffness = 6.0 * weight * returns[side].strength;
-                let push =
-                    returns[side].push() - 2.0 * weight * inside - stiffness * leaving.dot(own);
+                let push = returns[side].push()
+                    - 2.0 * weight * inside
+                    - stiffness * leaving.dot(own(cut));
                 let held = Held {
                     nodes,
                     weights: cut.weights,

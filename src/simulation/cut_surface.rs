@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::air::AirEngine;
 use super::bodies::normal_of;
 use super::sliding::{LayersIn, NOTHING, Sliding};
+use super::wall_velocities::WallVelocities;
 use crate::case::coupling::Friction;
 use crate::cloth::patches::Patches;
 use crate::cut_links::boundary_layer::Saved;
@@ -28,11 +29,6 @@ const NOWHERE: [[i32; 3]; 2] = [[i32::MAX; 3], [i32::MIN + 1; 3]];
 
 /// Links whose forces are summed together; part of the result, since sums are rounded part by part.
 const LINKS_OF_A_PART: usize = 4096;
-
-/// True if nothing moves.
-fn stand(velocities: &[DVec3]) -> bool {
-    velocities.iter().all(|velocity| *velocity == DVec3::ZERO)
-}
 
 /// Forces on the air at the cuts of a link, both sides' at one where it has one layer; how many these are.
 #[inline(always)]
@@ -335,6 +331,7 @@ impl CutSurface {
         }
         self.returns = returns;
         self.slide(air, velocities)?;
+        let wall = WallVelocities::new(&self.triangles, self.patches.as_ref(), velocities);
         let seen = Seen {
             triangles: &self.triangles,
             normals: &self.normals,
@@ -357,7 +354,7 @@ impl CutSurface {
             }
         }
         if let Some(through) = &mut self.through {
-            through.take(&seen, &self.inside, (velocities, &self.areas));
+            through.take(&seen, &self.inside, (|cut: &Cut| wall.at(cut), &self.areas));
         }
         Ok(())
     }
@@ -386,14 +383,8 @@ impl CutSurface {
             }
         };
         let mut returns = std::mem::take(&mut self.returns);
-        let stands = stand(velocities);
-        let velocity = |link: usize, side: usize| {
-            if stands {
-                DVec3::ZERO
-            } else {
-                self.at(&self.links()[link].cuts[side], velocities)
-            }
-        };
+        let wall = WallVelocities::new(&self.triangles, self.patches.as_ref(), velocities);
+        let velocity = |link: usize, side: usize| wall.at(&self.links()[link].cuts[side]);
         let shape = (&*self.triangles, &*self.positions, &*self.normals);
         sliding.answer(shape, velocity, &mut returns);
         self.returns = returns;
@@ -485,20 +476,12 @@ impl CutSurface {
                 .map(|(node, weight)| if flags[node as usize] { weight } else { 0.0 })
                 .sum()
         };
-        match self.shared_at(cut) {
+        match (self.patches.as_ref()).filter(|patches| patches.shares(cut.triangle)) {
             None => flagged(cut.triangle, cut.weights),
             Some(patches) => (patches.given(cut.triangle))
                 .map(|(other, share)| flagged(other, [share / 3.0; 3]))
                 .sum(),
         }
-    }
-
-    /// Who shares what the air does at a cut; `None` where its triangle has it alone.
-    #[inline(always)]
-    fn shared_at(&self, cut: &Cut) -> Option<&Patches> {
-        let triangle = cut.triangle;
-        let shares = |p: &&Patches| (triangle as usize) < p.count() && !p.is_alone(triangle);
-        self.patches.as_ref().filter(shares)
     }
 
     /// What left the cells of the images, and the populations that lose the stress of boundary layers.
@@ -530,28 +513,13 @@ impl CutSurface {
         rest.resize(count, [0.0; 2]);
         forces.resize(count, [0.0; 2]);
         let formed = (back.par_iter_mut().zip(&mut rest)).zip(&mut forces);
-        let stands = stand(velocities);
-        let of_patches = match &self.patches {
-            Some(patches) if !stands => patches.means(&self.triangles, velocities),
-            _ => Vec::new(),
-        };
-        let met = |cut: &Cut| match self.shared_at(cut) {
-            Some(_) => of_patches[cut.triangle as usize],
-            None => self.at(cut, velocities),
-        };
+        let wall = WallVelocities::new(&self.triangles, self.patches.as_ref(), velocities);
         (formed.zip(self.links()).zip(&self.returns))
             .with_min_len(LINKS_AT_ONCE)
             .for_each(|((((r, left), force), link), returns)| {
                 let c = link.direction();
                 let weight = WEIGHTS[link.leaving(0)];
-                let of = |side: usize| {
-                    let through = self.through(link, side);
-                    if stands {
-                        c.dot(through)
-                    } else {
-                        c.dot(met(&link.cuts[side]) + through)
-                    }
-                };
+                let of = |side: usize| c.dot(wall.at(&link.cuts[side]) + self.through(link, side));
                 let mut along = [of(0); 2];
                 if link.layers > 1 {
                     along[1] = of(1);

@@ -49,8 +49,8 @@ pub struct Impulses {
     /// Of every rigid body.
     bodies: Vec<Load>,
     initial: MassMomentum,
+    /// Pull of the supports, with what else belongs to that route, and what the structure has gained of momentum since release.
     supports: DVec3,
-    initial_momentum: DVec3,
     /// Numbers of the cable segments at supports.
     support_cables: Vec<usize>,
     /// Momentum that the apparent acceleration of a falling box has given the air in the momentum box; mass excess there, as last stored.
@@ -75,8 +75,6 @@ pub(super) struct Carried {
     left: bool,
     /// Pull of the supports, with what else belongs to that route [N·s].
     supports: DVec3,
-    /// Momentum of the structure at release [kg·m/s].
-    initial_momentum: DVec3,
 }
 
 /// What supports feel.
@@ -204,7 +202,6 @@ impl Impulses {
             bodies: vec![Load::default(); bodies.len()],
             initial: MassMomentum::default(),
             supports: DVec3::ZERO,
-            initial_momentum: DVec3::ZERO,
             support_cables,
             apparent: [0.0; 3],
             mass_excess: 0.0,
@@ -228,14 +225,12 @@ impl Impulses {
             momentum_box,
             left: self.carried.left || !self.contained,
             supports: self.supports,
-            initial_momentum: self.initial_momentum,
         })
     }
 
     /// Impulses go on from those on another lattice.
     pub(super) fn carry(&mut self, carried: Carried) {
         self.supports = carried.supports;
-        self.initial_momentum = carried.initial_momentum;
         self.carried = carried;
     }
 
@@ -266,13 +261,8 @@ impl Impulses {
     }
 
     /// Begins at release.
-    pub(super) fn start(
-        &mut self,
-        air: &AirEngine,
-        cloth: Option<&Cloth>,
-    ) -> Result<(), DeviceError> {
+    pub(super) fn start(&mut self, air: &AirEngine) -> Result<(), DeviceError> {
         self.initial = air.storage(self.balance.volume())?;
-        self.initial_momentum = cloth.map_or(DVec3::ZERO, Cloth::momentum_kg_m_s);
         self.apparent = [0.0; 3];
         self.mass_excess = self.initial.mass_excess;
         self.markers = [0.0; 3];
@@ -296,7 +286,7 @@ impl Impulses {
     pub(super) fn add_step(
         &mut self,
         air: &AirEngine,
-        cloth: Option<&Cloth>,
+        (cloth, given_kg_m_s): (Option<&Cloth>, DVec3),
         acting: &Acting,
         coupled: &Coupled,
     ) -> Result<(), DeviceError> {
@@ -348,7 +338,7 @@ impl Impulses {
             .filter(|(_, held)| !**held)
             .map(|(load, _)| *load)
             .sum::<DVec3>();
-        self.supports -= pull * self.units.time_step_s;
+        self.supports += given_kg_m_s - pull * self.units.time_step_s;
         Ok(())
     }
 
@@ -404,7 +394,7 @@ impl Impulses {
             momentum_box,
             supports: cloth
                 .filter(|_| self.support.is_some())
-                .map(|cloth| self.supports + cloth.momentum_kg_m_s() - self.initial_momentum),
+                .map(|_| self.supports),
             mass_defect: if self.cut_links_leave && !self.contained {
                 f64::NAN
             } else {
@@ -515,7 +505,7 @@ impl Impulses {
                 self.mass_excess,
             ],
         )?;
-        out.put("impulse_supports", &[self.supports, self.initial_momentum])?;
+        out.put("impulse_supports", &[self.supports])?;
         let Carried {
             markers,
             momentum_box,
@@ -569,8 +559,7 @@ impl Impulses {
         let apparent: Vec<f64> = from.take_exactly("impulse_apparent", 4)?;
         self.apparent.copy_from_slice(&apparent[..3]);
         self.mass_excess = apparent[3];
-        let vectors: Vec<DVec3> = from.take_exactly("impulse_supports", 2)?;
-        (self.supports, self.initial_momentum) = (vectors[0], vectors[1]);
+        self.supports = from.take_exactly::<DVec3>("impulse_supports", 1)?[0];
         let carried: Vec<DVec3> =
             from.take_exactly("impulse_carried", 3 + 2 * self.bodies.len())?;
         self.carried = Carried {

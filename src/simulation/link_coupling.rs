@@ -320,7 +320,7 @@ impl LinkCoupling {
                     .into_par_iter()
                     .with_min_len(TRIANGLES_AT_ONCE)
                     .filter_map(|triangle| {
-                        if patches.is_alone(triangle) {
+                        if !patches.shares(triangle) {
                             let is_cut = !cuts.of(triangle).is_empty();
                             return is_cut.then(|| own(triangle));
                         }

@@ -35,6 +35,7 @@ mod state;
 mod statics;
 mod structure_state;
 mod supports;
+mod wall_velocities;
 mod watch;
 mod whole_air;
 
@@ -252,7 +253,7 @@ impl Simulation {
     /// Impulses and balances count from release.
     fn start_impulses(&mut self) -> Result<(), DeviceError> {
         if let (Some(air), Some(impulses)) = (&self.air, &mut self.impulses) {
-            impulses.start(air.finest(), self.cloth.as_ref())?;
+            impulses.start(air.finest())?;
         }
         Ok(())
     }
@@ -574,7 +575,14 @@ impl Simulation {
         else {
             return Ok(());
         };
-        impulses.add_step(air.finest(), self.cloth.as_ref(), &acting, coupled)
+        // Solves that span several steps give it once.
+        let given = self
+            .cloth
+            .as_mut()
+            .map(|cloth| &mut cloth.momentum_given_kg_m_s);
+        let given_kg_m_s = given.map(std::mem::take).unwrap_or_default();
+        let cloth = (self.cloth.as_ref(), given_kg_m_s);
+        impulses.add_step(air.finest(), cloth, &acting, coupled)
     }
 
     fn diverged(&self, what: String) -> Diverged {

@@ -63,6 +63,44 @@ pub fn error_over_difference(
         })
 }
 
+/// r²/(1 + 2r) and h of a step of BDF2 of so many nodes; `None` where it is one of backward Euler.
+fn by_bdf2(before: Option<&StepBefore>, nodes: usize, input: &StepInput) -> Option<(f64, f64)> {
+    let before = before.filter(|before| before.positions_m.len() == nodes)?;
+    let dt = (input.time_step_s).filter(|_| input.integration == TimeIntegration::Bdf2)?;
+    let ratio = before.ratio(dt)?;
+    let twice = 1.0 + 2.0 * ratio;
+    Some((ratio * ratio / twice, dt * (1.0 + ratio) / twice))
+}
+
+/// Momentum that a step over dt gives the nodes that can move, from velocities at its start to those at its end [m/s]: M (v − v̂) dt/h, which is F dt [kg m/s].
+///
+/// The change of M v is another, by up to half of what the last step gives.
+pub(super) fn momentum_given_kg_m_s(
+    structure: &Structure,
+    [start, end]: [&[DVec3]; 2],
+    before: Option<&StepBefore>,
+    input: &StepInput,
+) -> DVec3 {
+    let Some(dt) = input.time_step_s else {
+        return DVec3::ZERO;
+    };
+    let bdf2 = by_bdf2(before, start.len(), input).zip(before);
+    let free = structure.held.iter().zip(&structure.masses_kg).enumerate();
+    free.filter(|(_, (held, _))| !**held)
+        .map(|(node, (_, mass))| {
+            let change = end[node] - start[node];
+            *mass
+                * match bdf2 {
+                    None => change,
+                    Some(((share, h), before)) => {
+                        let earlier = start[node] - before.velocities_m_s[node];
+                        (change - earlier * share) * (dt / h)
+                    }
+                }
+        })
+        .sum()
+}
+
 /// What velocities and accelerations of a step count from.
 #[derive(Debug, Clone)]
 pub struct StepBase<'a> {
@@ -90,18 +128,10 @@ impl<'a> StepBase<'a> {
             velocities_m_s: Cow::Borrowed(velocities_m_s),
             time_step_s: input.time_step_s,
         };
-        let (Some(dt), Some(before), TimeIntegration::Bdf2) =
-            (input.time_step_s, before, input.integration)
-        else {
+        let bdf2 = by_bdf2(before, start_m.len(), input).zip(before);
+        let Some(((share, h), before)) = bdf2 else {
             return backward_euler;
         };
-        let Some(ratio) = before
-            .ratio(dt)
-            .filter(|_| before.positions_m.len() == start_m.len())
-        else {
-            return backward_euler;
-        };
-        let share = ratio * ratio / (1.0 + 2.0 * ratio);
         let beyond = |now: &[DVec3], before: &[DVec3]| -> Vec<DVec3> {
             let pairs = now.iter().zip(before);
             pairs
@@ -112,7 +142,7 @@ impl<'a> StepBase<'a> {
             start_m,
             positions_m: Cow::Owned(beyond(start_m, &before.positions_m)),
             velocities_m_s: Cow::Owned(beyond(velocities_m_s, &before.velocities_m_s)),
-            time_step_s: Some(dt * (1.0 + ratio) / (1.0 + 2.0 * ratio)),
+            time_step_s: Some(h),
         }
     }
 

@@ -91,6 +91,8 @@ pub struct Cloth {
     pub velocities_m_s: Vec<DVec3>,
     /// Where it was a step before; `None` where a step has nothing before it.
     pub step_before: Option<StepBefore>,
+    /// Momentum that the last solve gave the nodes that can move, as its own balance has it, until somebody takes it [kg m/s].
+    pub momentum_given_kg_m_s: DVec3,
     /// What can be prepared once for the structure.
     prepared: Prepared,
 }
@@ -138,6 +140,7 @@ impl Cloth {
                 structure.start_velocities_m_s.clone()
             },
             step_before: None,
+            momentum_given_kg_m_s: DVec3::ZERO,
             prepared: Prepared {
                 gather: Gather::new(&structure),
                 contacts: Contacts::new(&structure),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Cloth;
 use super::driver::minimise;
-use super::integration::{StepBase, StepBefore};
+use super::integration::{StepBase, StepBefore, momentum_given_kg_m_s};
 use super::loads::{StepInput, dead_loads};
 use super::objective::Objective;
 use super::settings::{SolverSettings, options, round_off_m};
@@ -81,6 +81,9 @@ impl Cloth {
 
     /// The structure is at the end of a step, or at rest; what the next step counts from is kept.
     pub fn end_step(&mut self, [positions_m, velocities_m_s]: [Vec<DVec3>; 2], input: &StepInput) {
+        let between = [&self.velocities_m_s[..], &velocities_m_s];
+        self.momentum_given_kg_m_s =
+            momentum_given_kg_m_s(&self.structure, between, self.step_before.as_ref(), input);
         let positions = std::mem::replace(&mut self.positions_m, positions_m);
         let velocities = std::mem::replace(&mut self.velocities_m_s, velocities_m_s);
         self.step_before = input.time_step_s.map(|time_step_s| StepBefore {
