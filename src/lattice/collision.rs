@@ -5,7 +5,6 @@
 //! `stability_at_bodies.csv`.
 
 use super::Number;
-use super::level_state::{self, LevelState};
 use super::operators::{self, Local, Populations};
 
 /// An operator as a type, with (`EDDY`) or without Smagorinsky's eddy viscosity, for work that is compiled once for each.
@@ -15,12 +14,6 @@ pub trait Collision {
         f: &Populations<N>,
         local: &Local<N>,
     ) -> Populations<N>;
-
-    /// What of a cell passes between levels, before a collision under `local`.
-    fn level_state<N: Number>(f: &Populations<N>, local: &Local<N>) -> LevelState<N>;
-
-    /// Populations before a collision under `local` that have such a state.
-    fn populations_of<N: Number>(state: &LevelState<N>, local: &Local<N>) -> Populations<N>;
 }
 
 /// Work that is compiled once for each operator.
@@ -82,26 +75,6 @@ macro_rules! declare {
                 ) -> Populations<N> {
                     operators::$formula::<N, FORCED, EDDY>(f, local)
                 }
-
-                #[inline(always)]
-                fn level_state<N: Number>(f: &Populations<N>, local: &Local<N>) -> LevelState<N> {
-                    level_state::level_state::<
-                        N,
-                        EDDY,
-                        { Operator::$operator.reads_residual() },
-                        { Operator::$operator.is_recursive() },
-                    >(f, local)
-                }
-
-                #[inline(always)]
-                fn populations_of<N: Number>(
-                    state: &LevelState<N>,
-                    local: &Local<N>,
-                ) -> Populations<N> {
-                    level_state::populations_of::<N, EDDY, { Operator::$operator.is_recursive() }>(
-                        state, local,
-                    )
-                }
             }
         )+
     };
@@ -120,7 +93,7 @@ declare! {
 
 impl Operator {
     /// True if moments of third order add to the relaxation time.
-    const fn reads_residual(self) -> bool {
+    pub(crate) const fn reads_residual(self) -> bool {
         matches!(self, Self::StabilisedRegularised)
     }
 

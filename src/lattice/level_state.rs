@@ -37,13 +37,14 @@ fn times<N: Number>(factor: N, [xx, yy, zz, xy, xz, yz]: &[N; 6]) -> [N; 6] {
     ]
 }
 
-/// State of a cell from its populations before a collision under `local`.
+/// State of a cell from its populations before a collision under `local`. Without an eddy viscosity its factor is 0, which leaves the relaxation time
+/// as it is, to the bit.
 #[inline(always)]
-pub fn level_state<N: Number, const EDDY: bool, const RESIDUAL: bool, const TRACELESS: bool>(
+pub fn level_state<N: Number, const RESIDUAL: bool, const TRACELESS: bool>(
     f: &Populations<N>,
     local: &Local<N>,
 ) -> LevelState<N> {
-    let cell = operators::regularised::<N, true, EDDY, RESIDUAL, TRACELESS>(f, local);
+    let cell = operators::regularised::<N, true, true, RESIDUAL, TRACELESS>(f, local);
     let factor = cell.density_excess.constant(-1.5) * cell.inverse_density / cell.relaxation_time;
     let [xx, yy, zz, xy, xz, yz] = times(factor, &cell.stress);
     let [x, y, z] = cell.momentum;
@@ -52,7 +53,7 @@ pub fn level_state<N: Number, const EDDY: bool, const RESIDUAL: bool, const TRAC
 
 /// Populations before a collision under `local` that have a state.
 #[inline(always)]
-pub fn populations_of<N: Number, const EDDY: bool, const RECURSIVE: bool>(
+pub fn populations_of<N: Number, const RECURSIVE: bool>(
     state: &LevelState<N>,
     local: &Local<N>,
 ) -> Populations<N> {
@@ -64,15 +65,13 @@ pub fn populations_of<N: Number, const EDDY: bool, const RECURSIVE: bool>(
     let half_force = operators::scale(constant(0.5), local.force);
     let j = operators::sum(momentum, half_force);
     let u = operators::scale(one / density, j);
-    let mut tau = local.relaxation_time;
-    if EDDY {
-        // Smagorinsky's 3 ν_t = 3 √2 C_s² |S|, with 18 √2 C_s² at hand.
-        let [xx, yy, zz, xy, xz, yz] = strain;
-        let normal = operators::dot([xx, yy, zz], [xx, yy, zz]);
-        let shear = operators::dot([xy, xz, yz], [xy, xz, yz]);
-        let norm = (normal + (shear + shear)).square_root();
-        tau = tau.plus_product(constant(1.0 / 6.0) * local.eddy_factor, norm);
-    }
+    // Smagorinsky's 3 ν_t = 3 √2 C_s² |S|, with 18 √2 C_s² at hand.
+    let [xx, yy, zz, xy, xz, yz] = strain;
+    let normal = operators::dot([xx, yy, zz], [xx, yy, zz]);
+    let shear = operators::dot([xy, xz, yz], [xy, xz, yz]);
+    let norm = (normal + (shear + shear)).square_root();
+    let eddy_factor = constant(1.0 / 6.0) * local.eddy_factor;
+    let tau = local.relaxation_time.plus_product(eddy_factor, norm);
     let factor = constant(-2.0 / 3.0) * density * tau;
     let stress = times(factor, &strain);
     let flux = operators::flux(&j, &u);
@@ -131,19 +130,11 @@ mod tests {
                     force: std::array::from_fn(|_| 1e-3 * number()),
                     eddy_factor: eddy_factor(smagorinsky),
                 };
-                let found = if smagorinsky > 0.0 {
-                    let f = populations_of::<f64, true, true>(&state, &local);
-                    [
-                        level_state::<f64, true, false, false>(&f, &local),
-                        level_state::<f64, true, true, true>(&f, &local),
-                    ]
-                } else {
-                    let f = populations_of::<f64, false, true>(&state, &local);
-                    [
-                        level_state::<f64, false, false, false>(&f, &local),
-                        level_state::<f64, false, true, true>(&f, &local),
-                    ]
-                };
+                let f = populations_of::<f64, true>(&state, &local);
+                let found = [
+                    level_state::<f64, false, false>(&f, &local),
+                    level_state::<f64, true, true>(&f, &local),
+                ];
                 for found in found {
                     for (a, b) in found.iter().zip(state) {
                         assert!((a - b).abs() < 1e-15, "{a} {b}");

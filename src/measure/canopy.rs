@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::blockage::THREE_DIMENSIONS;
 use super::canopy_shape::{self, CanopyShape, Shape};
+use super::falling::HEIGHT_FALLEN;
 use super::impulses::Forces;
 use super::read_out::Reduction::{Largest, LargestAndMean, Mean as MeanOf};
 use super::read_out::{columns, results};
@@ -247,7 +248,8 @@ pub(super) fn results(
     results.insert(&PROJECTED_DIAMETER_RATIO, mean(&PROJECTED_DIAMETER_RATIO));
     let at_release = record.column(&PROJECTED_DIAMETER_RATIO)[released];
     results.insert(&RATIO_AT_RELEASE, Quantity::new(at_release));
-    opening::inflation(results, record, released, unit_s);
+    let ways = ways_past(canopy, air, scene.descent.is_some(), record, released);
+    opening::inflation(results, record, released, &ways);
     let of_forces = COLUMNS.of(scene).map(|row| (row.read_out, row.reduced));
     // The mean drag stands there with its remarks already.
     let of_forces = of_forces.filter(|(column, _)| column.name != DRAG_COEFFICIENT.name);
@@ -302,6 +304,30 @@ pub(super) fn results(
 
 /// Largest projected over nominal diameter at which a canopy counts as folded.
 const FOLDED: f64 = 0.5;
+
+/// Ways of the air past a canopy from release until each sample, in D₀. A canopy that falls slows down, and with it the air past it.
+fn ways_past(
+    canopy: &Canopy,
+    air: &Air,
+    falls: bool,
+    record: &Record,
+    released: usize,
+) -> Vec<f64> {
+    let ways_m = if falls {
+        record.column(&HEIGHT_FALLEN)
+    } else {
+        let speed = air.wind_or_reference_m_s();
+        (record.column(&TIME).iter())
+            .map(|time| speed * time)
+            .collect()
+    };
+    let mut farthest = 0.0_f64;
+    let ways = ways_m[released..].iter().map(|way_m| {
+        farthest = farthest.max((way_m - ways_m[released]) / canopy.nominal_diameter_m);
+        farthest
+    });
+    ways.collect()
+}
 
 /// Speed at which the drag of a canopy, by its coefficient on the first area, and of a payload, by its own drag area, bears a weight \[m/s\].
 fn descent_rate(

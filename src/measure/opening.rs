@@ -36,14 +36,15 @@ results! {
     FLAPPING_FREQUENCY: "skirt_flapping_frequency_hz", "Hz", "strongest frequency of the gores' skirt radii less their mean";
 }
 
-/// Times of the stages of inflation. Each is known to the interval between samples.
-pub(super) fn inflation(results: &mut Results, record: &Record, released: usize, unit_s: f64) {
+/// Times of the stages of inflation. Each is known to the interval between samples. `ways` are those of the air past the canopy since release until each
+/// sample from there on, in D₀.
+pub(super) fn inflation(results: &mut Results, record: &Record, released: usize, ways: &[f64]) {
     let times = record.column(&TIME);
     let ratios = record.column(&PROJECTED_DIAMETER_RATIO);
     let interval = (times[times.len() - 1] - times[released]) / (times.len() - 1 - released) as f64;
     let at = |time: f64| Quantity::new(time).with_sampling_error(interval);
     let unseen = "no peak of the projected diameter yet: the canopy was not seen full";
-    let of = |diameters: &[f64]| filling(&times[released..], &diameters[released..], unit_s);
+    let of = |diameters: &[f64]| filling(&times[released..], &diameters[released..], ways);
     let filled = of(&ratios);
     let known = |time: Option<f64>| match time.filter(|_| filled.is_some()) {
         Some(time) => at(time),

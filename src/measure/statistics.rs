@@ -62,13 +62,7 @@ pub fn batch_mean(series: &[f64], batch: usize) -> Mean {
 #[must_use]
 pub fn first_peak(series: &[f64], share: f64, window: usize) -> Option<usize> {
     let top = series.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    first_maximum(series, share * top, window)
-}
-
-/// Index of the first value of at least `least` that is not exceeded within the following `window` samples; `None` if the series ends before that
-/// is known. Unlike [`first_peak`] it depends on nothing that comes later.
-#[must_use]
-pub fn first_maximum(series: &[f64], least: f64, window: usize) -> Option<usize> {
+    let least = share * top;
     (0..series.len().saturating_sub(window)).find(|&i| {
         series[i] >= least
             && series[i + 1..=i + window]

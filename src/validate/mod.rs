@@ -148,7 +148,7 @@ pub const PROBLEMS: [Problem; 45] = [
     },
     Problem {
         name: "force-routes",
-        updates: [200.0, 25_000.0],
+        updates: [178.0, 25_000.0],
         compute: coupling::force_routes::compute,
     },
     Problem {
@@ -163,7 +163,7 @@ pub const PROBLEMS: [Problem; 45] = [
     },
     Problem {
         name: "flexible-plate",
-        updates: [98.0, 370_000.0],
+        updates: [76.0, 13_400.0],
         compute: coupling::flexible_plate::compute,
     },
     Problem {

@@ -38,7 +38,8 @@ pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     let canopy = case_runs::case("flat-circular-tunnel", CANOPY, None, &changes)?;
     let lines = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_LINES];
     let variant = session.size(Some("quick"), None);
-    let changes = [TOLERANCE.to_owned()];
+    let equal_cells = "air.refinement.around=nothing";
+    let changes = [TOLERANCE, "coupling.scheme=kernel", equal_cells].map(str::to_owned);
     let plate = case_runs::case("flexible-plate", flexible_plate::SOURCE, variant, &changes)?;
     let edge = [&IMPULSE_MARKERS, &IMPULSE_MOMENTUM_BOX, &IMPULSE_SUPPORTS];
     for (case, routes, what, support) in [

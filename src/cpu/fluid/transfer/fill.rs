@@ -1,7 +1,5 @@
 //! Stage `fill`: from the states of the coarse source to the fine shell.
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -9,7 +7,6 @@ use super::lines::{Collided, ask_for_row, padded, populations_of, write_line};
 use crate::cpu::fluid::exchanged_ends::{End, EndsOfRow, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::cpu::fluid::{Fluid, Stored};
-use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{STATE_NUMBERS, children};
 use crate::lattice::nest::{Line, Nest, Planes};
@@ -26,7 +23,7 @@ fn children_of_lines<T: Real>([below, middle, above]: [&[T]; 3], [lower, upper]:
 }
 
 /// Fine cells of the shell get the averages of the parabolas through the states of the source.
-pub(super) fn fill<T: Real, P: Stored<Real = T>, C: Collision>(
+pub(super) fn fill<T: Real, P: Stored<Real = T>>(
     nest: &Nest,
     shell: &Planes,
     states: &[T],
@@ -47,7 +44,7 @@ pub(super) fn fill<T: Real, P: Stored<Real = T>, C: Collision>(
         .zip(&shell.lines)
         .enumerate()
         .for_each(|(z, ((arrays, ends), lines))| {
-            instructions.dispatch(FillPlane::<P, C> {
+            instructions.dispatch(FillPlane::<P> {
                 // Planes below, of, and above these cells.
                 states: [0, 1, 2].map(|k| &states[(z + k) * plane..][..plane]),
                 row: [nx, nx * ny],
@@ -57,12 +54,11 @@ pub(super) fn fill<T: Real, P: Stored<Real = T>, C: Collision>(
                 arrays,
                 ends,
                 lines,
-                operator: PhantomData,
             });
         });
 }
 
-struct FillPlane<'a, P: Stored, C> {
+struct FillPlane<'a, P: Stored> {
     states: [&'a [P::Real]; 3],
     /// States from row to row, and from number to number.
     row: [usize; 2],
@@ -73,10 +69,9 @@ struct FillPlane<'a, P: Stored, C> {
     arrays: Arrays<'a, P>,
     ends: [&'a mut [EndsOfRow<P>]; 2],
     lines: &'a [Line],
-    operator: PhantomData<C>,
 }
 
-impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for FillPlane<'_, P, C> {
+impl<T: Real, P: Stored<Real = T>> WithSimd for FillPlane<'_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -152,7 +147,7 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for FillPlane<'_, P, C
                     let length = 2 * line.length;
                     self.collided
                         .relaxation_times_of(first, line, length, &mut times);
-                    populations_of::<S, T, C>(
+                    populations_of::<S, T>(
                         simd,
                         &self.collided,
                         &times,

@@ -6,9 +6,9 @@ use crate::cpu::fluid::held_eddy_viscosity::HeldEddyViscosity;
 use crate::cpu::fluid::prefetch::prefetch_behind;
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::cpu::fluid::{Fluid, Stored};
-use crate::lattice::collision::Collision;
+use crate::lattice::collision::Operator;
 use crate::lattice::grid::{Grid, LINE_BYTES};
-use crate::lattice::level_state::STATE_NUMBERS;
+use crate::lattice::level_state::{self, STATE_NUMBERS};
 use crate::lattice::nest::Line;
 use crate::lattice::operators::{self, Local};
 use crate::lattice::{DIRECTION_COUNT, Lanes, Real};
@@ -118,6 +118,7 @@ const fn wrapped(place: i64, n: usize, wraps: bool) -> usize {
 /// What the cells of one lattice are collided with next to a box.
 #[derive(Clone, Copy)]
 pub(super) struct Collided<'a, T> {
+    operator: Operator,
     relaxation_time: T,
     force: [T; 3],
     eddy_factor: T,
@@ -134,6 +135,7 @@ impl<'a, T: Real> Collided<'a, T> {
     ) -> Self {
         let smagorinsky = fluid.smagorinsky_constant().unwrap_or(0.0);
         Self {
+            operator: fluid.setup.operator,
             relaxation_time: T::of(fluid.setup.relaxation_time),
             force: fluid.last_acceleration.map(T::of),
             eddy_factor: T::of(operators::eddy_factor(smagorinsky)),
@@ -185,10 +187,29 @@ pub(super) fn padded<S: Simd, T: Real>(length: usize) -> usize {
     length.next_multiple_of(T::lanes::<S>())
 }
 
-/// States of a line of populations, number after number, each `stride` long, a multiple of a vector's lanes. (No closures here: they would not be
-/// compiled for the CPU's vectors.)
+/// States of a line of populations, number after number, each `stride` long, a multiple of a vector's lanes. The operator is asked for once a line. Compiled
+/// into all that is done with a plane, this stage took a third of the compiler's time for the whole library.
 #[inline(always)]
-pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
+pub(super) fn states_of<S: Simd, T: Real>(
+    simd: S,
+    collided: &Collided<'_, T>,
+    relaxation_times: &[T],
+    populations: &[T],
+    states: &mut [T],
+    stride: usize,
+) {
+    let (times, f, into) = (relaxation_times, populations, states);
+    let operator = collided.operator;
+    match (operator.is_recursive(), operator.reads_residual()) {
+        (false, _) => states_by::<S, T, false, false>(simd, collided, times, f, into, stride),
+        (true, false) => states_by::<S, T, true, false>(simd, collided, times, f, into, stride),
+        (true, true) => states_by::<S, T, true, true>(simd, collided, times, f, into, stride),
+    }
+}
+
+/// The same by one formula. (No closures here: they would not be compiled for the CPU's vectors.)
+#[inline(always)]
+fn states_by<S: Simd, T: Real, const RECURSIVE: bool, const RESIDUAL: bool>(
     simd: S,
     collided: &Collided<'_, T>,
     relaxation_times: &[T],
@@ -206,7 +227,7 @@ pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
             f[direction] = Lanes::new(simd, from[direction * stride + i]);
         }
         local.relaxation_time = Lanes::new(simd, times[i]);
-        let state = C::level_state(&f, &local);
+        let state = level_state::level_state::<_, RESIDUAL, RECURSIVE>(&f, &local);
         for number in 0..STATE_NUMBERS {
             into[number * stride + i] = state[number].vector;
         }
@@ -215,7 +236,25 @@ pub(super) fn states_of<S: Simd, T: Real, C: Collision>(
 
 /// Populations of a line of states, laid out likewise.
 #[inline(always)]
-pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
+pub(super) fn populations_of<S: Simd, T: Real>(
+    simd: S,
+    collided: &Collided<'_, T>,
+    relaxation_times: &[T],
+    states: &[T],
+    populations: &mut [T],
+    stride: usize,
+) {
+    let (times, from, into) = (relaxation_times, states, populations);
+    if collided.operator.is_recursive() {
+        populations_by::<S, T, true>(simd, collided, times, from, into, stride);
+    } else {
+        populations_by::<S, T, false>(simd, collided, times, from, into, stride);
+    }
+}
+
+/// The same by one formula.
+#[inline(always)]
+fn populations_by<S: Simd, T: Real, const RECURSIVE: bool>(
     simd: S,
     collided: &Collided<'_, T>,
     relaxation_times: &[T],
@@ -233,7 +272,7 @@ pub(super) fn populations_of<S: Simd, T: Real, C: Collision>(
             state[number] = Lanes::new(simd, from[number * stride + i]);
         }
         local.relaxation_time = Lanes::new(simd, times[i]);
-        let f = C::populations_of(&state, &local);
+        let f = level_state::populations_of::<_, RECURSIVE>(&state, &local);
         for direction in 0..DIRECTION_COUNT {
             into[direction * stride + i] = f[direction].vector;
         }

@@ -11,7 +11,6 @@ mod restrict;
 use super::exchanged_ends::ExchangedEnds;
 use super::{Fluid, Stored};
 use crate::lattice::Real;
-use crate::lattice::collision::{Collision, PerOperator};
 use crate::lattice::level_state::STATE_NUMBERS;
 use crate::lattice::nest::{Nest, Planes, SHELL, SOURCE, band};
 
@@ -48,33 +47,10 @@ impl<T: Real> Tie<T> {
 
     /// Restricts, then fills: both lattices stand at one time.
     pub fn exchange<P: Stored<Real = T>>(&mut self, coarse: &mut Fluid<P>, fine: &mut Fluid<P>) {
-        let operator = coarse.setup.operator;
-        let eddy = coarse.smagorinsky_constant().is_some();
-        operator.with(
-            eddy,
-            Exchange {
-                tie: self,
-                coarse,
-                fine,
-            },
-        );
-    }
-}
-
-struct Exchange<'a, P: Stored> {
-    tie: &'a mut Tie<P::Real>,
-    coarse: &'a mut Fluid<P>,
-    fine: &'a mut Fluid<P>,
-}
-
-impl<P: Stored> PerOperator for Exchange<'_, P> {
-    fn run<C: Collision>(self) {
-        let Self { tie, coarse, fine } = self;
-        take_down_ends(&tie.nest, fine);
-        let planes = [&tie.band, &tie.source];
-        let states = &mut tie.states;
-        restrict::restrict_and_read::<_, P, C>(&tie.nest, planes, coarse, fine, states);
-        fill::fill::<_, P, C>(&tie.nest, &tie.shell, &tie.states, fine);
+        take_down_ends(&self.nest, fine);
+        let planes = [&self.band, &self.source];
+        restrict::restrict_and_read(&self.nest, planes, coarse, fine, &mut self.states);
+        fill::fill(&self.nest, &self.shell, &self.states, fine);
     }
 }
 

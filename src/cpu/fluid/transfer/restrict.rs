@@ -1,7 +1,5 @@
 //! Stage `restrict`: from the fine cells to the coarse band; and the states of the source.
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -11,7 +9,6 @@ use super::lines::{
 use crate::cpu::fluid::exchanged_ends::{End, ExchangedEnds};
 use crate::cpu::fluid::slabs::{self, Arrays};
 use crate::cpu::fluid::{Fluid, Stored};
-use crate::lattice::collision::Collision;
 use crate::lattice::grid::Grid;
 use crate::lattice::level_state::{FIRST_STRAIN, STATE_NUMBERS};
 use crate::lattice::nest::{BAND, Line, Nest, Planes, SOURCE};
@@ -19,7 +16,7 @@ use crate::lattice::{DIRECTION_COUNT, Real};
 
 /// Coarse states of the band become the means of those of the eight fine cells; then the states of the source are read, in fine units. Planes do not
 /// wait for each other: a cell's populations are its own.
-pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>, C: Collision>(
+pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>>(
     nest: &Nest,
     [band, source]: [&Planes; 2],
     coarse: &mut Fluid<P>,
@@ -54,7 +51,7 @@ pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>, C: Collision>(
                 .ok()
                 .and_then(|z| band.lines.get(z))
             {
-                instructions.dispatch(RestrictPlane::<P, C> {
+                instructions.dispatch(RestrictPlane::<P> {
                     reader: &reader,
                     ends,
                     collided_fine,
@@ -63,17 +60,15 @@ pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>, C: Collision>(
                     grid,
                     arrays: &mut arrays,
                     lines,
-                    operator: PhantomData,
                 });
             }
-            instructions.dispatch(ReadPlane::<P, C> {
+            instructions.dispatch(ReadPlane::<P> {
                 collided,
                 nest,
                 grid,
                 arrays: &arrays,
                 states,
                 lines,
-                operator: PhantomData,
             });
         });
     if nest.spans[2] {
@@ -83,7 +78,7 @@ pub(super) fn restrict_and_read<T: Real, P: Stored<Real = T>, C: Collision>(
     }
 }
 
-impl<P: Stored, C: Collision> RestrictPlane<'_, '_, P, C> {
+impl<P: Stored> RestrictPlane<'_, '_, P> {
     /// True of a column of the band that the ends of rows hold.
     #[inline(always)]
     const fn is_next_to_shell(&self, line: &Line) -> bool {
@@ -92,7 +87,7 @@ impl<P: Stored, C: Collision> RestrictPlane<'_, '_, P, C> {
     }
 }
 
-struct RestrictPlane<'a, 'b, P: Stored, C> {
+struct RestrictPlane<'a, 'b, P: Stored> {
     reader: &'a Reader<'a, P>,
     /// Lines along y are found there.
     ends: Option<&'a ExchangedEnds<P>>,
@@ -102,10 +97,9 @@ struct RestrictPlane<'a, 'b, P: Stored, C> {
     grid: Grid,
     arrays: &'a mut Arrays<'b, P>,
     lines: &'a [Line],
-    operator: PhantomData<C>,
 }
 
-impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for RestrictPlane<'_, '_, P, C> {
+impl<T: Real, P: Stored<Real = T>> WithSimd for RestrictPlane<'_, '_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -150,7 +144,7 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for RestrictPlane<'_, 
                     self.collided_fine
                         .relaxation_times_of(first, line, length, &mut fine_times);
                     let f = &f[..DIRECTION_COUNT * stride];
-                    states_of::<S, T, C>(simd, &self.collided_fine, &fine_times, f, s, stride);
+                    states_of::<S, T>(simd, &self.collided_fine, &fine_times, f, s, stride);
                     for (sum, value) in sums.iter_mut().zip(s.iter()) {
                         *sum += *value;
                     }
@@ -170,7 +164,7 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for RestrictPlane<'_, 
             let place = std::array::from_fn(|a| self.nest.first[a] as i64 + line.start[a]);
             self.collided
                 .relaxation_times_of(place, line, line.length, &mut times);
-            populations_of::<S, T, C>(
+            populations_of::<S, T>(
                 simd,
                 &self.collided,
                 &times,
@@ -191,17 +185,16 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for RestrictPlane<'_, 
 /// Columns of the source that lie side by side at a face.
 const COLUMNS: usize = (*SOURCE.end() - *SOURCE.start() + 1) as usize;
 
-struct ReadPlane<'a, 'b, P: Stored, C> {
+struct ReadPlane<'a, 'b, P: Stored> {
     collided: Collided<'a, P::Real>,
     nest: Nest,
     grid: Grid,
     arrays: &'a Arrays<'b, P>,
     states: &'a mut [P::Real],
     lines: &'a [Line],
-    operator: PhantomData<C>,
 }
 
-impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for ReadPlane<'_, '_, P, C> {
+impl<T: Real, P: Stored<Real = T>> WithSimd for ReadPlane<'_, '_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -238,7 +231,7 @@ impl<T: Real, P: Stored<Real = T>, C: Collision> WithSimd for ReadPlane<'_, '_, 
                 let place = std::array::from_fn(|a| self.nest.first[a] as i64 + line.start[a]);
                 self.collided
                     .relaxation_times_of(place, line, length, &mut times);
-                states_of::<S, T, C>(simd, &self.collided, &times, f, s, stride);
+                states_of::<S, T>(simd, &self.collided, &times, f, s, stride);
                 let start = (line.start[0] + 1) as usize + nx * (line.start[1] + 1) as usize;
                 for number in 0..STATE_NUMBERS {
                     let share = T::of(if number < FIRST_STRAIN { 1.0 } else { 0.5 });
