@@ -163,7 +163,7 @@ pub const PROBLEMS: [Problem; 45] = [
     },
     Problem {
         name: "flexible-plate",
-        updates: [76.0, 13_400.0],
+        updates: [76.0, 44_700.0],
         compute: coupling::flexible_plate::compute,
     },
     Problem {

@@ -24,8 +24,8 @@ const BANDS: [f64; 3] = [0.1, 0.05, 0.05];
 /// The same of the quick run, at 4 cells over the width in a box of 14 × 10 × 10 b, over 8 to 16 b/U: 8, 6 and 6 % were measured.
 const QUICK_BANDS: [f64; 3] = [0.12, 0.1, 0.1];
 
-/// Cells over the width of the full set. Only with 8 there is room for a box of finer cells.
-const RESOLUTIONS: [f64; 3] = [4.0, 6.0, 8.0];
+/// Cells over the width of the full set. With 6 there is no room for a box of finer cells.
+const RESOLUTIONS: [f64; 3] = [6.0, 8.0, 12.0];
 
 pub(in crate::validate) fn compute(session: &mut Session) -> Result<(), Stop> {
     if !session.order.full {
