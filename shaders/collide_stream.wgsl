@@ -1,6 +1,8 @@
 // Stage collide_stream: one in-place step of every cell. Threads run along the padded planes, so that neighbours read neighbouring
 // elements; those on ghosts have nothing to do.
 //
+// A step is one dispatch, or two: of all cells but those of a box, and later, when the structure has moved, of these.
+//
 // Three entry points: without a force, under one acceleration of all air, and with the body force near the sheet besides.
 
 override CELLS_X: u32 = 2u;
@@ -36,12 +38,12 @@ struct Place {
     // Cell without ghosts; x is out of range on a ghost.
     cell: vec3<u32>,
     element: u32,
-    // Neither a ghost nor left out.
+    // Neither a ghost nor left out, nor in the part of another dispatch.
     inside: bool,
 }
 
 fn place(group: vec3<u32>, local: u32) -> Place {
-    let in_plane = group.x * COLLIDE_WORKGROUP + local;
+    let in_plane = step.first_element + group.x * COLLIDE_WORKGROUP + local;
     let row = in_plane / STRIDE_Y;
     let column = in_plane - row * STRIDE_Y;
     let plane = step.first_plane + group.y;
@@ -49,8 +51,17 @@ fn place(group: vec3<u32>, local: u32) -> Place {
     // Ghosts wrap to huge numbers.
     p.cell = vec3<u32>(column - 1u, row - 1u, plane);
     p.element = in_plane + (plane + 1u) * STRIDE_Z;
-    p.inside = p.cell.x < CELLS_X && p.cell.y < CELLS_Y && !is_idle(p.cell);
+    p.inside = p.cell.x < CELLS_X && p.cell.y < CELLS_Y && !is_idle(p.cell) && is_of_part(p.cell);
     return p;
+}
+
+fn is_in_box(cell: vec3<u32>) -> bool {
+    // Cells before the box wrap to huge numbers.
+    return all(cell - step.box_first.xyz < step.box_size.xyz);
+}
+
+fn is_of_part(cell: vec3<u32>) -> bool {
+    return step.part == ALL_CELLS || is_in_box(cell) == (step.part == IN_BOX);
 }
 
 fn is_idle(cell: vec3<u32>) -> bool {
@@ -122,9 +133,8 @@ fn collide_stream_forced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local
         return;
     }
     var force = air_acceleration(p.cell);
-    // Cells before the box wrap to huge numbers.
-    let b = p.cell - step.box_first.xyz;
-    if all(b < step.box_size.xyz) {
+    if is_in_box(p.cell) {
+        let b = p.cell - step.box_first.xyz;
         force += cell_forces[b.x + step.box_size.x * (b.y + step.box_size.y * b.z)].xyz;
     }
     advance(p, force, true);

@@ -35,6 +35,8 @@
 //! | `read_links` | populations, cut links | what left along them | `fluid/cut_links.rs` |
 //! | *`send_markers`* | marker positions | places on the device | `immersed/interpolate.rs` |
 //! | `interpolate` | populations, marker positions | air velocity u* at markers, strengths a_k | `immersed/interpolate.rs` |
+//! | `collide_ahead` | populations away from the structure | those of the next step, while the host goes on | `fluid/collide_ahead.rs` |
+//! | *`fetch_links`* | what left along them | host, and what comes back where the air slides | `fluid/cut_links.rs` |
 //! | *`fetch_air_velocities`* | u*, a_k | host | `immersed/interpolate.rs` |
 //! | `solve_cloth` | u*, loads | node positions and velocities | `cloth/solve_cloth.rs` |
 //! | `bounce` | node velocities, what left | populations that come back | `fluid/cut_links.rs` |
@@ -45,7 +47,7 @@
 //!
 //! Air and fabric are placed separately ([`plan::Placement`]), each in `cpu/` or in `gpu/`, where the files carry the same names;
 //! `shaders/` holds the device's kernels under those names too. Stages in italics are transfers, in the plan only where a device
-//! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric).
+//! has the air (`send_nodes` and `fetch_nodes` around `solve_cloth` where it has the fabric). So is `collide_ahead`: the next `collide_stream` then has the cells that are left.
 //!
 //! Boxes of cells half as large ([`simulation::Levels`], `docs/refinement.md`) exchange what they know with the lattice around them after two of
 //! their steps (`fluid/transfer/`, `fluid/transfer.rs`).

@@ -40,7 +40,8 @@ pub fn step(
 ) -> DVec3 {
     air.collide_stream(None, None).unwrap();
     surface.find_links(positions).unwrap();
-    surface.read_links(air, velocities).unwrap();
+    surface.read_links(air).unwrap();
+    surface.fetch_links(air, velocities).unwrap();
     surface.bounce(air, velocities).unwrap();
     surface.forces().map(|(_, force)| force).sum()
 }

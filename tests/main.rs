@@ -26,6 +26,7 @@ mod cases;
 mod change_of_lattice;
 mod checkpoint;
 mod cloth;
+mod collide_ahead;
 mod command_line;
 mod contact;
 mod contact_sheets;
@@ -137,6 +138,7 @@ fn main() -> std::process::ExitCode {
         sail_support::trials(),
         trim::trials(),
         coupling::trials(),
+        collide_ahead::trials(),
         cut_canopies::trials(),
         cut_links::trials(),
         device::trials(),

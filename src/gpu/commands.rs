@@ -121,21 +121,32 @@ impl Device {
         self.submit_waiting();
     }
 
+    /// The same, to be waited for by itself.
+    pub(super) fn submit_alone(&self, commands: Commands) -> wgpu::SubmissionIndex {
+        let mut waiting = self.waiting();
+        waiting.push(commands.recorded());
+        self.submit_all(waiting)
+    }
+
     /// Submits the commands that wait, if there are any.
     pub fn submit_waiting(&self) {
-        // Held until they are submitted: whoever finds nothing waiting may rely on it.
-        let mut waiting = self.waiting();
-        if waiting.is_empty() {
-            return;
+        let waiting = self.waiting();
+        if !waiting.is_empty() {
+            self.submit_all(waiting);
         }
+    }
+
+    /// Whoever finds nothing waiting may rely on its being submitted.
+    fn submit_all(&self, mut waiting: MutexGuard<'_, Vec<Recorded>>) -> wgpu::SubmissionIndex {
         let timed = waiting.iter().map(|recorded| recorded.timed_passes).sum();
         let commands = waiting.drain(..).map(|recorded| recorded.raw.finish());
         let index = self.submit_raw(commands);
         drop(waiting);
-        self.bound_in_flight(index);
+        self.bound_in_flight(index.clone());
         if timed > 0 {
             self.passes_submitted(timed);
         }
+        index
     }
 
     /// Writes `data` to a buffer, `offset` in elements, after what waits and before what is submitted later. Buffers are whole words of four bytes, and

@@ -5,6 +5,7 @@
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -294,26 +295,34 @@ impl Device {
             }
         };
         if oldest.is_some() {
-            self.poll_counted(oldest);
+            self.poll_counted(oldest, None);
         }
     }
 
     /// [`Device::poll`], its time counted as time that the host waited.
-    fn poll_counted(&self, submission_index: Option<wgpu::SubmissionIndex>) {
+    fn poll_counted(
+        &self,
+        submission_index: Option<wgpu::SubmissionIndex>,
+        done: Option<&AtomicBool>,
+    ) {
         let start = Instant::now();
-        self.poll(submission_index);
+        self.poll(submission_index, done);
         self.meter.waited(start.elapsed());
     }
 
-    /// Waits for a submission (the last one if `None`); a failure is kept for [`Device::check`].
-    pub(super) fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) {
+    /// Waits for a submission (the last one if `None`), which may set a flag once it is `done`; a failure is kept for [`Device::check`].
+    pub(super) fn poll(
+        &self,
+        submission_index: Option<wgpu::SubmissionIndex>,
+        done: Option<&AtomicBool>,
+    ) {
         if self.check().is_err() {
             // A device that has failed is not asked again: every answer would take the whole timeout.
             return;
         }
         // wgpu 30 panics where the driver reports the loss of a device to a waiting host.
         let waited = catch_unwind(AssertUnwindSafe(|| {
-            if submission_index.is_none() && self.is_done_soon() {
+            if (submission_index.is_none() || done.is_some()) && self.is_done_soon(done) {
                 return Ok(wgpu::PollStatus::QueueEmpty);
             }
             self.raw.poll(wgpu::PollType::Wait {
@@ -334,13 +343,14 @@ impl Device {
         }
     }
 
-    /// Asks for a while whether everything submitted is done: a thread that sleeps is told some 30 µs later on a graphics card (docs/results/2026-11-26-graphics-card.md). A software adapter
+    /// Asks for a while whether everything submitted is done, or what sets a flag: a thread that sleeps is told some 30 µs later on a graphics card (docs/results/2026-11-26-graphics-card.md). A software adapter
     /// needs the processor itself.
-    fn is_done_soon(&self) -> bool {
+    fn is_done_soon(&self, done: Option<&AtomicBool>) -> bool {
         let start = Instant::now();
         while self.info.kind != AdapterKind::Software && start.elapsed() < ASKING {
-            if matches!(self.raw.poll(wgpu::PollType::Poll), Ok(status) if status.is_queue_empty())
-            {
+            let status = self.raw.poll(wgpu::PollType::Poll);
+            let is_set = done.is_some_and(|done| done.load(Ordering::Acquire));
+            if is_set || matches!(status, Ok(status) if status.is_queue_empty()) {
                 return true;
             }
             std::hint::spin_loop();
@@ -361,10 +371,20 @@ impl Device {
         self.check()
     }
 
+    /// Waits until a submission is done, whatever came after it; `done` is set as soon as what it brings is there.
+    pub(super) fn wait_for(
+        &self,
+        submitted: wgpu::SubmissionIndex,
+        done: &AtomicBool,
+    ) -> Result<(), DeviceError> {
+        self.poll_counted(Some(submitted), Some(done));
+        self.check()
+    }
+
     /// Waits until everything recorded is done.
     pub fn wait(&self) -> Result<(), DeviceError> {
         self.submit_waiting();
-        self.poll_counted(None);
+        self.poll_counted(None, None);
         self.in_flight
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

@@ -69,7 +69,7 @@ impl PassClock {
                 // The receiver waits below, or has given up.
                 let _ = sender.send(result.is_ok());
             });
-        device.poll(None);
+        device.poll(None, None);
         device.check()?;
         let lost = || DeviceError::Lost("timestamps could not be read back".to_owned());
         if receiver.recv_timeout(TIMEOUT) != Ok(true) {

@@ -85,13 +85,39 @@ impl Staging {
         bytes: u64,
         show: impl FnOnce(&[u8]),
     ) -> Result<(), DeviceError> {
+        self.read_when(device, |_| device.wait(), bytes, show)
+    }
+
+    /// The same, but waits for the submission that copies them alone: the device may work on what came after it.
+    pub(super) fn read_of(
+        &self,
+        device: &Device,
+        submitted: wgpu::SubmissionIndex,
+        bytes: u64,
+        show: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceError> {
+        let wait = |done: &AtomicBool| device.wait_for(submitted, done);
+        self.read_when(device, wait, bytes, show)
+    }
+
+    /// Shows the first `bytes` after a `wait`, which may look at the flag that is set once they are there.
+    fn read_when(
+        &self,
+        device: &Device,
+        wait: impl FnOnce(&AtomicBool) -> Result<(), DeviceError>,
+        bytes: u64,
+        show: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceError> {
         let (sender, receiver) = mpsc::channel();
+        let done = Arc::new(AtomicBool::new(false));
+        let set = Arc::clone(&done);
         self.buffer
             .map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
                 // The receiver waits below, or has given up.
                 let _ = sender.send(result.is_ok());
+                set.store(true, Ordering::Release);
             });
-        device.wait()?;
+        wait(&done)?;
         device.meter.mapped(bytes);
         // Another thread that polls at the same time may be the one that brings the answer, a little later.
         if receiver.recv_timeout(TIMEOUT) != Ok(true) {

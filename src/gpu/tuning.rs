@@ -29,6 +29,8 @@ pub struct Tuning {
     /// Commands that take no longer wait for the next submission: as many as may wait stay well below two seconds together, after which
     /// watchdogs bite.
     pub longest_left: Duration,
+    /// Whether cells that the structure does not touch begin their next step while the host works on the structure.
+    pub goes_ahead: bool,
 }
 
 impl Default for Tuning {
@@ -39,6 +41,7 @@ impl Default for Tuning {
             bounds_checks: true,
             small_cloth_nodes: None,
             longest_left: Duration::from_millis(15),
+            goes_ahead: true,
         }
     }
 }

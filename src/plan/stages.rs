@@ -21,6 +21,10 @@ pub enum Stage {
     SendMarkers,
     /// Air velocity u* at the markers.
     Interpolate,
+    /// All cells of a device that the structure does not touch, a step ahead, while the host works on the structure.
+    CollideAhead,
+    /// Transfer: what left along cut links from device to host.
+    FetchLinks,
     /// Transfer: u* and strengths from device to host.
     FetchAirVelocities,
     /// Transfer: node state, loads and reactions of the air from host to device.
@@ -47,7 +51,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of a step.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::EddyViscosity,
         Self::CollideStream,
         Self::CoarserLevels,
@@ -55,6 +59,8 @@ impl Stage {
         Self::ReadLinks,
         Self::SendMarkers,
         Self::Interpolate,
+        Self::CollideAhead,
+        Self::FetchLinks,
         Self::FetchAirVelocities,
         Self::SendNodes,
         Self::SolveCloth,
@@ -80,6 +86,8 @@ impl Stage {
             Self::Bounce => "bounce",
             Self::SendMarkers => "send_markers",
             Self::Interpolate => "interpolate",
+            Self::CollideAhead => "collide_ahead",
+            Self::FetchLinks => "fetch_links",
             Self::FetchAirVelocities => "fetch_air_velocities",
             Self::SendNodes => "send_nodes",
             Self::SolveCloth => "solve_cloth",
@@ -106,6 +114,8 @@ impl Stage {
             Self::ReadLinks => "populations, cut links -> what left along them",
             Self::Bounce => "what left, node velocities -> populations that come back, forces",
             Self::SendMarkers => "marker positions, host -> device, sorted by cell",
+            Self::CollideAhead => "populations away from the structure -> those of the next step",
+            Self::FetchLinks => "what left along cut links, device -> host",
             Self::FetchAirVelocities => "air velocity at markers, device -> host",
             Self::SendNodes => "nodes, loads, reactions of the air, host -> device",
             Self::FetchNodes => "node positions, device -> host",
@@ -173,6 +183,12 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
         if kernel {
             add(Stage::Interpolate, 1);
         }
+        if collides_ahead(scene, placement) {
+            add(Stage::CollideAhead, 1);
+        }
+        if links && placement.air_on_device() {
+            add(Stage::FetchLinks, 1);
+        }
         if air_on_device {
             add(Stage::FetchAirVelocities, 1);
         }
@@ -205,4 +221,22 @@ pub fn stages(scene: &Scene, placement: &Placement) -> Vec<PlannedStage> {
     add(Stage::Measure, 1);
     add(Stage::Output, 1);
     stages
+}
+
+/// True where a device may begin the next step of cells that the structure does not touch. The host must have something to do meanwhile, and nothing that the
+/// structure does may act on all cells: no fall, no eddy viscosity from the gradients of all.
+fn collides_ahead(scene: &Scene, placement: &Placement) -> bool {
+    let (Some(air), Some(coupling)) = (&scene.air, &scene.coupling) else {
+        return false;
+    };
+    let host_works = coupling.scheme == Scheme::Links || !placement.cloth_on_device();
+    let of_gradients = air
+        .eddy_viscosity
+        .is_some_and(|eddy_viscosity| eddy_viscosity.gradient_model().is_some());
+    placement.air_on_device()
+        && host_works
+        && coupling.passes == 1
+        && scene.descent.is_none()
+        && !of_gradients
+        && !scene.passes_through_a_face()
 }

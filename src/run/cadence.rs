@@ -45,6 +45,22 @@ impl Cadence {
         }
     }
 
+    /// Step after the present one at which the state is read next: for a row, a file, a picture, or at the end. The next picture is drawn at `picture_s`.
+    pub(super) fn next_reading(&self, simulation: &Simulation, picture_s: Option<f64>) -> u64 {
+        let step = simulation.step_count();
+        let since = step - self.origin;
+        let others = [self.canopy, self.flow, self.bodies, self.animation];
+        let every = (others.into_iter().flatten()).chain([self.sample]);
+        let rows_and_files = every.map(|every| self.origin + (since / every + 1) * every);
+        // At the earliest: a step before it may be taken for it.
+        let picture = picture_s.map(|time_s| {
+            let left = ((time_s - simulation.time_s()) / self.step_s - 0.5).floor();
+            step + left.max(1.0) as u64
+        });
+        let soonest = rows_and_files.chain(picture).min();
+        soonest.map_or(self.planned, |soonest| soonest.min(self.planned))
+    }
+
     /// True at the very change of the lattice, other than at release.
     pub(super) fn just_changed(&self, simulation: &Simulation) -> bool {
         self.origin > self.start_steps && simulation.step_count() == self.origin

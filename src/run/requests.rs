@@ -21,6 +21,11 @@ impl Requests {
         self.stop.load(Ordering::Relaxed)
     }
 
+    /// True until [`Requests::takes_checkpoint`].
+    pub(super) fn wants_checkpoint(&self) -> bool {
+        self.checkpoint.load(Ordering::Relaxed)
+    }
+
     /// True once for each request of a checkpoint.
     pub(super) fn takes_checkpoint(&self) -> bool {
         self.checkpoint.swap(false, Ordering::Relaxed)

@@ -29,7 +29,14 @@ impl Run<'_> {
 
     /// After a fault: writes a checkpoint, if the state is whole.
     pub(super) fn rescue(&mut self, fault: &mut Fault) {
-        if self.whole && matches!(caught(|| self.save()), Ok(Ok(()))) {
+        if !self.whole {
+            return;
+        }
+        let saved = caught(|| {
+            self.simulation.catch_up()?;
+            self.save()
+        });
+        if matches!(saved, Ok(Ok(()))) {
             fault.kept = format!(
                 "a checkpoint was written at t = {:.6} s: --resume goes on from it",
                 self.simulation.time_s()

@@ -241,6 +241,22 @@ impl Coupled {
         }
     }
 
+    /// Stage `fetch_links`.
+    pub(super) fn fetch_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
+        match self {
+            Self::Kernel(_) => Ok(()),
+            Self::Links(links) => links.fetch_links(air),
+        }
+    }
+
+    /// First cell and end of the box of cells whose next step depends on what the structure does in this one; `None` where that is not known.
+    pub(super) fn awaited_cells(&self) -> Option<[[i32; 3]; 2]> {
+        match self {
+            Self::Kernel(kernel) => kernel.immersed().forced_cells(),
+            Self::Links(links) => links.surface().touched(),
+        }
+    }
+
     /// Stage `bounce`.
     pub(super) fn bounce(
         &mut self,

@@ -1,4 +1,4 @@
-//! A surface of triangles that cuts links of the air's lattice, in lattice units ([`crate::cut_links`]): stages `find_links`, `read_links` and `bounce`.
+//! A surface of triangles that cuts links of the air's lattice, in lattice units ([`crate::cut_links`]): stages `find_links`, `read_links`, `fetch_links` and `bounce`.
 
 use std::ops::Range;
 
@@ -271,6 +271,13 @@ impl CutSurface {
         (0..3).all(|a| low[a] > first[a] as i32 && high[a] + 1 < end[a] as i32)
     }
 
+    /// First cell and end of the box of cells whose populations the stage `bounce` may write, those that leave for a neighbour among them; `None` where nothing is cut.
+    #[must_use]
+    pub fn touched(&self) -> Option<[[i32; 3]; 2]> {
+        let [low, high] = self.reach;
+        (low[0] <= high[0]).then(|| [low.map(|place| place - 1), high.map(|place| place + 2)])
+    }
+
     /// Least and largest places of these cells; [`NOWHERE`] if there are none.
     fn find_reach(&self) -> [[i32; 3]; 2] {
         let both = |one: [[i32; 3]; 2], other: [[i32; 3]; 2]| {
@@ -313,24 +320,46 @@ impl CutSurface {
         Ok(())
     }
 
-    /// Stage `read_links`; the nodes moved with `velocities` in the last step, by which what passes the surface is found.
-    pub fn read_links(
-        &mut self,
-        air: &mut AirEngine,
-        velocities: &[DVec3],
-    ) -> Result<(), DeviceError> {
+    /// Stage `read_links`: what left along the links, and about the images of cells where the air slides. A device is asked for it, and does other work until
+    /// [`CutSurface::fetch_links`].
+    pub fn read_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
         let mut returns = std::mem::take(&mut self.returns);
         let stick = self.sliding.as_ref().map_or(&[][..], Sliding::stick);
         match air {
             AirEngine::CpuF32(fluid) => fluid.read_links(&self.links, stick, &mut returns),
             AirEngine::CpuF16(fluid) => fluid.read_links(&self.links, stick, &mut returns),
             AirEngine::CpuF64(fluid) => fluid.read_links(&self.links, stick, &mut returns),
-            AirEngine::Gpu(fluid) => {
-                fluid.read_links(&self.links, self.changed().1, &mut returns)?;
-            }
+            AirEngine::Gpu(fluid) => fluid.read_links(&self.links, self.changed().1)?,
         }
         self.returns = returns;
-        self.slide(air, velocities)?;
+        let Some(sliding) = &mut self.sliding else {
+            return Ok(());
+        };
+        let (cells, count, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
+        match air {
+            AirEngine::CpuF32(fluid) => fluid.read_images(&cells[..count], leaving),
+            AirEngine::CpuF16(fluid) => fluid.read_images(&cells[..count], leaving),
+            AirEngine::CpuF64(fluid) => fluid.read_images(&cells[..count], leaving),
+            AirEngine::Gpu(fluid) => fluid.read_images(self.links.search(), (cells, count))?,
+        }
+        Ok(())
+    }
+
+    /// Stage `fetch_links`: takes what a device has read, and works out from it what comes back. The nodes moved with `velocities` in the last step, by which what passes the surface is
+    /// found.
+    pub fn fetch_links(
+        &mut self,
+        air: &mut AirEngine,
+        velocities: &[DVec3],
+    ) -> Result<(), DeviceError> {
+        if let AirEngine::Gpu(fluid) = air {
+            fluid.fetch_links(&self.links, &mut self.returns)?;
+            if let Some(sliding) = &mut self.sliding {
+                let (count, leaving) = sliding.asked();
+                fluid.fetch_images(count, leaving)?;
+            }
+        }
+        self.slide(velocities);
         let wall = WallVelocities::new(&self.triangles, self.patches.as_ref(), velocities);
         let seen = Seen {
             triangles: &self.triangles,
@@ -360,27 +389,9 @@ impl CutSurface {
     }
 
     /// What comes back where the air slides, in place of what was read.
-    fn slide(&mut self, air: &mut AirEngine, velocities: &[DVec3]) -> Result<(), DeviceError> {
+    fn slide(&mut self, velocities: &[DVec3]) {
         let Some(mut sliding) = self.sliding.take() else {
-            return Ok(());
-        };
-        let (cells, count, leaving) = sliding.read(matches!(air, AirEngine::Gpu(_)));
-        let read = match air {
-            AirEngine::CpuF32(fluid) => {
-                fluid.read_images(&cells[..count], leaving);
-                Ok(())
-            }
-            AirEngine::CpuF16(fluid) => {
-                fluid.read_images(&cells[..count], leaving);
-                Ok(())
-            }
-            AirEngine::CpuF64(fluid) => {
-                fluid.read_images(&cells[..count], leaving);
-                Ok(())
-            }
-            AirEngine::Gpu(fluid) => {
-                fluid.read_images(self.links.search(), (cells, count), leaving)
-            }
+            return;
         };
         let mut returns = std::mem::take(&mut self.returns);
         let wall = WallVelocities::new(&self.triangles, self.patches.as_ref(), velocities);
@@ -389,7 +400,6 @@ impl CutSurface {
         sliding.answer(shape, velocity, &mut returns);
         self.returns = returns;
         self.sliding = Some(sliding);
-        read
     }
 
     /// Velocity of the air through the surface at one side of a link.

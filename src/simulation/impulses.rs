@@ -41,6 +41,8 @@ const LOOKS: u32 = 200;
 pub struct Impulses {
     units: Units,
     balance: Balance,
+    /// What crossed its faces in this step is added already.
+    outflow_is_added: bool,
     /// Cells touched by markers stayed inside the box so far; never where a body passes through a face.
     contained: bool,
     /// The box's mass is known only while it holds the surfaces: what leaves along links that they cut across its faces comes back unseen.
@@ -194,6 +196,7 @@ impl Impulses {
         Ok(Self {
             units: air.units,
             balance: Balance::new(engine, ControlVolume::new(&engine.grid(), first, end))?,
+            outflow_is_added: false,
             // Markers at a face stand outside the box, which keeps three cells from all faces.
             contained: !scene.passes_through_a_face(),
             cut_links_leave: scene.coupling.is_some_and(|c| c.scheme == Scheme::Links)
@@ -283,6 +286,21 @@ impl Impulses {
         }
     }
 
+    /// Adds what crosses the faces of the box in this step, before the stage `bounce`. False, and nothing is done, where cut links may change that.
+    pub(super) fn add_outflow(
+        &mut self,
+        air: &AirEngine,
+        coupled: &Coupled,
+    ) -> Result<bool, DeviceError> {
+        let volume = self.balance.volume();
+        let holds = coupled.kernel().is_some() || coupled.touches_only(volume.first, volume.end);
+        if holds {
+            self.balance.add_step(air)?;
+            self.outflow_is_added = true;
+        }
+        Ok(holds)
+    }
+
     pub(super) fn add_step(
         &mut self,
         air: &AirEngine,
@@ -290,7 +308,9 @@ impl Impulses {
         acting: &Acting,
         coupled: &Coupled,
     ) -> Result<(), DeviceError> {
-        self.balance.add_step(air)?;
+        if !std::mem::take(&mut self.outflow_is_added) {
+            self.balance.add_step(air)?;
+        }
         let volume = self.balance.volume();
         if let Some(apparent) = acting.apparent_m_s2 {
             // What is stored now and then of the box's air hardly changes its mass.

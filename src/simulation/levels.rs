@@ -228,10 +228,22 @@ impl Levels {
         markers: Option<&MarkerEngine>,
     ) -> Result<(), DeviceError> {
         let finest = self.finest_mut();
+        let is_ahead = finest.is_ahead();
         finest.collide_stream(acceleration, markers)?;
-        // A device works on it while the host prepares what comes next.
-        finest.submit();
+        if !is_ahead {
+            // A device works on it while the host prepares what comes next. Few cells may wait for that.
+            finest.submit();
+        }
         Ok(())
+    }
+
+    /// Stage `collide_ahead`: [`AirEngine::collide_ahead`] of the finest lattice of the first boxes.
+    pub fn collide_ahead(
+        &mut self,
+        markers: Option<&MarkerEngine>,
+        awaited: [[i32; 3]; 2],
+    ) -> Result<bool, DeviceError> {
+        self.finest_mut().collide_ahead(markers, awaited)
     }
 
     /// Stage `coarser_levels`: of the lattices around the finest one those steps that are due after its last, under the same acceleration. True if

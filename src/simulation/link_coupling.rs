@@ -4,7 +4,7 @@
 //!
 //! 1. collide and stream; no force acts on the air;
 //! 2. `find_links`: the links that the surfaces cut where they are;
-//! 3. `read_links`: what left along them;
+//! 3. `read_links`: what left along them, which a device has to be asked for, and `fetch_links` takes;
 //! 4. the fabric minimises inertia, elastic energy and the reactions of its cuts, which are affine in its velocity ([`crate::cpu::cloth::TriangleReaction`]);
 //! 5. `bounce`: what comes back, with the velocity that the fabric now has. The air has what the fabric felt, to the solver's tolerance, at once.
 
@@ -276,9 +276,18 @@ impl LinkCoupling {
         of
     }
 
-    /// Stage `read_links`.
+    /// Stage `read_links`; on the host, where nothing has to be fetched, `fetch_links` with it.
     pub(super) fn read_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
-        self.surface.read_links(air, &self.velocities)
+        self.surface.read_links(air)?;
+        match air {
+            AirEngine::Gpu(_) => Ok(()),
+            _ => self.fetch_links(air),
+        }
+    }
+
+    /// Stage `fetch_links`.
+    pub(super) fn fetch_links(&mut self, air: &mut AirEngine) -> Result<(), DeviceError> {
+        self.surface.fetch_links(air, &self.velocities)
     }
 
     /// The triangles of the fabric as it feels them in this solve.

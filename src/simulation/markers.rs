@@ -4,6 +4,7 @@ use super::air::{AirEngine, apart, each_engine};
 use crate::checkpoint::{CheckpointError, Reader, Writer};
 use crate::cpu::fluid::BodyForce;
 use crate::cpu::immersed::{self, Immersed};
+use crate::gpu::fluid::ForceBox;
 use crate::gpu::{self, DeviceError};
 use crate::immersed::folds::Folds;
 use crate::immersed::touched::{Domain, OutOfDomain};
@@ -103,6 +104,14 @@ impl MarkerEngine {
     #[must_use]
     pub fn touches_only(&self, first: [usize; 3], end: [usize; 3]) -> bool {
         both!(self, markers => markers.touches_only(first, end))
+    }
+
+    /// First cell and end of the box of cells that the next collision feels forces in, on a device; `None` until there are forces.
+    pub(super) fn forced_cells(&self) -> Option<[[i32; 3]; 2]> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(markers) => markers.force_box().map(ForceBox::cells),
+        }
     }
 
     /// Stage `send_markers`; nothing on the CPU.
@@ -304,6 +313,32 @@ impl AirEngine {
             };
             fluid.collide_stream(acceleration, forces)
         })
+    }
+
+    /// Stage `collide_ahead`, on a device: all cells but those from `awaited[0]` to before `awaited[1]` go ahead by a step. False where the device cannot yet.
+    pub fn collide_ahead(
+        &mut self,
+        markers: Option<&MarkerEngine>,
+        awaited: [[i32; 3]; 2],
+    ) -> Result<bool, DeviceError> {
+        let forces = match markers {
+            Some(MarkerEngine::Cpu(_)) => return Err(apart()),
+            Some(MarkerEngine::Gpu(immersed)) => immersed.force_box(),
+            None => None,
+        };
+        match self {
+            Self::Gpu(fluid) => fluid.collide_ahead(forces, awaited),
+            Self::CpuF32(_) | Self::CpuF16(_) | Self::CpuF64(_) => Err(apart()),
+        }
+    }
+
+    /// True if most cells are a step ahead of the others.
+    #[must_use]
+    pub fn is_ahead(&self) -> bool {
+        match self {
+            Self::Gpu(fluid) => fluid.is_ahead(),
+            Self::CpuF32(_) | Self::CpuF16(_) | Self::CpuF64(_) => false,
+        }
     }
 
     /// Has a device begin with what was left to a later submission.

@@ -3,6 +3,7 @@
 mod account;
 mod across;
 mod adaptive;
+mod ahead;
 mod air;
 mod bodies;
 mod cadence;
@@ -12,6 +13,7 @@ mod cloth;
 mod cloth_engine;
 mod cost;
 mod coupled;
+mod coupling_stages;
 mod cut_bodies;
 mod cut_surface;
 mod descent;
@@ -109,6 +111,8 @@ pub struct Simulation {
     opening: Option<Opening>,
     origin: Origin,
     step: u64,
+    /// Step at which the caller reads the air next, for all that is known.
+    next_reading: u64,
     /// Looks for a flow that breaks down.
     watch: Watch,
     /// Last step at which all air was looked at and found sound.
@@ -240,6 +244,7 @@ impl Simulation {
             impulses,
             opening: None,
             step: 0,
+            next_reading: 0,
             watch: Watch::default(),
             sound_step: 0,
             largest_marker_motion: 0.0,
@@ -279,7 +284,7 @@ impl Simulation {
 
     /// One step: the plan's stages in the plan's order.
     pub fn advance(&mut self) -> Result<(), Failure> {
-        let timed = self.times_this_step();
+        let timed = self.times_step(self.step);
         if let (true, Some(device)) = (timed, &self.device) {
             // What earlier steps left in the queue is not this step's.
             device.wait()?;
@@ -297,6 +302,8 @@ impl Simulation {
                 Stage::CoarserLevels => self.coarser_levels()?,
                 Stage::FindLinks => self.find_links()?,
                 Stage::ReadLinks => self.read_links()?,
+                Stage::CollideAhead => self.collide_ahead()?,
+                Stage::FetchLinks => self.fetch_links()?,
                 Stage::Bounce => self.bounce()?,
                 Stage::SendMarkers => self.send_markers()?,
                 Stage::Interpolate => self.interpolate()?,
@@ -329,11 +336,13 @@ impl Simulation {
             cost.time += elapsed;
             cost.calls += u64::from(due);
             match planned.stage {
-                Stage::EddyViscosity | Stage::CollideStream | Stage::CoarserLevels => {
-                    self.cost.fluid += elapsed;
-                }
+                Stage::EddyViscosity
+                | Stage::CollideStream
+                | Stage::CoarserLevels
+                | Stage::CollideAhead => self.cost.fluid += elapsed,
                 Stage::FindLinks
                 | Stage::ReadLinks
+                | Stage::FetchLinks
                 | Stage::Bounce
                 | Stage::SendMarkers
                 | Stage::Interpolate
@@ -377,8 +386,8 @@ impl Simulation {
     }
 
     /// Without a device every step is timed. With one, timing has to wait for it after every stage, which costs time itself.
-    fn times_this_step(&self) -> bool {
-        self.device.is_none() || self.step % TIMED_INTERVAL == TIMED_INTERVAL - 1
+    fn times_step(&self, step: u64) -> bool {
+        self.device.is_none() || step % TIMED_INTERVAL == TIMED_INTERVAL - 1
     }
 
     /// The air counts its steps itself, and knows when the stage is due.
@@ -395,19 +404,12 @@ impl Simulation {
             descent.begin_step(self.cloth.as_ref(), self.coupled.as_ref(), density);
         }
         self.gather_drags();
-        // The ghosts of the inlet stand for cells after the collision of the outermost lattice, which ends with the wind of its next step.
-        let outer = self.scene.air.as_ref().map_or(1, Air::steps_per_outer);
-        let next = (self.step / outer + 1) * outer;
-        let wind = DVec3::X * self.wind_speed_at(next);
+        self.set_inlet_velocity(self.step);
         let acceleration = self.acceleration();
         let start_steps = self.plan.start_steps;
-        let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air) else {
+        let Some(air) = &mut self.air else {
             return Ok(());
         };
-        if let Flow::WindTunnel { .. } = settings.flow {
-            let velocity = settings.units.velocity_to_lattice(wind);
-            air.engine_mut().set_inlet_velocity(velocity);
-        }
         let markers = self.coupled.as_ref().and_then(Coupled::immersed);
         air.collide_stream(acceleration, markers)?;
         let time_s = self.time_s();
@@ -420,34 +422,17 @@ impl Simulation {
         Ok(())
     }
 
-    fn find_links(&mut self) -> Result<(), Failure> {
-        let time_s = self.time_at(self.step + 1);
-        let Some(coupled) = &mut self.coupled else {
-            return Ok(());
-        };
-        let found = coupled.find_links(self.cloth.as_ref(), time_s);
-        self.still_inside(found)
-    }
-
-    fn read_links(&mut self) -> Result<(), DeviceError> {
-        match (&mut self.air, &mut self.coupled) {
-            (Some(air), Some(coupled)) => coupled.read_links(air.finest_mut()),
-            _ => Ok(()),
+    /// Wind at the inlet of the outermost lattice in a `step` of the finest one.
+    fn set_inlet_velocity(&mut self, step: u64) {
+        // The ghosts of the inlet stand for cells after the collision of the outermost lattice, which ends with the wind of its next step.
+        let outer = self.scene.air.as_ref().map_or(1, Air::steps_per_outer);
+        let wind = DVec3::X * self.wind_speed_at((step / outer + 1) * outer);
+        if let (Some(air), Some(settings)) = (&mut self.air, &self.scene.air)
+            && let Flow::WindTunnel { .. } = settings.flow
+        {
+            let velocity = settings.units.velocity_to_lattice(wind);
+            air.engine_mut().set_inlet_velocity(velocity);
         }
-    }
-
-    fn bounce(&mut self) -> Result<(), DeviceError> {
-        let time_s = self.time_at(self.step + 1);
-        let released = self.released();
-        let (Some(air), Some(coupled)) = (&mut self.air, &mut self.coupled) else {
-            return Ok(());
-        };
-        coupled.bounce(air.finest_mut(), self.cloth.as_ref(), time_s, released)?;
-        self.largest_marker_motion = self.largest_marker_motion.max(coupled.fastest_marker());
-        if let (Some(impulses), true) = (&mut self.impulses, released) {
-            impulses.add_delivered(coupled, time_s);
-        }
-        Ok(())
     }
 
     /// All air is accelerated alike (or as an inlet profile has it), so that the wind rises everywhere at once; and as a box that falls is
@@ -475,89 +460,6 @@ impl Simulation {
             air.coarser_levels(acceleration)?;
         }
         Ok(())
-    }
-
-    fn send_markers(&mut self) -> Result<(), Failure> {
-        let time_s = self.time_at(self.step + 1);
-        let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
-            return Ok(());
-        };
-        let sent = coupled.send_markers(air.finest(), self.cloth.as_ref(), time_s)?;
-        self.still_inside(sent)
-    }
-
-    fn interpolate(&mut self) -> Result<(), Failure> {
-        let time_s = self.time_at(self.step + 1);
-        let (Some(air), Some(coupled)) = (&self.air, &mut self.coupled) else {
-            return Ok(());
-        };
-        let done = coupled.interpolate(air.finest(), self.cloth.as_ref(), time_s)?;
-        self.still_inside(done)
-    }
-
-    fn fetch_air_velocities(&mut self) -> Result<(), Failure> {
-        if let Some(coupled) = &mut self.coupled {
-            coupled.fetch_air_velocities()?;
-        }
-        Ok(())
-    }
-
-    /// A marker or a node of a surface that left the air ends the run.
-    fn still_inside(&mut self, surfaces: Result<(), LeftTheAir>) -> Result<(), Failure> {
-        let Err(left) = surfaces else {
-            return Ok(());
-        };
-        // Perhaps the air drove it out.
-        self.look()?;
-        let Some(coupled) = &self.coupled else {
-            return Ok(());
-        };
-        let place = coupled.units().position_m(left.position);
-        let refined = self.scene.air.as_ref().is_some_and(|air| air.depth() > 0);
-        let (left, remedy) = if refined {
-            (
-                "the innermost box of cells",
-                "raise air.refinement.margin, or enlarge that box",
-            )
-        } else {
-            ("the air", "enlarge the tunnel")
-        };
-        let what = format!(
-            "the surface left {left} at ({:.3}, {:.3}, {:.3}) m; {remedy}, guide the apex, or check the loads",
-            place.x, place.y, place.z
-        );
-        Err(self.diverged(what).into())
-    }
-
-    fn send_marker_forces(&mut self) {
-        let time_s = self.time_at(self.step + 1);
-        if let Some(coupled) = &mut self.coupled {
-            let released = self.step >= self.plan.start_steps;
-            coupled.send_marker_forces(self.cloth.as_ref(), time_s, released);
-        }
-    }
-
-    fn spread(&mut self) {
-        let time_s = self.time_at(self.step + 1);
-        if let Some(coupled) = &mut self.coupled {
-            let released = self.step >= self.plan.start_steps;
-            coupled.spread(self.cloth.as_ref(), time_s, released);
-            let every = self.cadence.map_or(1, |cadence| cadence.every());
-            let motion = coupled.fastest_marker() * f64::from(every);
-            self.largest_marker_motion = self.largest_marker_motion.max(motion);
-        }
-    }
-
-    fn repeat_forcing(&mut self) -> Result<(), DeviceError> {
-        self.coupled
-            .as_mut()
-            .map_or(Ok(()), Coupled::repeat_forcing)
-    }
-
-    fn fetch_marker_forces(&mut self) -> Result<(), DeviceError> {
-        self.coupled
-            .as_mut()
-            .map_or(Ok(()), Coupled::fetch_marker_forces)
     }
 
     fn accumulate(&mut self) -> Result<(), DeviceError> {

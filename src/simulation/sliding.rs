@@ -21,8 +21,9 @@ pub(super) struct Sliding {
     /// By face, whether it looks at air that a body at rest shuts in; empty where none does.
     shut_in: Vec<bool>,
     images: Images,
-    /// What left the cells of the images.
+    /// What left the cells of the images, and how many of these are asked in this step.
     leaving: Vec<Leaving>,
+    asked: usize,
     reflections: Reflections,
     spaces: Spaces,
     /// `None` where no boundary layer is modelled.
@@ -64,6 +65,7 @@ impl Sliding {
         (friction.iter().any(|f| *f != Friction::NoSlip)).then(|| Self {
             images: Images::default(),
             leaving: Vec::new(),
+            asked: 0,
             reflections: Reflections::default(),
             spaces: Spaces::new(triangles, positions, |middle| domain.goes_round(middle)),
             modelled: BoundaryLayers::new(modelled, layers.viscosity, layers.transition_reynolds)
@@ -136,8 +138,14 @@ impl Sliding {
                 asked = Asked::Further;
             }
         }
-        let count = self.images.cells(asked).len();
-        (self.images.cells(Asked::Further), count, &mut self.leaving)
+        self.asked = self.images.cells(asked).len();
+        let cells = self.images.cells(Asked::Further);
+        (cells, self.asked, &mut self.leaving)
+    }
+
+    /// How many cells were asked in this step, and room for the answers.
+    pub(super) const fn asked(&mut self) -> (usize, &mut Vec<Leaving>) {
+        (self.asked, &mut self.leaving)
     }
 
     /// Puts what comes back where the air slides into `returns`; `velocity` is that of the wall at a side of a link.

@@ -338,7 +338,8 @@ impl Plate {
                 air.collide_stream(acceleration, None)?;
                 let surface = &mut plate.surface;
                 surface.find_links(&plate.positions).map_err(|_| left())?;
-                surface.read_links(air, &plate.at_rest)?;
+                surface.read_links(air)?;
+                surface.fetch_links(air, &plate.at_rest)?;
                 surface.bounce(air, &plate.at_rest)?;
             }
         }

@@ -146,7 +146,8 @@ impl CutScreen {
         let positions: Vec<DVec3> = self.cloth.positions_m.iter().map(|x| *x - half).collect();
         let left = |_| Stop::Refused("the screen left the duct".to_owned());
         self.surface.find_links(&positions).map_err(left)?;
-        self.surface.read_links(air, &self.cloth.velocities_m_s)?;
+        self.surface.read_links(air)?;
+        self.surface.fetch_links(air, &self.cloth.velocities_m_s)?;
         if self.free {
             let count = self.surface.triangles().len() as u32;
             let mut reactions: Vec<_> = (0..count).map(TriangleReaction::none).collect();

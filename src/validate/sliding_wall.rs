@@ -271,7 +271,8 @@ pub(super) fn step(
     air.collide_stream(None, None)?;
     let left = |_| Stop::Refused("the surface left the air".to_owned());
     surface.find_links(positions).map_err(left)?;
-    surface.read_links(air, &still)?;
+    surface.read_links(air)?;
+    surface.fetch_links(air, &still)?;
     surface.bounce(air, &still)?;
     session.progress_to(session.done + 1e-6 * air.grid().cell_count() as f64);
     Ok(surface.forces().map(|(_, force)| force).sum())

@@ -23,14 +23,40 @@ const TIMED_SUBMISSIONS: u32 = 12;
 
 impl Fluid {
     /// Advances the air by one step under a uniform acceleration and the body force of a box of cells, if there are any. Begins with the
-    /// stage `eddy_viscosity` where it is due and the caller has left it out.
+    /// stage `eddy_viscosity` where it is due and the caller has left it out. Where cells have gone ahead, only those follow that waited.
     pub fn collide_stream(
         &mut self,
         acceleration: Option<[f64; 3]>,
         forces: Option<&ForceBox>,
     ) -> Result<(), DeviceError> {
-        self.eddy_viscosity()?;
-        self.last_acceleration = acceleration.unwrap_or_default();
+        match self.awaited.take() {
+            Some(awaited) => self.collide_awaited(forces, awaited)?,
+            None => {
+                self.eddy_viscosity()?;
+                self.last_acceleration = acceleration.unwrap_or_default();
+                let bound = self.bound(acceleration, forces)?;
+                let mut parameters = StepParameters {
+                    acceleration: four(acceleration.unwrap_or_default()),
+                    ..self.step_parameters_of()
+                };
+                if let Some(forces) = forces {
+                    parameters.box_first[..3].copy_from_slice(&forces.first);
+                    parameters.box_size[..3].copy_from_slice(&forces.size);
+                }
+                self.sweep(&bound, parameters)?;
+            }
+        }
+        self.odd = !self.odd;
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// What a step under these accelerations and forces is bound to.
+    pub(super) fn bound(
+        &mut self,
+        acceleration: Option<[f64; 3]>,
+        forces: Option<&ForceBox>,
+    ) -> Result<Bound, DeviceError> {
         if let Some(forces) = forces
             && self
                 .forced
@@ -39,21 +65,29 @@ impl Fluid {
         {
             self.bind_forces(forces)?;
         }
-        let mut parameters = StepParameters {
-            inlet_velocity: four(self.inlet_velocity),
-            acceleration: four(acceleration.unwrap_or_default()),
-            ..StepParameters::default()
-        };
-        if let Some(forces) = forces {
-            parameters.box_first[..3].copy_from_slice(&forces.first);
-            parameters.box_size[..3].copy_from_slice(&forces.size);
-        }
         let parity = usize::from(self.odd);
-        let bound = match (&self.forced, forces, acceleration) {
+        Ok(match (&self.forced, forces, acceleration) {
             (Some((forced, _)), Some(_), _) => forced[parity].clone(),
             (_, _, Some(_)) => self.accelerated[parity].clone(),
             _ => self.free[parity].clone(),
-        };
+        })
+    }
+
+    /// Of a step without force, of all cells.
+    pub(super) fn step_parameters_of(&self) -> StepParameters {
+        StepParameters {
+            inlet_velocity: four(self.inlet_velocity),
+            ..StepParameters::default()
+        }
+    }
+
+    /// One step of the cells of a part, plane by plane, then what enters through the faces.
+    pub(super) fn sweep(
+        &mut self,
+        bound: &Bound,
+        mut parameters: StepParameters,
+    ) -> Result<(), DeviceError> {
+        let parity = usize::from(self.odd);
         let planes = self.setup.cells[2];
         let mut first = 0;
         while first < planes {
@@ -71,9 +105,12 @@ impl Fluid {
             self.submit_timed(commands, count)?;
             first += count;
         }
-        self.odd = !self.odd;
-        self.steps += 1;
         Ok(())
+    }
+
+    /// True once it is known how long a plane takes.
+    pub(super) const fn is_timed(&self) -> bool {
+        self.timed_submissions >= TIMED_SUBMISSIONS
     }
 
     /// Advances force-free air by many steps, as many in one submission as fit.
@@ -88,10 +125,7 @@ impl Fluid {
                 left -= 1;
                 continue;
             }
-            let parameters = StepParameters {
-                inlet_velocity: four(self.inlet_velocity),
-                ..StepParameters::default()
-            };
+            let parameters = self.step_parameters_of();
             self.device.write(&self.step_parameters, 0, &[parameters]);
             let cells = self.grid.cell_count() as u64;
             self.write_eddy_parameters(0, cells);
@@ -148,7 +182,7 @@ impl Fluid {
     /// Submits a run of planes; the first ones are waited for, to learn how long a plane takes. The shortest counts: dispatches that
     /// also compile, or find a device still asleep, take longer.
     fn submit_timed(&mut self, commands: Commands, planes: usize) -> Result<(), DeviceError> {
-        if self.timed_submissions >= TIMED_SUBMISSIONS {
+        if self.is_timed() {
             let takes = self.plane_time.unwrap_or_default() * planes as u32;
             if takes <= self.device.tuning().longest_left {
                 self.device.leave(commands);

@@ -1,4 +1,4 @@
-//! Stages `read_links` and `bounce` ([`crate::cut_links`]): lists of places made on the host, a thread for each population.
+//! Stages `read_links`, `fetch_links` and `bounce` ([`crate::cut_links`]): lists of places made on the host, a thread for each population.
 
 use rayon::prelude::*;
 
@@ -24,16 +24,14 @@ impl Fluid {
         }
     }
 
-    /// Stage `read_links`: what every side of every link gets back, for a sheet at rest. While the device reads, the places that stage `bounce` writes to are laid out, those that are
-    /// `changed` among them.
+    /// Stage `read_links`: asks what left along every side of every link. While the device reads, the places that stage `bounce` writes to are laid out, those that are `changed` among
+    /// them. [`Fluid::fetch_links`] is to follow.
     pub fn read_links(
         &mut self,
         links: &CutLinks,
         changed: &ChangedByPair,
-        returns: &mut Vec<[Return; 2]>,
     ) -> Result<(), DeviceError> {
         let (search, links) = (links.search(), links.links());
-        returns.resize(links.len(), [Return::default(); 2]);
         if links.is_empty() {
             return Ok(());
         }
@@ -57,7 +55,23 @@ impl Fluid {
         }
         list.read(&self.device, 4 * links.len());
         self.lay_bounce(&mut lists, (search, links), changed)?;
-        let list = &lists.read_links[usize::from(self.odd)];
+        self.link_lists = Some(lists);
+        Ok(())
+    }
+
+    /// Stage `fetch_links`: what every side of every link gets back, for a sheet at rest.
+    pub fn fetch_links(
+        &mut self,
+        links: &CutLinks,
+        returns: &mut Vec<[Return; 2]>,
+    ) -> Result<(), DeviceError> {
+        let links = links.links();
+        returns.resize(links.len(), [Return::default(); 2]);
+        if links.is_empty() {
+            return Ok(());
+        }
+        let mut lists = self.lists()?;
+        let list = &mut lists.read_links[usize::from(self.odd)];
         list.numbers(&self.device, 4 * links.len(), |numbers| {
             (returns.par_iter_mut().zip(links))
                 .zip(numbers.par_chunks(4))
@@ -73,14 +87,13 @@ impl Fluid {
         Ok(())
     }
 
-    /// Stage `read_images`: what left the first `count` of `cells` in all directions. All that may be asked of are laid out at once, those of the images for the links of a `search`.
+    /// Stage `read_links`, where the air slides: asks what left the first `count` of `cells` in all directions. All that may be asked of are laid out at once, those of the images for
+    /// the links of a `search`. [`Fluid::fetch_images`] is to follow.
     pub fn read_images(
         &mut self,
         search: u64,
         (cells, count): (&[[i32; 3]], usize),
-        leaving: &mut Vec<Leaving>,
     ) -> Result<(), DeviceError> {
-        leaving.resize(count, [0.0; DIRECTION_COUNT]);
         if count == 0 {
             return Ok(());
         }
@@ -100,9 +113,24 @@ impl Fluid {
                 });
             list.lay(&self.device, &self.populations, search, &lists.places)?;
         }
-        let count = DIRECTION_COUNT * count;
-        list.read(&self.device, count);
-        list.numbers(&self.device, count, |numbers| {
+        list.read(&self.device, DIRECTION_COUNT * count);
+        self.link_lists = Some(lists);
+        Ok(())
+    }
+
+    /// Stage `fetch_links`, where the air slides: what left the first `count` of the cells.
+    pub fn fetch_images(
+        &mut self,
+        count: usize,
+        leaving: &mut Vec<Leaving>,
+    ) -> Result<(), DeviceError> {
+        leaving.resize(count, [0.0; DIRECTION_COUNT]);
+        if count == 0 {
+            return Ok(());
+        }
+        let mut lists = self.lists()?;
+        let list = &mut lists.read_images[usize::from(self.odd)];
+        list.numbers(&self.device, DIRECTION_COUNT * count, |numbers| {
             (leaving.par_iter_mut())
                 .zip(numbers.par_chunks(DIRECTION_COUNT))
                 .with_min_len(AT_ONCE)

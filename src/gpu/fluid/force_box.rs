@@ -12,3 +12,15 @@ pub struct ForceBox {
     /// Its number.
     pub(in crate::gpu) generation: u64,
 }
+
+impl ForceBox {
+    /// First cell and end of the box.
+    #[must_use]
+    pub fn cells(&self) -> [[i32; 3]; 2] {
+        let first = self.first.map(|place| place as i32);
+        [
+            first,
+            std::array::from_fn(|a| first[a] + self.size[a] as i32),
+        ]
+    }
+}

@@ -50,6 +50,8 @@ struct Room {
     numbers: wgpu::Buffer,
     /// Where they come back to the host.
     staging: Option<Staging>,
+    /// What brings them; `None` until they are asked for.
+    submitted: Option<wgpu::SubmissionIndex>,
     bound: Bound,
 }
 
@@ -130,8 +132,8 @@ impl List {
     }
 
     /// Submits that the first `count` populations are read; [`List::numbers`] waits for them.
-    pub(super) fn read(&self, device: &Device, count: usize) {
-        let Some(room) = &self.room else { return };
+    pub(super) fn read(&mut self, device: &Device, count: usize) {
+        let Some(room) = &mut self.room else { return };
         let mut commands = device.record(self.name);
         {
             let mut pass = commands.pass(self.name);
@@ -142,23 +144,27 @@ impl List {
             let bytes = 4 * count as u64;
             staging.copy(&mut commands, &room.numbers, 0, 0, bytes);
         }
-        device.submit(commands);
+        room.submitted = Some(device.submit_alone(commands));
     }
 
-    /// Shows the first `count`, as they were read.
+    /// Shows the first `count`, as they were read. Waits for nothing that was submitted later.
     pub(super) fn numbers(
-        &self,
+        &mut self,
         device: &Device,
         count: usize,
         show: impl FnOnce(&[f32]),
     ) -> Result<(), DeviceError> {
-        match self.room.as_ref().and_then(|room| room.staging.as_ref()) {
-            Some(staging) => {
-                let bytes = 4 * count as u64;
-                staging.read_first(device, bytes, |bytes| show(bytemuck::cast_slice(bytes)))
-            }
-            None => Ok(()),
-        }
+        let asked = self.room.as_mut().and_then(|room| {
+            let submitted = room.submitted.take()?;
+            Some((room.staging.as_ref()?, submitted))
+        });
+        let Some((staging, submitted)) = asked else {
+            return Ok(());
+        };
+        let bytes = 4 * count as u64;
+        staging.read_of(device, submitted, bytes, |bytes| {
+            show(bytemuck::cast_slice(bytes));
+        })
     }
 
     /// Leaves to the next submission that `numbers` go to the populations.
@@ -200,6 +206,7 @@ impl Room {
             places,
             numbers,
             staging: (reads.then(|| Staging::new(device, bytes))).transpose()?,
+            submitted: None,
         })
     }
 }

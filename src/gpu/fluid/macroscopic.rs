@@ -42,7 +42,14 @@ impl Fluid {
         (cells / group).max(1) * group
     }
 
-    fn dispatch(&self, bound: &Bound, mut region: Region, threads: u64, label: &'static str) {
+    fn dispatch(
+        &self,
+        bound: &Bound,
+        mut region: Region,
+        threads: u64,
+        label: &'static str,
+    ) -> Result<(), DeviceError> {
+        self.check_readable()?;
         region.at_once = threads as u32;
         self.device.write(&self.read_back.region, 0, &[region]);
         let mut commands = self.device.record(label);
@@ -51,6 +58,7 @@ impl Fluid {
             bound.dispatch(&mut pass, self.device.workgroups(threads));
         }
         self.device.submit(commands);
+        Ok(())
     }
 
     /// Density excess and bare velocity of every cell, x fastest, `[cell_count]`.
@@ -65,7 +73,7 @@ impl Fluid {
                 ..self.whole()
             };
             let bound = &self.read_back.macroscopic[usize::from(self.odd)];
-            self.dispatch(bound, region, now, "macroscopic");
+            self.dispatch(bound, region, now, "macroscopic")?;
             let states: Vec<[f32; 4]> =
                 self.device.read(&self.read_back.states, 0, now as usize)?;
             result.extend(states.iter().map(|s| (s[3], [s[0], s[1], s[2]])));
@@ -108,7 +116,7 @@ impl Fluid {
                 offset: offset as u32,
                 ..region
             };
-            self.dispatch(bound, part, threads, "totals");
+            self.dispatch(bound, part, threads, "totals")?;
             let [x, y] = self.device.workgroups(threads);
             let groups = x as usize * y as usize;
             let sums: Vec<f32> =
@@ -155,7 +163,7 @@ impl Fluid {
                 offset: offset as u32,
                 ..region
             };
-            self.dispatch(bound, part, at_once.min(count - offset), "extremes");
+            self.dispatch(bound, part, at_once.min(count - offset), "extremes")?;
         }
         let groups = count.div_ceil(u64::from(WORKGROUP)) as usize;
         let found: Vec<[[u32; 4]; 2]> =

@@ -5,6 +5,7 @@
 
 mod absorbing_faces;
 mod at_rest;
+mod collide_ahead;
 pub mod collide_stream;
 pub mod control_volume;
 pub mod cut_links;
@@ -36,6 +37,7 @@ use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, F16_SCALE, Storage};
 use absorbing_faces::AbsorbingFaces;
+use collide_ahead::Awaited;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
 use held_eddy_viscosity::HeldEddyViscosity;
@@ -74,6 +76,8 @@ pub struct Fluid {
     last_acceleration: [f64; 3],
     odd: bool,
     steps: u64,
+    /// Cells whose step is still to come, where all others have made it.
+    awaited: Option<Awaited>,
     /// Measured duration of one plane, which bounds the planes of a submission.
     plane_time: Option<Duration>,
     timed_submissions: u32,
@@ -174,6 +178,7 @@ impl Fluid {
             last_acceleration: [0.0; 3],
             odd: false,
             steps: 0,
+            awaited: None,
             plane_time: None,
             timed_submissions: 0,
             setup,
@@ -346,6 +351,7 @@ fn boundaries(
 impl Fluid {
     /// Writes populations, parity and step count; in 32 bits the same sections as the CPU engine in single precision.
     pub fn save(&self, out: &mut Writer) -> std::io::Result<()> {
+        self.check_readable().map_err(std::io::Error::other)?;
         out.put("air_steps", &[self.steps, u64::from(self.odd)])?;
         out.put("inlet_velocity", &self.inlet_velocity)?;
         for (array, buffer) in self.populations.iter().enumerate() {

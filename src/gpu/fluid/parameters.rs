@@ -9,18 +9,18 @@ parameters! {
         inlet_velocity: [f32; 4],
         /// Uniform acceleration [cells per step²].
         acceleration: [f32; 4],
-        /// First cell of the box that holds all forces.
+        /// First cell of the box that holds all forces, or of that whose cells wait for the structure.
         box_first: [u32; 4],
         /// Its size.
         box_size: [u32; 4],
         /// First plane of a dispatch.
         first_plane: u32,
+        /// First element of a dispatch in its planes.
+        first_element: u32,
+        /// Which cells: 0 all, 1 those outside the box, 2 those in it.
+        part: u32,
         /// Unused.
-        padding_a: u32,
-        /// Unused.
-        padding_b: u32,
-        /// Unused.
-        padding_c: u32,
+        padding: u32,
     }
     /// Where to evaluate, and what lies beyond the faces.
     EddyParameters {

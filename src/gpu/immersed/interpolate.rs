@@ -11,7 +11,7 @@ use crate::immersed::touched::{OutOfDomain, bounding_box};
 
 impl Immersed {
     /// u* and D_k at the markers where [`Immersed::send_markers`] put them.
-    pub fn interpolate(&self, fluid: &Fluid) {
+    pub fn interpolate(&mut self, fluid: &Fluid) {
         let count = self.areas.len();
         let Some(boxed) = self.boxed.as_ref().filter(|_| count > 0) else {
             return;
@@ -29,23 +29,25 @@ impl Immersed {
         }
         self.staging
             .copy(&mut commands, &self.marker_states, 0, 0, 16 * count as u64);
-        device.submit(commands);
+        self.submitted = Some(device.submit_alone(commands));
     }
 
-    /// Stage `fetch_air_velocities`: u* and a_k to the host.
+    /// Stage `fetch_air_velocities`: u* and a_k to the host. Waits for nothing that was submitted after the last `interpolate`.
     pub fn fetch_air_velocities(&mut self) -> Result<(), DeviceError> {
-        if self.order.is_empty() {
+        let Some(submitted) = self.submitted.take().filter(|_| !self.order.is_empty()) else {
             return self.device.check();
-        }
+        };
         let (air_velocities, strengths) = (&mut self.air_velocities, &mut self.strengths);
-        self.staging.read(&self.device, |bytes| {
-            let states = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned);
-            for (state, &marker) in states.zip(&self.order) {
-                let [x, y, z, strength] = <[f32; 4]>::map(state, f64::from);
-                air_velocities[marker as usize] = [x, y, z];
-                strengths[marker as usize] = strength;
-            }
-        })
+        let bytes = 16 * self.order.len() as u64;
+        self.staging
+            .read_of(&self.device, submitted, bytes, |bytes| {
+                let states = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned);
+                for (state, &marker) in states.zip(&self.order) {
+                    let [x, y, z, strength] = <[f32; 4]>::map(state, f64::from);
+                    air_velocities[marker as usize] = [x, y, z];
+                    strengths[marker as usize] = strength;
+                }
+            })
     }
 
     /// Stage `send_markers`: sorts the markers at `positions` [cells, cell centres at whole numbers], sends them, and marks the

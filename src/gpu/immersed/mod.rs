@@ -94,6 +94,8 @@ pub struct Immersed {
     boxed: Option<Boxed>,
     /// Way back of the marker states.
     staging: Staging,
+    /// What brings them; `None` until they are asked for.
+    submitted: Option<wgpu::SubmissionIndex>,
     /// True once `spread` has written forces.
     active: bool,
     forces: Vec<[f32; 4]>,
@@ -184,6 +186,7 @@ impl Immersed {
             places: vec![0; count],
             boxed: None,
             staging: Staging::new(&device, 16 * n.max(1))?,
+            submitted: None,
             active: false,
             forces: vec![[0.0; 4]; count],
             areas,

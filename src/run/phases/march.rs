@@ -42,8 +42,8 @@ impl Run<'_> {
         let written_at = (self.record.latest(&TIME) == Some(self.simulation.time_s()))
             .then_some(clock.first_step);
         while self.simulation.step_count() < cadence.planned {
-            // Before anything of this step is written, so that a resumed run writes it once.
-            if self.pause(observer)? {
+            // Before anything of this step is written, so that a resumed run writes it once. Where a device is ahead nothing is due, and a checkpoint waits for the next step.
+            if !self.simulation.is_ahead() && self.pause(observer)? {
                 return Ok(Next::Interrupted);
             }
             // What a change of the lattice follows has been written on the one before.
@@ -83,6 +83,14 @@ impl Run<'_> {
                     return Ok(Next::End(reason));
                 }
             }
+            let next_reading = match self.is_to_pause() {
+                true => 0,
+                false => {
+                    let picture_s = picture_times.get(self.files.timed_pictures).copied();
+                    cadence.next_reading(&self.simulation, picture_s)
+                }
+            };
+            self.simulation.set_next_reading(next_reading);
             self.step(&clock, cadence.planned, observer)?;
         }
         self.whole = false;

@@ -81,7 +81,7 @@ impl Run<'_> {
             return Ok(true);
         }
         let asked = self.requests.takes_checkpoint();
-        if asked || self.last_checkpoint.elapsed() >= self.checkpoint_interval {
+        if asked || self.is_checkpoint_due() {
             let saved = self.try_save(observer)?;
             self.last_checkpoint = Instant::now();
             if asked && saved {
@@ -90,6 +90,15 @@ impl Run<'_> {
             }
         }
         Ok(false)
+    }
+
+    fn is_checkpoint_due(&self) -> bool {
+        self.last_checkpoint.elapsed() >= self.checkpoint_interval
+    }
+
+    /// True if the next [`Run::pause`] will read the state.
+    fn is_to_pause(&self) -> bool {
+        self.requests.to_stop() || self.requests.wants_checkpoint() || self.is_checkpoint_due()
     }
 
     /// Seeks the trim, or the equilibrium, that the case asks for.

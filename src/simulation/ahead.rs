@@ -1,0 +1,67 @@
+//! Stage `collide_ahead`: a device begins the next step of all cells that the structure does not touch, while the host works on the structure
+//! ([`crate::gpu::fluid`]).
+//!
+//! Until the next `collide_stream` no state of all cells can be read. So it is left out before a step after which somebody reads: the caller, who says when
+//! ([`Simulation::set_next_reading`]), looks for a flow that breaks down, and the clock of the stages.
+
+use super::{Coupled, Failure, Levels, Simulation};
+use crate::gpu::DeviceError;
+
+impl Simulation {
+    /// Promises that the caller reads nothing of the air before so many steps are done. Without a promise a device never goes ahead.
+    pub const fn set_next_reading(&mut self, step: u64) {
+        self.next_reading = step;
+    }
+
+    /// True while most cells are a step ahead of those that the structure touches: the air cannot be read.
+    #[must_use]
+    pub fn is_ahead(&self) -> bool {
+        self.air.as_ref().is_some_and(|air| air.finest().is_ahead())
+    }
+
+    /// Where cells are ahead, does the steps after which all air stands at one time.
+    pub fn catch_up(&mut self) -> Result<(), Failure> {
+        self.set_next_reading(0);
+        while self.is_ahead() || !self.stands_together() {
+            self.advance()?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn collide_ahead(&mut self) -> Result<(), DeviceError> {
+        if !self.may_go_ahead() {
+            return Ok(());
+        }
+        let Some(coupled) = &self.coupled else {
+            return Ok(());
+        };
+        let Some(awaited) = coupled.awaited_cells() else {
+            return Ok(());
+        };
+        // What crosses the faces of the momentum box in this step is summed before.
+        if let (Some(impulses), Some(air)) = (&mut self.impulses, &self.air)
+            && !impulses.add_outflow(air.finest(), coupled)?
+        {
+            return Ok(());
+        }
+        self.set_inlet_velocity(self.step + 1);
+        let markers = self.coupled.as_ref().and_then(Coupled::immersed);
+        let air = self.air.as_mut();
+        air.map_or(Ok(false), |air: &mut Levels| {
+            air.collide_ahead(markers, awaited)
+        })?;
+        Ok(())
+    }
+
+    /// True if nobody reads the air after this step.
+    fn may_go_ahead(&self) -> bool {
+        let next = self.step + 1;
+        let is_wanted = (self.device.as_ref()).is_some_and(|device| device.tuning().goes_ahead);
+        is_wanted
+            && self.step >= self.plan.start_steps
+            && next < self.next_reading
+            && !self.watch.is_due(next)
+            && !self.times_step(self.step)
+            && !self.times_step(next)
+    }
+}
