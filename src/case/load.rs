@@ -306,6 +306,25 @@ fn of_design(change: &str, own: Option<&str>) -> Result<String, String> {
     }
 }
 
+/// A value that could not be read.
+struct Misread {
+    /// Where it stands, with dots between keys; one dot for the whole.
+    path: String,
+    /// Why.
+    message: String,
+}
+
+/// Reads a table. Through an erased reader: one that keeps track of paths would else be compiled anew for every table of a case, a twentieth of this library.
+fn read_table<T: DeserializeOwned>(table: toml::Table) -> Result<T, Misread> {
+    let mut track = serde_path_to_error::Track::new();
+    let tracked = serde_path_to_error::Deserializer::new(table, &mut track);
+    let mut erased = <dyn erased_serde::Deserializer>::erase(tracked);
+    erased_serde::deserialize(&mut erased).map_err(|error| Misread {
+        message: error.to_string().trim_end().to_owned(),
+        path: track.path().to_string(),
+    })
+}
+
 /// Most slips that are told at once.
 const SLIPS: usize = 10;
 
@@ -314,26 +333,26 @@ const SLIPS: usize = 10;
 fn read_all<T: DeserializeOwned>(table: &toml::Table) -> Result<T, (Problem, Vec<Problem>)> {
     let mut rest = table.clone();
     let mut others: Vec<Problem> = Vec::new();
-    let mut error = match serde_path_to_error::deserialize(rest.clone()) {
+    let mut error = match read_table(rest.clone()) {
         Ok(file) => return Ok(file),
         Err(error) => error,
     };
     let first = misread(&error, &rest);
     let mut last = first.key.clone();
     while others.len() + 1 < SLIPS {
-        let message = error.inner().message();
+        let message = &error.message;
         let key = meant(message).filter(|_| message.starts_with("unknown field"));
         if !mend(&mut rest, &last, key) {
             break;
         }
-        match serde_path_to_error::deserialize::<_, T>(rest.clone()) {
+        match read_table::<T>(rest.clone()) {
             Ok(_) => break,
             Err(next) => error = next,
         }
         let problem = misread(&error, &rest);
         // What is missing because it was taken out is no slip of its own.
         let is_within = |slip: &Problem| slip.key.starts_with(&problem.key);
-        let follows = error.inner().message().starts_with("missing field")
+        let follows = error.message.starts_with("missing field")
             || is_within(&first)
             || others.iter().any(is_within);
         if follows {
@@ -374,8 +393,8 @@ fn meant(message: &str) -> Option<&str> {
 }
 
 /// What could not be read, in the words of the author of a case.
-fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Table) -> Problem {
-    let path = error.path().to_string();
+fn misread(error: &Misread, table: &toml::Table) -> Problem {
+    let path = error.path.clone();
     // A word in place of a table is reported as if it were one.
     let above = path.rsplit_once('.').map(|(above, _)| above);
     let mut places = std::iter::once(&path[..]).chain(above);
@@ -384,8 +403,7 @@ fn misread(error: &serde_path_to_error::Error<toml::de::Error>, table: &toml::Ta
     }
     // Names of Rust types mean nothing to the author of a case.
     let message = error
-        .inner()
-        .message()
+        .message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number")
         .replace("expected usize", "expected a whole number");

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 
 use super::statistics::{Mean, batch_mean, slope, student};
 
@@ -27,13 +28,13 @@ pub(super) fn periodogram(series: &[f64], interval: f64) -> Option<Spectrum> {
     let middle = 0.5 * (count - 1) as f64;
     let window = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / count as f64).cos();
     let weight: f64 = (0..count).map(|i| window(i).powi(2)).sum();
-    let mut prepared: Vec<f64> = (0..count)
+    let mut lines: Vec<Complex<f64>> = (0..count)
         .map(|i| (series[i] - mean - slope * (i as f64 - middle)) * window(i))
+        .map(|value| Complex::new(value, 0.0))
         .collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(count);
-    let mut lines = transform.make_output_vec();
-    // It fails where lengths differ only, and these are its own.
-    transform.process(&mut prepared, &mut lines).ok()?;
+    FftPlanner::new()
+        .plan_fft_forward(count)
+        .process(&mut lines);
     let bins = 1..=count / 2;
     let densities = bins
         .clone()

@@ -9,8 +9,8 @@ pub(super) const UPDATES_PER_SECOND_AND_THREAD: f64 = 4.5e7;
 /// Seconds per marker and step assumed for interpolation and spreading on one thread.
 const SECONDS_PER_MARKER: f64 = 0.5e-6;
 
-/// Seconds per cut link and step assumed for finding, reading and returning.
-const SECONDS_PER_LINK: f64 = 0.4e-6;
+/// Seconds per cut link and step assumed for finding, reading and returning (0.28 µs was measured on a closed wing, docs/results/2026-11-29-wings-on-more-lattices.md).
+const SECONDS_PER_LINK: f64 = 0.3e-6;
 
 /// Seconds per node, element and objective evaluation assumed for the fabric on one thread.
 const SECONDS_PER_ELEMENT_EVALUATION: f64 = 0.05e-6;

@@ -4,42 +4,9 @@
 //! them that touches neither the cells of the first part nor what they read. What the structure does to the air lies in a box of cells: forces, or what comes back along cut links.
 //! All others have their next step before it is known. The bits are those of one dispatch.
 
-use super::parameters::StepParameters;
+use super::awaited::{Awaited, IN_BOX, OUTSIDE_BOX};
 use super::{Fluid, ForceBox};
 use crate::gpu::error::DeviceError;
-
-/// Values of [`StepParameters::part`].
-const OUTSIDE_BOX: u32 = 1;
-const IN_BOX: u32 = 2;
-
-/// Cells between the box and the faces of the air, at least: what enters through the faces is worked out with the first part.
-const LEAST_GAP: i32 = 3;
-
-/// A box of cells that wait.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Awaited {
-    first: [u32; 3],
-    size: [u32; 3],
-}
-
-impl Awaited {
-    /// From one cell to before another; `None` where it comes too near to the faces of air of so many cells.
-    fn new([first, end]: [[i32; 3]; 2], cells: [usize; 3]) -> Option<Self> {
-        let fits = |a: usize| {
-            first[a] >= LEAST_GAP && first[a] < end[a] && end[a] + LEAST_GAP <= cells[a] as i32
-        };
-        (0..3).all(fits).then(|| Self {
-            first: first.map(|place| place as u32),
-            size: std::array::from_fn(|a| (end[a] - first[a]) as u32),
-        })
-    }
-
-    fn put(&self, part: u32, parameters: &mut StepParameters) {
-        parameters.box_first[..3].copy_from_slice(&self.first);
-        parameters.box_size[..3].copy_from_slice(&self.size);
-        parameters.part = part;
-    }
-}
 
 impl Fluid {
     /// Advances all cells but those from `awaited[0]` to before `awaited[1]` by a step, without uniform acceleration and under the same forces as these, which feel them alone. [`Fluid::collide_stream`]

@@ -5,6 +5,7 @@
 
 mod absorbing_faces;
 mod at_rest;
+mod awaited;
 mod collide_ahead;
 pub mod collide_stream;
 pub mod control_volume;
@@ -37,7 +38,7 @@ use crate::lattice::links::Boundaries;
 use crate::lattice::start::Start;
 use crate::lattice::{DIRECTION_COUNT, F16_SCALE, Storage};
 use absorbing_faces::AbsorbingFaces;
-use collide_ahead::Awaited;
+use awaited::Awaited;
 pub use control_volume::VolumeWatch;
 pub use force_box::ForceBox;
 use held_eddy_viscosity::HeldEddyViscosity;
